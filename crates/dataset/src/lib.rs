@@ -8,9 +8,25 @@ mod remark;
 mod settings;
 mod transform;
 
+mod column;
+mod flags;
+mod noise;
+mod smoothing;
+mod spline;
+mod step;
+mod table;
+mod table_csv;
+
 pub use error::DatasetError;
 pub use format::{Inspection, LogFormat, StreamInfo, all_formats, format_by_id};
 pub use recording::{PoseStream, Recording, WrenchStream};
 pub use remark::{Remark, RemarkKind, StreamRole};
 pub use settings::{ColumnMap, Quantity, StreamSettings, Streams, TimeSource, WrenchFrame};
 pub use transform::{AxisSigns, Transform};
+
+pub use column::{Column, columns};
+pub use flags::Flags;
+pub use smoothing::{Smoother, smooth};
+pub use spline::{CubicSpline, EndCondition};
+pub use step::{ContactForce, Phase, StepForce, StepRow};
+pub use table::{Provenance, Table};

@@ -5,9 +5,9 @@ use crate::{
     spline::{CubicSpline, check_knots, divided_difference},
 };
 
-/// Doublings and halvings that bracket the penalty, and bisections that follow.
-const SEARCH_STEPS: usize = 200;
-const RELATIVE_TOLERANCE: f64 = 1e-9;
+/// Bisections of the penalty; noise far below the samples' rounding needs the most.
+const LARGEST_STEPS: usize = 200;
+const RELATIVE_TOLERANCE: f64 = 1e-6;
 
 /// The linear map from samples to the natural spline that minimises
 /// Σ (yᵢ − f(tᵢ))² + λ ∫ f″² dt, for fixed times and penalty.
@@ -134,14 +134,15 @@ pub fn smooth(
     let spacing = (t[t.len() - 1] - t[0]) / (t.len() - 1) as f64;
     let largest = (t[t.len() - 1] - t[0]).powi(3) * 1e6;
     let (mut low, mut high) = (0.0, spacing.powi(3));
-    for _ in 0..SEARCH_STEPS {
-        if fit(high)?.2 >= target || high >= largest {
-            break;
+    while fit(high)?.2 < target {
+        if high >= largest {
+            let (line, smoother, _) = fit(high)?;
+            return Ok((line, smoother));
         }
         (low, high) = (high, high * 8.0);
     }
-    for _ in 0..SEARCH_STEPS {
-        if high - low <= RELATIVE_TOLERANCE * high || fit(high)?.2 <= target {
+    for _ in 0..LARGEST_STEPS {
+        if high - low <= RELATIVE_TOLERANCE * high {
             break;
         }
         let middle = if low > 0.0 { (low * high).sqrt() } else { high / 8.0 };
@@ -214,5 +215,105 @@ impl Banded {
                 x[i] -= self.second[i] * x[i + 2];
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Smoother, smooth};
+    use crate::spline::{CubicSpline, EndCondition};
+
+    const T: [f64; 8] = [0.0, 0.3, 1.1, 1.25, 2.0, 3.7, 4.0, 5.5];
+    const Y: [f64; 8] = [1.0, 2.0, -0.5, 0.25, 3.0, -1.0, 0.5, 0.75];
+    const AT: [f64; 6] = [0.1, 0.77, 1.2, 2.9, 3.85, 5.0];
+
+    /// SciPy 1.17.1: `s = make_smoothing_spline(T, Y, lam=lam); s(at), s(at, 1), s(at, 2)`.
+    #[test]
+    fn smoothing_matches_scipy() {
+        let cases = [
+            (0.01, [
+                [1.3907543993887068, 0.5163246652977137, -3.281825156699371],
+                [0.4198346686323563, -2.251739652268708, 3.6525637471761057],
+                [0.16070186265629816, 1.7001275314169653, 10.5252684519578],
+                [1.0750620425140025, -3.2905868031078915, 0.17600251865315064],
+                [-0.23835968810690794, 1.8265048535949657, 3.6178888767239323],
+                [0.8429827574743554, 0.008135028062220329, -0.9391961758593439],
+            ]),
+            (0.5, [
+                [1.1706229154681522, -0.3461673901589166, -0.04102058384091789],
+                [0.9400673732910932, -0.26691676026060707, 0.5301207448617846],
+                [0.8922555800730555, 0.07562580857337196, 0.8498784766456666],
+                [0.6252561833052522, -0.6400890830425814, -0.07348243907615948],
+                [0.16654196946284483, -0.15621582324220032, 0.7891370356118363],
+                [0.3430158805646958, 0.36451912320666235, 0.2074380533833594],
+            ]),
+        ];
+        for (penalty, expected) in cases {
+            let spline = Smoother::new(&T, penalty).unwrap().fit(&Y).unwrap();
+            for (at, want) in AT.iter().zip(expected) {
+                let got = [spline.value(*at), spline.derivative(*at), spline.second_derivative(*at)];
+                for (got, want) in got.into_iter().zip(want) {
+                    assert!((got.unwrap() - want).abs() < 1e-11, "{at}: {got:?} {want}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_mean_square_miss_is_the_noise() {
+        for noise_sd in [0.01, 0.2, 0.6] {
+            let (spline, _) = smooth(&T, &Y, noise_sd).unwrap();
+            let misses = spline.knot_values().iter().zip(Y).map(|(f, y)| (f - y).powi(2));
+            let sd = (misses.sum::<f64>() / 8.0).sqrt();
+            assert!((sd - noise_sd).abs() < 1e-5 * noise_sd, "{sd} {noise_sd}");
+        }
+    }
+
+    #[test]
+    fn without_noise_it_is_the_natural_spline() {
+        let (smoothed, _) = smooth(&T, &Y, 0.0).unwrap();
+        let natural = CubicSpline::interpolate(&T, &Y, EndCondition::Natural).unwrap();
+        for at in AT {
+            let difference = smoothed.value(at).unwrap() - natural.value(at).unwrap();
+            assert!(difference.abs() < 1e-13, "{at}: {difference}");
+        }
+    }
+
+    #[test]
+    fn noise_beyond_all_structure_leaves_the_regression_line() {
+        let (spline, _) = smooth(&T, &Y, 10.0).unwrap();
+        let mean_t = T.iter().sum::<f64>() / 8.0;
+        let mean_y = Y.iter().sum::<f64>() / 8.0;
+        let slope = T.iter().zip(Y).map(|(t, y)| (t - mean_t) * (y - mean_y)).sum::<f64>()
+            / T.iter().map(|t| (t - mean_t).powi(2)).sum::<f64>();
+        for at in AT {
+            let line = mean_y + slope * (at - mean_t);
+            assert!((spline.value(at).unwrap() - line).abs() < 1e-6, "{at}");
+        }
+    }
+
+    #[test]
+    fn noise_gain_is_the_norm_of_the_response_to_single_samples() {
+        for penalty in [0.0, 0.03, 2.0] {
+            let smoother = Smoother::new(&T, penalty).unwrap();
+            for at in AT {
+                let squared: f64 = (0..8)
+                    .map(|k| {
+                        let mut unit = [0.0; 8];
+                        unit[k] = 1.0;
+                        smoother.fit(&unit).unwrap().value(at).unwrap().powi(2)
+                    })
+                    .sum();
+                let gain = smoother.noise_gain(at).unwrap();
+                assert!((gain - squared.sqrt()).abs() < 1e-12, "{penalty} {at}: {gain}");
+            }
+            assert_eq!(smoother.noise_gain(-0.1), None);
+        }
+    }
+
+    #[test]
+    fn negative_noise_is_refused() {
+        let message = smooth(&T, &Y, -1.0).unwrap_err().to_string();
+        assert!(message.contains("noise_sd must be finite and not negative, got -1"), "{message}");
     }
 }

@@ -234,6 +234,57 @@ mod tests {
         }
     }
 
+    /// SciPy 1.17.1: `s = CubicSpline(T, Y, bc_type="natural"); s(at), s(at, 1), s(at, 2)`.
+    #[test]
+    fn natural_matches_scipy() {
+        assert_matches(EndCondition::Natural, &[
+            [1.475078993919368, 4.396425787728592, -10.6309245439526],
+            [0.08433410946115649, -5.020964757269233, 9.913962025828894],
+            [-0.04044298127354127, 5.635334162517336, 11.559105513777872],
+            [0.008719126381286468, -4.369252633219492, 3.020552120703723],
+            [-0.2937439229736199, 5.334579999728701, 3.8883487087662143],
+            [1.721650142264638, -1.4158085467302897, -3.1649504267939133],
+        ]);
+    }
+
+    /// SciPy 1.17.1: the same with `bc_type="not-a-knot"`.
+    #[test]
+    fn not_a_knot_matches_scipy() {
+        assert_matches(EndCondition::NotAKnot, &[
+            [1.7024373538829467, 4.927173657956029, -39.42719983621504],
+            [-0.06099304310893472, -4.542192372236199, 11.160435566984514],
+            [-0.036986525078416536, 5.5826864864844605, 10.538185317360504],
+            [0.18467673553941832, -4.258941811324513, 2.494350601174883],
+            [-0.37712989113422307, 5.11366458048539, 11.300434767486497],
+            [5.292902695503795, -1.93368979582851, -23.55670324803241],
+        ]);
+        let three =
+            CubicSpline::interpolate(&T[..3], &Y[..3], EndCondition::NotAKnot).unwrap();
+        assert!((three.value(0.5).unwrap() - 2.0795454545454546).abs() < 1e-14);
+        assert!((three.derivative(0.5).unwrap() + 0.7765151515151518).abs() < 1e-14);
+        assert!((three.second_derivative(0.5).unwrap() + 11.742424242424242).abs() < 1e-13);
+    }
+
+    #[test]
+    fn nothing_is_extrapolated() {
+        let spline = CubicSpline::interpolate(&T, &Y, EndCondition::Natural).unwrap();
+        assert_eq!(spline.value(-1e-9), None);
+        assert_eq!(spline.derivative(5.500001), None);
+        assert_eq!(spline.value(5.5).map(|y| (y - 0.75).abs() < 1e-14), Some(true));
+        assert_eq!(spline.value(f64::NAN), None);
+    }
+
+    #[test]
+    fn bad_knots_are_named() {
+        let error = |t: &[f64], y: &[f64]| {
+            CubicSpline::interpolate(t, y, EndCondition::Natural).unwrap_err().to_string()
+        };
+        assert!(error(&[0.0], &[0.0]).contains("at least two knots"));
+        assert!(error(&[0.0, 1.0, 1.0], &[0.0; 3]).contains("1 s follows 1 s"));
+        assert!(error(&[0.0, 2.0, 1.0], &[0.0; 3]).contains("1 s follows 2 s"));
+        assert!(error(&[0.0, 1.0], &[0.0, f64::NAN]).contains("knot 1 is not finite: (1, NaN)"));
+    }
+
     fn knots() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
         vec((0.05f64..1.0, -2.0f64..2.0), 4..20).prop_map(|pairs| {
             let mut t = 0.0;
