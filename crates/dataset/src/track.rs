@@ -1,5 +1,7 @@
 //! A pose stream as a curve on its own clock, never evaluated across a gap.
 
+use std::sync::Arc;
+
 use nalgebra::Vector2;
 use planar::{Pose, Twist};
 
@@ -15,7 +17,7 @@ use crate::{
 /// Position and yaw over time, piece by piece between gaps.
 #[derive(Clone, Debug)]
 pub(crate) struct PoseTrack {
-    pieces: Vec<Piece>,
+    pieces: Arc<[Piece]>,
     noise: PoseNoise,
 }
 
@@ -54,7 +56,13 @@ impl PoseTrack {
         for pair in edges.windows(2).filter(|pair| pair[1] >= pair[0] + 2) {
             pieces.push(Piece::new(stream, pair[0]..pair[1], curve, noise)?);
         }
-        Ok(Self { pieces, noise })
+        Ok(Self { pieces: pieces.into(), noise })
+    }
+
+    /// The same curve with another estimate of its samples' noise, if there is one.
+    pub(crate) fn with_noise(mut self, noise: Option<PoseNoise>) -> Self {
+        self.noise = noise.unwrap_or(self.noise);
+        self
     }
 
     /// The pose at a time; none outside the samples and in gaps.
