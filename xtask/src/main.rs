@@ -2,7 +2,6 @@
 
 #![forbid(unsafe_code)]
 
-#[cfg(test)]
 mod bench;
 mod cargo;
 mod ci;
@@ -23,6 +22,7 @@ struct CommandLine {
 
 #[derive(Subcommand)]
 enum Task {
+    Bench(bench::Args),
     Ci(ci::Args),
     Test(test::Args),
     Tidy(tidy::Args),
@@ -30,6 +30,7 @@ enum Task {
 
 fn main() -> ExitCode {
     let result = match CommandLine::parse().task {
+        Task::Bench(args) => bench::run(&args),
         Task::Ci(args) => ci::run(&args),
         Task::Test(args) => test::run(&args),
         Task::Tidy(args) => tidy::run(&args),

@@ -22,7 +22,7 @@ fn check(project: &Project) -> Vec<Finding> {
     project.texts().flat_map(numbered).collect()
 }
 
-/// Whether the line has `/root/` where a path begins: not after a name, as in `src/root/`.
+/// Whether the line has this folder where a path begins, not after a name as in `src/root/`.
 fn names_path(line: &str, root: &str) -> bool {
     let is_name = |letter: char| letter.is_alphanumeric() || "._-~}*".contains(letter);
     let folder = format!("/{root}/");

@@ -15,8 +15,8 @@ mod library_root;
 mod module_name;
 mod project;
 mod rust_code;
-mod sigma;
 mod size;
+mod spread_name;
 mod top_level;
 mod unfinished;
 mod unit_suffix;
@@ -69,8 +69,8 @@ const RULES: &[Rule] = &[
     glob_import::RULE,
     library_root::RULE,
     module_name::RULE,
-    sigma::RULE,
     size::RULE,
+    spread_name::RULE,
     top_level::RULE,
     unfinished::RULE,
     unit_suffix::RULE,

@@ -4,7 +4,7 @@ use super::Rule;
 use super::project::{Finding, Project, RustFile};
 
 pub(super) const RULE: Rule = Rule {
-    name: "sigma",
+    name: "spread-name",
     demand: "a spread is named `_variance` or `_sd`, never a bare `sigma`",
     check,
 };
