@@ -1,8 +1,10 @@
 #![doc = include_str!("../README.md")]
 #![deny(unsafe_code)]
 
+mod decode;
 mod error;
 mod format;
+mod map;
 mod recording;
 mod remark;
 mod settings;
