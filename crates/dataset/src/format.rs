@@ -4,8 +4,13 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+#[cfg(feature = "bag")]
+use crate::formats::BagFormat;
+#[cfg(feature = "hdf5")]
+use crate::formats::MitHdf5Format;
 use crate::{
     error::DatasetError,
+    formats::{CsvFormat, McapFormat, MitJsonFormat},
     recording::Recording,
     remark::{Remark, StreamRole},
     settings::Streams,
@@ -68,7 +73,15 @@ pub struct StreamInfo {
 /// Every log format of this build.
 #[must_use]
 pub fn all_formats() -> &'static [&'static dyn LogFormat] {
-    &[]
+    &[
+        &McapFormat,
+        &CsvFormat,
+        &MitJsonFormat,
+        #[cfg(feature = "hdf5")]
+        &MitHdf5Format,
+        #[cfg(feature = "bag")]
+        &BagFormat,
+    ]
 }
 
 /// The format with this name.

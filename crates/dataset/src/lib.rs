@@ -1,12 +1,18 @@
 #![doc = include_str!("../README.md")]
 #![deny(unsafe_code)]
 
+mod assemble;
 mod decode;
 mod error;
 mod format;
+mod formats;
+mod frames;
+mod layout;
+mod log;
 mod map;
 mod recording;
 mod remark;
+mod select;
 mod settings;
 mod transform;
 
