@@ -85,8 +85,9 @@ fn by_force(
         let force = Vector2::new(wrench.channels[0][i], wrench.channels[1][i]);
         (wrench.t[i], (force - offset).norm())
     });
-    let (on, off) = (settings.contact.force_on * noise_sd, settings.contact.force_off * noise_sd);
-    hysteresis(levels, on, off)
+    let limits = &settings.contact;
+    let on = (limits.force_on * noise_sd).max(limits.least_force);
+    hysteresis(levels, on, on * limits.force_off / limits.force_on)
 }
 
 /// Keeps the force contacts during which the pusher comes within reach of the outline.
@@ -174,13 +175,40 @@ fn overlap(a: &Interval, b: &Interval) -> bool {
 
 /// Whether the object leaves its place during an interval.
 fn moves(scene: &Scene<'_>, interval: &Interval, settings: &IngestSettings) -> bool {
-    onset(scene, interval, settings) < interval.end
+    object_onset(scene, interval, settings) < interval.end
 }
 
-/// When the object first moves in an interval: the last sample before it leaves its place.
+/// When a touch begins to push.
+///
+/// Where the pusher touches at rest it is the pusher's first motion, else the object's: a pusher
+/// that comes near crosses the limit of the gap before it touches.
+fn onset(scene: &Scene<'_>, touch: &Interval, settings: &IngestSettings) -> f64 {
+    let pusher = pusher_onset(scene, touch, settings);
+    if pusher > touch.start { pusher } else { object_onset(scene, touch, settings) }
+}
+
+/// The last robot sample before the pusher leaves its place; the start if it moves from there on.
+pub(crate) fn pusher_onset(
+    scene: &Scene<'_>,
+    interval: &Interval,
+    settings: &IngestSettings,
+) -> f64 {
+    let robot = &scene.robot;
+    let mut samples = robot.range(interval.start, interval.end);
+    let Some(first) = samples.next() else { return interval.start };
+    let place = [robot.channels[0][first], robot.channels[1][first]];
+    let way = |i: usize| (robot.channels[0][i] - place[0]).hypot(robot.channels[1][i] - place[1]);
+    match samples.find(|&i| way(i) > settings.rest.position) {
+        None => interval.end,
+        Some(i) if i <= first + 2 => interval.start,
+        Some(i) => robot.t[i - 1],
+    }
+}
+
+/// The last object sample before the object leaves its place.
 ///
 /// The interval's start where there is no sample before the motion, its end if nothing moves.
-pub(crate) fn onset(scene: &Scene<'_>, interval: &Interval, settings: &IngestSettings) -> f64 {
+fn object_onset(scene: &Scene<'_>, interval: &Interval, settings: &IngestSettings) -> f64 {
     const LOOK_BACK: f64 = 0.2;
     let object = &scene.object;
     let earlier = object.range(interval.start - LOOK_BACK, interval.start);

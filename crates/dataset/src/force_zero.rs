@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::{
     ingest_settings::ContactSettings,
-    noise::mean,
+    noise::{NORMAL_SD_OVER_MAD, mean, median},
     repair::CleanStream,
     scene::GapSample,
 };
@@ -60,43 +60,36 @@ pub(crate) fn force_zero(
     settings: &ContactSettings,
 ) -> ForceZero {
     let Some(wrench) = wrench else { return ForceZero::NoForce };
-    let blocks = free_blocks(wrench, gaps, longest_gap, settings);
-    let n_samples: usize = blocks.iter().map(|block| block.len()).sum();
-    if n_samples < settings.fewest_free_samples {
+    let runs = free_runs(wrench, gaps, longest_gap, settings);
+    let all: Vec<_> = runs.iter().flatten().copied().collect();
+    let n_samples = all.len();
+    let Some(offset) = median_force(&all).filter(|_| n_samples >= settings.fewest_free_samples)
+    else {
         return ForceZero::Untared { reason: UntaredReason::NeverFree };
-    }
-    let all: Vec<_> = blocks.iter().flatten().copied().collect();
-    let offset = mean_force(&all);
-    let change_n = largest_change(&blocks);
+    };
+    let change_n = largest_change(&runs, settings.fewest_free_samples);
     if change_n > settings.zero_jump {
         return ForceZero::Untared { reason: UntaredReason::ZeroJumps { change_n } };
     }
-    let squares: f64 = all.iter().map(|force| (force - offset).norm_squared()).sum();
-    let noise_sd_n = (squares / (2 * (n_samples - 1)) as f64).sqrt();
+    let misses: Vec<_> =
+        all.iter().flat_map(|force| [force.x - offset.x, force.y - offset.y]).map(f64::abs).collect();
+    let noise_sd_n = NORMAL_SD_OVER_MAD * median(&misses).unwrap_or_default();
     ForceZero::Tared { offset_n: offset.into(), noise_sd_n, n_samples }
 }
 
-/// Force samples of free stretches, in blocks of some `fewest_free_samples` neighbors each.
-fn free_blocks(
+/// Force samples of each stretch in which the pusher is free.
+fn free_runs(
     wrench: &CleanStream,
     gaps: &[GapSample],
     longest_gap: f64,
     settings: &ContactSettings,
 ) -> Vec<Vec<Vector2<f64>>> {
-    let mut blocks = Vec::new();
+    let mut runs = Vec::new();
     let mut take = |from: f64, to: f64| {
         let range = wrench.range(from, to);
-        let forces: Vec<_> =
-            range.map(|i| Vector2::new(wrench.channels[0][i], wrench.channels[1][i])).collect();
-        let mut chunks: Vec<_> =
-            forces.chunks(settings.fewest_free_samples.max(1)).map(<[_]>::to_vec).collect();
-        if let [.., before, last] = &mut chunks[..]
-            && last.len() < before.len()
-        {
-            before.append(last);
-            chunks.pop();
-        }
-        blocks.append(&mut chunks);
+        runs.push(
+            range.map(|i| Vector2::new(wrench.channels[0][i], wrench.channels[1][i])).collect(),
+        );
     };
     let mut start: Option<f64> = None;
     let mut last = f64::NEG_INFINITY;
@@ -116,21 +109,25 @@ fn free_blocks(
     if let Some(from) = start {
         take(from, last);
     }
-    blocks
+    runs
 }
 
-fn mean_force(forces: &[Vector2<f64>]) -> Vector2<f64> {
-    forces.iter().sum::<Vector2<f64>>() / forces.len() as f64
+/// The median of each component: ringing after a stop is short and does not count.
+fn median_force(forces: &[Vector2<f64>]) -> Option<Vector2<f64>> {
+    let of = |axis: usize| median(&forces.iter().map(|force| force[axis]).collect::<Vec<_>>());
+    Some(Vector2::new(of(0)?, of(1)?))
 }
 
-/// Largest difference between the means of two blocks, in N.
-fn largest_change(blocks: &[Vec<Vector2<f64>>]) -> f64 {
-    let means: Vec<_> = blocks.iter().map(|block| mean_force(block)).collect();
-    let spread = |axis: usize| {
-        let values = means.iter().map(|mean| mean[axis]);
-        values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
-    };
-    if means.len() < 2 { 0.0 } else { spread(0).hypot(spread(1)) }
+/// Largest difference between the forces of two stretches, or of the halves of one, in N.
+fn largest_change(runs: &[Vec<Vector2<f64>>], fewest: usize) -> f64 {
+    let levels: Vec<_> = runs
+        .iter()
+        .flat_map(|run| run.chunks(run.len().div_ceil(2).max(fewest).max(1)))
+        .filter(|part| part.len() >= fewest)
+        .filter_map(median_force)
+        .collect();
+    let apart = |a: &Vector2<f64>| levels.iter().map(|b| (a - b).norm()).fold(0.0, f64::max);
+    levels.iter().map(apart).fold(0.0, f64::max)
 }
 
 /// Mean force of a stream between two times, in N; none without samples.

@@ -80,6 +80,8 @@ pub struct ContactSettings {
     pub force_on: f64,
     /// Contact ends when the force falls below this many standard deviations of its noise.
     pub force_off: f64,
+    /// Contact never begins below this force, in N: some sensors repeat a value without any noise.
+    pub least_force: f64,
     /// By geometry, contact begins at a gap of at most this, in m.
     pub touch_gap: f64,
     /// By geometry, contact ends at a gap above this, in m.
@@ -137,12 +139,13 @@ impl Default for ContactSettings {
         Self {
             force_on: 8.0,
             force_off: 4.0,
+            least_force: 0.05,
             touch_gap: 1e-3,
             release_gap: 2e-3,
-            free_gap: 3e-3,
+            free_gap: 1.5e-3,
             settle_time: 0.05,
             rejoin_time: 0.1,
-            fewest_free_samples: 8,
+            fewest_free_samples: 4,
             zero_jump: 0.2,
         }
     }
@@ -175,6 +178,7 @@ impl IngestSettings {
             ("fastest_turn", self.fastest_turn, " rad/s"),
             ("largest_tilt", self.largest_tilt, " rad"),
             ("contact.force_off", contact.force_off, ""),
+            ("contact.least_force", contact.least_force, " N"),
             ("contact.zero_jump", contact.zero_jump, " N"),
             ("rest.position", self.rest.position, " m"),
             ("rest.angle", self.rest.angle, " rad"),
@@ -201,8 +205,8 @@ impl IngestSettings {
                 "contact.free_gap",
                 contact.free_gap,
                 " m",
-                contact.release_gap,
-                "above contact.release_gap",
+                contact.touch_gap,
+                "above contact.touch_gap",
             ),
         ];
         for (name, value, unit) in positive {

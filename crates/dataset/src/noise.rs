@@ -1,7 +1,7 @@
 //! Robust estimates of a stream's noise and of its center.
 
 /// Turns a median of absolute deviations into the standard deviation of a normal distribution.
-const NORMAL_SD_OVER_MAD: f64 = 1.482_602_218_505_602;
+pub(crate) const NORMAL_SD_OVER_MAD: f64 = 1.482_602_218_505_602;
 
 /// The median; none of an empty list. For an even number, the mean of the middle two.
 pub(crate) fn median(values: &[f64]) -> Option<f64> {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::{
-    contact::{Contacts, Interval, rest_time},
+    contact::{Contacts, Interval, pusher_onset, rest_time},
     error::DatasetError,
     ingest_settings::{Curve, IngestSettings},
     repair::CleanStream,
@@ -16,6 +16,8 @@ use crate::{
 pub(crate) struct Push {
     /// From first to last contact.
     pub(crate) contact: Interval,
+    /// Start of the first step: the first contact, or the first motion of a pusher that rests there.
+    pub(crate) begins: f64,
     /// When the object comes to rest.
     pub(crate) rest: f64,
     /// Until when streams belong to this push: the next contact or their end.
@@ -106,9 +108,11 @@ impl Push {
             .enumerate()
             .map(|(i, &contact)| {
                 let until = intervals.get(i + 1).map_or(end, |next| next.start);
+                // A pusher that presses at rest makes no steps.
+                let begins = pusher_onset(scene, &contact, settings);
                 let rest = rest_time(scene, contact.start, until, settings).unwrap_or(until);
                 let starts_in_contact = contact.start - begin < settings.longest_gap;
-                Self { contact, rest, until, starts_in_contact }
+                Self { contact, begins, rest, until, starts_in_contact }
             })
             .collect()
     }
@@ -120,7 +124,7 @@ impl Push {
 
     /// Whether a stated limit is exceeded.
     pub(crate) fn fault(&self, scene: &Scene<'_>, settings: &IngestSettings) -> Option<SetAside> {
-        let (from, to) = (self.contact.start, self.contact_end());
+        let (from, to) = (self.begins, self.contact_end());
         if to <= from {
             return Some(SetAside::NoMotion);
         }
@@ -153,7 +157,7 @@ impl Push {
         scene: &Scene<'_>,
         settings: &IngestSettings,
     ) -> Result<Vec<PhaseCurves>, DatasetError> {
-        let mut spans = vec![(Phase::Contact, self.contact.start, self.contact_end())];
+        let mut spans = vec![(Phase::Contact, self.begins, self.contact_end())];
         if self.rest - self.contact_end() >= settings.shortest_step {
             spans.push((Phase::After, self.contact_end(), self.rest));
         }

@@ -91,7 +91,11 @@ fn times_at_ways(context: &StepContext<'_>, curves: &PhaseCurves, length: f64) -
 impl StepContext<'_> {
     /// The row of one step; none if a stream has no curve at its ends.
     fn row(&self, curves: &PhaseCurves, t0: f64, t1: f64) -> Option<StepRow> {
-        let (scene, dt) = (self.scene, t1 - t0);
+        let scene = self.scene;
+        let dt = match self.settings.step {
+            StepLength::Time(length) if (t1 - t0 - length).abs() < 1e-9 => length,
+            _ => t1 - t0,
+        };
         let contact = |t: f64| scene.outline.contact(&curves.robot, &curves.object, t);
         let (start, end) = (contact(t0)?, contact(t1)?);
         let (pose0, pose1) = (curves.object.pose(t0)?, curves.object.pose(t1)?);
