@@ -15,6 +15,8 @@ mod remark;
 mod select;
 mod settings;
 mod transform;
+mod writer;
+mod writers;
 
 pub use error::DatasetError;
 pub use format::{Inspection, LogFormat, StreamInfo, all_formats, format_by_id};
@@ -22,3 +24,4 @@ pub use recording::{PoseStream, Recording, WrenchStream};
 pub use remark::{Remark, RemarkKind, StreamRole};
 pub use settings::{ColumnMap, Quantity, StreamSettings, Streams, TimeSource, WrenchFrame};
 pub use transform::{AxisSigns, Transform};
+pub use writer::{RecordingWriter, all_writers};
