@@ -153,7 +153,8 @@ impl Assembly<'_> {
                 (None, true) => (Vector3::new(x, y, z), theta, 0.0),
                 (None, false) => (Vector3::new(x, y, z), yaw(&rotation), tilt(&rotation)),
                 (Some(transform), _) => {
-                    let pose = transform * Isometry3::from_parts(Translation3::new(x, y, z), rotation);
+                    let pose =
+                        transform * Isometry3::from_parts(Translation3::new(x, y, z), rotation);
                     (pose.translation.vector, yaw(&pose.rotation), tilt(&pose.rotation))
                 }
             };
@@ -223,9 +224,8 @@ impl Assembly<'_> {
         let signed = settings.signs.map_or(Matrix3::identity(), |signs| {
             Matrix3::from_columns(&axes.map(|axis| signs.apply(&axis)))
         });
-        let rotation = transform.map_or(Matrix3::identity(), |pose| {
-            pose.rotation.to_rotation_matrix().into_inner()
-        });
+        let rotation = transform
+            .map_or(Matrix3::identity(), |pose| pose.rotation.to_rotation_matrix().into_inner());
         let to_world = rotation * signed;
         if !raw.has[2] && (to_world[(0, 2)] != 0.0 || to_world[(1, 2)] != 0.0) {
             return Err(DatasetError::FieldMissing {
@@ -335,7 +335,9 @@ fn seconds_since(epoch_ns: i64, stamps: &[i64]) -> Vec<f64> {
 /// A time in s as ns; the fraction is rounded apart from the whole, so that nothing is lost.
 pub(crate) fn nanoseconds(seconds: f64) -> i64 {
     let whole = seconds.floor();
-    (whole as i64).saturating_mul(1_000_000_000).saturating_add(((seconds - whole) * 1e9).round() as i64)
+    (whole as i64)
+        .saturating_mul(1_000_000_000)
+        .saturating_add(((seconds - whole) * 1e9).round() as i64)
 }
 
 #[cfg(test)]

@@ -27,8 +27,7 @@ const POSE_BASES: [&str; 6] =
 const WRENCH_BASES: [&str; 2] = ["wrench.", ""];
 /// Where stamps stand, and what their parts are called.
 const STAMPS: [&str; 3] = ["header.stamp", "timestamp", "stamp"];
-const STAMP_PARTS: [(&str, &str); 3] =
-    [("sec", "nanosec"), ("sec", "nsec"), ("seconds", "nanos")];
+const STAMP_PARTS: [(&str, &str); 3] = [("sec", "nanosec"), ("sec", "nsec"), ("seconds", "nanos")];
 
 impl Layout {
     /// Finds the fields for a stream.
@@ -56,7 +55,8 @@ impl Layout {
             let name = Quantity::of(role)[*i].name();
             return Err(format!("no field for {name}; set streams.{role}.fields.{name}"));
         }
-        let list = layout.wanted.iter().find_map(|w| w.path.split_once("[].")).map(|(list, _)| list);
+        let list =
+            layout.wanted.iter().find_map(|w| w.path.split_once("[].")).map(|(list, _)| list);
         let base = list.map_or(String::new(), |list| format!("{list}[]."));
         layout.is_list = list.is_some();
         layout.take_stamp(schema, &base, settings)?;
@@ -86,12 +86,17 @@ impl Layout {
 
     fn take_known(&mut self, schema: &Schema, role: StreamRole) -> Result<(), String> {
         if role == StreamRole::Wrench {
-            let base = WRENCH_BASES.iter().find(|base| schema.has(&format!("{base}force.x"), false));
-            let base = base.ok_or("it holds no wrench (force.x, force.y); set \
-                                   streams.wrench.fields for a type of your own")?;
-            self.take_if_there(schema, base, &[
-                "force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z",
-            ]);
+            let base =
+                WRENCH_BASES.iter().find(|base| schema.has(&format!("{base}force.x"), false));
+            let base = base.ok_or(
+                "it holds no wrench (force.x, force.y); set \
+                                   streams.wrench.fields for a type of your own",
+            )?;
+            self.take_if_there(
+                schema,
+                base,
+                &["force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z"],
+            );
             return Ok(());
         }
         for base in POSE_BASES {
@@ -197,7 +202,8 @@ mod tests {
     #[test]
     fn poses_are_found_in_every_known_type() {
         let bare_pose = POSE.to_owned();
-        let stamped = format!(r#"{{"header": {{"stamp": {{"sec": 0, "nsec": 0}}}}, "pose": {POSE}}}"#);
+        let stamped =
+            format!(r#"{{"header": {{"stamp": {{"sec": 0, "nsec": 0}}}}, "pose": {POSE}}}"#);
         let odometry = format!(r#"{{"child_frame_id": "a", "pose": {{"pose": {POSE}}}}}"#);
         let transform = format!(r#"{{"child_frame_id": "a", "transform": {TRANSFORM}}}"#);
         let tf = format!(r#"{{"transforms": [{transform}]}}"#);
@@ -222,7 +228,8 @@ mod tests {
 
     #[test]
     fn fields_of_ones_own_are_checked() {
-        let sample = r#"{"x_trans": 1.0, "y_trans": 2.0, "rot": 0.5, "time": {"sec": 1, "nsec": 2}}"#;
+        let sample =
+            r#"{"x_trans": 1.0, "y_trans": 2.0, "rot": 0.5, "time": {"sec": 1, "nsec": 2}}"#;
         let mut settings = StreamSettings::default();
         let set = |settings: &mut StreamSettings, quantity, path: &str| {
             settings.fields.insert(quantity, ColumnMap::plain(path));

@@ -15,6 +15,8 @@ mod remark;
 mod select;
 mod settings;
 mod transform;
+mod writer;
+mod writers;
 
 mod column;
 mod contact;
@@ -72,3 +74,4 @@ pub use spline::{CubicSpline, EndCondition};
 pub use step::{ContactForce, Phase, StepForce, StepRow};
 pub use table::{Provenance, Table};
 pub use table_csv::CsvWriter;
+pub use writer::{RecordingWriter, all_writers};

@@ -11,8 +11,8 @@ use crate::{
     format::{Inspection, StreamInfo},
     frames::Frames,
     layout::Layout,
-    remark::{Remark, RemarkKind, StreamRole},
     recording::Recording,
+    remark::{Remark, RemarkKind, StreamRole},
     select::choose_topics,
     settings::{Quantity, StreamSettings, Streams, TimeSource},
     transform::{Transform, unit_quaternion},
@@ -323,11 +323,7 @@ impl<'a> Taker<'a> {
         }
     }
 
-    fn finish(
-        self,
-        path: &Path,
-        remarks: &mut Vec<Remark>,
-    ) -> Result<RawStream, DatasetError> {
+    fn finish(self, path: &Path, remarks: &mut Vec<Remark>) -> Result<RawStream, DatasetError> {
         let Self { role, settings, raw, is_list, children, n_misfits, first_misfit, .. } = self;
         if let Some((byte, error)) = first_misfit {
             let total = n_misfits + raw.rows.len() as u64;

@@ -19,8 +19,7 @@ impl FileBytes {
     #[allow(unsafe_code, reason = "mapping is what keeps memory flat over large logs")]
     pub(crate) fn open(path: &Path) -> Result<Self, DatasetError> {
         let file = File::open(path).map_err(|error| DatasetError::io("read", path, error))?;
-        let metadata =
-            file.metadata().map_err(|error| DatasetError::io("read", path, error))?;
+        let metadata = file.metadata().map_err(|error| DatasetError::io("read", path, error))?;
         if metadata.len() == 0 {
             return Ok(Self::Empty);
         }

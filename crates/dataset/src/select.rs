@@ -18,8 +18,18 @@ fn hints(role: StreamRole) -> &'static [&'static str] {
             "gripper", "arm",
         ],
         StreamRole::Object => &[
-            "object", "obj", "vicon", "mocap", "optitrack", "qualisys", "block", "slider", "marker",
-            "apriltag", "tag", "body",
+            "object",
+            "obj",
+            "vicon",
+            "mocap",
+            "optitrack",
+            "qualisys",
+            "block",
+            "slider",
+            "marker",
+            "apriltag",
+            "tag",
+            "body",
         ],
         StreamRole::Wrench => &["ft", "netft", "force", "wrench", "loadcell"],
     }
@@ -162,7 +172,10 @@ mod tests {
     #[test]
     fn topics_are_chosen_by_type_and_name() {
         let topics = [("/tip_pose", POSE), ("/vicon/a/a", POSE), ("/ft", WRENCH), ("/tf", TF)];
-        assert_eq!(choose(&topics, &Streams::default()).unwrap(), ["/tip_pose", "/vicon/a/a", "/ft"]);
+        assert_eq!(
+            choose(&topics, &Streams::default()).unwrap(),
+            ["/tip_pose", "/vicon/a/a", "/ft"]
+        );
         assert_eq!(choose(&topics[..2], &Streams::default()).unwrap()[2], "");
     }
 
@@ -197,7 +210,9 @@ mod tests {
         );
         let error = choose(&topics[1..], &Streams::default()).unwrap_err();
         let robot = StreamRole::Robot;
-        assert!(matches!(error, DatasetError::TopicChoice { stream, n_candidates: 0, .. } if stream == robot));
+        assert!(
+            matches!(error, DatasetError::TopicChoice { stream, n_candidates: 0, .. } if stream == robot)
+        );
     }
 
     #[test]

@@ -257,7 +257,13 @@ mod tests {
     use super::{ProtobufPlan, ProtobufSchema};
     use crate::decode::{Row, Slot, Wanted};
 
-    fn field(name: &str, number: i32, kind: Type, of: Option<&str>, list: bool) -> FieldDescriptorProto {
+    fn field(
+        name: &str,
+        number: i32,
+        kind: Type,
+        of: Option<&str>,
+        list: bool,
+    ) -> FieldDescriptorProto {
         FieldDescriptorProto {
             name: Some(name.into()),
             number: Some(number),
@@ -279,17 +285,23 @@ mod tests {
             package: Some("p".into()),
             syntax: Some("proto3".into()),
             message_type: vec![
-                message("Item", vec![
-                    field("child", 1, Type::String, None, false),
-                    field("y", 2, Type::Float, None, false),
-                    field("s", 3, Type::Sint32, None, false),
-                ]),
-                message("Thing", vec![
-                    field("seconds", 1, Type::Int64, None, false),
-                    field("items", 2, Type::Message, Some(".p.Item"), true),
-                    field("one", 3, Type::Message, Some(".p.Item"), false),
-                    field("f", 4, Type::Fixed32, None, false),
-                ]),
+                message(
+                    "Item",
+                    vec![
+                        field("child", 1, Type::String, None, false),
+                        field("y", 2, Type::Float, None, false),
+                        field("s", 3, Type::Sint32, None, false),
+                    ],
+                ),
+                message(
+                    "Thing",
+                    vec![
+                        field("seconds", 1, Type::Int64, None, false),
+                        field("items", 2, Type::Message, Some(".p.Item"), true),
+                        field("one", 3, Type::Message, Some(".p.Item"), false),
+                        field("f", 4, Type::Fixed32, None, false),
+                    ],
+                ),
             ],
             ..Default::default()
         };

@@ -194,7 +194,10 @@ impl<'m> Cursor<'m> {
             [0, 0, _, _, ..] => true,
             [0, 1, _, _, ..] => false,
             [_, _, _, _, ..] => {
-                return Err(MessageError { byte: 0, what: "an encapsulation other than plain CDR" });
+                return Err(MessageError {
+                    byte: 0,
+                    what: "an encapsulation other than plain CDR",
+                });
             }
             _ => return Err(MessageError { byte: 0, what: "no CDR header" }),
         };

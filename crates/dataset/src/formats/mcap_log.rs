@@ -126,7 +126,8 @@ impl<'a> McapLog<'a> {
         self.walk(&|_| true, &mut |item, _| {
             match item {
                 Item::Message { channel, .. } => {
-                    let channel = channels.iter_mut().find(|(known, _)| known.id == u32::from(channel));
+                    let channel =
+                        channels.iter_mut().find(|(known, _)| known.id == u32::from(channel));
                     if let Some((channel, _)) = channel {
                         channel.count += 1;
                     }

@@ -49,8 +49,10 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Vec<[f64; 4]>>, D
     serde_json::from_slice(bytes).map_err(|error| DatasetError::Parse {
         path: path.into(),
         line: (error.line() as u64).max(1),
-        what: format!("{error}; expected lists of rows of four numbers under tip_pose, \
-                       object_pose and ft_wrench"),
+        what: format!(
+            "{error}; expected lists of rows of four numbers under tip_pose, \
+                       object_pose and ft_wrench"
+        ),
     })
 }
 
@@ -60,10 +62,7 @@ mod tests {
 
     use super::MitJsonFormat;
     use crate::{
-        error::DatasetError,
-        format::LogFormat,
-        recording::Recording,
-        remark::StreamRole,
+        error::DatasetError, format::LogFormat, recording::Recording, remark::StreamRole,
         settings::Streams,
     };
 
@@ -103,8 +102,13 @@ mod tests {
         let error = read(r#"{"tip_pose": [[1,0,0,0]], "vicon": []}"#).unwrap_err();
         assert!(matches!(error, DatasetError::TopicMissing { stream: StreamRole::Object, .. }));
         let message = error.to_string();
-        assert!(message.ends_with("no `object_pose` for the object stream; set \
-                                   streams.object.topic to one of: tip_pose, vicon"), "{message}");
+        assert!(
+            message.ends_with(
+                "no `object_pose` for the object stream; set \
+                                   streams.object.topic to one of: tip_pose, vicon"
+            ),
+            "{message}"
+        );
     }
 
     #[test]

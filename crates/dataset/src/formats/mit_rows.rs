@@ -85,7 +85,9 @@ fn raw_stream(role: StreamRole, name: &str, rows: &[[f64; 4]]) -> RawStream {
 }
 
 /// What the data sets of a file are.
-pub(super) fn inspect_rows<'a>(sets: impl Iterator<Item = (&'a str, &'a [[f64; 4]])>) -> Inspection {
+pub(super) fn inspect_rows<'a>(
+    sets: impl Iterator<Item = (&'a str, &'a [[f64; 4]])>,
+) -> Inspection {
     let streams = sets.map(|(name, rows)| {
         let times = rows.iter().map(|row| row[0]).filter(|t| t.is_finite());
         let first = times.clone().fold(f64::INFINITY, f64::min);
