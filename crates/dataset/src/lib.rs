@@ -21,12 +21,15 @@ mod writers;
 mod column;
 mod contact;
 mod coverage;
+mod endpoints;
 mod flags;
+mod foreign;
 mod force_zero;
 mod ingest;
 mod ingest_report;
 mod ingest_settings;
 mod ingest_text;
+mod init;
 mod manifest;
 mod noise;
 mod object;
@@ -43,6 +46,8 @@ mod step;
 mod steps;
 mod table;
 mod table_csv;
+#[cfg(feature = "parquet")]
+mod table_parquet;
 mod track;
 
 pub use error::DatasetError;
@@ -54,14 +59,17 @@ pub use transform::{AxisSigns, Transform};
 
 pub use column::{Column, columns};
 pub use coverage::{Coverage, Histogram};
+pub use endpoints::{EndPoint, WrenchTwist, read_endpoints, read_wrench_twists};
 pub use flags::Flags;
 pub use force_zero::{ForceZero, UntaredReason};
+pub use foreign::TableMapping;
 pub use ingest::{ingest, ingest_each, provenance};
 pub use ingest_report::{
     FirstContact, IngestReport, PushReport, RecordingReport, RestingNoise, Spread, StreamInPush,
     StreamReport, Summary,
 };
 pub use ingest_settings::{ContactSettings, Curve, IngestSettings, RestSettings, StepLength};
+pub use init::{draft_manifest, init};
 pub use manifest::{MANIFEST_NAME, Manifest, PusherSpec, RecordingsSpec, SupportSpec};
 pub use object::{ObjectChoice, ObjectSpec};
 pub use preset::Preset;

@@ -3,7 +3,7 @@
 
 use std::{ops::Range, path::Path};
 
-use serde::Deserialize;
+use serde::{Deserialize, de::DeserializeOwned};
 use serde_spanned::Spanned;
 
 use crate::{
@@ -75,28 +75,14 @@ impl Manifest {
     /// # Errors
     /// As [`Manifest::read`], without `Io`.
     pub fn parse(text: &str, path: &Path) -> Result<Self, DatasetError> {
-        let source = Source { text, path };
-        let table: ManifestTable = toml::from_str(text).map_err(|error| DatasetError::Parse {
-            path: path.into(),
-            line: error.span().map_or(0, |span| source.line(&span)),
-            what: error.message().replace('\n', "; "),
-        })?;
+        let source = Source::new(text, path);
+        let table: ManifestTable = source.parse()?;
         let ManifestTable { name, object, pusher, support, recordings, streams } = table;
-        let gravity = match &support.gravity_m_s2 {
-            Some(gravity) => source.positive("support.gravity_m_s2", gravity, " m/s²")?,
-            None => STANDARD_GRAVITY,
-        };
         Ok(Self {
             name,
             object: object.check(&source)?,
-            pusher: PusherSpec {
-                radius: source.positive("pusher.radius_m", &pusher.radius_m, " m")?,
-                friction: source.not_negative("pusher.friction", &pusher.friction, "")?,
-            },
-            support: SupportSpec {
-                friction: source.not_negative("support.friction", &support.friction, "")?,
-                gravity,
-            },
+            pusher: pusher.check(&source)?,
+            support: support.check(&source)?,
             recordings: RecordingsSpec {
                 format: recordings.format.map(|format| source.format(format)).transpose()?,
                 path: recordings.path,
@@ -122,16 +108,36 @@ struct ManifestTable {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct PusherTable {
+pub(crate) struct PusherTable {
     radius_m: Spanned<f64>,
     friction: Spanned<f64>,
 }
 
+impl PusherTable {
+    pub(crate) fn check(&self, source: &Source<'_>) -> Result<PusherSpec, DatasetError> {
+        Ok(PusherSpec {
+            radius: source.positive("pusher.radius_m", &self.radius_m, " m")?,
+            friction: source.not_negative("pusher.friction", &self.friction, "")?,
+        })
+    }
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct SupportTable {
+pub(crate) struct SupportTable {
     friction: Spanned<f64>,
     gravity_m_s2: Option<Spanned<f64>>,
+}
+
+impl SupportTable {
+    pub(crate) fn check(&self, source: &Source<'_>) -> Result<SupportSpec, DatasetError> {
+        let gravity = match &self.gravity_m_s2 {
+            Some(gravity) => source.positive("support.gravity_m_s2", gravity, " m/s²")?,
+            None => STANDARD_GRAVITY,
+        };
+        let friction = source.not_negative("support.friction", &self.friction, "")?;
+        Ok(SupportSpec { friction, gravity })
+    }
 }
 
 #[derive(Deserialize)]
@@ -152,7 +158,20 @@ pub(crate) struct Source<'a> {
     path: &'a Path,
 }
 
-impl Source<'_> {
+impl<'a> Source<'a> {
+    pub(crate) fn new(text: &'a str, path: &'a Path) -> Self {
+        Self { text, path }
+    }
+
+    /// The text as a table of TOML.
+    pub(crate) fn parse<T: DeserializeOwned>(&self) -> Result<T, DatasetError> {
+        toml::from_str(self.text).map_err(|error| DatasetError::Parse {
+            path: self.path.into(),
+            line: error.span().map_or(0, |span| self.line(&span)),
+            what: error.message().replace('\n', "; "),
+        })
+    }
+
     fn line(&self, span: &Range<usize>) -> u64 {
         let before = &self.text.as_bytes()[..span.start.min(self.text.len())];
         1 + before.iter().filter(|&&byte| byte == b'\n').count() as u64

@@ -1,0 +1,283 @@
+//! Step tables of others, read through a mapping of their columns to ours.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use nalgebra::Vector2;
+use planar::{Pose, perpendicular};
+use serde::Deserialize;
+use serde_spanned::Spanned;
+use sha2::{Digest, Sha256};
+
+use crate::{
+    column::{Access, Column, columns},
+    error::DatasetError,
+    ingest::TOOL,
+    manifest::{PusherSpec, PusherTable, Source, SupportSpec, SupportTable},
+    object::{ObjectChoice, ObjectSpec, ObjectTable},
+    preset::Preset,
+    settings::ColumnMap,
+    step::StepRow,
+    table::{Provenance, Table},
+};
+
+const SCHEMA: &str = "pushlab.table-mapping/1";
+/// What a row cannot do without.
+const NEEDED: [&str; 8] =
+    ["edge", "p", "beta_rad", "dt_s", "speed_m_s", "dx_m", "dy_m", "dtheta_rad"];
+
+/// How the columns of a foreign table become ours.
+///
+/// In TOML: `schema`, `name`, `[object]`, `[pusher]`, `[support]` as in a manifest, `[constants]`
+/// for columns that are the same in every row, and `[columns]` with
+/// `ours = { column = "theirs", scale = 1.0, offset = 0.0 }`.
+#[derive(Clone)]
+pub struct TableMapping {
+    /// Title of the table.
+    pub name: String,
+    /// The pushed object.
+    pub object: ObjectSpec,
+    /// The pusher.
+    pub pusher: PusherSpec,
+    /// The table that it is pushed on.
+    pub support: SupportSpec,
+    constants: Vec<(&'static Column, f64)>,
+    columns: Vec<(&'static Column, ColumnMap)>,
+}
+
+impl TableMapping {
+    /// Reads and checks a mapping.
+    ///
+    /// # Errors
+    /// `Io`, `Parse` and `Manifest` as for a manifest.
+    pub fn read(path: &Path) -> Result<Self, DatasetError> {
+        let text = std::fs::read_to_string(path).map_err(|e| DatasetError::io("read", path, e))?;
+        Self::parse(&text, path)
+    }
+
+    /// The mapping of the MIT square's step table.
+    ///
+    /// # Errors
+    /// None for the text that is built in, which a test reads.
+    pub fn mit_table() -> Result<Self, DatasetError> {
+        Self::parse(Preset::MitTable.text(), Path::new("preset mit-table"))
+    }
+
+    /// Checks the text of a mapping; `path` is for messages alone.
+    ///
+    /// # Errors
+    /// `Parse` and `Manifest` as for a manifest.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, DatasetError> {
+        let source = Source::new(text, path);
+        let table: MappingTable = source.parse()?;
+        if table.schema.get_ref() != SCHEMA {
+            let (span, value) = (table.schema.span(), table.schema.get_ref());
+            return Err(source.refuse(span, "schema", value, "", SCHEMA));
+        }
+        let ObjectChoice::Fixed(object) = table.object.check(&source)? else {
+            let what = "a table has one shape; name it in [object]".to_owned();
+            return Err(DatasetError::Parse { path: path.into(), line: 1, what });
+        };
+        let own = |name: &str| {
+            columns().iter().find(|column| column.name == name && column.is_number()).ok_or_else(
+                || DatasetError::ColumnMissing {
+                    path: path.into(),
+                    column: name.to_owned(),
+                    found: numbers(),
+                },
+            )
+        };
+        let mapping = Self {
+            name: table.name,
+            object: *object,
+            pusher: table.pusher.check(&source)?,
+            support: table.support.check(&source)?,
+            constants: table
+                .constants
+                .iter()
+                .map(|(name, value)| Ok((own(name)?, *value)))
+                .collect::<Result<_, DatasetError>>()?,
+            columns: table
+                .columns
+                .into_iter()
+                .map(|(name, map)| Ok((own(&name)?, map)))
+                .collect::<Result<_, DatasetError>>()?,
+        };
+        let given = |name: &str| {
+            mapping.constants.iter().any(|(column, _)| column.name == name)
+                || mapping.columns.iter().any(|(column, _)| column.name == name)
+        };
+        match NEEDED.into_iter().find(|name| !given(name)) {
+            Some(missing) => Err(DatasetError::ColumnMissing {
+                path: path.into(),
+                column: missing.to_owned(),
+                found: "the keys of [constants] and [columns]".to_owned(),
+            }),
+            None => Ok(mapping),
+        }
+    }
+
+    /// Reads a foreign CSV table into ours.
+    ///
+    /// What the columns leave open follows from them: the pusher moves straight at constant speed
+    /// from its contact, and the object starts at the world's origin unless its pose is given.
+    ///
+    /// # Errors
+    /// `Io`, `ColumnMissing`, `Parse` with the line for a value that is no finite number or out of
+    /// range, `TableTooShort` for fewer than two rows.
+    pub fn read_table(&self, path: &Path) -> Result<Table, DatasetError> {
+        let bytes = std::fs::read(path).map_err(|error| DatasetError::io("read", path, error))?;
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(&bytes[..]);
+        let reading = Reading { mapping: self, path: path.into() };
+        let header = reader.headers().map_err(|error| reading.fail(1, error))?.clone();
+        let places = reading.places(&header)?;
+        let mut rows = Vec::new();
+        let mut names = StepRow {
+            recording: Arc::from(self.name.as_str()),
+            shape: Arc::from(self.object.name.as_str()),
+            ..StepRow::default()
+        };
+        for record in reader.records() {
+            let line = |position: Option<&csv::Position>| position.map_or(0, csv::Position::line);
+            let record = record.map_err(|error| reading.fail(line(error.position()), &error))?;
+            names.push = rows.len() as u32;
+            rows.push(reading.row(&record, line(record.position()), &places, names.clone())?);
+        }
+        if rows.len() < 2 {
+            return Err(DatasetError::TableTooShort { path: path.into(), rows: rows.len() });
+        }
+        let mut provenance = Provenance::default();
+        provenance.push("tool", TOOL);
+        provenance.push("set", &self.name);
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        provenance.push("source", &format!("sha256 {} {name}", hex(&Sha256::digest(&bytes))));
+        Ok(Table { rows, provenance })
+    }
+}
+
+/// One pass over a foreign table.
+struct Reading<'a> {
+    mapping: &'a TableMapping,
+    path: PathBuf,
+}
+
+impl Reading<'_> {
+    fn fail(&self, line: u64, error: impl ToString) -> DatasetError {
+        DatasetError::Parse { path: self.path.clone(), line, what: error.to_string() }
+    }
+
+    fn places(&self, header: &csv::StringRecord) -> Result<Vec<usize>, DatasetError> {
+        let place = |(_, map): &(&Column, ColumnMap)| {
+            header.iter().position(|name| name == map.column).ok_or_else(|| {
+                DatasetError::ColumnMissing {
+                    path: self.path.clone(),
+                    column: map.column.clone(),
+                    found: header.iter().collect::<Vec<_>>().join(", "),
+                }
+            })
+        };
+        self.mapping.columns.iter().map(place).collect()
+    }
+
+    fn row(
+        &self,
+        record: &csv::StringRecord,
+        line: u64,
+        places: &[usize],
+        mut row: StepRow,
+    ) -> Result<StepRow, DatasetError> {
+        for (column, value) in &self.mapping.constants {
+            column.set_number(&mut row, *value).map_err(|what| self.fail(line, what))?;
+        }
+        for ((column, map), &place) in self.mapping.columns.iter().zip(places) {
+            let text = record.get(place).unwrap_or_default();
+            let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+            let number = number.ok_or_else(|| {
+                self.fail(line, format!("{} is `{text}`, expected a finite number", map.column))
+            })?;
+            let value = map.scale * number + map.offset;
+            column.set_number(&mut row, value).map_err(|what| self.fail(line, what))?;
+        }
+        if !(0.0..=1.0).contains(&row.p) {
+            return Err(self.fail(line, format!("p is {}, expected 0 to 1", row.p)));
+        }
+        let n_edges = self.mapping.object.shape.n_edges();
+        if row.edge as usize >= n_edges {
+            let what = format!("edge is {}, expected 0 to {}", row.edge, n_edges - 1);
+            return Err(self.fail(line, what));
+        }
+        if !(row.dt > 0.0 && row.speed > 0.0) {
+            let what = format!("dt is {} s and speed {} m/s, expected above 0", row.dt, row.speed);
+            return Err(self.fail(line, what));
+        }
+        self.complete(&mut row);
+        Ok(row)
+    }
+
+    /// Fills in the motion of pusher and object that edge, p, β, speed and time imply.
+    fn complete(&self, row: &mut StepRow) {
+        let shape = &self.mapping.object.shape;
+        let (edge, pose) = (row.edge as usize, row.object_pose);
+        let normal = pose.rotate(&shape.inward_normal_at(edge, row.p));
+        let contact = pose.transform_point(&shape.point_at(edge, row.p));
+        let along = Pose::new(0.0, 0.0, row.beta).rotate(&normal);
+        row.contact_point = contact;
+        row.contact_normal = normal;
+        row.pusher_velocity = row.speed * along;
+        row.pusher_start = contact - self.mapping.pusher.radius * normal;
+        row.pusher_end = row.pusher_start + row.dt * row.pusher_velocity;
+        let moved: Vector2<f64> = row.dx * along + row.dy * perpendicular(&along);
+        let end = Pose::new(
+            pose.position.x + moved.x,
+            pose.position.y + moved.y,
+            pose.angle + row.dtheta,
+        );
+        let pusher_b = end.inverse_transform_point(&row.pusher_end);
+        row.gap_end = shape.contact(&pusher_b, self.mapping.pusher.radius).gap;
+    }
+}
+
+impl Column {
+    fn is_number(&self) -> bool {
+        !matches!(self.access, Access::Text(..))
+    }
+
+    fn set_number(&self, row: &mut StepRow, value: f64) -> Result<(), String> {
+        match self.access {
+            Access::Real(_, set) | Access::OptionalReal(_, set) => set(row, value),
+            Access::Integer(_, set) => {
+                if value.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&value) {
+                    return Err(format!("{} is {value}, expected a whole number", self.name));
+                }
+                set(row, value as u32);
+            }
+            Access::Text(..) => return Err(format!("{} is no number", self.name)),
+        }
+        Ok(())
+    }
+}
+
+fn numbers() -> String {
+    let names = columns().iter().filter(|column| column.is_number()).map(|column| column.name);
+    names.collect::<Vec<_>>().join(", ")
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MappingTable {
+    schema: Spanned<String>,
+    name: String,
+    object: ObjectTable,
+    pusher: PusherTable,
+    support: SupportTable,
+    #[serde(default)]
+    constants: BTreeMap<String, f64>,
+    columns: BTreeMap<String, ColumnMap>,
+}

@@ -1,0 +1,177 @@
+//! A first manifest: looks at what a folder holds and writes a commented `dataset.toml`.
+
+use std::{
+    fmt::Write as _,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use crate::{
+    error::DatasetError,
+    format::{Inspection, LogFormat, StreamInfo, all_formats},
+    manifest::MANIFEST_NAME,
+    object::shape_in_name,
+    preset::Preset,
+    remark::StreamRole,
+};
+
+/// Writes `dataset.toml` into a folder of recordings, by a preset or from what is there.
+///
+/// # Errors
+/// `Unwritable` if there is a manifest already, `NoRecordings` for a folder without recordings,
+/// `Io`, and what inspecting the first recording may say.
+pub fn init(dir: &Path, preset: Option<Preset>) -> Result<PathBuf, DatasetError> {
+    let path = dir.join(MANIFEST_NAME);
+    if path.exists() {
+        return Err(DatasetError::Unwritable {
+            path,
+            format: "manifest",
+            what: "it exists; remove or rename it first".to_owned(),
+        });
+    }
+    let text = match preset {
+        Some(preset) => preset.text().to_owned(),
+        None => draft_manifest(dir)?,
+    };
+    let part = path.with_added_extension("part");
+    fs::write(&part, text).map_err(|error| DatasetError::io("write", &part, error))?;
+    fs::rename(&part, &path).map_err(|error| DatasetError::io("write", &path, error))?;
+    Ok(path)
+}
+
+/// The text of a manifest for a folder, with all that its first recording tells.
+///
+/// What no recording can tell (shape, mass, pusher) is left as `"TODO"`, which is refused with the
+/// allowed values until it is filled in.
+///
+/// # Errors
+/// As [`init`].
+pub fn draft_manifest(dir: &Path) -> Result<String, DatasetError> {
+    let (format, folder, recordings) = find_recordings(dir)?;
+    let first = &recordings[0];
+    let inspection = format.inspect(first)?;
+    let title = dir.file_name().unwrap_or(dir.as_os_str()).to_string_lossy();
+    let example = first.file_name().unwrap_or(first.as_os_str()).to_string_lossy();
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    let _ = write!(
+        out,
+        "# Written from {} recordings; the streams below are those of {example}.\n\
+         name = {title:?}\n\n{}\n\
+         [pusher]\n\
+         radius_m = \"TODO\"         # of the round tip, in m\n\
+         friction = 0.25             # pusher-object, nominal: CHECK\n\n\
+         [support]\n\
+         friction = 0.25             # object-table, nominal: CHECK\n\
+         gravity_m_s2 = 9.81\n\n\
+         [recordings]\n\
+         format = {:?}\n\
+         path = {folder:?}\n",
+        recordings.len(),
+        object_text(&example),
+        format.id(),
+    );
+    for role in StreamRole::ALL {
+        out.push_str(&stream_text(role, &inspection));
+    }
+    for remark in &inspection.remarks {
+        let _ = write!(out, "\n# {}", remark.text);
+    }
+    out.push('\n');
+    Ok(out)
+}
+
+/// Recordings in the folder itself or in one below it.
+fn find_recordings(
+    dir: &Path,
+) -> Result<(&'static dyn LogFormat, String, Vec<PathBuf>), DatasetError> {
+    let entries = fs::read_dir(dir).map_err(|error| DatasetError::io("read", dir, error))?;
+    let mut folders = vec![".".to_owned()];
+    let mut below: Vec<_> = entries
+        .filter_map(|entry| entry.ok())
+        .filter(|entry| entry.path().is_dir())
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .collect();
+    below.sort();
+    folders.append(&mut below);
+    for folder in folders {
+        for &format in all_formats() {
+            match format.find(&dir.join(&folder)) {
+                Ok(recordings) if !recordings.is_empty() => {
+                    return Ok((format, folder, recordings));
+                }
+                Ok(_) | Err(DatasetError::NoRecordings { .. }) => {}
+                Err(error) => return Err(error),
+            }
+        }
+    }
+    Err(DatasetError::NoRecordings {
+        path: dir.into(),
+        format: "any",
+        expected: "MCAP, CSV folders, MIT JSON or HDF5, or ROS 1 bags (features of this build)",
+    })
+}
+
+fn object_text(recording: &str) -> &'static str {
+    if shape_in_name(recording).is_some() {
+        return "[object]\n\
+                shape = \"by-file-name\"      # an MIT object, named in each recording's name\n";
+    }
+    "[object]\n\
+     shape = \"TODO\"              # square | rectangle | polygon | ellipse, or an MIT object\n\
+     # side_m = 0.09             # square; rectangle: width_m, height_m; ellipse: semi_axes_m\n\
+     # vertices_m = [[0.0, 0.0]] # polygon, counter-clockwise, in the tracked body's frame\n\
+     # mass_kg = 0.8\n\
+     # moment_of_inertia_kg_m2 and center_of_mass_m: of uniform density if left out\n"
+}
+
+/// The table of one stream: its topic where only one fits, else all that do.
+fn stream_text(role: StreamRole, inspection: &Inspection) -> String {
+    let fitting: Vec<_> =
+        inspection.streams.iter().filter(|stream| stream.fits.contains(&role)).collect();
+    let mut out = format!("\n[streams.{role}]\n");
+    match fitting[..] {
+        [only] => {
+            let _ = writeln!(out, "topic = {:?}  # {}", only.name, describe(only));
+        }
+        [] => {
+            out.push_str("# nothing fits by its type; the recording has:\n");
+            for stream in &inspection.streams {
+                let _ = writeln!(out, "#   {:?}: {}", stream.name, describe(stream));
+            }
+        }
+        _ => {
+            out.push_str("# several fit, CHECK:\n");
+            for stream in fitting {
+                let _ = writeln!(out, "# topic = {:?}  # {}", stream.name, describe(stream));
+            }
+        }
+    }
+    if role == StreamRole::Object && !inspection.frames.is_empty() {
+        let frames: Vec<_> = inspection
+            .frames
+            .iter()
+            .map(|(parent, child)| format!("{parent} <- {child}"))
+            .collect();
+        let _ = writeln!(out, "# frames in the log: {}", frames.join(", "));
+        out.push_str("# transform = { tf_parent = \"…\", tf_child = \"…\" }\n");
+    }
+    if role == StreamRole::Wrench {
+        out.push_str("# the force of the object on the pusher, in the world frame; else:\n");
+        out.push_str("# frame = \"sensor\"\n# signs = [\"-x\", \"+y\", \"-z\"]\n");
+    }
+    out
+}
+
+fn describe(stream: &StreamInfo) -> String {
+    let mut parts = Vec::new();
+    if !stream.type_name.is_empty() {
+        parts.push(stream.type_name.clone());
+    }
+    if !stream.columns.is_empty() {
+        parts.push(format!("columns {}", stream.columns.join(", ")));
+    }
+    parts.push(format!("{} samples", stream.count));
+    parts.extend(stream.rate_hz.map(|rate| format!("{rate:.0} Hz")));
+    parts.join(", ")
+}
