@@ -54,4 +54,12 @@ pub enum MechanicsError {
         /// What was asked for.
         tolerance: f64,
     },
+    /// A matrix that must be symmetric and positive definite is not.
+    #[error("{name} must be finite, symmetric and positive definite, got columns {columns:?}")]
+    NotPositiveDefinite {
+        /// Which matrix.
+        name: &'static str,
+        /// The matrix, by columns.
+        columns: [[f64; 3]; 3],
+    },
 }
