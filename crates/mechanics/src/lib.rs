@@ -3,17 +3,32 @@
 
 mod ellipsoid;
 mod error;
+mod general_push;
 mod limit_surface;
 mod patch;
+mod path;
+mod path_motion;
+mod path_push;
 mod point_set;
 mod polar;
+mod push;
 mod quadrature;
+mod quadric_push;
+mod root;
+mod runge_kutta;
 mod single_point;
+mod slider;
 mod uniform_patch;
 
 pub use ellipsoid::Ellipsoid;
 pub use error::MechanicsError;
+pub use general_push::predict_under;
 pub use limit_surface::{LimitSurface, WrenchSet};
 pub use patch::Patch;
+pub use path::{Polyline, PusherPath, SmoothPath, StraightPath};
+pub use path_motion::{ContactPhase, PathMotion, PathSample, PathSettings, Place};
+pub use path_push::push_along;
 pub use point_set::{Facet, PointSet};
+pub use push::{ContactMode, Push, PushMotion, predict};
 pub use single_point::SinglePoint;
+pub use slider::{Pusher, Slider};
