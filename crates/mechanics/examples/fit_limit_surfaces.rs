@@ -1,6 +1,8 @@
 //! Fits ellipsoid, quartic and patch to measured wrench–twist pairs of the MIT objects.
 //!
 //! `cargo run --release -p mechanics --example fit_limit_surfaces -- wrench_twist_plywood.csv`
+//!
+//! Names of objects after the path restrict the table to them.
 
 use mechanics::{MechanicsError, WrenchTwist, fit_ellipsoid, fit_patch, fit_quartic};
 use nalgebra::Vector2;
@@ -12,7 +14,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let text = std::fs::read_to_string(&path).map_err(|error| format!("{path}: {error}"))?;
     println!("object  pairs   force error in N (rms)        twist error in ° (mean)");
     println!("                ellipsoid  quartic  patch     ellipsoid  quartic  patch   attempts");
+    let asked: Vec<String> = std::env::args().skip(2).collect();
     for name in MIT_NAMES {
+        if !asked.is_empty() && !asked.iter().any(|a| a == name) {
+            continue;
+        }
         let shape = about_centroid(&mit_object(name)?.shape)?;
         let length = shape.mean_distance(&Vector2::zeros());
         let pairs = pairs_of(name, &text, length)?;

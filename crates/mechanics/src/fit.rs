@@ -42,8 +42,8 @@ pub fn fit_ellipsoid(pairs: &[WrenchTwist], length: f64) -> Result<Fit<Ellipsoid
         })
         .to_vec();
     let terms =
-        |w: &Vector3<f64>| basis.iter().map(|m| (w.dot(&(m * w)), m * w)).collect::<Vec<_>>();
-    let solution = scaled.level_set_fit("an ellipsoid", &terms)?;
+        |w: &Vector3<f64>| basis.iter().map(|m| (0.5 * w.dot(&(m * w)), m * w)).collect::<Vec<_>>();
+    let solution = scaled.level_set_fit("an ellipsoid", 2.0, &terms)?;
     let matrix: Matrix3<f64> = basis.iter().zip(solution.iter()).map(|(m, c)| m * *c).sum();
     let unscale = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 1.0 / length)) / scaled.force;
     Ellipsoid::from_matrix(unscale * matrix * unscale)
@@ -58,10 +58,10 @@ pub fn fit_quartic(pairs: &[WrenchTwist], length: f64) -> Result<Fit<Quartic>, M
     let scaled = Scaled::new("a quartic", pairs, length, 15)?;
     let unit = |k: usize| -> [f64; 15] { std::array::from_fn(|i| f64::from(u8::from(i == k))) };
     let terms = |w: &Vector3<f64>| {
-        let term = |k| (polynomial(&unit(k), w), 0.25 * gradient(&unit(k), w));
+        let term = |k| (0.25 * polynomial(&unit(k), w), 0.25 * gradient(&unit(k), w));
         (0..QUARTIC_EXPONENTS.len()).map(term).collect::<Vec<_>>()
     };
-    let solution = scaled.level_set_fit("a quartic", &terms)?;
+    let solution = scaled.level_set_fit("a quartic", 4.0, &terms)?;
     let scale = scaled.force.powi(-4);
     let free: [f64; 15] = std::array::from_fn(|k| scale * solution[k]);
     let ellipsoid = fit_ellipsoid(pairs, length)?.surface;
@@ -85,7 +85,7 @@ pub fn fit_patch(
     pairs: &[WrenchTwist],
     length: f64,
 ) -> Result<Fit<Patch>, MechanicsError> {
-    let scaled = Scaled::new("a patch", pairs, length, 4)?;
+    Scaled::new("a patch", pairs, length, 4)?;
     let radius = shape.bounding_radius();
     // Lifted by |r| ≤ radius every basis field is a traction by itself; the lift is taken off again.
     let basis: [fn(&Vector2<f64>) -> f64; 4] =
@@ -116,7 +116,6 @@ pub fn fit_patch(
         Patch::with_traction(shape, field)
     };
     let (surface, iterations) = least_blend(&blend)?;
-    debug_assert!(scaled.force > 0.0);
     scored(surface, pairs, length, iterations)
 }
 
@@ -182,17 +181,19 @@ impl Scaled {
     }
 
     /// Least squares for H(w) = 1 and for a gradient along the motion, both linear in the
-    /// coefficients; `terms` gives each term's value and its gradient over its degree.
+    /// coefficients; `terms` gives each term's value and its gradient, both over its degree, so
+    /// that near the surface the residuals of all degrees are those of the level.
     fn level_set_fit(
         &self,
         what: &'static str,
+        degree: f64,
         terms: &impl Fn(&Vector3<f64>) -> Vec<(f64, Vector3<f64>)>,
     ) -> Result<DVector<f64>, MechanicsError> {
         let n_terms = terms(&Vector3::x()).len();
         let mut rows = DMatrix::zeros(4 * self.pairs.len(), n_terms);
         let mut right = DVector::zeros(4 * self.pairs.len());
         for (i, (w, motion)) in self.pairs.iter().enumerate() {
-            right[4 * i] = 1.0;
+            right[4 * i] = 1.0 / degree;
             for (k, (value, gradient)) in terms(w).into_iter().enumerate() {
                 rows[(4 * i, k)] = value;
                 let across = gradient - gradient.dot(motion) * motion;
@@ -221,7 +222,8 @@ fn least_squares(
     let qr = rows.qr();
     let (r, projected) = (qr.r(), qr.q().transpose() * right);
     let diagonal = r.diagonal().abs();
-    if !(diagonal.min() > 1e-10 * diagonal.max()) {
+    let floor = 1e-10 * diagonal.max();
+    if !diagonal.iter().all(|x| *x > floor) {
         return Err(undetermined());
     }
     r.solve_upper_triangular(&projected).ok_or_else(undetermined)
@@ -270,7 +272,7 @@ fn refuse_negative(
                 let rim = shape.point_at(edge, f64::from(k) / 64.0);
                 let r = center + f64::from(j) / 16.0 * (rim - center);
                 let value = field(&r);
-                if !(value >= 0.0) {
+                if value < 0.0 || value.is_nan() {
                     return Err(MechanicsError::BadTraction { value, x: r.x, y: r.y });
                 }
             }
