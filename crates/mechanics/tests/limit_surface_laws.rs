@@ -1,5 +1,7 @@
 //! What every limit surface obeys.
 
+#![allow(clippy::unwrap_used, reason = "a surface that cannot be built fails its laws")]
+
 use mechanics::{Ellipsoid, LimitSurface, Patch, PointSet, Quartic};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Ellipse, Shape, Twist, Wrench, mit_object};
