@@ -1,7 +1,8 @@
 //! The ellipsoidal limit surface.
 
 use crate::limit_surface::{direction_of_twist, direction_of_wrench};
-use crate::{LimitSurface, MechanicsError, WrenchSet};
+use crate::quadric_push::quadric_push;
+use crate::{LimitSurface, MechanicsError, Push, PushMotion, WrenchSet};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Shape, Twist, Wrench};
 
@@ -138,6 +139,10 @@ impl LimitSurface for Ellipsoid {
     fn characteristic_length(&self) -> f64 {
         let force = 0.5 * (self.inverse[(0, 0)] + self.inverse[(1, 1)]);
         (self.inverse[(2, 2)] / force).sqrt()
+    }
+
+    fn push(&self, push: &Push) -> Result<PushMotion, MechanicsError> {
+        quadric_push(&self.matrix, push)
     }
 }
 

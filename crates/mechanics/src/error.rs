@@ -119,4 +119,20 @@ pub enum MechanicsError {
         /// What is being fitted.
         what: &'static str,
     },
+    /// The load besides the pusher's is more than friction can bear.
+    #[error(
+        "the external load is {level} times what the limit surface bears: the object slides without a push, lower the load or raise the friction"
+    )]
+    SlidesByItself {
+        /// The load's level on the limit surface, 1 at most for rest.
+        level: f64,
+    },
+    /// A pusher's path is not usable.
+    #[error("point {index} of the pusher's path: {reason}")]
+    BadPath {
+        /// 0-based point, or the number of points if they are too few.
+        index: usize,
+        /// What is wrong.
+        reason: &'static str,
+    },
 }
