@@ -3,8 +3,10 @@
 
 mod ellipsoid;
 mod error;
+mod fit;
 mod general_push;
 mod limit_surface;
+mod mesh;
 mod patch;
 mod path;
 mod path_motion;
@@ -14,6 +16,7 @@ mod polar;
 mod push;
 mod quadrature;
 mod quadric_push;
+mod quartic;
 mod root;
 mod runge_kutta;
 mod single_point;
@@ -22,13 +25,16 @@ mod uniform_patch;
 
 pub use ellipsoid::Ellipsoid;
 pub use error::MechanicsError;
+pub use fit::{Fit, WrenchTwist, fit_ellipsoid, fit_patch, fit_quartic, scored};
 pub use general_push::predict_under;
 pub use limit_surface::{LimitSurface, WrenchSet};
+pub use mesh::{Mesh, mesh};
 pub use patch::Patch;
 pub use path::{Polyline, PusherPath, SmoothPath, StraightPath};
 pub use path_motion::{ContactPhase, PathMotion, PathSample, PathSettings, Place};
 pub use path_push::push_along;
 pub use point_set::{Facet, PointSet};
 pub use push::{ContactMode, Push, PushMotion, predict};
+pub use quartic::{QUARTIC_EXPONENTS, Quartic};
 pub use single_point::SinglePoint;
 pub use slider::{Pusher, Slider};
