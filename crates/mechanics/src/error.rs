@@ -70,4 +70,12 @@ pub enum MechanicsError {
         /// What is wrong.
         reason: &'static str,
     },
+    /// A matrix that must be symmetric and positive definite is not.
+    #[error("{name} must be finite, symmetric and positive definite, got columns {columns:?}")]
+    NotPositiveDefinite {
+        /// Which matrix.
+        name: &'static str,
+        /// The matrix, by columns.
+        columns: [[f64; 3]; 3],
+    },
 }

@@ -3,23 +3,29 @@
 
 mod ellipsoid;
 mod error;
+mod friction_cone;
 mod general_push;
 mod limit_surface;
+mod motion_cone;
 mod path;
 mod path_motion;
 mod path_push;
 mod push;
 mod quadric_push;
 mod root;
+mod rotation;
 mod runge_kutta;
 mod slider;
 
 pub use ellipsoid::Ellipsoid;
 pub use error::MechanicsError;
+pub use friction_cone::FrictionCone;
 pub use general_push::predict_under;
 pub use limit_surface::{LimitSurface, WrenchSet};
+pub use motion_cone::MotionCone;
 pub use path::{Polyline, PusherPath, SmoothPath, StraightPath};
 pub use path_motion::{ContactPhase, PathMotion, PathSample, PathSettings, Place};
 pub use path_push::push_along;
 pub use push::{ContactMode, Push, PushMotion, predict};
+pub use rotation::{CenterOfRotation, Sense, sense_of_rotation};
 pub use slider::{Pusher, Slider};
