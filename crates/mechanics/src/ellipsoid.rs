@@ -65,22 +65,23 @@ impl Ellipsoid {
     }
 
     /// The ellipsoid through three true loads of `surface`: those of the motions along x, along y
-    /// and about the origin, which become conjugate half axes (A⁻¹ = Σ w wᵀ).
+    /// and about the center of friction, which become conjugate half axes (A⁻¹ = Σ w wᵀ).
     ///
-    /// A turn about the origin has exactly its true load, net force included; that force is zero
-    /// only where the origin is the center of torsion.
+    /// The turn keeps exactly its true load, net force included; that force is zero only where the
+    /// center of friction is also the center of torsion (not in a triangle).
     ///
     /// # Errors
     /// Those of the surface, and `NotPositiveDefinite` if the loads lie in a plane.
     pub fn through_loads(surface: &dyn LimitSurface) -> Result<Self, MechanicsError> {
-        let mut inverse = Matrix3::zeros();
-        for axis in 0..3 {
-            let mut twist = Vector3::zeros();
-            twist[axis] = 1.0;
-            let load = surface.wrench(&Twist::from_vector(&twist))?.to_vector();
-            inverse += load * load.transpose();
-        }
-        Self::from_inverse(inverse)
+        let along_x = surface.wrench(&Twist::new(1.0, 0.0, 0.0))?;
+        let along_y = surface.wrench(&Twist::new(0.0, 1.0, 0.0))?;
+        let center = Vector2::new(
+            along_y.torque / along_y.force.norm(),
+            -along_x.torque / along_x.force.norm(),
+        );
+        let turn = surface.wrench(&Twist::new(center.y, -center.x, 1.0))?;
+        let loads = [along_x, along_y, turn].map(|load| load.to_vector());
+        Self::from_inverse(loads.iter().map(|load| load * load.transpose()).sum())
     }
 
     /// The same surface about another reference point, `point` in m in the present frame.
