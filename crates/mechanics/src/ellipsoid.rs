@@ -163,7 +163,7 @@ fn checked_inverse(
         return Err(refused());
     }
     let inverse = balanced.cholesky().ok_or_else(refused)?.inverse();
-    if !(inverse.amax() < 1e14) {
+    if !inverse.iter().all(|x| x.abs() < 1e14) {
         return Err(refused());
     }
     Ok(balance * inverse * balance)

@@ -75,15 +75,26 @@ impl Cells {
         Ok(done.0)
     }
 
+    /// Halves the longest side; a kink stays the first corner of the parts that hold it.
     fn children(
         &self,
         cell: &Cell,
         f: &impl Fn(&Vector2<f64>) -> Result<Vector3<f64>, MechanicsError>,
-    ) -> Result<[Cell; 4], MechanicsError> {
+    ) -> Result<[Cell; 2], MechanicsError> {
         let [a, b, c] = cell.corners;
-        let (ab, bc, ca) = (0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a));
+        let (ab, bc, ca) = ((b - a).norm(), (c - b).norm(), (a - c).norm());
+        let halves = if bc >= ab && bc >= ca {
+            let m = 0.5 * (b + c);
+            [[a, b, m], [a, m, c]]
+        } else if ab >= ca {
+            let m = 0.5 * (a + b);
+            [[a, m, c], [m, b, c]]
+        } else {
+            let m = 0.5 * (c + a);
+            [[a, b, m], [b, c, m]]
+        };
         let child = |corners| Ok(Cell { corners, value: self.rule(&corners, f)? });
-        Ok([child([a, ab, ca])?, child([ab, b, bc])?, child([ca, bc, c])?, child([bc, ca, ab])?])
+        Ok([child(halves[0])?, child(halves[1])?])
     }
 
     /// 64 Gauss points in coordinates that collapse at the first corner.
