@@ -17,3 +17,4 @@ pub(crate) use mcap_log::McapFormat;
 #[cfg(feature = "hdf5")]
 pub(crate) use mit_hdf5::MitHdf5Format;
 pub(crate) use mit_json::MitJsonFormat;
+pub(crate) use mit_rows::default_data_set;
