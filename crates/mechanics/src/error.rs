@@ -54,6 +54,22 @@ pub enum MechanicsError {
         /// What was asked for.
         tolerance: f64,
     },
+    /// The load besides the pusher's is more than friction can bear.
+    #[error(
+        "the external load is {level} times what the limit surface bears: the object slides without a push, lower the load or raise the friction"
+    )]
+    SlidesByItself {
+        /// The load's level on the limit surface, 1 at most for rest.
+        level: f64,
+    },
+    /// A pusher's path is not usable.
+    #[error("point {index} of the pusher's path: {reason}")]
+    BadPath {
+        /// 0-based point, or the number of points if they are too few.
+        index: usize,
+        /// What is wrong.
+        reason: &'static str,
+    },
     /// A matrix that must be symmetric and positive definite is not.
     #[error("{name} must be finite, symmetric and positive definite, got columns {columns:?}")]
     NotPositiveDefinite {
@@ -118,21 +134,5 @@ pub enum MechanicsError {
     Undetermined {
         /// What is being fitted.
         what: &'static str,
-    },
-    /// The load besides the pusher's is more than friction can bear.
-    #[error(
-        "the external load is {level} times what the limit surface bears: the object slides without a push, lower the load or raise the friction"
-    )]
-    SlidesByItself {
-        /// The load's level on the limit surface, 1 at most for rest.
-        level: f64,
-    },
-    /// A pusher's path is not usable.
-    #[error("point {index} of the pusher's path: {reason}")]
-    BadPath {
-        /// 0-based point, or the number of points if they are too few.
-        index: usize,
-        /// What is wrong.
-        reason: &'static str,
     },
 }
