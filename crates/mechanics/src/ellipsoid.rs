@@ -1,6 +1,8 @@
 //! The ellipsoidal limit surface.
 
-use crate::{LimitSurface, MechanicsError, WrenchSet};
+use crate::quadric_push::quadric_push;
+use crate::{LimitSurface, MechanicsError, Push, PushMotion, WrenchSet};
+use nalgebra::{Matrix3, Vector3};
 use planar::{Twist, Wrench};
 
 /// (Fx² + Fy²)/Fmax² + M²/Mmax² = 1, upright and centered.
@@ -61,5 +63,10 @@ impl LimitSurface for Ellipsoid {
 
     fn characteristic_length(&self) -> f64 {
         self.tau_max / self.f_max
+    }
+
+    fn push(&self, push: &Push) -> Result<PushMotion, MechanicsError> {
+        let (force, moment) = (self.f_max.powi(-2), self.tau_max.powi(-2));
+        quadric_push(&Matrix3::from_diagonal(&Vector3::new(force, force, moment)), push)
     }
 }

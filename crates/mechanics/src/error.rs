@@ -54,4 +54,12 @@ pub enum MechanicsError {
         /// What was asked for.
         tolerance: f64,
     },
+    /// The load besides the pusher's is more than friction can bear.
+    #[error(
+        "the external load is {level} times what the limit surface bears: the object slides without a push, lower the load or raise the friction"
+    )]
+    SlidesByItself {
+        /// The load's level on the limit surface, 1 at most for rest.
+        level: f64,
+    },
 }

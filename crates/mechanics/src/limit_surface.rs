@@ -1,6 +1,6 @@
 //! The limit surface: which loads move a supported object, and how.
 
-use crate::MechanicsError;
+use crate::{MechanicsError, Push, PushMotion, predict_under};
 use planar::{Twist, Wrench};
 
 /// A closed, convex surface in the space of wrenches (Fx, Fy, M) that bounds what friction can bear.
@@ -57,6 +57,14 @@ pub trait LimitSurface: std::fmt::Debug + Send + Sync {
             WrenchSet::Point(wrench) => wrench,
             WrenchSet::Disc { center, .. } => center,
         })
+    }
+
+    /// The quasi-static motion under a push; surfaces with a closed form override it.
+    ///
+    /// # Errors
+    /// As [`crate::predict`].
+    fn push(&self, push: &Push) -> Result<PushMotion, MechanicsError> {
+        predict_under(self, push, &Wrench::default())
     }
 }
 
