@@ -5,6 +5,7 @@
 mod bench;
 mod cargo;
 mod ci;
+mod real_data;
 mod test;
 mod tidy;
 
@@ -24,6 +25,7 @@ struct CommandLine {
 enum Task {
     Bench(bench::Args),
     Ci(ci::Args),
+    RealData(real_data::Args),
     Test(test::Args),
     Tidy(tidy::Args),
 }
@@ -32,6 +34,7 @@ fn main() -> ExitCode {
     let result = match CommandLine::parse().task {
         Task::Bench(args) => bench::run(&args),
         Task::Ci(args) => ci::run(&args),
+        Task::RealData(args) => real_data::run(&args),
         Task::Test(args) => test::run(&args),
         Task::Tidy(args) => tidy::run(&args),
     };

@@ -75,6 +75,11 @@ impl Analytical {
         &self.length
     }
 
+    /// The covariance of an observed step about the prediction, per meter of way squared.
+    pub fn scatter(&self) -> &Matrix3<f64> {
+        &self.scatter
+    }
+
     /// c for the object of a step, in m.
     pub fn characteristic_length(&self, step: &StepInput) -> f64 {
         match &self.length {
