@@ -62,4 +62,12 @@ pub enum MechanicsError {
         /// The load's level on the limit surface, 1 at most for rest.
         level: f64,
     },
+    /// A pusher's path is not usable.
+    #[error("point {index} of the pusher's path: {reason}")]
+    BadPath {
+        /// 0-based point, or the number of points if they are too few.
+        index: usize,
+        /// What is wrong.
+        reason: &'static str,
+    },
 }
