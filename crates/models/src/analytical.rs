@@ -1,8 +1,8 @@
 //! The analytical model: the quasi-static push on an ellipsoidal limit surface.
 
-use mechanics::{Ellipsoid, Push, predict};
-use nalgebra::{Matrix3, UnitVector2, Vector2};
-use planar::{Pose, Twist};
+use mechanics::{Ellipsoid, PathSettings, Pusher, Slider, StraightPath, push_along};
+use nalgebra::Matrix3;
+use planar::Pose;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{not_negative, positive};
@@ -96,53 +96,23 @@ impl Analytical {
     /// `Mechanics` for what the mechanics refuse.
     pub fn motion(&self, step: &StepInput) -> Result<Pose, ModelError> {
         let surface = Ellipsoid::new(1.0, self.characteristic_length(step))?;
-        let center_b = step.shape().centroid();
-        let (mut pose, mut travelled) = (Pose::new(0.0, 0.0, 0.0), 0.0);
-        while step.distance() - travelled > 1e-12 {
-            let rest = step.distance() - travelled;
-            let gap = contact(step, &pose, travelled).gap;
-            let advance = if gap > CONTACT_GAP { gap.min(rest) } else { MAX_ADVANCE.min(rest) };
-            if gap <= CONTACT_GAP {
-                let first = self.twist(&surface, &center_b, step, &pose, travelled)?;
-                let halfway = pose * Pose::exp(&scaled(&first, 0.5 * advance));
-                let at = travelled + 0.5 * advance;
-                let middle = self.twist(&surface, &center_b, step, &halfway, at)?;
-                pose = pose * Pose::exp(&scaled(&middle, advance));
-            }
-            travelled += advance;
-        }
-        Ok(pose)
-    }
-
-    fn twist(
-        &self,
-        surface: &Ellipsoid,
-        center_b: &Vector2<f64>,
-        step: &StepInput,
-        pose: &Pose,
-        travelled: f64,
-    ) -> Result<Twist, ModelError> {
-        let contact = contact(step, pose, travelled);
-        let push = Push {
-            p_sc: contact.point - center_b,
-            normal_s: UnitVector2::new_normalize(contact.normal),
-            v_wp_s: pose.inverse_rotate(&step.direction_b()),
-            friction: self.pusher_friction.value,
+        let center = step.shape().centroid();
+        let slider = Slider {
+            shape: step.shape(),
+            surface: &surface,
+            pose_bs: Pose::new(center.x, center.y, 0.0),
         };
-        Ok(predict(surface, &push)?.twist_ws_s.shifted(&-center_b))
+        let pusher =
+            Pusher { radius: step.pusher_radius(), friction: self.pusher_friction.value };
+        // Quasi-static motion does not know time: the pusher moves at 1 m/s.
+        let path = StraightPath {
+            start_w: step.start_b(),
+            velocity_w: step.direction_b(),
+            duration: step.distance(),
+        };
+        let origin = Pose::new(0.0, 0.0, 0.0);
+        Ok(push_along(&slider, &pusher, &path, &origin, &PathSettings::default())?.pose_wb)
     }
-}
-
-const CONTACT_GAP: f64 = 1e-6;
-const MAX_ADVANCE: f64 = 5e-4;
-
-fn contact(step: &StepInput, pose: &Pose, travelled: f64) -> planar::Contact {
-    let center = step.start_b() + travelled * step.direction_b();
-    step.shape().contact(&pose.inverse_transform_point(&center), step.pusher_radius())
-}
-
-fn scaled(twist: &Twist, factor: f64) -> Twist {
-    Twist { linear: factor * twist.linear, angular: factor * twist.angular }
 }
 
 impl PushModel for Analytical {

@@ -278,7 +278,7 @@ impl Source<'_> {
         least: f64,
     ) -> Result<Estimate, ModelError> {
         let RawEstimate { value, se, source } = raw.get_ref();
-        for (name, value, least) in [("value", *value, least), ("se", *se, 0.0)] {
+        for (name, value, least) in [("value", raw.get_ref().value, least), ("se", raw.get_ref().se, 0.0)] {
             if !(value >= least && value.is_finite()) {
                 let sign = if least > 0.0 { "positive" } else { "not negative" };
                 let problem = format!("must be finite and {sign}, got {value}");
