@@ -1,6 +1,6 @@
 //! The analytical model with Gaussian processes on what it leaves over.
 
-use gp_core::{LearnOptions, LearnReport};
+use gp_core::{LearnOptions, LearnReport, Mean};
 
 use crate::step_gps::StepGps;
 use crate::{
@@ -10,7 +10,7 @@ use crate::{
 
 /// An analytical model plus three independent Gaussian processes on its residuals.
 ///
-/// Far from the training steps it falls back to the analytical model and the residuals' mean; the
+/// The processes have mean zero: far from the training steps the analytical model alone speaks. The
 /// scatter is that which the processes have learnt.
 #[derive(Clone, Debug)]
 pub struct Hybrid {
@@ -19,7 +19,8 @@ pub struct Hybrid {
 }
 
 impl Hybrid {
-    /// Learns the residuals of `analytical` from observed steps; O(N³).
+    /// Learns the residuals of `analytical` from observed steps, whatever `options` say of the mean
+    /// about a mean of zero; O(N³).
     ///
     /// # Errors
     /// As [`crate::GpPushModel::learn`], and those of the analytical model.
@@ -31,7 +32,8 @@ impl Hybrid {
         let inputs: Vec<_> = steps.iter().map(|step| &step.input).collect();
         let residuals: Result<Vec<_>, _> =
             steps.iter().map(|step| analytical.error(step)).collect();
-        let (gps, reports) = StepGps::learn(&inputs, &residuals?, options)?;
+        let options = LearnOptions { mean: Mean::Fixed(0.0), ..options.clone() };
+        let (gps, reports) = StepGps::learn(&inputs, &residuals?, &options)?;
         Ok((Self { analytical, gps }, reports))
     }
 

@@ -18,7 +18,7 @@ pub(crate) struct Minimum {
 /// Minimises |r(x)|² from `start`; steps are of relative size, so parameters should be of order 1.
 ///
 /// J comes from central differences. It has converged when the largest cosine between the residual
-/// and a column of J is below 1e-6, or when no step above 1e-9 lowers the sum of squares.
+/// and a column of J is below 1e-9, or when no step above 1e-9 lowers the sum of squares.
 ///
 /// # Errors
 /// Those of `residuals` at an accepted point; `Undetermined` if a parameter has no influence, or
@@ -51,7 +51,7 @@ pub(crate) fn least_squares(
 }
 
 const MAX_ITERATIONS: usize = 100;
-const GRADIENT_TOLERANCE: f64 = 1e-6;
+const GRADIENT_TOLERANCE: f64 = 1e-9;
 /// A step below this changes a parameter of order 1 by less than its derivative is known.
 const STEP_TOLERANCE: f64 = 1e-9;
 const DIFFERENCE: f64 = 1e-5;
