@@ -80,9 +80,8 @@ fn read(path: &Path) -> Result<Vec<StepObservation>> {
     let step = |(i, row): (usize, csv::Result<[f64; 5]>)| {
         let line = || format!("{}:{}", path.display(), i + 2);
         let [c, phi, dx, dy_flipped, dtheta] = row.with_context(line)?;
-        let input =
-            StepInput::on_edge(shape.clone(), PUSHER_RADIUS, PUSHED_EDGE, c, phi, DISTANCE)
-                .with_context(line)?;
+        let input = StepInput::on_edge(shape.clone(), PUSHER_RADIUS, PUSHED_EDGE, c, phi, DISTANCE)
+            .with_context(line)?;
         Ok(StepObservation { input, outputs: Vector3::new(dx, -dy_flipped, dtheta) })
     };
     reader.deserialize().enumerate().map(step).collect()

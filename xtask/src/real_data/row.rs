@@ -48,7 +48,8 @@ impl Row {
 
 /// The rows as a text table.
 pub(super) fn table(rows: &[Row]) -> String {
-    let mut text = format!("{:<44} {:>10} {:>18} {:>8}\n", "quantity", "measured", "reference", "ratio");
+    let mut text =
+        format!("{:<44} {:>10} {:>18} {:>8}\n", "quantity", "measured", "reference", "ratio");
     for row in rows {
         let (reference, ratio) = match row.reference {
             Reference::Expected(x) => (format!("{x:.4}"), format!("{:.2}", row.measured / x)),
@@ -59,10 +60,8 @@ pub(super) fn table(rows: &[Row]) -> String {
             Reference::None => (String::new(), String::new()),
         };
         let mark = if row.complaint().is_some() { "  <-- out of band" } else { "" };
-        text += &format!(
-            "{:<44} {:>10.4} {reference:>18} {ratio:>8}{mark}\n",
-            row.name, row.measured
-        );
+        text +=
+            &format!("{:<44} {:>10.4} {reference:>18} {ratio:>8}{mark}\n", row.name, row.measured);
     }
     text
 }
