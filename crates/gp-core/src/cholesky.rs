@@ -1,9 +1,7 @@
 //! The Cholesky factor of a covariance matrix, and what is solved with it.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{
-    LltError, cholesky_in_place, cholesky_in_place_scratch,
-};
+use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
@@ -54,14 +52,12 @@ impl Cholesky {
 ///
 /// # Errors
 /// `NotPositiveDefinite` with the pivot at which the factorisation broke down.
-pub(crate) fn factorize(
-    what: &'static str,
-    mut matrix: MatMut<'_, f64>,
-) -> Result<(), GpError> {
+pub(crate) fn factorize(what: &'static str, mut matrix: MatMut<'_, f64>) -> Result<(), GpError> {
     let n = matrix.nrows();
     let failed = |pivot| GpError::NotPositiveDefinite { what, size: n, pivot };
     let diagonal: Vec<f64> = (0..n).map(|i| matrix[(i, i)]).collect();
-    let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default()));
+    let mut memory =
+        MemBuffer::new(cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default()));
     cholesky_in_place(
         matrix.as_mut(),
         Default::default(),
@@ -97,7 +93,10 @@ pub(crate) fn log_determinant(factor: MatRef<'_, f64>) -> f64 {
 ///
 /// # Errors
 /// `NotPositiveDefinite` if K has a negative pivot beyond rounding.
-pub(crate) fn pivoted_factor(what: &'static str, matrix: MatRef<'_, f64>) -> Result<Mat<f64>, GpError> {
+pub(crate) fn pivoted_factor(
+    what: &'static str,
+    matrix: MatRef<'_, f64>,
+) -> Result<Mat<f64>, GpError> {
     let n = matrix.nrows();
     let mut rest: Vec<f64> = (0..n).map(|i| matrix[(i, i)]).collect();
     let largest = rest.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
