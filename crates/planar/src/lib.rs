@@ -1,2 +1,22 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
+
+mod contact;
+mod ellipse;
+mod error;
+mod mit_object;
+mod polygon;
+mod pose;
+mod shape;
+mod twist;
+mod wrench;
+
+pub use contact::{Contact, Feature};
+pub use ellipse::Ellipse;
+pub use error::PlanarError;
+pub use mit_object::{MIT_NAMES, MitObject, mit_object};
+pub use polygon::Polygon;
+pub use pose::{Pose, wrap_angle};
+pub use shape::Shape;
+pub use twist::{Twist, cross, perpendicular};
+pub use wrench::Wrench;

@@ -1,0 +1,191 @@
+//! Contact of a round pusher with an outline.
+
+use crate::{Ellipse, Polygon, perpendicular};
+use nalgebra::Vector2;
+use std::f64::consts::TAU;
+
+/// Where a round pusher touches an outline, all in the body frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// The outline's point that is nearest to the pusher, in m.
+    pub point: Vector2<f64>,
+    /// Unit normal of the contact, into the object. At a vertex it points from the pusher's center.
+    pub normal: Vector2<f64>,
+    /// 0-based edge; at a vertex, of the two that meet, the one that faces the pusher more.
+    pub edge: usize,
+    /// Position along the edge, 0 to 1.
+    pub p: f64,
+    /// Distance between the pusher's surface and the outline, in m; negative if they overlap.
+    pub gap: f64,
+    /// Whether the pusher touches an edge or a vertex.
+    pub feature: Feature,
+}
+
+/// What part of the outline is touched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Feature {
+    /// The inside of an edge, or a smooth outline.
+    Edge,
+    /// A vertex, whose normal depends on the pusher's position.
+    Vertex,
+}
+
+impl Contact {
+    /// The contact's tangent: the inward normal turned by +90°, the way of decreasing p.
+    pub fn tangent(&self) -> Vector2<f64> {
+        perpendicular(&self.normal)
+    }
+
+    pub(crate) fn with_polygon(polygon: &Polygon, center: &Vector2<f64>, radius: f64) -> Self {
+        let mut nearest = Self::with_edge(polygon, 0, center);
+        for edge in 1..polygon.vertices().len() {
+            let candidate = Self::with_edge(polygon, edge, center);
+            if candidate.is_nearer_than(&nearest, center) {
+                nearest = candidate;
+            }
+        }
+        let inside = polygon.contains(center);
+        let distance = (nearest.point - center).norm();
+        if inside {
+            nearest.normal = edge_normal(polygon, nearest.edge);
+            nearest.feature = Feature::Edge;
+        } else if nearest.feature == Feature::Vertex && distance > 0.0 {
+            nearest.normal = (nearest.point - center) / distance;
+        }
+        nearest.gap = if inside { -distance } else { distance } - radius;
+        nearest
+    }
+
+    pub(crate) fn with_ellipse(ellipse: &Ellipse, center: &Vector2<f64>, radius: f64) -> Self {
+        let psi = ellipse.nearest_parameter(center);
+        let point = ellipse.at_parameter(psi);
+        let (a, b) = ellipse.semi_axes();
+        let distance = (point - center).norm();
+        Self {
+            point,
+            normal: -Vector2::new(point.x / (a * a), point.y / (b * b)).normalize(),
+            edge: 0,
+            p: ellipse.arc_length(psi.rem_euclid(TAU)) / ellipse.perimeter(),
+            gap: if ellipse.contains(center) { -distance } else { distance } - radius,
+            feature: Feature::Edge,
+        }
+    }
+
+    /// The nearest point of one edge, its normal that of the edge.
+    fn with_edge(polygon: &Polygon, edge: usize, center: &Vector2<f64>) -> Self {
+        let vertices = polygon.vertices();
+        let (a, b) = (vertices[edge], vertices[(edge + 1) % vertices.len()]);
+        let along = b - a;
+        let share = (center - a).dot(&along) / along.norm_squared();
+        let p = share.clamp(0.0, 1.0);
+        let feature = if share == p { Feature::Edge } else { Feature::Vertex };
+        let point = if p == 1.0 { b } else { a + p * along };
+        let normal = perpendicular(&along).normalize();
+        Self { point, normal, edge, p, gap: 0.0, feature }
+    }
+
+    /// Nearer to the center or, at a shared vertex, on the edge that faces the center more.
+    fn is_nearer_than(&self, other: &Self, center: &Vector2<f64>) -> bool {
+        if self.point == other.point {
+            let outward = center - self.point;
+            return outward.dot(&self.normal) < outward.dot(&other.normal);
+        }
+        (self.point - center).norm_squared() < (other.point - center).norm_squared()
+    }
+}
+
+fn edge_normal(polygon: &Polygon, edge: usize) -> Vector2<f64> {
+    let vertices = polygon.vertices();
+    perpendicular(&(vertices[(edge + 1) % vertices.len()] - vertices[edge])).normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Feature;
+    use crate::{Ellipse, Polygon, Shape, mit_object};
+    use nalgebra::Vector2;
+    use proptest::prelude::{ProptestConfig, prop_assert, proptest};
+    use proptest::test_runner::RngSeed;
+
+    const RADIUS: f64 = 0.00475;
+
+    #[test]
+    fn a_pusher_left_of_the_square_touches_edge_one() {
+        let square = Shape::square(0.09).unwrap();
+        let contact = square.contact(&Vector2::new(-0.05, 0.0225), RADIUS);
+        assert_eq!((contact.edge, contact.feature), (1, Feature::Edge));
+        assert_eq!(contact.normal, Vector2::new(1.0, 0.0));
+        assert!((contact.point - Vector2::new(-0.045, 0.0225)).norm() < 1e-17);
+        assert!((contact.p - 0.25).abs() < 1e-15);
+        assert!((contact.gap - (0.005 - RADIUS)).abs() < 1e-17);
+        assert_eq!(contact.tangent(), Vector2::new(0.0, 1.0));
+    }
+
+    #[test]
+    fn at_a_vertex_the_normal_points_from_the_pusher_and_the_facing_edge_is_named() {
+        let square = Shape::square(0.09).unwrap();
+        let center = Vector2::new(-0.048, 0.046);
+        let contact = square.contact(&center, RADIUS);
+        assert_eq!(contact.feature, Feature::Vertex);
+        assert_eq!((contact.edge, contact.p), (1, 0.0));
+        assert!((contact.normal - Vector2::new(0.003, -0.001).normalize()).norm() < 1e-12);
+        let above = square.contact(&Vector2::new(-0.046, 0.048), RADIUS);
+        assert_eq!((above.edge, above.p), (0, 1.0));
+    }
+
+    #[test]
+    fn a_center_inside_the_outline_gives_a_negative_gap_and_the_same_normal() {
+        let square = Shape::square(0.09).unwrap();
+        let contact = square.contact(&Vector2::new(-0.044, 0.01), RADIUS);
+        assert!((contact.gap + 0.001 + RADIUS).abs() < 1e-16);
+        assert_eq!(contact.normal, Vector2::new(1.0, 0.0));
+    }
+
+    #[test]
+    fn a_notch_is_touched_on_its_nearer_wall() {
+        let points = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [2.0, 1.0], [0.0, 3.0]];
+        let notch = points.iter().map(|p| Vector2::new(p[0], p[1])).collect();
+        let shape = Shape::Polygon(Polygon::new(notch).unwrap());
+        let contact = shape.contact(&Vector2::new(2.2, 2.0), 0.1);
+        assert_eq!((contact.edge, contact.feature), (2, Feature::Edge));
+        assert!((contact.gap - (0.8 / 2.0_f64.sqrt() - 0.1)).abs() < 1e-12);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig {
+            cases: 256, failure_persistence: None, rng_seed: RngSeed::Fixed(2), ..Default::default()
+        })]
+
+        #[test]
+        fn the_contact_undoes_a_pusher_placed_on_any_edge(
+            name in 0..10usize, edge in 0..6usize, p in 0.02..0.98f64, gap in 0.0..0.01f64,
+        ) {
+            let shape = mit_object(crate::MIT_NAMES[name]).unwrap().shape;
+            let edge = edge % shape.n_edges();
+            let (point, normal) = (shape.point_at(edge, p), shape.inward_normal_at(edge, p));
+            let contact = shape.contact(&(point - (RADIUS + gap) * normal), RADIUS);
+            prop_assert!((contact.gap - gap).abs() < 1e-12);
+            prop_assert!((contact.p - p).abs() < 1e-9 && contact.edge == edge);
+            prop_assert!((contact.point - point).norm() < 1e-10);
+            prop_assert!((contact.normal - normal).norm() < 1e-8);
+        }
+
+        #[test]
+        fn no_point_of_the_outline_is_nearer_than_the_contact(
+            x in -0.1..0.1f64, y in -0.1..0.1f64, p in 0.0..1.0f64, edge in 0..200usize,
+        ) {
+            let center = Vector2::new(x, y);
+            for shape in [
+                mit_object("butter").unwrap().shape,
+                mit_object("tri3").unwrap().shape,
+                Shape::Ellipse(Ellipse::new(0.05, 0.03).unwrap()),
+            ] {
+                let contact = shape.contact(&center, 0.0);
+                prop_assert!((contact.normal.norm() - 1.0).abs() < 1e-12);
+                let other = (shape.point_at(edge, p) - center).norm();
+                prop_assert!(contact.gap.abs() <= other + 1e-12);
+                prop_assert!((contact.gap < 0.0) == shape.contains(&center) || contact.gap == 0.0);
+            }
+        }
+    }
+}
