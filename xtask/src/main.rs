@@ -5,6 +5,7 @@
 mod bench;
 mod cargo;
 mod ci;
+mod figures;
 mod test;
 mod tidy;
 
@@ -24,6 +25,7 @@ struct CommandLine {
 enum Task {
     Bench(bench::Args),
     Ci(ci::Args),
+    ReproduceFigures(figures::Args),
     Test(test::Args),
     Tidy(tidy::Args),
 }
@@ -32,6 +34,7 @@ fn main() -> ExitCode {
     let result = match CommandLine::parse().task {
         Task::Bench(args) => bench::run(&args),
         Task::Ci(args) => ci::run(&args),
+        Task::ReproduceFigures(args) => figures::run(&args),
         Task::Test(args) => test::run(&args),
         Task::Tidy(args) => tidy::run(&args),
     };

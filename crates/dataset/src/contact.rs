@@ -44,7 +44,8 @@ pub(crate) fn find_contacts(scene: &Scene<'_>, settings: &IngestSettings) -> Con
             let seen = by_force(wrench, offset, *noise_sd_n, settings);
             let confirmed = confirm(&seen, &gaps, &touching, wrench, settings);
             let blind = touching.iter().any(|touch| {
-                moves(scene, touch, settings) && !confirmed.iter().any(|force| overlap(force, touch))
+                moves(scene, touch, settings)
+                    && !confirmed.iter().any(|force| overlap(force, touch))
             });
             if blind {
                 zero = ForceZero::Untared { reason: UntaredReason::Blind };
@@ -122,11 +123,7 @@ fn confirm(
 }
 
 /// Stretches that begin above `on` and end below `off`; the level crosses them on straight lines.
-fn hysteresis(
-    levels: impl Iterator<Item = (f64, f64)>,
-    on: f64,
-    off: f64,
-) -> Vec<Interval> {
+fn hysteresis(levels: impl Iterator<Item = (f64, f64)>, on: f64, off: f64) -> Vec<Interval> {
     let mut out = Vec::new();
     let mut start: Option<f64> = None;
     let mut before: Option<(f64, f64)> = None;
@@ -219,7 +216,8 @@ fn object_onset(scene: &Scene<'_>, interval: &Interval, settings: &IngestSetting
         samples.start..(samples.start + 1).min(samples.end)
     };
     let Some(place) = median_pose(object, reference) else { return interval.start };
-    let limit = rest_limit(scene.object_noise(interval.start - LOOK_BACK, interval.start), settings);
+    let limit =
+        rest_limit(scene.object_noise(interval.start - LOOK_BACK, interval.start), settings);
     match samples.clone().find(|&i| !within(object, i, place, limit)) {
         None => interval.end,
         Some(i) if i == samples.start => interval.start,

@@ -193,7 +193,13 @@ impl IngestSettings {
             ("first_touch_way", self.first_touch_way, " m"),
         ];
         let ordered = [
-            ("contact.force_on", contact.force_on, "", contact.force_off, "above contact.force_off"),
+            (
+                "contact.force_on",
+                contact.force_on,
+                "",
+                contact.force_off,
+                "above contact.force_off",
+            ),
             (
                 "contact.release_gap",
                 contact.release_gap,
@@ -263,10 +269,7 @@ mod tests {
         settings.step = StepLength::Time(0.2);
         settings.contact.release_gap = 0.0005;
         let message = settings.validate().unwrap_err().to_string();
-        assert_eq!(
-            message,
-            "contact.release_gap must be above contact.touch_gap, got 0.0005 m"
-        );
+        assert_eq!(message, "contact.release_gap must be above contact.touch_gap, got 0.0005 m");
         settings.contact.release_gap = f64::NAN;
         assert!(settings.validate().is_err());
     }

@@ -43,6 +43,8 @@ mod step;
 mod steps;
 mod table;
 mod table_csv;
+#[cfg(feature = "parquet")]
+mod table_parquet;
 mod track;
 
 pub use error::DatasetError;

@@ -44,7 +44,7 @@ pub enum RepairKind {
 
 /// One repair or finding.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Repair {
+pub(crate) struct Repair {
     /// What was found.
     pub kind: RepairKind,
     /// When, on the recording's clock, in s.
@@ -297,7 +297,9 @@ fn merge_crowded(
                 values[start]
             } else {
                 let first = values[start];
-                first + values[start..end].iter().map(|v| v - first).sum::<f64>() / (end - start) as f64
+                first
+                    + values[start..end].iter().map(|v| v - first).sum::<f64>()
+                        / (end - start) as f64
             }
         };
         merged.push(mean(t));
