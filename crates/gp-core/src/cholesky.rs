@@ -121,3 +121,33 @@ pub(crate) fn pivoted_factor(
     }
     Ok(factor)
 }
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+
+    use super::{factorize, pivoted_factor};
+    use crate::GpError;
+
+    #[test]
+    fn the_pivoted_factor_multiplies_back_and_shows_the_rank() {
+        let root = Mat::from_fn(6, 3, |i, j| ((3 * i + 2 * j) as f64).sin() + (i * j) as f64);
+        let matrix = &root * root.transpose();
+        let factor = pivoted_factor("test", matrix.as_ref()).unwrap();
+        assert_eq!(factor.ncols(), 3);
+        assert!((&factor * factor.transpose() - &matrix).norm_max() < 1e-12 * matrix.norm_max());
+        let nothing = pivoted_factor("test", Mat::zeros(2, 2).as_ref()).unwrap();
+        assert_eq!(nothing.ncols(), 0);
+    }
+
+    #[test]
+    fn a_pivot_of_rounding_only_is_not_positive() {
+        let mut matrix = Mat::full(2, 2, 1.0);
+        matrix[(1, 1)] += f64::EPSILON;
+        let expected = GpError::NotPositiveDefinite { what: "test", size: 2, pivot: 1 };
+        assert_eq!(factorize("test", matrix.as_mut()), Err(expected));
+        let mut matrix = Mat::full(2, 2, 1.0);
+        matrix[(1, 1)] += 1e-12;
+        assert_eq!(factorize("test", matrix.as_mut()), Ok(()));
+    }
+}
