@@ -6,9 +6,7 @@ use planar::Pose;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{not_negative, positive};
-use crate::{
-    Base, Description, Estimate, ModelError, Noise, PushModel, StepInput, StepPrediction,
-};
+use crate::{Base, Description, Estimate, ModelError, Noise, PushModel, StepInput, StepPrediction};
 
 /// The quasi-static push of an object on an ellipsoid about its centroid, integrated over the step.
 ///
@@ -102,8 +100,7 @@ impl Analytical {
             surface: &surface,
             pose_bs: Pose::new(center.x, center.y, 0.0),
         };
-        let pusher =
-            Pusher { radius: step.pusher_radius(), friction: self.pusher_friction.value };
+        let pusher = Pusher { radius: step.pusher_radius(), friction: self.pusher_friction.value };
         // Quasi-static motion does not know time: the pusher moves at 1 m/s.
         let path = StraightPath {
             start_w: step.start_b(),

@@ -51,7 +51,9 @@ pub enum ModelError {
         parameter: &'static str,
     },
     /// A fit ended before it reached its tolerance.
-    #[error("the fit of {what} did not converge in {iterations} iterations (gradient {gradient:e})")]
+    #[error(
+        "the fit of {what} did not converge in {iterations} iterations (gradient {gradient:e})"
+    )]
     NotConverged {
         /// What was fitted.
         what: &'static str,

@@ -186,12 +186,14 @@ impl Source<'_> {
             if allowed.contains(&value.get_ref().as_str()) {
                 return Ok(());
             }
-            let problem = format!("`{}` is not known; allowed: {}", value.get_ref(), allowed.join(", "));
+            let problem =
+                format!("`{}` is not known; allowed: {}", value.get_ref(), allowed.join(", "));
             Err(self.invalid(value.span().start, key, problem))
         };
         expect(&raw.schema, "schema", &[ModelFile::SCHEMA])?;
         if let Some(effect) = raw.effects.first() {
-            let id = effect.get_ref().get("id").and_then(toml::Value::as_str).unwrap_or("without id");
+            let id =
+                effect.get_ref().get("id").and_then(toml::Value::as_str).unwrap_or("without id");
             let problem = format!("effect {id}: this release has no effects; remove the block");
             return Err(self.invalid(effect.span().start, "effects", problem));
         }
@@ -278,7 +280,9 @@ impl Source<'_> {
         least: f64,
     ) -> Result<Estimate, ModelError> {
         let RawEstimate { value, se, source } = raw.get_ref();
-        for (name, value, least) in [("value", raw.get_ref().value, least), ("se", raw.get_ref().se, 0.0)] {
+        for (name, value, least) in
+            [("value", raw.get_ref().value, least), ("se", raw.get_ref().se, 0.0)]
+        {
             if !(value >= least && value.is_finite()) {
                 let sign = if least > 0.0 { "positive" } else { "not negative" };
                 let problem = format!("must be finite and {sign}, got {value}");
@@ -303,10 +307,11 @@ fn read_weights(source: &Source, learned: &Spanned<RawLearned>) -> Result<Weight
     if found != *sha256 {
         return Err(damaged(format!("has SHA-256 {found}, the model was written with {sha256}")));
     }
-    let weights: Weights =
-        serde_json::from_str(&text).map_err(|error| damaged(format!("is not readable: {error}")))?;
+    let weights: Weights = serde_json::from_str(&text)
+        .map_err(|error| damaged(format!("is not readable: {error}")))?;
     if weights.schema != Weights::SCHEMA {
-        let problem = format!("has schema {}, this release reads {}", weights.schema, Weights::SCHEMA);
+        let problem =
+            format!("has schema {}, this release reads {}", weights.schema, Weights::SCHEMA);
         return Err(damaged(problem));
     }
     Ok(weights)

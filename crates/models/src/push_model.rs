@@ -15,11 +15,8 @@ pub trait PushModel: Debug + Send + Sync {
     ///
     /// # Errors
     /// What the mechanics or the Gaussian processes refuse.
-    fn predict(
-        &self,
-        steps: &[StepInput],
-        noise: Noise,
-    ) -> Result<Vec<StepPrediction>, ModelError>;
+    fn predict(&self, steps: &[StepInput], noise: Noise)
+    -> Result<Vec<StepPrediction>, ModelError>;
 
     /// Everything from which the model can be built again.
     ///

@@ -185,7 +185,10 @@ mod tests {
         let refused = |edge, p, beta, distance| {
             StepInput::on_edge(square(), 0.0, edge, p, beta, distance).unwrap_err()
         };
-        assert!(matches!(refused(4, 0.5, 0.0, 0.1), ModelError::NoSuchEdge { edge: 4, n_edges: 4 }));
+        assert!(matches!(
+            refused(4, 0.5, 0.0, 0.1),
+            ModelError::NoSuchEdge { edge: 4, n_edges: 4 }
+        ));
         for (p, beta, distance, name) in [
             (1.5, 0.0, 0.1, "p"),
             (f64::NAN, 0.0, 0.1, "p"),

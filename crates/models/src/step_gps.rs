@@ -65,7 +65,10 @@ impl StepGps {
         let model = |k: usize| {
             self.0[k].to_model().map_err(|source| ModelError::Gp { output: OUTPUTS[k], source })
         };
-        Ok(Weights { schema: Weights::SCHEMA.to_owned(), outputs: [model(0)?, model(1)?, model(2)?] })
+        Ok(Weights {
+            schema: Weights::SCHEMA.to_owned(),
+            outputs: [model(0)?, model(1)?, model(2)?],
+        })
     }
 
     /// The processes that `weights` described.

@@ -209,7 +209,8 @@ fn mirrored_steps_have_mirrored_motions() {
 fn weights_that_were_changed_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("square.toml");
-    let (model, _) = GpPushModel::learn(&steps(20, 1.0), &gp_core::LearnOptions::default()).unwrap();
+    let (model, _) =
+        GpPushModel::learn(&steps(20, 1.0), &gp_core::LearnOptions::default()).unwrap();
     let description: Description = model.describe().unwrap();
     ModelFile { name: "square".into(), description }.write(&path).unwrap();
     let weights = folder.path().join("square.weights.json");

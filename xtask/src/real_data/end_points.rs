@@ -66,11 +66,8 @@ pub(super) fn run(path: &Path) -> Result<Section> {
     let mut by_shape: BTreeMap<&str, Errors> = BTreeMap::new();
     for (push, (position, angle)) in pushes.iter().zip(errors) {
         let sums = by_shape.entry(&push.shape).or_default();
-        *sums = Errors {
-            n: sums.n + 1,
-            position: sums.position + position,
-            angle: sums.angle + angle,
-        };
+        *sums =
+            Errors { n: sums.n + 1, position: sums.position + position, angle: sums.angle + angle };
     }
     Ok(summary(&by_shape))
 }

@@ -80,9 +80,8 @@ fn read(path: &Path) -> Result<Vec<StepObservation>> {
     let step = |(i, row): (usize, csv::Result<[f64; 5]>)| {
         let line = || format!("{}:{}", path.display(), i + 2);
         let [c, phi, dx, dy_flipped, dtheta] = row.with_context(line)?;
-        let input =
-            StepInput::on_edge(shape.clone(), PUSHER_RADIUS, PUSHED_EDGE, c, phi, DISTANCE)
-                .with_context(line)?;
+        let input = StepInput::on_edge(shape.clone(), PUSHER_RADIUS, PUSHED_EDGE, c, phi, DISTANCE)
+            .with_context(line)?;
         Ok(StepObservation { input, outputs: Vector3::new(dx, -dy_flipped, dtheta) })
     };
     reader.deserialize().enumerate().map(step).collect()
@@ -103,7 +102,8 @@ fn score(steps: &[StepObservation], seed: u64, split: u64) -> Result<Split> {
         test.nmse(&model.with_context(|| format!("GP, split {split}, {n} points"))?.0)
     };
     let hybrid = |&(n, _): &(usize, f64)| {
-        let model = Hybrid::learn(nominal.clone(), &train[..n], &options);
+        let base = nominal.fit(&train[..n])?.model;
+        let model = Hybrid::learn(base, &train[..n], &options);
         test.nmse(&model.with_context(|| format!("hybrid, split {split}, {n} points"))?.0)
     };
     Ok(Split {
