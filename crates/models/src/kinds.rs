@@ -33,9 +33,10 @@ static KINDS: [ModelKind; 3] = [
     },
     ModelKind {
         id: "hybrid",
-        about: "analytical model plus Gaussian processes on its residuals",
+        about: "fitted analytical model plus Gaussian processes on its residuals",
         train: |nominal, steps| {
-            Ok(Box::new(Hybrid::learn(nominal.clone(), steps, &LearnOptions::default())?.0))
+            let fitted = nominal.fit(steps)?.model;
+            Ok(Box::new(Hybrid::learn(fitted, steps, &LearnOptions::default())?.0))
         },
     },
 ];

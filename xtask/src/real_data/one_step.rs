@@ -102,7 +102,8 @@ fn score(steps: &[StepObservation], seed: u64, split: u64) -> Result<Split> {
         test.nmse(&model.with_context(|| format!("GP, split {split}, {n} points"))?.0)
     };
     let hybrid = |&(n, _): &(usize, f64)| {
-        let model = Hybrid::learn(nominal.clone(), &train[..n], &options);
+        let base = nominal.fit(&train[..n])?.model;
+        let model = Hybrid::learn(base, &train[..n], &options);
         test.nmse(&model.with_context(|| format!("hybrid, split {split}, {n} points"))?.0)
     };
     Ok(Split {

@@ -17,8 +17,6 @@ pub(super) struct Row {
 pub(super) enum Reference {
     /// It has to lie within the band about this.
     Expected(f64),
-    /// It has to be at most this.
-    AtMost(f64),
     /// Published by others with another method: for the reader only.
     Published(f64),
     /// Nothing is known.
@@ -38,9 +36,6 @@ impl Row {
                 let percent = 100.0 * BAND;
                 Some(format!("{name}: {measured:.4}, expected {expected:.4} ± {percent} %"))
             }
-            Reference::AtMost(limit) if !(*measured <= limit) => {
-                Some(format!("{name}: {measured:.3e}, expected at most {limit:.3e}"))
-            }
             _ => None,
         }
     }
@@ -53,7 +48,6 @@ pub(super) fn table(rows: &[Row]) -> String {
     for row in rows {
         let (reference, ratio) = match row.reference {
             Reference::Expected(x) => (format!("{x:.4}"), format!("{:.2}", row.measured / x)),
-            Reference::AtMost(x) => (format!("at most {x:.4}"), String::new()),
             Reference::Published(x) => {
                 (format!("published {x:.2}"), format!("{:.2}", row.measured / x))
             }
@@ -76,8 +70,6 @@ mod tests {
             (1.14, Reference::Expected(1.0), false),
             (0.84, Reference::Expected(1.0), true),
             (f64::NAN, Reference::Expected(1.0), true),
-            (0.5, Reference::AtMost(0.4), true),
-            (0.3, Reference::AtMost(0.4), false),
             (9.0, Reference::Published(1.0), false),
         ] {
             let row = Row::new("x", measured, reference);
