@@ -11,6 +11,9 @@ use crate::{
     track::PoseNoise,
 };
 
+/// Neighboring samples that must agree that the object has left its place: one alone is noise.
+const RUN: usize = 3;
+
 /// A stretch of time with contact, in s on the recording's clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Interval {
@@ -218,7 +221,9 @@ fn object_onset(scene: &Scene<'_>, interval: &Interval, settings: &IngestSetting
     let Some(place) = median_pose(object, reference) else { return interval.start };
     let limit =
         rest_limit(scene.object_noise(interval.start - LOOK_BACK, interval.start), settings);
-    match samples.clone().find(|&i| !within(object, i, place, limit)) {
+    let away =
+        |i: usize| (i..i + RUN).all(|i| i >= samples.end || !within(object, i, place, limit));
+    match samples.clone().find(|&i| away(i)) {
         None => interval.end,
         Some(i) if i == samples.start => interval.start,
         Some(i) => object.t[i - 1].max(interval.start),
@@ -239,7 +244,9 @@ pub(crate) fn rest_time(
     let noise_from = object.t.get(tail.start).copied()?;
     let place = median_pose(object, tail)?;
     let limit = rest_limit(scene.object_noise(noise_from, to), settings);
-    let last_moving = samples.clone().rev().find(|&i| !within(object, i, place, limit));
+    let away =
+        |i: usize| (0..RUN).all(|k| i >= samples.start + k && !within(object, i - k, place, limit));
+    let last_moving = samples.clone().rev().find(|&i| away(i));
     let first_resting = last_moving.map_or(samples.start, |i| i + 1).min(samples.end - 1);
     Some(object.t[first_resting])
 }

@@ -11,6 +11,7 @@ use crate::{
     ingest_settings::IngestSettings,
     process::{Setup, process, unreadable},
     recording_set::RecordingSet,
+    remark::StreamRole,
     step::StepRow,
     table::{Provenance, Table},
 };
@@ -160,7 +161,9 @@ impl Collected {
             for (kind, n) in &stream.repairs {
                 *repairs.entry(*kind).or_default() += n;
             }
-            summary.max_tilt_rad = summary.max_tilt_rad.max(stream.max_tilt_rad);
+            if stream.stream == StreamRole::Object {
+                summary.max_tilt_rad = summary.max_tilt_rad.max(stream.max_tilt_rad);
+            }
         }
         match &recording.force_zero {
             ForceZero::NoForce => {}

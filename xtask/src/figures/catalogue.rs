@@ -7,6 +7,7 @@ use super::mechanics;
 use super::sketch::Sketch;
 
 /// A figure: its number in the thesis, its title and the function that draws it.
+#[derive(Debug)]
 pub(crate) struct Entry {
     pub(crate) id: &'static str,
     pub(crate) chapter: Chapter,

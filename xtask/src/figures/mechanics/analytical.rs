@@ -4,7 +4,7 @@ use anyhow::Result;
 use mechanics::{Ellipsoid, PathSettings, Pusher, Slider, StraightPath, push_along};
 use nalgebra::Vector2;
 use planar::{Pose, Shape};
-use report::{ColorMap, Contours, Figure, Grid, HeatMap, Panel, Table};
+use report::{ColorMap, Figure, Grid, HeatMap, Panel, Table};
 
 use crate::figures::inputs::Inputs;
 use crate::figures::sketch::Sketch;
