@@ -5,6 +5,8 @@
 mod bench;
 mod cargo;
 mod ci;
+mod figures;
+mod real_data;
 mod test;
 mod tidy;
 
@@ -24,6 +26,8 @@ struct CommandLine {
 enum Task {
     Bench(bench::Args),
     Ci(ci::Args),
+    RealData(real_data::Args),
+    ReproduceFigures(figures::Args),
     Test(test::Args),
     Tidy(tidy::Args),
 }
@@ -32,6 +36,8 @@ fn main() -> ExitCode {
     let result = match CommandLine::parse().task {
         Task::Bench(args) => bench::run(&args),
         Task::Ci(args) => ci::run(&args),
+        Task::RealData(args) => real_data::run(&args),
+        Task::ReproduceFigures(args) => figures::run(&args),
         Task::Test(args) => test::run(&args),
         Task::Tidy(args) => tidy::run(&args),
     };

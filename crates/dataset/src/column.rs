@@ -98,27 +98,17 @@ static COLUMNS: [Column; 50] = [
     ),
     integer!("push", "number of the push within the recording, from 0", push),
     integer!("step", "number of the step within the push, from 0", step),
-    text!(
-        "phase",
-        "contact or after",
-        |row| Some(row.phase.to_string()),
-        |row, text| {
-            row.phase = text.parse()?;
-            Ok(())
-        }
-    ),
+    text!("phase", "contact or after", |row| Some(row.phase.to_string()), |row, text| {
+        row.phase = text.parse()?;
+        Ok(())
+    }),
     real!("t_s", "s", "start of the step on the log's clock", t),
     real!("dt_s", "s", "length of the step", dt),
     integer!("n_samples", "object samples within the step", n_samples),
-    text!(
-        "shape",
-        "name of the object's shape",
-        |row| Some(row.shape.to_string()),
-        |row, text| {
-            row.shape = Arc::from(text);
-            Ok(())
-        }
-    ),
+    text!("shape", "name of the object's shape", |row| Some(row.shape.to_string()), |row, text| {
+        row.shape = Arc::from(text);
+        Ok(())
+    }),
     integer!("edge", "edge touched at the start, vertex i to i + 1, from 0", edge),
     real!("p", "1", "position along the edge, 0 to 1", p),
     real!("beta_rad", "rad", "from the edge's inward normal to the pusher's velocity", beta),
@@ -159,13 +149,8 @@ static COLUMNS: [Column; 50] = [
     real!("start_angle_sd_rad", "rad", "sd of the start yaw", start_angle_sd),
     real!("end_position_sd_m", "m", "sd of the end position, per axis", end_position_sd),
     real!("end_angle_sd_rad", "rad", "sd of the end yaw", end_angle_sd),
-    text!(
-        "flags",
-        "names joined by |",
-        |row| Some(row.flags.to_string()),
-        |row, text| {
-            row.flags = text.parse()?;
-            Ok(())
-        }
-    ),
+    text!("flags", "names joined by |", |row| Some(row.flags.to_string()), |row, text| {
+        row.flags = text.parse()?;
+        Ok(())
+    }),
 ];

@@ -47,7 +47,8 @@ pub(crate) fn find_contacts(scene: &Scene<'_>, settings: &IngestSettings) -> Con
             let seen = by_force(wrench, offset, *noise_sd_n, settings);
             let confirmed = confirm(&seen, &gaps, &touching, wrench, settings);
             let blind = touching.iter().any(|touch| {
-                moves(scene, touch, settings) && !confirmed.iter().any(|force| overlap(force, touch))
+                moves(scene, touch, settings)
+                    && !confirmed.iter().any(|force| overlap(force, touch))
             });
             if blind {
                 zero = ForceZero::Untared { reason: UntaredReason::Blind };
@@ -125,11 +126,7 @@ fn confirm(
 }
 
 /// Stretches that begin above `on` and end below `off`; the level crosses them on straight lines.
-fn hysteresis(
-    levels: impl Iterator<Item = (f64, f64)>,
-    on: f64,
-    off: f64,
-) -> Vec<Interval> {
+fn hysteresis(levels: impl Iterator<Item = (f64, f64)>, on: f64, off: f64) -> Vec<Interval> {
     let mut out = Vec::new();
     let mut start: Option<f64> = None;
     let mut before: Option<(f64, f64)> = None;
@@ -222,8 +219,10 @@ fn object_onset(scene: &Scene<'_>, interval: &Interval, settings: &IngestSetting
         samples.start..(samples.start + 1).min(samples.end)
     };
     let Some(place) = median_pose(object, reference) else { return interval.start };
-    let limit = rest_limit(scene.object_noise(interval.start - LOOK_BACK, interval.start), settings);
-    let away = |i: usize| (i..i + RUN).all(|i| i >= samples.end || !within(object, i, place, limit));
+    let limit =
+        rest_limit(scene.object_noise(interval.start - LOOK_BACK, interval.start), settings);
+    let away =
+        |i: usize| (i..i + RUN).all(|i| i >= samples.end || !within(object, i, place, limit));
     match samples.clone().find(|&i| away(i)) {
         None => interval.end,
         Some(i) if i == samples.start => interval.start,
@@ -245,7 +244,8 @@ pub(crate) fn rest_time(
     let noise_from = object.t.get(tail.start).copied()?;
     let place = median_pose(object, tail)?;
     let limit = rest_limit(scene.object_noise(noise_from, to), settings);
-    let away = |i: usize| (0..RUN).all(|k| i >= samples.start + k && !within(object, i - k, place, limit));
+    let away =
+        |i: usize| (0..RUN).all(|k| i >= samples.start + k && !within(object, i - k, place, limit));
     let last_moving = samples.clone().rev().find(|&i| away(i));
     let first_resting = last_moving.map_or(samples.start, |i| i + 1).min(samples.end - 1);
     Some(object.t[first_resting])

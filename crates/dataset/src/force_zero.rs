@@ -71,8 +71,11 @@ pub(crate) fn force_zero(
     if change_n > settings.zero_jump {
         return ForceZero::Untared { reason: UntaredReason::ZeroJumps { change_n } };
     }
-    let misses: Vec<_> =
-        all.iter().flat_map(|force| [force.x - offset.x, force.y - offset.y]).map(f64::abs).collect();
+    let misses: Vec<_> = all
+        .iter()
+        .flat_map(|force| [force.x - offset.x, force.y - offset.y])
+        .map(f64::abs)
+        .collect();
     let noise_sd_n = NORMAL_SD_OVER_MAD * median(&misses).unwrap_or_default();
     ForceZero::Tared { offset_n: offset.into(), noise_sd_n, n_samples }
 }

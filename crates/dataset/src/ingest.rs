@@ -64,7 +64,8 @@ pub fn ingest_each(
     };
     let mut collected = Collected::default();
     for chunk in set.recordings().chunks(RECORDINGS_PER_THREAD * rayon::current_num_threads()) {
-        let done: Vec<_> = chunk.par_iter().map(|path| one_recording(set, path, settings)).collect();
+        let done: Vec<_> =
+            chunk.par_iter().map(|path| one_recording(set, path, settings)).collect();
         for (rows, recording) in done {
             collected.add(&mut report.summary, &rows, &recording, set);
             sink(&recording, rows)?;

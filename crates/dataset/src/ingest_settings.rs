@@ -192,37 +192,39 @@ impl IngestSettings {
             ("first_touch_time", self.first_touch_time, " s"),
             ("first_touch_way", self.first_touch_way, " m"),
         ];
-        let ordered = [
-            ("contact.force_on", contact.force_on, "", contact.force_off, "above contact.force_off"),
-            (
-                "contact.release_gap",
-                contact.release_gap,
-                " m",
-                contact.touch_gap,
-                "above contact.touch_gap",
-            ),
-            (
-                "contact.free_gap",
-                contact.free_gap,
-                " m",
-                contact.touch_gap,
-                "above contact.touch_gap",
-            ),
-        ];
         for (name, value, unit) in positive {
             check(value > 0.0, name, value, unit, "positive and finite")?;
         }
         for (name, value, unit) in not_negative {
             check(value >= 0.0, name, value, unit, "finite and not negative")?;
         }
-        for (name, value, unit, other, allowed) in ordered {
-            check(value > other, name, value, unit, allowed)?;
-        }
+        self.contact.validate_order()?;
         let share = self.largest_gap_share;
         check((0.0..=1.0).contains(&share), "largest_gap_share", share, "", "from 0 to 1")?;
         if let Curve::SmoothKnown { position_sd, angle_sd } = self.curve {
             check(position_sd >= 0.0, "position_sd", position_sd, " m", "finite, not negative")?;
             check(angle_sd >= 0.0, "angle_sd", angle_sd, " rad", "finite, not negative")?;
+        }
+        Ok(())
+    }
+}
+
+impl ContactSettings {
+    /// Checks that pairs of thresholds are in order.
+    fn validate_order(&self) -> Result<(), DatasetError> {
+        let ordered = [
+            ("contact.force_on", self.force_on, "", self.force_off, "above contact.force_off"),
+            (
+                "contact.release_gap",
+                self.release_gap,
+                " m",
+                self.touch_gap,
+                "above contact.touch_gap",
+            ),
+            ("contact.free_gap", self.free_gap, " m", self.touch_gap, "above contact.touch_gap"),
+        ];
+        for (name, value, unit, other, allowed) in ordered {
+            check(value > other, name, value, unit, allowed)?;
         }
         Ok(())
     }
@@ -263,10 +265,7 @@ mod tests {
         settings.step = StepLength::Time(0.2);
         settings.contact.release_gap = 0.0005;
         let message = settings.validate().unwrap_err().to_string();
-        assert_eq!(
-            message,
-            "contact.release_gap must be above contact.touch_gap, got 0.0005 m"
-        );
+        assert_eq!(message, "contact.release_gap must be above contact.touch_gap, got 0.0005 m");
         settings.contact.release_gap = f64::NAN;
         assert!(settings.validate().is_err());
     }

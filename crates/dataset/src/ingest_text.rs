@@ -46,7 +46,12 @@ impl fmt::Display for SummaryText<'_> {
         }
         let untared: Vec<_> =
             summary.untared.iter().map(|(reason, n)| format!("{n} {reason}")).collect();
-        writeln!(f, "  force zero: found in {}, unknown in {}", summary.tared, or_none(&untared.join(", ")))?;
+        writeln!(
+            f,
+            "  force zero: found in {}, unknown in {}",
+            summary.tared,
+            or_none(&untared.join(", "))
+        )?;
         if summary.force_left_at_rest > 0 {
             writeln!(
                 f,
@@ -115,10 +120,16 @@ fn recording_text(recording: &RecordingReport) -> String {
         let order = match (stream.largest_step_back_s > 0.0, stream.kept_row_order) {
             (false, _) => String::new(),
             (true, true) => {
-                format!("; stamps run back by up to {:.1} ms, kept in row order", 1e3 * stream.largest_step_back_s)
+                format!(
+                    "; stamps run back by up to {:.1} ms, kept in row order",
+                    1e3 * stream.largest_step_back_s
+                )
             }
             (true, false) => {
-                format!("; stamps run back by up to {:.1} ms, sorted", 1e3 * stream.largest_step_back_s)
+                format!(
+                    "; stamps run back by up to {:.1} ms, sorted",
+                    1e3 * stream.largest_step_back_s
+                )
             }
         };
         line(format!(
@@ -218,7 +229,10 @@ impl fmt::Display for ForceZero {
                     f.write_str("untared: the pusher is never free; geometry alone decides")
                 }
                 UntaredReason::ZeroJumps { change_n } => {
-                    write!(f, "untared: the zero changes by {change_n:.2} N while the pusher is free")
+                    write!(
+                        f,
+                        "untared: the zero changes by {change_n:.2} N while the pusher is free"
+                    )
                 }
                 UntaredReason::Pulls { normal_n } => {
                     write!(f, "untared: the object would pull the pusher by {:.2} N", -normal_n)

@@ -120,7 +120,13 @@ impl ObjectTable {
                     let value = format!("[{x}, {y}]");
                     let allowed = "a point inside the outline";
                     let span = center.span();
-                    return Err(source.refuse(span, "object.center_of_mass_m", value, " m", allowed));
+                    return Err(source.refuse(
+                        span,
+                        "object.center_of_mass_m",
+                        value,
+                        " m",
+                        allowed,
+                    ));
                 }
                 center_of_mass
             }
@@ -149,9 +155,7 @@ impl ObjectTable {
             self.moment_of_inertia_kg_m2
                 .as_ref()
                 .map(|value| ("object.moment_of_inertia_kg_m2", value.span())),
-            self.center_of_mass_m
-                .as_ref()
-                .map(|value| ("object.center_of_mass_m", value.span())),
+            self.center_of_mass_m.as_ref().map(|value| ("object.center_of_mass_m", value.span())),
         ];
         match spans.into_iter().flatten().next() {
             Some((key, span)) => {
@@ -250,9 +254,8 @@ fn check_length(
     if (SMALLEST_LENGTH..=LARGEST_LENGTH).contains(&value) {
         return Ok(value);
     }
-    let allowed = format!(
-        "a length from {SMALLEST_LENGTH} to {LARGEST_LENGTH} m (lengths are in m, not mm)"
-    );
+    let allowed =
+        format!("a length from {SMALLEST_LENGTH} to {LARGEST_LENGTH} m (lengths are in m, not mm)");
     Err(source.refuse(span, key, value, " m", allowed))
 }
 

@@ -19,7 +19,8 @@ pub enum Preset {
 
 impl Preset {
     /// Every preset.
-    pub const ALL: [Self; 4] = [Self::MitPush, Self::MitRig2015, Self::MitTable, Self::MitEndpoints];
+    pub const ALL: [Self; 4] =
+        [Self::MitPush, Self::MitRig2015, Self::MitTable, Self::MitEndpoints];
 
     /// Its name on the command line.
     #[must_use]

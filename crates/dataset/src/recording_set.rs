@@ -28,7 +28,8 @@ impl RecordingSet {
     /// fits, `NoRecordings` for an empty set, and what reading the manifest or `sessions.csv` may
     /// say.
     pub fn open(path: &Path) -> Result<Self, DatasetError> {
-        let is_dir = std::fs::metadata(path).map_err(|e| DatasetError::io("read", path, e))?.is_dir();
+        let is_dir =
+            std::fs::metadata(path).map_err(|e| DatasetError::io("read", path, e))?.is_dir();
         let manifest_path = if is_dir { path.join(MANIFEST_NAME) } else { path.to_path_buf() };
         if manifest_path.exists() {
             let dir = manifest_path.parent().unwrap_or(Path::new(".")).to_path_buf();

@@ -44,7 +44,7 @@ pub enum RepairKind {
 
 /// One repair or finding.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Repair {
+pub(crate) struct Repair {
     /// What was found.
     pub kind: RepairKind,
     /// When, on the recording's clock, in s.
@@ -183,13 +183,13 @@ fn ordered(t: &[f64], channels: &[&[f64]], yaw: Option<usize>) -> CleanStream {
     let finite = |i: usize| t[i].is_finite() && channels.iter().all(|c| c[i].is_finite());
     let mut rows = Vec::with_capacity(t.len());
     let mut last = t.iter().copied().find(|t| t.is_finite()).unwrap_or(0.0);
-    for i in 0..t.len() {
+    for (i, &stamp) in t.iter().enumerate() {
         if finite(i) {
-            if t[i] < last {
-                let amount = last - t[i];
-                repairs.push(Repair { kind: RepairKind::Backward, t: t[i], amount });
+            if stamp < last {
+                let amount = last - stamp;
+                repairs.push(Repair { kind: RepairKind::Backward, t: stamp, amount });
             }
-            last = t[i];
+            last = stamp;
             rows.push(i);
         } else {
             repairs.push(Repair { kind: RepairKind::NonFinite, t: last, amount: 0.0 });
@@ -297,7 +297,9 @@ fn merge_crowded(
                 values[start]
             } else {
                 let first = values[start];
-                first + values[start..end].iter().map(|v| v - first).sum::<f64>() / (end - start) as f64
+                first
+                    + values[start..end].iter().map(|v| v - first).sum::<f64>()
+                        / (end - start) as f64
             }
         };
         merged.push(mean(t));

@@ -103,12 +103,7 @@ impl<'a> Scene<'a> {
 
 impl Outline<'_> {
     /// Where the pusher is nearest to the outline, in the body frame.
-    pub(crate) fn contact(
-        &self,
-        robot: &PoseTrack,
-        object: &PoseTrack,
-        t: f64,
-    ) -> Option<Contact> {
+    pub(crate) fn contact(&self, robot: &PoseTrack, object: &PoseTrack, t: f64) -> Option<Contact> {
         let center_b = object.pose(t)?.inverse_transform_point(&robot.position(t)?);
         Some(self.shape.contact(&center_b, self.pusher_radius))
     }

@@ -106,16 +106,12 @@ impl StepContext<'_> {
         let acceleration = 4.0 * (pusher0 - 2.0 * half + pusher1) / (dt * dt);
         let speed = velocity.norm();
         let at_rest = speed < self.settings.rest.pusher_speed;
-        let edge_normal =
-            pose0.rotate(&scene.outline.shape.inward_normal_at(start.edge, start.p));
+        let edge_normal = pose0.rotate(&scene.outline.shape.inward_normal_at(start.edge, start.p));
         let along = if at_rest { edge_normal } else { velocity / speed };
         let beta = if at_rest { 0.0 } else { angle_between(&edge_normal, &along) };
         let moved = pose1.position - pose0.position;
-        let curvature = if at_rest {
-            0.0
-        } else {
-            planar::cross(&velocity, &acceleration) / speed.powi(3)
-        };
+        let curvature =
+            if at_rest { 0.0 } else { planar::cross(&velocity, &acceleration) / speed.powi(3) };
         Some(StepRow {
             phase: curves.phase,
             t: self.epoch + t0,

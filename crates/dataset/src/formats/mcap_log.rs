@@ -245,8 +245,11 @@ impl Container for McapLog<'_> {
     }
 
     fn visit(&self, wanted: &dyn Fn(u32) -> bool, sink: &mut Sink<'_>) -> Vec<Remark> {
-        // Tested for each message of a chunk, so looked up instead of asked.
-        let table: Vec<bool> = (0..=u32::from(u16::MAX)).map(wanted).collect();
+        // Looked up for each message of a chunk, so asked only once for each channel.
+        let mut table = vec![false; usize::from(u16::MAX) + 1];
+        for channel in &self.channels {
+            table[channel.id as usize] = wanted(channel.id);
+        }
         self.walk(&|id| table[usize::from(id)], &mut |item, byte| match item {
             Item::Message { channel, log_time, data } if table[usize::from(channel)] => {
                 let log_time = i64::try_from(log_time).unwrap_or(i64::MAX);

@@ -25,6 +25,9 @@ pub(crate) fn default_data_set(role: StreamRole) -> &'static str {
     }
 }
 
+/// Rows of one data set.
+type Rows = Vec<[f64; 4]>;
+
 /// Builds a recording from rows of [t, x, y, yaw] and [t, fx, fy, τz]; `rows_of` gives the rows
 /// of a data set, or none if the file has no such set.
 pub(super) fn recording_of_rows(
@@ -32,7 +35,7 @@ pub(super) fn recording_of_rows(
     sha256: String,
     names: &[String],
     streams: &Streams,
-    rows_of: &mut dyn FnMut(&str) -> Result<Option<Vec<[f64; 4]>>, DatasetError>,
+    rows_of: &mut dyn FnMut(&str) -> Result<Option<Rows>, DatasetError>,
 ) -> Result<Recording, DatasetError> {
     let mut assembly = Assembly { path, sha256, remarks: Vec::new() };
     let mut parts: [Option<(RawStream, Option<Isometry3<f64>>)>; 3] = [None, None, None];
