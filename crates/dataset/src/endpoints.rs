@@ -81,10 +81,7 @@ pub fn read_wrench_twists(path: &Path) -> Result<Vec<WrenchTwist>, DatasetError>
             shape: row.shape,
             speed: row.v_mm_s * 1e-3,
             characteristic_length: rho,
-            wrench: Wrench {
-                force: Vector2::new(row.fx, row.fy),
-                torque: rho * row.tau_over_rho,
-            },
+            wrench: Wrench { force: Vector2::new(row.fx, row.fy), torque: rho * row.tau_over_rho },
             twist: Twist {
                 linear: Vector2::new(row.vx, row.vy),
                 angular: row.omega_times_rho / rho,
@@ -113,9 +110,8 @@ fn read_rows<R: DeserializeOwned + Finite, T>(
         let line = |position: Option<&csv::Position>| position.map_or(0, csv::Position::line);
         let record = record.map_err(|error| parse(line(error.position()), error.to_string()))?;
         let at = line(record.position());
-        let row: R = record
-            .deserialize(Some(&header))
-            .map_err(|error| parse(at, error.to_string()))?;
+        let row: R =
+            record.deserialize(Some(&header)).map_err(|error| parse(at, error.to_string()))?;
         if !row.is_finite() {
             return Err(parse(at, "a value is not finite; remove the row or repair it".to_owned()));
         }
@@ -178,9 +174,8 @@ struct WrenchTwistRow {
 }
 
 impl Finite for WrenchTwistRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "surface", "shape", "v_mm_s", "fx", "fy", "tau_over_rho", "vx", "vy", "omega_times_rho",
-    ];
+    const COLUMNS: &'static [&'static str] =
+        &["surface", "shape", "v_mm_s", "fx", "fy", "tau_over_rho", "vx", "vy", "omega_times_rho"];
 
     fn is_finite(&self) -> bool {
         [self.v_mm_s, self.fx, self.fy, self.tau_over_rho, self.vx, self.vy, self.omega_times_rho]

@@ -281,3 +281,88 @@ struct MappingTable {
     constants: BTreeMap<String, f64>,
     columns: BTreeMap<String, ColumnMap>,
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use planar::cross;
+
+    use super::TableMapping;
+    use crate::table::Table;
+
+    const HEADER: &str = "c,phi_rad,dx_c_m,dy_c_m_sign_flipped,dtheta_rad\n";
+
+    fn read(rows: &str) -> Result<Table, String> {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("table.csv");
+        std::fs::write(&path, rows).unwrap();
+        let table = TableMapping::mit_table().unwrap().read_table(&path);
+        table.map_err(|e| e.to_string().replace(dir.path().to_str().unwrap(), "SET"))
+    }
+
+    /// A push near the face's upper end, straight in: its force turns the object clockwise.
+    /// A push through the middle towards +y: the object lags behind to the pusher's right.
+    #[test]
+    fn the_mit_table_turns_and_shifts_the_right_way() {
+        let text = format!("{HEADER}0.2,0.0,0.003,0.0,-0.03\n0.5,0.5,0.003,0.001,0.0\n");
+        let table = read(&text).unwrap();
+        let [high, oblique] = &table.rows[..] else { panic!("two rows") };
+        assert_eq!((high.edge, high.p, high.dt, high.speed), (1, 0.2, 0.2, 0.02));
+        assert!((high.contact_point.x + 0.045).abs() < 1e-15);
+        assert!((high.contact_point.y - 0.09 * 0.3).abs() < 1e-15);
+        assert!((high.contact_normal.x - 1.0).abs() < 1e-15);
+        assert!(cross(&high.contact_point, &high.contact_normal) * high.dtheta > 0.0);
+        assert!((oblique.pusher_velocity.y - 0.02 * 0.5f64.sin()).abs() < 1e-15);
+        assert_eq!(oblique.dy, -0.001);
+    }
+
+    /// The pose that a row reports must leave the pusher on the outline, which only the right
+    /// reading of face, frame and signs does: a pure turn about the contact point shows it.
+    #[test]
+    fn a_turn_about_the_contact_keeps_the_pusher_at_the_outline() {
+        let (c, turn) = (0.3, 0.02f64);
+        let (x, y) = (-0.045, 0.09 * (0.5 - c));
+        let way = 0.2 * 0.02;
+        let radius = 0.00475;
+        // The contact normal turns by `turn` while the pusher moves by `way` along +x.
+        let dx = way + radius * (turn.cos() - 1.0) + x - (turn.cos() * x - turn.sin() * y);
+        let dy = radius * turn.sin() + y - (turn.sin() * x + turn.cos() * y);
+        let row = format!("{c},0.0,{dx},{},{turn}\n", -dy);
+        let table = read(&format!("{HEADER}{row}{row}")).unwrap();
+        assert!(table.rows[0].gap_end.abs() < 1e-12, "{}", table.rows[0].gap_end);
+    }
+
+    #[test]
+    fn bad_tables_are_named() {
+        let good = "0.2,0.0,0.003,0.0,-0.03\n";
+        assert_eq!(
+            read(&HEADER.replace("dtheta_rad", "dtheta_deg")).unwrap_err(),
+            "SET/table.csv: no column `dtheta_rad`; the table has: c, phi_rad, dx_c_m, \
+             dy_c_m_sign_flipped, dtheta_deg"
+        );
+        assert_eq!(
+            read(&format!("{HEADER}{good}0.2,inf,0.003,0.0,-0.03\n")).unwrap_err(),
+            "SET/table.csv:3: phi_rad is `inf`, expected a finite number"
+        );
+        assert_eq!(
+            read(&format!("{HEADER}1.2,0.0,0.003,0.0,-0.03\n{good}")).unwrap_err(),
+            "SET/table.csv:2: p is 1.2, expected 0 to 1"
+        );
+        assert!(read(&format!("{HEADER}{good}")).unwrap_err().contains("has 1 row(s)"));
+    }
+
+    #[test]
+    fn bad_mappings_are_named() {
+        let error = |from: &str, to: &str| {
+            let text = crate::preset::Preset::MitTable.text();
+            assert!(text.contains(from));
+            let error = TableMapping::parse(&text.replacen(from, to, 1), Path::new("map.toml"));
+            error.err().unwrap().to_string()
+        };
+        assert!(error("mapping/1", "mapping/9").starts_with("map.toml:5: schema = pushlab.table"));
+        assert!(error("beta_rad =", "beta =").starts_with("map.toml: no column `beta`; the table"));
+        assert!(error("edge = 1\n", "").contains("no column `edge`"));
+        assert!(error("\"rect1\"", "\"rect9\"").contains("object.shape = rect9 is not allowed"));
+    }
+}

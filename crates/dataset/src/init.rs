@@ -141,7 +141,9 @@ fn stream_text(role: StreamRole, inspection: &Inspection) -> String {
             }
         }
         _ => {
-            out.push_str("# several fit, CHECK:\n");
+            out.push_str(
+                "# several fit by type; without a topic the name decides, where it can:\n",
+            );
             for stream in fitting {
                 let _ = writeln!(out, "# topic = {:?}  # {}", stream.name, describe(stream));
             }
@@ -174,4 +176,47 @@ fn describe(stream: &StreamInfo) -> String {
     parts.push(format!("{} samples", stream.count));
     parts.extend(stream.rate_hz.map(|rate| format!("{rate:.0} Hz")));
     parts.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{fs, path::Path};
+
+    use super::{draft_manifest, init};
+    use crate::{error::DatasetError, manifest::Manifest, preset::Preset};
+
+    fn write_push(dir: &Path) {
+        let push = dir.join("pushes/push-0000");
+        fs::create_dir_all(&push).unwrap();
+        fs::write(push.join("robot.csv"), "t_s,x_m,y_m\n1,0,0\n2,0.1,0\n").unwrap();
+        fs::write(push.join("object.csv"), "t_s,x_m,y_m,theta_rad\n1,0,0,0\n2,0,0,0\n").unwrap();
+    }
+
+    #[test]
+    fn a_draft_names_what_is_there_and_refuses_to_guess_the_rest() {
+        let dir = tempfile::tempdir().unwrap();
+        write_push(dir.path());
+        let text = draft_manifest(dir.path()).unwrap();
+        assert!(text.contains("format = \"csv\"\npath = \"pushes\""), "{text}");
+        assert!(text.contains("columns t_s, x_m, y_m, theta_rad, 2 samples"), "{text}");
+        let message = Manifest::parse(&text, Path::new("m.toml")).unwrap_err().to_string();
+        assert!(message.contains("expected f64"), "{message}");
+        let filled = text.replacen("radius_m = \"TODO\"", "radius_m = 0.005", 1);
+        let message = Manifest::parse(&filled, Path::new("m.toml")).unwrap_err().to_string();
+        assert!(message.contains("object.shape = TODO is not allowed"), "{message}");
+        let filled = filled.replacen("shape = \"TODO\"", "shape = \"rect1\"", 1);
+        Manifest::parse(&filled, Path::new("m.toml")).unwrap();
+    }
+
+    #[test]
+    fn a_manifest_is_never_overwritten() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = init(dir.path(), Some(Preset::MitPush)).unwrap();
+        Manifest::read(&path).unwrap();
+        let again = init(dir.path(), None);
+        assert!(matches!(again, Err(DatasetError::Unwritable { .. })));
+        fs::remove_file(&path).unwrap();
+        let empty = init(dir.path(), None);
+        assert!(matches!(empty, Err(DatasetError::NoRecordings { .. })));
+    }
 }

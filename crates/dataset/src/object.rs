@@ -96,7 +96,9 @@ impl ObjectTable {
             "rectangle" => &["width_m", "height_m"],
             "polygon" => &["vertices_m"],
             "ellipse" => &["semi_axes_m"],
-            _ => &[],
+            "by-file-name" => &[],
+            known if MIT_NAMES.contains(&known) => &[],
+            other => return Err(unknown_shape(source, self.shape.span(), other)),
         };
         self.refuse_other_keys(own_keys, source)?;
         let known = if MIT_NAMES.contains(&name) { ObjectSpec::mit(name).ok() } else { None };
@@ -235,14 +237,15 @@ impl ObjectTable {
                     .map(Shape::Ellipse)
                     .map_err(|e| refuse_shape(source, axes.span(), KEY, &e))
             }
-            other => {
-                let own = ["square", "rectangle", "polygon", "ellipse", "by-file-name"];
-                let names: Vec<_> = own.into_iter().chain(MIT_NAMES).collect();
-                let allowed = format!("one of {}", names.join(", "));
-                Err(source.refuse(at, "object.shape", other, "", allowed))
-            }
+            other => Err(unknown_shape(source, at, other)),
         }
     }
+}
+
+fn unknown_shape(source: &Source<'_>, span: std::ops::Range<usize>, name: &str) -> DatasetError {
+    let own = ["square", "rectangle", "polygon", "ellipse", "by-file-name"];
+    let names: Vec<_> = own.into_iter().chain(MIT_NAMES).collect();
+    source.refuse(span, "object.shape", name, "", format!("one of {}", names.join(", ")))
 }
 
 fn check_length(

@@ -83,3 +83,41 @@ impl Preset {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Preset;
+    use crate::{foreign::TableMapping, object::ObjectChoice};
+
+    #[test]
+    fn every_preset_has_a_name_and_a_text_that_is_read() {
+        for preset in Preset::ALL {
+            assert_eq!(Preset::by_name(preset.name()), Some(preset));
+            if let Some(manifest) = preset.manifest() {
+                manifest.unwrap();
+            }
+        }
+        TableMapping::mit_table().unwrap();
+        assert_eq!(Preset::by_name("mit"), None);
+    }
+
+    #[test]
+    fn shapes_come_from_the_names_of_the_files() {
+        let object = Preset::MitPush.manifest().unwrap().unwrap().object;
+        assert_eq!(object, ObjectChoice::ByFileName);
+        let name = "motion_surface=plywood_shape=tri2_a=0_v=100_i=0.000_s=0.000_t=0.000";
+        assert_eq!(object.of(name).unwrap().name, "tri2");
+        let message = object.of("motion_shape=tri9_a=0").unwrap_err().to_string();
+        assert!(message.starts_with("unknown object `tri9`"), "{message}");
+    }
+
+    #[test]
+    fn a_folder_is_known_by_the_names_in_it() {
+        let dir = tempfile::tempdir().unwrap();
+        assert_eq!(Preset::of_recordings(dir.path()), None);
+        std::fs::write(dir.path().join("St_block_Test_st_1.mcap"), "").unwrap();
+        assert_eq!(Preset::of_recordings(dir.path()), Some(Preset::MitRig2015));
+        std::fs::write(dir.path().join("motion_surface=abs_shape=hex_a=0.json"), "").unwrap();
+        assert_eq!(Preset::of_recordings(dir.path()), Some(Preset::MitPush));
+    }
+}

@@ -6,7 +6,7 @@ use crate::{
     contact::{Contacts, Interval, pusher_onset, rest_time},
     error::DatasetError,
     ingest_settings::{Curve, IngestSettings},
-    repair::CleanStream,
+    repair::{CleanStream, RepairKind},
     scene::Scene,
     step::Phase,
     track::{PoseNoise, PoseTrack, pose_noise},
@@ -61,9 +61,9 @@ pub enum SetAside {
         /// Longest gap, in s.
         longest_s: f64,
     },
-    /// The object leaves its place by a jump faster than any motion.
+    /// The object jumps faster than anything moves, before it comes to rest.
     Teleport {
-        /// The longest jump in contact, in m.
+        /// The longest jump, in m.
         way_m: f64,
     },
     /// The object is tilted out of the plane.
@@ -134,7 +134,7 @@ impl Push {
             stream.time_in_gaps(from, to, settings.longest_gap) / (to - from)
         };
         let share = share(&scene.object).max(share(&scene.robot));
-        let way_m = scene.object.largest(crate::repair::RepairKind::Teleport, from, to);
+        let way_m = scene.object.largest(RepairKind::Teleport, from, self.rest.max(to));
         if found < needed {
             Some(SetAside::TooFewObjectSamples { found, needed })
         } else if share > settings.largest_gap_share {

@@ -171,3 +171,126 @@ impl NameCache {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use nalgebra::Vector2;
+    use proptest::{
+        prelude::{ProptestConfig, prop_assert_eq, proptest},
+        test_runner::RngSeed,
+    };
+
+    use crate::{
+        error::DatasetError,
+        flags::Flags,
+        step::{ContactForce, Phase, StepForce, StepRow},
+        table::{Provenance, Table},
+    };
+
+    fn table(a: f64, b: f64, forced: bool, n: u32) -> Table {
+        let mut provenance = Provenance::default();
+        provenance.push("tool", "pushlab 1: test");
+        provenance.push("source", "sha256 00 a.csv");
+        provenance.push("source", "sha256 01 b.csv");
+        let force = ContactForce { normal: a, tangential: b };
+        let row = StepRow {
+            recording: "a \"quoted\", name".into(),
+            session: forced.then(|| "monday".into()),
+            push: n,
+            phase: if forced { Phase::After } else { Phase::Contact },
+            t: 1.7e9 + a,
+            dx: a,
+            dtheta: b,
+            pusher_end: Vector2::new(b, -a),
+            force: forced.then_some(StepForce { mean: force, start: force, end: force }),
+            flags: if forced { Flags::VERTEX | Flags::UNTARED } else { Flags::default() },
+            ..StepRow::default()
+        };
+        let other = StepRow { recording: "b".into(), dy: a * b, ..StepRow::default() };
+        Table { rows: vec![row, other], provenance }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig {
+            cases: 32, failure_persistence: None, rng_seed: RngSeed::Fixed(7),
+            ..ProptestConfig::default()
+        })]
+
+        #[test]
+        fn files_return_every_bit(
+            a in proptest::num::f64::NORMAL,
+            b in proptest::num::f64::SUBNORMAL,
+            forced: bool,
+            n: u32,
+        ) {
+            let mut written = table(a, b, forced, n);
+            written.rows[1].dy = 0.1 + f64::from(n);
+            let dir = tempfile::tempdir().unwrap();
+            let mut names = vec!["table.csv"];
+            if cfg!(feature = "parquet") {
+                names.push("table.parquet");
+            }
+            for name in names {
+                let path = dir.path().join(name);
+                written.write(&path).unwrap();
+                prop_assert_eq!(&Table::read(&path).unwrap(), &written);
+            }
+        }
+    }
+
+    fn error(change: impl Fn(String) -> String) -> String {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("table.csv");
+        table(0.5, 0.25, true, 3).write(&path).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, change(text)).unwrap();
+        let message = Table::read(&path).unwrap_err().to_string();
+        message.replace(dir.path().to_str().unwrap(), "SET")
+    }
+
+    #[test]
+    fn provenance_stands_above_the_header() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("table.csv");
+        table(0.5, 0.25, false, 3).write(&path).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.starts_with("# tool: pushlab 1: test\n# source: sha256 00 a.csv\n"), "{text}");
+        assert!(!dir.path().join("table.csv.part").exists());
+    }
+
+    #[test]
+    fn a_wrong_column_is_named_with_those_that_are_there() {
+        let message = error(|text| text.replace("beta_rad", "beta_deg"));
+        assert!(message.starts_with("SET/table.csv: no column `beta_rad`; the table has: rec"));
+        assert!(message.contains("beta_deg"), "{message}");
+    }
+
+    #[test]
+    fn a_wrong_value_is_named_with_its_line_and_unit() {
+        let message = error(|text| text.replacen(",0.5,", ",NaN,", 1));
+        assert_eq!(message, "SET/table.csv:5: dx_m is `NaN`, expected a finite number in m");
+        let message = error(|text| text.replace("after", "later"));
+        assert_eq!(message, "SET/table.csv:5: phase is `later`, expected contact or after");
+        let message = error(|text| text.replace("vertex|", "vortex|"));
+        assert!(message.contains("flags is `vortex|untared`, expected flags out of"), "{message}");
+    }
+
+    #[test]
+    fn a_table_with_one_row_is_refused() {
+        let message = error(|text| text.lines().take(5).map(|line| format!("{line}\n")).collect());
+        assert_eq!(
+            message,
+            "SET/table.csv: the table has 1 row(s); at least 2 are needed, ingest more pushes"
+        );
+    }
+
+    #[test]
+    fn a_missing_file_and_a_wrong_extension_are_refused() {
+        let missing = Table::read(Path::new("nowhere/table.csv"));
+        assert!(matches!(missing, Err(DatasetError::Io { action: "read", .. })));
+        let message = Table::read(Path::new("table.xlsx")).unwrap_err().to_string();
+        assert!(message.contains("tables end in .csv or .parquet, not .xlsx"), "{message}");
+    }
+}
