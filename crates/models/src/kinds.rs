@@ -12,8 +12,11 @@ pub struct ModelKind {
     /// What it is, in a line.
     pub about: &'static str,
     /// Trains one on observed steps, from a nominal analytical model.
-    pub train: fn(&Analytical, &[StepObservation]) -> Result<Box<dyn PushModel>, ModelError>,
+    pub train: Train,
 }
+
+/// Trains a model on observed steps, from a nominal analytical model.
+pub type Train = fn(&Analytical, &[StepObservation]) -> Result<Box<dyn PushModel>, ModelError>;
 
 /// Every kind of model.
 pub fn model_kinds() -> &'static [ModelKind] {

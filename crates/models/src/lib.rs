@@ -22,7 +22,7 @@ pub use error::ModelError;
 pub use estimate::Estimate;
 pub use gp_push_model::GpPushModel;
 pub use hybrid::Hybrid;
-pub use kinds::{ModelKind, model_kinds};
+pub use kinds::{ModelKind, Train, model_kinds};
 pub use model_file::ModelFile;
 pub use push_model::{Noise, OUTPUTS, PushModel, StepPrediction};
 pub use step::{StepInput, StepObservation};
