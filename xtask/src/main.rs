@@ -5,6 +5,7 @@
 mod bench;
 mod cargo;
 mod ci;
+mod figures;
 mod real_data;
 mod test;
 mod tidy;
@@ -26,6 +27,7 @@ enum Task {
     Bench(bench::Args),
     Ci(ci::Args),
     RealData(real_data::Args),
+    ReproduceFigures(figures::Args),
     Test(test::Args),
     Tidy(tidy::Args),
 }
@@ -35,6 +37,7 @@ fn main() -> ExitCode {
         Task::Bench(args) => bench::run(&args),
         Task::Ci(args) => ci::run(&args),
         Task::RealData(args) => real_data::run(&args),
+        Task::ReproduceFigures(args) => figures::run(&args),
         Task::Test(args) => test::run(&args),
         Task::Tidy(args) => tidy::run(&args),
     };

@@ -11,7 +11,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    println!("rows  seconds  evaluations  log likelihood  noise sd  lengthscales");
+    println!(
+        "rows  seconds  evaluations  log likelihood  noise sd  lengthscales and signal variance"
+    );
     for n in [100, 200, 500] {
         let (x, y) = surface(n, 7);
         let begin = Instant::now();

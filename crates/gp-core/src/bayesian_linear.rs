@@ -86,7 +86,8 @@ impl BayesianLinear {
 
     /// The posterior covariance A⁻¹ of the weights, M×M.
     pub fn weight_covariance(&self) -> Mat<f64> {
-        let half = self.half_deviation(Mat::identity(self.weights.len(), self.weights.len()).as_ref());
+        let half =
+            self.half_deviation(Mat::identity(self.weights.len(), self.weights.len()).as_ref());
         self.covariance(&half)
     }
 

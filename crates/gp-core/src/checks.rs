@@ -20,11 +20,7 @@ pub(crate) fn check_inputs(
 }
 
 /// Checks that `y` has `n_rows` finite values.
-pub(crate) fn check_outputs(
-    what: &'static str,
-    y: &[f64],
-    n_rows: usize,
-) -> Result<(), GpError> {
+pub(crate) fn check_outputs(what: &'static str, y: &[f64], n_rows: usize) -> Result<(), GpError> {
     check_count(what, n_rows, y.len())?;
     match y.iter().position(|value| !value.is_finite()) {
         Some(row) => Err(GpError::NotFinite { what, row, column: 0, value: y[row] }),
@@ -51,11 +47,7 @@ pub(crate) fn check_count(
     expected: usize,
     actual: usize,
 ) -> Result<(), GpError> {
-    if expected == actual {
-        Ok(())
-    } else {
-        Err(GpError::ShapeMismatch { what, expected, actual })
-    }
+    if expected == actual { Ok(()) } else { Err(GpError::ShapeMismatch { what, expected, actual }) }
 }
 
 /// Checks that a parameter is positive and finite.

@@ -1,9 +1,7 @@
 //! The Cholesky factor of a covariance matrix, and what is solved with it.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{
-    LltError, cholesky_in_place, cholesky_in_place_scratch,
-};
+use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
@@ -54,14 +52,12 @@ impl Cholesky {
 ///
 /// # Errors
 /// `NotPositiveDefinite` with the pivot at which the factorisation broke down.
-pub(crate) fn factorize(
-    what: &'static str,
-    mut matrix: MatMut<'_, f64>,
-) -> Result<(), GpError> {
+pub(crate) fn factorize(what: &'static str, mut matrix: MatMut<'_, f64>) -> Result<(), GpError> {
     let n = matrix.nrows();
     let failed = |pivot| GpError::NotPositiveDefinite { what, size: n, pivot };
     let diagonal: Vec<f64> = (0..n).map(|i| matrix[(i, i)]).collect();
-    let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default()));
+    let mut memory =
+        MemBuffer::new(cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default()));
     cholesky_in_place(
         matrix.as_mut(),
         Default::default(),
@@ -97,7 +93,10 @@ pub(crate) fn log_determinant(factor: MatRef<'_, f64>) -> f64 {
 ///
 /// # Errors
 /// `NotPositiveDefinite` if K has a negative pivot beyond rounding.
-pub(crate) fn pivoted_factor(what: &'static str, matrix: MatRef<'_, f64>) -> Result<Mat<f64>, GpError> {
+pub(crate) fn pivoted_factor(
+    what: &'static str,
+    matrix: MatRef<'_, f64>,
+) -> Result<Mat<f64>, GpError> {
     let n = matrix.nrows();
     let mut rest: Vec<f64> = (0..n).map(|i| matrix[(i, i)]).collect();
     let largest = rest.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
@@ -121,4 +120,34 @@ pub(crate) fn pivoted_factor(what: &'static str, matrix: MatRef<'_, f64>) -> Res
         rest[pivot] = 0.0;
     }
     Ok(factor)
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+
+    use super::{factorize, pivoted_factor};
+    use crate::GpError;
+
+    #[test]
+    fn the_pivoted_factor_multiplies_back_and_shows_the_rank() {
+        let root = Mat::from_fn(6, 3, |i, j| ((3 * i + 2 * j) as f64).sin() + (i * j) as f64);
+        let matrix = &root * root.transpose();
+        let factor = pivoted_factor("test", matrix.as_ref()).unwrap();
+        assert_eq!(factor.ncols(), 3);
+        assert!((&factor * factor.transpose() - &matrix).norm_max() < 1e-12 * matrix.norm_max());
+        let nothing = pivoted_factor("test", Mat::zeros(2, 2).as_ref()).unwrap();
+        assert_eq!(nothing.ncols(), 0);
+    }
+
+    #[test]
+    fn a_pivot_of_rounding_only_is_not_positive() {
+        let mut matrix = Mat::full(2, 2, 1.0);
+        matrix[(1, 1)] += f64::EPSILON;
+        let expected = GpError::NotPositiveDefinite { what: "test", size: 2, pivot: 1 };
+        assert_eq!(factorize("test", matrix.as_mut()), Err(expected));
+        let mut matrix = Mat::full(2, 2, 1.0);
+        matrix[(1, 1)] += 1e-12;
+        assert_eq!(factorize("test", matrix.as_mut()), Ok(()));
+    }
 }

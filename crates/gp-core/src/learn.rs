@@ -30,7 +30,7 @@ pub struct LearnOptions {
 impl Default for LearnOptions {
     fn default() -> Self {
         Self {
-            n_starts: 3,
+            n_starts: 4,
             seed: 0,
             max_iterations: 200,
             gradient_tolerance: 1e-3,
@@ -45,7 +45,7 @@ pub struct LearnReport {
     /// Every start in order; an error where the likelihood does not exist at the start itself.
     pub starts: Vec<Result<StartReport, GpError>>,
     /// The start that was taken: the most likely of those that converged.
-    pub best: usize,
+    pub best: StartReport,
     /// Names of the parameters that ended at a wall, such as the lengthscale of an input without
     /// influence.
     pub at_wall: Vec<String>,
@@ -77,7 +77,8 @@ impl Gp {
     /// of lengthscales (√D times the spread of the input) and variances come from the data.
     /// The optimiser works on standardised log-parameters, between wide walls that stop a runaway:
     /// lengthscales 0.01 to 100 √D times the input's spread, signal and noise variance 1e-6 to 1e6
-    /// and 1e-8 to 10 times the output's. Between the walls nothing is added to the likelihood.
+    /// and 1e-8 to 10 times the output's, the others a factor of 1000 about their start. Between
+    /// the walls nothing is added to the likelihood.
     /// The starts run in parallel; the result does not depend on the number of threads.
     ///
     /// # Errors
@@ -104,7 +105,12 @@ impl Gp {
         let mut names: Vec<String> = kernel.parameters().into_iter().map(|p| p.name).collect();
         names.push("noise variance".to_owned());
         let at_wall = space.at_wall(&minimum.point).into_iter().map(|i| names[i].clone()).collect();
-        let starts = ends.iter().enumerate().map(|(i, end)| search.report(i, end)).collect();
+        let report = |(i, end): (usize, &Result<Minimum, GpError>)| match end {
+            Ok(minimum) => Ok(search.report(i, minimum)),
+            Err(error) => Err(error.clone()),
+        };
+        let starts = ends.iter().enumerate().map(report).collect();
+        let best = search.report(best, minimum);
         Ok((gp, LearnReport { starts, best, at_wall }))
     }
 }
@@ -139,10 +145,9 @@ impl Search<'_> {
         minimize(objective, &self.space.start(index, self.options.seed), limits)
     }
 
-    fn report(&self, index: usize, end: &Result<Minimum, GpError>) -> Result<StartReport, GpError> {
-        let minimum = end.as_ref().map_err(GpError::clone)?;
+    fn report(&self, index: usize, minimum: &Minimum) -> StartReport {
         let penalty = self.space.penalty(&minimum.point, &mut vec![0.0; minimum.point.len()]);
-        Ok(StartReport {
+        StartReport {
             start: self.space.parameters(&self.space.start(index, self.options.seed)),
             parameters: self.space.parameters(&minimum.point),
             log_marginal_likelihood: penalty - minimum.value,
@@ -150,7 +155,7 @@ impl Search<'_> {
             iterations: minimum.iterations,
             evaluations: minimum.evaluations,
             stop: minimum.stop,
-        })
+        }
     }
 }
 

@@ -47,12 +47,7 @@ pub fn nlpd(y: &[f64], mean: &[f64], variance: &[f64]) -> Result<f64, GpError> {
 ///
 /// # Source
 /// Rasmussen & Williams, Gaussian Processes for Machine Learning (2006), ch. 2.
-pub fn msll(
-    y: &[f64],
-    mean: &[f64],
-    variance: &[f64],
-    y_train: &[f64],
-) -> Result<f64, GpError> {
+pub fn msll(y: &[f64], mean: &[f64], variance: &[f64], y_train: &[f64]) -> Result<f64, GpError> {
     let loss = nlpd(y, mean, variance)?;
     if y_train.is_empty() {
         return Err(GpError::Empty { what: "training outputs" });

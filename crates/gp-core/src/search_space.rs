@@ -53,7 +53,8 @@ impl SearchSpace {
             return self.ranges.iter().map(|range| range.start).collect();
         }
         let fractions = low_discrepancy_point(index, self.ranges.len(), seed);
-        let place = |(range, fraction): (&Range, f64)| range.low + fraction * (range.high - range.low);
+        let place =
+            |(range, fraction): (&Range, f64)| range.low + fraction * (range.high - range.low);
         self.ranges.iter().zip(fractions).map(place).collect()
     }
 
@@ -75,9 +76,8 @@ impl SearchSpace {
 
     /// Which parameters stand at a wall or behind it.
     pub(crate) fn at_wall(&self, point: &[f64]) -> Vec<usize> {
-        let outside = |i: &usize| {
-            point[*i] <= self.ranges[*i].lowest || point[*i] >= self.ranges[*i].highest
-        };
+        let outside =
+            |i: &usize| point[*i] <= self.ranges[*i].lowest || point[*i] >= self.ranges[*i].highest;
         (0..point.len()).filter(outside).collect()
     }
 }

@@ -2,10 +2,11 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use mechanics::{
-    ContactMode, Ellipsoid, LimitSurface, MechanicsError, Push, PushMotion, predict, predict_under,
+    ContactMode, Ellipsoid, LimitSurface, MechanicsError, Patch, PointSet, Push, PushMotion,
+    predict, predict_under,
 };
 use nalgebra::{Unit, UnitVector2, Vector2};
-use planar::{Twist, Wrench};
+use planar::{Shape, Twist, Wrench};
 use proptest::prelude::{ProptestConfig, Strategy, prop_assert, prop_assert_eq, proptest};
 use proptest::test_runner::RngSeed;
 
@@ -22,7 +23,15 @@ fn unit(angle: f64) -> UnitVector2<f64> {
     Unit::new_normalize(Vector2::new(angle.cos(), angle.sin()))
 }
 
+/// Upright ellipsoids about a point up to 0.05 m away from S, hence tilted.
 fn surfaces() -> impl Strategy<Value = Ellipsoid> {
+    (0.5..10.0f64, 0.005..0.2f64, -0.05..0.05f64, -0.05..0.05f64).prop_map(|(f_max, c, x, y)| {
+        Ellipsoid::new(f_max, c * f_max).unwrap().shifted(&Vector2::new(x, y)).unwrap()
+    })
+}
+
+/// Upright and centered ellipsoids: the origin of S is the center of friction.
+fn centered() -> impl Strategy<Value = Ellipsoid> {
     (0.5..10.0f64, 0.005..0.2f64).prop_map(|(f_max, c)| Ellipsoid::new(f_max, c * f_max).unwrap())
 }
 
@@ -238,7 +247,7 @@ proptest! {
     }
 
     #[test]
-    fn a_mirrored_push_gives_the_mirrored_motion(surface in surfaces(), push in pushes()) {
+    fn a_mirrored_push_gives_the_mirrored_motion(surface in centered(), push in pushes()) {
         let mirror = |v: &Vector2<f64>| Vector2::new(v.x, -v.y);
         let mirrored = Push {
             p_sc: mirror(&push.p_sc),
@@ -278,5 +287,22 @@ proptest! {
         let back = predict(&surface, &Push { v_wp_s: -push.v_wp_s, ..push }).unwrap();
         let separated = [there.mode, back.mode].iter().filter(|&&mode| mode == ContactMode::Separated).count();
         prop_assert_eq!(separated, 1);
+    }
+}
+
+#[test]
+fn the_solver_keeps_the_laws_on_the_patch_and_agrees_with_a_fine_point_set() {
+    let square = Shape::square(0.09).unwrap();
+    let patch = Patch::uniform(&square, 2.0).unwrap();
+    let points = PointSet::sampling(&square, 2.0, 2500).unwrap();
+    for (y, angle, friction) in [(0.01, 0.1, 0.5), (0.03, -0.2, 0.3), (-0.02, 0.9, 0.3)] {
+        let push = square_push(y, 0.02 * unit(angle).into_inner(), friction);
+        let exact = predict(&patch, &push).unwrap();
+        let sampled = predict(&points, &push).unwrap();
+        assert_eq!(check_laws(&patch, &push, &Wrench::default(), &exact, 1e-7), Ok(()));
+        assert_eq!(check_laws(&points, &push, &Wrench::default(), &sampled, 1e-7), Ok(()));
+        let error = distance(&exact.twist_ws_s, &sampled.twist_ws_s, 0.035);
+        assert!(error < 1e-3 * 0.02, "{y} {angle}: {error:e} m/s");
+        assert_eq!(exact.mode, sampled.mode);
     }
 }

@@ -15,7 +15,7 @@ pub struct ModelKind {
     pub train: Train,
 }
 
-/// Trains a model on observed steps, from a nominal analytical model.
+/// Trains a model on observed steps, from a nominal analytical one.
 pub type Train = fn(&Analytical, &[StepObservation]) -> Result<Box<dyn PushModel>, ModelError>;
 
 /// Every kind of model.

@@ -93,8 +93,8 @@ fn largest_cosine(
     Ok(largest)
 }
 
-/// Parameters with their residuals.
-type Point = (Vec<f64>, DVector<f64>);
+/// Where a step leads, and the residuals there.
+type Descent = (Vec<f64>, DVector<f64>);
 
 /// A damped Gauss–Newton step that lowers the sum of squares; `None` if only a step too small to
 /// matter would.
@@ -105,7 +105,7 @@ fn descend(
     r: &DVector<f64>,
     damping: &mut f64,
     residuals: &impl Fn(&[f64]) -> Result<DVector<f64>, ModelError>,
-) -> Result<Option<Point>, ModelError> {
+) -> Result<Option<Descent>, ModelError> {
     loop {
         let mut damped = normal.clone();
         for k in 0..x.len() {

@@ -47,7 +47,7 @@ fn steps(n: usize, noise: f64) -> Vec<StepObservation> {
         let (p, share) = (spread(k, 0.754_877_666), spread(k, 0.569_840_290));
         let beta = 1.6 * share - 0.8;
         let input = StepInput::on_edge(shape.clone(), 0.00475, 1, p, beta, 0.004).unwrap();
-        let mean = truth().predict(&[input.clone()], Noise::Excluded).unwrap()[0].mean;
+        let mean = truth().predict(std::slice::from_ref(&input), Noise::Excluded).unwrap()[0].mean;
         let error = Vector3::from_fn(|output, _| noise * SD[output] * unit_noise(k, output));
         StepObservation { input, outputs: mean + error }
     };

@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 use report::{
     Arrows, Axis, Band, Bars, BoxPlot, Claim, Color, ColorMap, Contours, Curve, Data, Ellipse,
     ErrorBars, Figure, Grid, Guide, HeatMap, Histogram, LegendPlace, Line, Note, Page, Panel,
-    Plate, Points, Polygon, Provenance, ReportError, Section, Space, SpatialArrows, Steps, Surface,
-    Table, Verdict,
+    Plate, Points, Polygon, Provenance, Section, Space, SpatialArrows, Steps, Surface, Table,
+    Verdict,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args_os().nth(1).map_or_else(|| "target/gallery".into(), PathBuf::from);
     let plates = [
-        ("lines", "Lines, points, bands and bars.", lines()?),
+        ("lines", "Lines, points, bands and bars.", lines()),
         ("fields", "Heat maps, contours and colored points.", fields()),
         ("geometry", "Outlines, ellipses, arrows and notes, drawn to scale.", geometry()),
         ("statistics", "Histograms, boxes, bars and steps.", statistics()),
@@ -97,7 +97,7 @@ fn map(x: &[f64], f: impl Fn(f64) -> f64) -> Vec<f64> {
     x.iter().map(|&x| f(x)).collect()
 }
 
-fn lines() -> Result<(Figure, Data), ReportError> {
+fn lines() -> (Figure, Data) {
     let x = span(0.0, 2.0, 200);
     let mean = map(&x, |x| (3.0 * x).sin());
     let low = map(&x, |x| (3.0 * x).sin() - 0.1 - 0.2 * x);
@@ -114,24 +114,38 @@ fn lines() -> Result<(Figure, Data), ReportError> {
         )
         .with(Points::new(&at, &seen).color(Color::VERMILION).label("pushes"));
 
+    let data = Table::new()
+        .column("x", &x)
+        .column("mean", &mean)
+        .column("low", &low)
+        .column("high", &high);
+    let figure = Figure::new(2, 2)
+        .title("Lines and their kin")
+        .with(posterior)
+        .with(learning_curves())
+        .with(force_profile())
+        .with(small_numbers());
+    (figure, data.into())
+}
+
+fn learning_curves() -> Panel {
     let n = [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0];
     let curve = |floor: f64, slope: f64| map(&n, |n| floor + slope / n);
-    let learning = Panel::new(
-        Axis::new("training pushes").log(),
-        Axis::new("normalized mean squared error").log(),
-    )
-    .title("Learning curves")
-    .with(Guide::horizontal(0.12).dashed().label("analytical"))
-    .with(Line::new(&n, &curve(0.03, 4.0)).label("GP"))
-    .with(Points::new(&n, &curve(0.03, 4.0)))
-    .with(ErrorBars::new(
-        &n,
-        &map(&curve(0.03, 4.0), |v| 0.8 * v),
-        &map(&curve(0.03, 4.0), |v| 1.25 * v),
-    ))
-    .with(Line::new(&n, &curve(0.03, 0.7)).color(Color::VERMILION).label("hybrid"))
-    .with(Points::new(&n, &curve(0.03, 0.7)).color(Color::VERMILION).hollow());
+    Panel::new(Axis::new("training pushes").log(), Axis::new("normalized mean squared error").log())
+        .title("Learning curves")
+        .with(Guide::horizontal(0.12).dashed().label("analytical"))
+        .with(Line::new(&n, &curve(0.03, 4.0)).label("GP"))
+        .with(Points::new(&n, &curve(0.03, 4.0)))
+        .with(ErrorBars::new(
+            &n,
+            &map(&curve(0.03, 4.0), |v| 0.8 * v),
+            &map(&curve(0.03, 4.0), |v| 1.25 * v),
+        ))
+        .with(Line::new(&n, &curve(0.03, 0.7)).color(Color::VERMILION).label("hybrid"))
+        .with(Points::new(&n, &curve(0.03, 0.7)).color(Color::VERMILION).hollow())
+}
 
+fn force_profile() -> Panel {
     let t = span(0.0, 3.0, 900);
     let jitter = noise(900, 11);
     let force: Vec<f64> = t
@@ -142,32 +156,21 @@ fn lines() -> Result<(Figure, Data), ReportError> {
                 + if (0.6..2.4).contains(t) { 2.05 + 0.9 * (-(t - 0.6) / 0.05).exp() } else { 0.0 }
         })
         .collect();
-    let profile = Panel::new("time in s", Axis::new("normal force in N").range(-0.4, 3.4))
+    Panel::new("time in s", Axis::new("normal force in N").range(-0.4, 3.4))
         .title("Force profile with the interval of contact found from force alone")
         .with(Guide::interval(0.6, 2.4).label("contact"))
         .with(Line::new(&t, &force).width(1.0).label("measured"))
         .with(Guide::horizontal(2.05).color(Color::VERMILION).dashed().label("μₛ m g = 2.05 N"))
-        .with(Note::new([0.6, 2.9], "static peak").offset(10.0, -4.0));
+        .with(Note::new([0.6, 2.9], "static peak").offset(10.0, -4.0))
+}
 
+fn small_numbers() -> Panel {
     let h = span(0.0, 4e-4, 50);
-    let tiny = Panel::new("step in m", "error in rad")
+    Panel::new("step in m", "error in rad")
         .title("Small numbers")
         .legend(LegendPlace::BottomRight)
         .with(Line::new(&h, &map(&h, |h| 900.0 * h * h)).label("second order"))
-        .with(Guide::vertical(2e-4).dashed());
-    let data = Table::new()
-        .column("x", &x)
-        .column("mean", &mean)
-        .column("low", &low)
-        .column("high", &high);
-    data.to_csv("lines")?;
-    let figure = Figure::new(2, 2)
-        .title("Lines and their kin")
-        .with(posterior)
-        .with(learning)
-        .with(profile)
-        .with(tiny);
-    Ok((figure, data.into()))
+        .with(Guide::vertical(2e-4).dashed())
 }
 
 fn fields() -> (Figure, Data) {
@@ -319,38 +322,70 @@ fn statistics() -> (Figure, Data) {
     )
 }
 
+fn sphere(u: f64, v: f64) -> [f64; 3] {
+    let ((su, cu), (sv, cv)) = ((TAU * u).sin_cos(), (PI * (v - 0.5)).sin_cos());
+    [cv * cu, cv * su, sv]
+}
+
+/// A wrench from one in units of the largest force and moment, in N and N·m.
+fn scaled([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [2.05 * x, 2.05 * y, 0.08 * z]
+}
+
+fn load_space(title: &str) -> Space {
+    Space::new("Fx in N", "Fy in N", "M in N·m").title(title)
+}
+
 fn surfaces() -> (Figure, Data) {
-    let sphere = |u: f64, v: f64| {
-        let ((su, cu), (sv, cv)) = ((TAU * u).sin_cos(), (PI * (v - 0.5)).sin_cos());
-        [cv * cu, cv * su, sv]
-    };
-    let scaled = |[x, y, z]: [f64; 3]| [2.05 * x, 2.05 * y, 0.08 * z];
     let spots: Vec<[f64; 3]> = (0..6)
         .flat_map(|i| (1..4).map(move |j| sphere(f64::from(i) / 6.0, f64::from(j) / 4.0)))
         .collect();
     let tails: Vec<[f64; 3]> = spots.iter().map(|p| scaled(*p)).collect();
     let normals: Vec<[f64; 3]> = spots.iter().map(|p| scaled(p.map(|c| 0.35 * c))).collect();
     let ring: Vec<[f64; 3]> = span(0.0, 1.0, 80).iter().map(|u| scaled(sphere(*u, 0.62))).collect();
-    let axes = || Space::new("Fx in N", "Fy in N", "M in N·m");
-    let ellipsoid = axes()
-        .title("Ellipsoid with normals")
+    let ellipsoid = load_space("Ellipsoid with normals")
         .with(Surface::parametric(48, 24, |u, v| scaled(sphere(u, v))).label("ellipsoid"))
         .with(SpatialArrows::new(&tails, &normals).label("normal"))
         .with(Curve::new(&ring).label("constant moment"));
-    let quartic = move |u, v| {
+    let unit = Space::new("x in m", "y in m", "z in m")
+        .title("Drawn to scale, from below")
+        .equal_aspect()
+        .view(2.2, -0.4)
+        .with(
+            Surface::parametric(30, 15, |u, v| {
+                let [x, y, z] = sphere(u, v);
+                [2.0 * x, y, 0.7 * z]
+            })
+            .color(Color::PURPLE),
+        );
+    let figure = Figure::new(2, 2)
+        .panel_size(400.0, 360.0)
+        .with(ellipsoid)
+        .with(two_surfaces())
+        .with(polytope())
+        .with(unit);
+    let column = |i: usize| tails.iter().map(|p| p[i]).collect::<Vec<f64>>();
+    let data = Table::new()
+        .column("fx in N", &column(0))
+        .column("fy in N", &column(1))
+        .column("m in Nm", &column(2));
+    (figure, data.into())
+}
+
+fn two_surfaces() -> Space {
+    let bulging = |u, v| {
         let [x, y, z] = sphere(u, v);
         let norm = (x.powi(4) + y.powi(4) + z.powi(4)).powf(0.25);
         scaled([x / norm, y / norm, z / norm])
     };
-    let compared = axes()
-        .title("Exact surface beside the ellipsoid")
-        .with(Surface::parametric(48, 24, quartic).color(Color::ORANGE).label("exact"))
-        .with(
-            Surface::parametric(24, 12, |u, v| scaled(sphere(u, v).map(|c| 1.12 * c)))
-                .wireframe()
-                .color(Color::BLUE)
-                .label("ellipsoid"),
-        );
+    let outer = |u, v| scaled(sphere(u, v).map(|c| 1.12 * c));
+    let ellipsoid = Surface::parametric(24, 12, outer).wireframe().color(Color::BLUE);
+    load_space("A surface and a wireframe")
+        .with(Surface::parametric(48, 24, bulging).color(Color::ORANGE).label("quartic"))
+        .with(ellipsoid.label("ellipsoid"))
+}
+
+fn polytope() -> Space {
     let corners = [
         [1.0, 0.0, 0.0],
         [0.0, 1.0, 0.0],
@@ -362,36 +397,8 @@ fn surfaces() -> (Figure, Data) {
     .map(scaled);
     let facets =
         [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4], [1, 0, 5], [2, 1, 5], [3, 2, 5], [0, 3, 5]];
-    let polytope = axes()
-        .title("Facets and vertices")
-        .view(0.5, 0.3)
-        .with(Surface::triangles(&corners, &facets).edges().color(Color::GREEN).opacity(0.85));
-    let unit = Space::new("x in m", "y in m", "z in m")
-        .title("Drawn to scale, from below")
-        .equal_aspect()
-        .view(2.2, -0.4)
-        .with(
-            Surface::parametric(30, 15, move |u, v| {
-                let [x, y, z] = sphere(u, v);
-                [2.0 * x, y, 0.7 * z]
-            })
-            .color(Color::PURPLE),
-        );
-    let figure = Figure::new(2, 2)
-        .panel_size(400.0, 360.0)
-        .with(ellipsoid)
-        .with(compared)
-        .with(polytope)
-        .with(unit);
-    let column = |i: usize| tails.iter().map(|p| p[i]).collect::<Vec<f64>>();
-    (
-        figure,
-        Table::new()
-            .column("fx in N", &column(0))
-            .column("fy in N", &column(1))
-            .column("m in Nm", &column(2))
-            .into(),
-    )
+    let surface = Surface::triangles(&corners, &facets).edges().color(Color::GREEN);
+    load_space("Facets and vertices").view(0.5, 0.3).with(surface.opacity(0.85))
 }
 
 fn cloud() -> (Figure, Data) {

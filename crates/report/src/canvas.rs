@@ -2,7 +2,9 @@
 
 use crate::axis::Scale;
 use crate::color::Color;
+use crate::font::text_width;
 use crate::scene::{Anchor, Image, Ink, Rect, Scene, Shape, Stroke, Text};
+use crate::style::SMALL;
 
 /// The data area of a panel; every position is in the units of its axes.
 #[derive(Debug)]
@@ -27,7 +29,7 @@ impl Canvas<'_> {
     /// Draws an open line through the points.
     pub fn line(&mut self, points: impl IntoIterator<Item = [f64; 2]>, stroke: Stroke) {
         let points = points.into_iter().map(|point| self.place(point)).collect();
-        self.scene.path(simplified(points), false, None, Some(stroke));
+        self.scene.path(simplified(thinned(points)), false, None, Some(stroke));
     }
 
     /// Draws closed rings, filled by the non-zero rule, outlined, or both.
@@ -73,7 +75,8 @@ impl Canvas<'_> {
         push_arrow(self.scene, tail, tip, stroke);
     }
 
-    /// Writes text shifted by `offset` (right, up) in px, on a white halo.
+    /// Writes text shifted by `offset` (right, up) in px, on a white halo; it is moved so that it
+    /// stays inside the panel, and left out if its point lies outside.
     pub fn text(
         &mut self,
         at: [f64; 2],
@@ -83,7 +86,20 @@ impl Canvas<'_> {
         color: Color,
     ) {
         let [x, y] = self.place(at);
-        let text = Text::new([x + offset[0], y - offset[1]], content, 12.0);
+        let inside = |scale: &Scale, v: f64| (v - scale.start) * (v - scale.end) <= 0.0;
+        if !inside(&self.x, x) || !inside(&self.y, y) {
+            return;
+        }
+        let width = text_width(content, SMALL, false);
+        let before = match anchor {
+            Anchor::Start => 0.0,
+            Anchor::Middle => 0.5 * width,
+            Anchor::End => width,
+        };
+        let (left, right) = (self.x.start + before + 3.0, self.x.end - (width - before) - 3.0);
+        let (top, bottom) = (self.y.end + SMALL, self.y.start - 4.0);
+        let at = [(x + offset[0]).min(right).max(left), (y - offset[1]).min(bottom).max(top)];
+        let text = Text::new(at, content, SMALL);
         self.scene.text(Text { anchor, color, halo: true, ..text });
     }
 
@@ -121,6 +137,27 @@ pub(crate) fn push_arrow(scene: &mut Scene, tail: [f64; 2], tip: [f64; 2], strok
     scene.path(vec![tip, barb(1.0), barb(-1.0)], true, Some(stroke.ink), None);
 }
 
+/// Of a line that runs in +x only the first, lowest, highest and last point in each half px,
+/// which cover the same pixels; any other line as it is.
+fn thinned(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    if points.windows(2).any(|pair| pair[1][0] < pair[0][0]) {
+        return points;
+    }
+    let column = |point: &[f64; 2]| (2.0 * point[0]).floor();
+    let mut kept = Vec::new();
+    for group in points.chunk_by(|a, b| column(a) == column(b)) {
+        let by_height = |a: &usize, b: &usize| group[*a][1].total_cmp(&group[*b][1]);
+        let ends = [0, group.len() - 1];
+        let extremes = [(0..group.len()).min_by(by_height), (0..group.len()).max_by(by_height)];
+        let mut chosen: Vec<usize> =
+            ends.into_iter().chain(extremes.into_iter().flatten()).collect();
+        chosen.sort_unstable();
+        chosen.dedup();
+        kept.extend(chosen.into_iter().map(|i| group[i]));
+    }
+    kept
+}
+
 /// The line without the points that move it by less than 0.05 px (Douglas–Peucker).
 fn simplified(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     if points.len() < 3 {
@@ -153,7 +190,26 @@ fn distance_to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{distance_to_segment, simplified};
+    use super::{distance_to_segment, simplified, thinned};
+
+    #[test]
+    fn thinned_line_keeps_every_peak_and_its_ends() {
+        let noisy: Vec<[f64; 2]> = (0..50_000)
+            .map(|i| [f64::from(i) * 0.01, (f64::from(i) * 12.9898).sin() * 90.0])
+            .collect();
+        let thin = thinned(noisy.clone());
+        assert!(thin.len() <= 4 * 1001, "{}", thin.len());
+        assert_eq!((thin.first(), thin.last()), (noisy.first(), noisy.last()));
+        let peak = |line: &[[f64; 2]]| line.iter().map(|p| p[1]).fold(f64::MIN, f64::max);
+        for low in [0.0, 123.5, 400.0] {
+            let part = |line: &[[f64; 2]]| -> Vec<[f64; 2]> {
+                line.iter().filter(|p| (low..low + 0.5).contains(&p[0])).copied().collect()
+            };
+            assert_eq!(peak(&part(&thin)), peak(&part(&noisy)));
+        }
+        let back = vec![[1.0, 0.0], [0.9, 5.0], [1.0, 1.0]];
+        assert_eq!(thinned(back.clone()), back);
+    }
 
     #[test]
     fn simplified_line_stays_within_its_tolerance_with_far_fewer_points() {

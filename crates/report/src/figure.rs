@@ -6,6 +6,7 @@ use crate::data::Data;
 use crate::error::ReportError;
 use crate::files::{Drawn, write_atomically};
 use crate::frame::Margins;
+use crate::legend::LegendPlace;
 use crate::panel::Panel;
 use crate::raster::to_png;
 use crate::scene::{Rect, Scene, Text};
@@ -34,8 +35,10 @@ pub enum Cell {
 
 /// Pixels of the PNG across, at least.
 const PNG_WIDTH: f64 = 1400.0;
-/// Bytes of SVG that marks may take before they become a picture.
-const SVG_BUDGET: usize = 200_000;
+/// Bytes of SVG above which the panels' marks become pictures.
+const SVG_LIMIT: usize = 280_000;
+/// Bytes that those pictures may take together.
+const SVG_BUDGET: usize = 240_000;
 
 impl Figure {
     /// An empty grid, filled row by row with [`Figure::with`]; a cell is 360 × 290 px.
@@ -75,7 +78,7 @@ impl Figure {
     /// # Errors
     /// Whatever cannot be drawn, named by mark and index; too many panels; too small a size.
     pub fn svg(&self) -> Result<String, ReportError> {
-        to_svg(&self.scene()?, self.name())
+        self.light_svg(&self.scene(usize::MAX)?)
     }
 
     /// The figure as PNG bytes, twice as many pixels as px and at least 1400 across.
@@ -83,7 +86,7 @@ impl Figure {
     /// # Errors
     /// As [`Figure::svg`].
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
-        let scene = self.scene()?;
+        let scene = self.scene(usize::MAX)?;
         to_png(&scene, png_scale(&scene))
     }
 
@@ -94,8 +97,8 @@ impl Figure {
     /// As [`Figure::svg`]; data that do not fit a table; a name that does not fit a file; a
     /// folder that cannot be written.
     pub fn write(&self, folder: &Path, name: &str, data: &Data) -> Result<Drawn, ReportError> {
-        let scene = self.scene()?;
-        let drawn = Drawn::new(folder, name, self.name(), to_svg(&scene, self.name())?, data)?;
+        let scene = self.scene(usize::MAX)?;
+        let drawn = Drawn::new(folder, name, self.name(), self.light_svg(&scene)?, data)?;
         let numbers = data.to_text(name)?;
         write_atomically(&drawn.path("svg"), drawn.svg.as_bytes())?;
         write_atomically(&drawn.path("png"), &to_png(&scene, png_scale(&scene))?)?;
@@ -110,7 +113,17 @@ impl Figure {
         self.panels.iter().map(Cell::title).find(|title| !title.is_empty()).unwrap_or("figure")
     }
 
-    fn scene(&self) -> Result<Scene, ReportError> {
+    /// The scene as SVG; if that is heavy, with the marks of heavy panels as pictures.
+    fn light_svg(&self, scene: &Scene) -> Result<String, ReportError> {
+        let svg = to_svg(scene, self.name())?;
+        if svg.len() <= SVG_LIMIT {
+            return Ok(svg);
+        }
+        to_svg(&self.scene(SVG_BUDGET / self.panels.len())?, self.name())
+    }
+
+    /// Everything drawn, the marks of a panel as a picture if above `budget` bytes of SVG.
+    fn scene(&self, budget: usize) -> Result<Scene, ReportError> {
         let n_cells = self.rows * self.columns;
         if self.panels.is_empty() || self.panels.len() > n_cells {
             let found = self.panels.len();
@@ -124,16 +137,9 @@ impl Figure {
             let text = Text::new([0.5 * scene.width, 21.0], &self.title, 15.0);
             scene.text(Text { bold: true, ..text });
         }
-        let margins = self.margins()?;
+        let (margins, places) = self.plan(head)?;
         for (i, panel) in self.panels.iter().enumerate() {
-            let (row, column) = (i / self.columns, i % self.columns);
-            let around = self.shared(&margins, row, column);
-            let area = Rect {
-                x: column as f64 * width + around.left,
-                y: head + row as f64 * height + around.top,
-                width: width - around.left - around.right,
-                height: height - around.top - around.bottom,
-            };
+            let area = self.area(&margins, i, head);
             if !(area.width >= 60.0 && area.height >= 50.0) {
                 return Err(ReportError::TooSmall {
                     index: i,
@@ -141,19 +147,42 @@ impl Figure {
                     height: area.height,
                 });
             }
-            panel.draw(&mut scene, area, &self.lettered(i), SVG_BUDGET / self.panels.len())?;
+            panel.draw(&mut scene, area, &self.lettered(i), places[i], budget)?;
         }
         Ok(scene)
     }
 
-    fn margins(&self) -> Result<Vec<Margins>, ReportError> {
-        let panels = self.panels.iter().enumerate();
-        panels
+    /// Margins and legend places: once for a guessed area, then for the area that follows.
+    fn plan(&self, head: f64) -> Result<(Vec<Margins>, Vec<LegendPlace>), ReportError> {
+        let guess = [self.panel_size[0] - 90.0, self.panel_size[1] - 80.0];
+        let panels = || self.panels.iter().enumerate();
+        panels().try_for_each(|(i, panel)| panel.check(i))?;
+        let first: Vec<Margins> = panels()
+            .map(|(i, panel)| panel.margins(&self.lettered(i), guess, LegendPlace::Auto))
+            .collect::<Result<_, _>>()?;
+        let areas: Vec<Rect> = panels().map(|(i, _)| self.area(&first, i, head)).collect();
+        let places: Vec<LegendPlace> =
+            panels().map(|(i, panel)| panel.settle_legend(areas[i])).collect::<Result<_, _>>()?;
+        let margins = panels()
             .map(|(i, panel)| {
-                panel.check(i)?;
-                panel.margins(&self.lettered(i), self.panel_size)
+                let size = [areas[i].width, areas[i].height];
+                panel.margins(&self.lettered(i), size, places[i])
             })
-            .collect()
+            .collect::<Result<_, _>>()?;
+        Ok((margins, places))
+    }
+
+    /// The data area of a panel.
+    fn area(&self, margins: &[Margins], index: usize, head: f64) -> Rect {
+        let [width, height] = self.panel_size;
+        let (row, column) = (index / self.columns, index % self.columns);
+        let around = self.shared(margins, row, column);
+        Rect {
+            x: column as f64 * width + around.left,
+            y: head + row as f64 * height + around.top,
+            width: width - around.left - around.right,
+            height: height - around.top - around.bottom,
+        }
     }
 
     /// The margins that line a panel up with its row and its column.
@@ -201,10 +230,22 @@ impl Cell {
         }
     }
 
-    fn margins(&self, title: &str, size: [f64; 2]) -> Result<Margins, ReportError> {
+    fn settle_legend(&self, area: Rect) -> Result<LegendPlace, ReportError> {
         match self {
-            Self::Flat(panel) => panel.margins(title, size),
-            Self::Spatial(space) => Ok(space.margins(title, size)),
+            Self::Flat(panel) => panel.settle_legend(area),
+            Self::Spatial(space) => space.settle_legend(area),
+        }
+    }
+
+    fn margins(
+        &self,
+        title: &str,
+        size: [f64; 2],
+        place: LegendPlace,
+    ) -> Result<Margins, ReportError> {
+        match self {
+            Self::Flat(panel) => panel.margins(title, size, place),
+            Self::Spatial(space) => space.margins(title, size, place),
         }
     }
 
@@ -213,11 +254,12 @@ impl Cell {
         scene: &mut Scene,
         area: Rect,
         title: &str,
+        place: LegendPlace,
         budget: usize,
     ) -> Result<(), ReportError> {
         match self {
-            Self::Flat(panel) => panel.draw(scene, area, title, budget),
-            Self::Spatial(space) => space.draw(scene, area, title, budget),
+            Self::Flat(panel) => panel.draw(scene, area, title, place, budget),
+            Self::Spatial(space) => space.draw(scene, area, title, place, budget),
         }
     }
 }

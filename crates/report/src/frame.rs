@@ -45,7 +45,7 @@ impl Ruler<'_> {
     }
 
     pub(crate) fn upright_ticks(&self, length: f64) -> Ticks {
-        self.axis.ticks(self.range, (length / 38.0).clamp(2.0, 8.0))
+        self.axis.ticks(self.range, (length / 32.0).clamp(2.0, 8.0))
     }
 
     /// The lines of each label of a level axis, and whether they are written upward.
@@ -84,8 +84,11 @@ pub(crate) fn axis_margins(x: &Ruler<'_>, y: &Ruler<'_>, title: &str, size: [f64
         LEADING * wrap(text, NORMAL, false, length.max(60.0)).len() as f64
     };
     let level = x.level_ticks(size[0]);
+    // The final area differs a little from `size`, and with it possibly the ticks.
+    let labels = [0.85, 1.0, 1.15].map(|share| widest(&y.upright_ticks(share * size[1])));
+    let label = labels.into_iter().fold(0.0, f64::max);
     Margins {
-        left: TICK + 4.0 + widest(&y.upright_ticks(size[1])) + 6.0 + lines(&y.axis.label, size[1]),
+        left: TICK + 4.0 + label + 6.0 + lines(&y.axis.label, 0.9 * size[1]),
         right: (0.5 * widest(&level)).clamp(8.0, 24.0) + 2.0,
         top: title_height(title, size[0]),
         bottom: TICK + x.label_depth(&level, size[0]) + 5.0 + lines(&x.axis.label, size[0]) + 3.0,
@@ -172,10 +175,15 @@ fn draw_level_axis(scene: &mut Scene, area: &Rect, x: &Ruler<'_>, stroke: Stroke
 
 /// The room right of a data area for a color bar of about `height` px.
 pub(crate) fn color_bar_width(scale: &ColorScale, height: f64) -> f64 {
-    let ticks = linear(scale.low, scale.high, (height / 38.0).clamp(2.0, 8.0));
+    let labels = [0.85, 1.0, 1.15].map(|share| widest(&bar_ticks(scale, share * height)));
     let label = scale.label.as_deref().unwrap_or_default();
-    let lines = wrap(label, NORMAL, false, height.max(60.0)).len() as f64;
-    12.0 + BAR + TICK + 4.0 + widest(&ticks) + 4.0 + LEADING * lines
+    let lines = wrap(label, NORMAL, false, (0.9 * height).max(60.0)).len() as f64;
+    let widest = labels.into_iter().fold(0.0, f64::max);
+    12.0 + BAR + TICK + 4.0 + widest + 4.0 + LEADING * lines
+}
+
+fn bar_ticks(scale: &ColorScale, height: f64) -> Ticks {
+    linear(scale.low, scale.high, (height / 32.0).clamp(2.0, 8.0))
 }
 
 pub(crate) fn draw_color_bar(scene: &mut Scene, area: &Rect, scale: &ColorScale) {
@@ -192,7 +200,7 @@ pub(crate) fn draw_color_bar(scene: &mut Scene, area: &Rect, scale: &ColorScale)
     scene.shapes.push(Shape::Image(image));
     let stroke = Stroke::new(FRAME, 1.0);
     scene.rect(&bar, None, Some(stroke));
-    let ticks = linear(scale.low, scale.high, (area.height / 38.0).clamp(2.0, 8.0));
+    let ticks = bar_ticks(scale, area.height);
     for (value, label) in &ticks.major {
         let t = (value - scale.low) / (scale.high - scale.low);
         let y = bar.bottom() - t * bar.height;

@@ -58,6 +58,37 @@ impl Grid {
         [at(self.x, column, self.columns), at(self.y, row, self.rows)]
     }
 
+    /// The grid with one more cell on each side, extrapolated linearly, so that lines between
+    /// centers reach the border.
+    pub(crate) fn padded(&self) -> Self {
+        let width =
+            [(self.x.1 - self.x.0) / self.columns as f64, (self.y.1 - self.y.0) / self.rows as f64];
+        let (columns, rows) = (self.columns + 2, self.rows + 2);
+        let cells = || (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
+        // Mirrored twice about the nearest cell: v(-1) = 2 v(0) - v(1).
+        let near = |i: usize, n: usize| i.clamp(1, n) - 1;
+        let mirrored = |i: usize, n: usize| {
+            let at = near(i, n);
+            (2 * at + 1).saturating_sub(i).min(n - 1)
+        };
+        let value = |(row, column): (usize, usize)| {
+            let (a, b) = (near(row, self.rows), near(column, self.columns));
+            let (c, d) = (mirrored(row, self.rows), mirrored(column, self.columns));
+            2.0 * self.values[a * self.columns + b] - self.values[c * self.columns + d]
+        };
+        let shown = |(row, column): (usize, usize)| {
+            self.is_shown(near(row, self.rows) * self.columns + near(column, self.columns))
+        };
+        Self {
+            x: (self.x.0 - width[0], self.x.1 + width[0]),
+            y: (self.y.0 - width[1], self.y.1 + width[1]),
+            columns,
+            rows,
+            values: cells().map(value).collect(),
+            shown: Some(cells().map(shown).collect()),
+        }
+    }
+
     pub(crate) fn is_shown(&self, index: usize) -> bool {
         self.shown.as_ref().is_none_or(|shown| shown[index])
     }
@@ -82,5 +113,23 @@ impl Grid {
             return Ok(());
         }
         Err(ReportError::Empty { mark: name.to_owned() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Grid;
+
+    #[test]
+    fn padding_continues_a_plane() {
+        let plane = |x: f64, y: f64| 1.0 + 2.0 * x - 3.0 * y;
+        let padded = Grid::sample((0.0, 1.0), (-1.0, 1.0), 5, 4, plane).padded();
+        for row in 0..padded.rows {
+            for column in 0..padded.columns {
+                let [x, y] = padded.center(column as f64, row as f64);
+                let value = padded.values[row * padded.columns + column];
+                assert!((value - plane(x, y)).abs() < 1e-12, "{row} {column}");
+            }
+        }
     }
 }

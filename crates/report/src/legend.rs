@@ -10,7 +10,7 @@ use crate::style::{LEADING, SMALL};
 /// Where a panel shows its legend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LegendPlace {
-    /// In the corner that hides the least.
+    /// Inside where it hides next to nothing, otherwise below.
     Auto,
     /// Inside, top left.
     TopLeft,
@@ -22,10 +22,13 @@ pub enum LegendPlace {
     BottomRight,
     /// Right of the panel.
     Outside,
+    /// Below the panel, in rows.
+    Below,
 }
 
 const SWATCH: f64 = 24.0;
 const PADDING: f64 = 6.0;
+const GAP: f64 = 18.0;
 
 /// Width and height of the box around the keys.
 pub(crate) fn legend_size(keys: &[LegendKey]) -> [f64; 2] {
@@ -51,24 +54,68 @@ pub(crate) fn legend_box(
         LegendPlace::BottomLeft => at(left, bottom),
         LegendPlace::BottomRight => at(right, bottom),
         LegendPlace::Outside => at(area.right() + 8.0, area.y),
-        LegendPlace::Auto => {
-            let center = 0.5 * (left + right);
-            let spots = [
-                at(right, top),
-                at(left, top),
-                at(left, bottom),
-                at(right, bottom),
-                at(center, top),
-                at(center, bottom),
-            ];
-            let mut best = (usize::MAX, spots[0]);
-            for spot in spots {
-                let hidden = count_inside(&scene.shapes[first..], &spot);
-                if hidden < best.0 {
-                    best = (hidden, spot);
-                }
+        LegendPlace::Auto | LegendPlace::Below => best_spot(scene, first, area, keys).1,
+    }
+}
+
+/// Whether the best place inside the area hides too much, or is larger than the area.
+pub(crate) fn is_crowded(scene: &Scene, first: usize, area: &Rect, keys: &[LegendKey]) -> bool {
+    let [width, height] = legend_size(keys);
+    let large = width > 0.7 * area.width || height > 0.6 * area.height;
+    !keys.is_empty() && (large || best_spot(scene, first, area, keys).0 > 3)
+}
+
+/// The corner or edge where the legend hides the least, and how much that is.
+fn best_spot(scene: &Scene, first: usize, area: &Rect, keys: &[LegendKey]) -> (usize, Rect) {
+    let [width, height] = legend_size(keys);
+    let (left, right) = (area.x + 5.0, area.right() - width - 5.0);
+    let (top, bottom) = (area.y + 5.0, area.bottom() - height - 5.0);
+    let center = 0.5 * (left + right);
+    let mut best = (usize::MAX, Rect { x: right, y: top, width, height });
+    for (x, y) in [
+        (right, top),
+        (left, top),
+        (left, bottom),
+        (right, bottom),
+        (center, top),
+        (center, bottom),
+    ] {
+        let spot = Rect { x, y, width, height };
+        let hidden = count_inside(&scene.shapes[first..], &spot);
+        if hidden < best.0 {
+            best = (hidden, spot);
+        }
+    }
+    best
+}
+
+/// The keys in rows of at most `width` px, each with its offset from the row's left end.
+fn rows(keys: &[LegendKey], width: f64) -> Vec<(f64, Vec<(f64, &LegendKey)>)> {
+    let mut rows: Vec<(f64, Vec<(f64, &LegendKey)>)> = Vec::new();
+    for key in keys {
+        let own = SWATCH + 8.0 + text_width(&key.label, SMALL, false);
+        match rows.last_mut() {
+            Some((used, row)) if *used + GAP + own <= width => {
+                row.push((*used + GAP, key));
+                *used += GAP + own;
             }
-            best.1
+            _ => rows.push((own, vec![(0.0, key)])),
+        }
+    }
+    rows
+}
+
+/// Height of a legend below a panel `width` px wide.
+pub(crate) fn height_below(keys: &[LegendKey], width: f64) -> f64 {
+    LEADING * rows(keys, width).len() as f64 + 6.0
+}
+
+/// Draws the keys in rows centered about `x`, the first below `y`.
+pub(crate) fn draw_below(scene: &mut Scene, [x, y]: [f64; 2], keys: &[LegendKey], width: f64) {
+    for (i, (used, row)) in rows(keys, width).into_iter().enumerate() {
+        let middle = y + LEADING * (i as f64 + 0.5);
+        for (offset, key) in row {
+            draw_key(scene, key, [x - 0.5 * used + offset, middle]);
         }
     }
 }
@@ -110,11 +157,14 @@ pub(crate) fn draw_legend(scene: &mut Scene, spot: &Rect, keys: &[LegendKey]) {
     scene.rect(spot, Some(Ink::new(Color::WHITE, 0.85)), None);
     for (i, key) in keys.iter().enumerate() {
         let y = spot.y + PADDING + LEADING * (i as f64 + 0.5) - 1.5;
-        let left = spot.x + PADDING;
-        draw_swatch(scene, &key.swatch, [left, y]);
-        let text = Text::new([left + SWATCH + 8.0, y + 4.3], &key.label, SMALL);
-        scene.text(Text { anchor: Anchor::Start, ..text });
+        draw_key(scene, key, [spot.x + PADDING, y]);
     }
+}
+
+fn draw_key(scene: &mut Scene, key: &LegendKey, [left, y]: [f64; 2]) {
+    draw_swatch(scene, &key.swatch, [left, y]);
+    let text = Text::new([left + SWATCH + 8.0, y + 4.3], &key.label, SMALL);
+    scene.text(Text { anchor: Anchor::Start, ..text });
 }
 
 fn draw_swatch(scene: &mut Scene, swatch: &Swatch, [left, y]: [f64; 2]) {

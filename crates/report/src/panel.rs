@@ -7,10 +7,15 @@ use crate::error::ReportError;
 use crate::frame::{
     Margins, Ruler, axis_margins, color_bar_width, draw_axes, draw_color_bar, draw_grid, draw_title,
 };
-use crate::legend::{LegendPlace, draw_legend, legend_box, legend_size};
+use crate::legend::{
+    LegendPlace, draw_below, draw_legend, height_below, is_crowded, legend_box, legend_size,
+};
 use crate::mark::{Extent, LegendKey, Mark};
-use crate::raster::flatten;
+use crate::raster::{encode_png, flatten};
 use crate::scene::{Rect, Scene, Shape};
+
+/// How much wider than its data area a panel's legend below may be.
+const OVERHANG: f64 = 50.0;
 
 /// Two axes and the marks drawn in them, the first at the bottom.
 #[derive(Debug)]
@@ -91,17 +96,38 @@ impl Panel {
         Ok(())
     }
 
-    /// The room about the data area in a cell of `size` px.
-    pub(crate) fn margins(&self, title: &str, size: [f64; 2]) -> Result<Margins, ReportError> {
+    /// Where the legend goes if the data area is `area`.
+    pub(crate) fn settle_legend(&self, area: Rect) -> Result<LegendPlace, ReportError> {
+        if self.legend != LegendPlace::Auto {
+            return Ok(self.legend);
+        }
         let [x, y] = self.rulers()?;
-        let inner = [size[0] - 90.0, size[1] - 80.0];
-        let mut margins = axis_margins(&x, &y, title, inner);
+        let area = self.data_area(area, &x, &y);
+        let mut trial = Scene::new(0.0, 0.0);
+        self.draw_marks(&mut trial, &area, &x, &y);
+        let crowded = is_crowded(&trial, 0, &area, &self.keys());
+        Ok(if crowded { LegendPlace::Below } else { LegendPlace::Auto })
+    }
+
+    /// The room about a data area of roughly `size` px.
+    pub(crate) fn margins(
+        &self,
+        title: &str,
+        size: [f64; 2],
+        place: LegendPlace,
+    ) -> Result<Margins, ReportError> {
+        let [x, y] = self.rulers()?;
+        let mut margins = axis_margins(&x, &y, title, size);
         if let Some(scale) = self.color_scale() {
-            margins.right = margins.right.max(color_bar_width(&scale, inner[1]) + 4.0);
+            margins.right = margins.right.max(color_bar_width(&scale, size[1]) + 4.0);
         }
         let keys = self.keys();
-        if self.legend == LegendPlace::Outside && !keys.is_empty() {
-            margins.right += legend_size(&keys)[0] + 8.0;
+        match place {
+            LegendPlace::Outside if !keys.is_empty() => {
+                margins.right += legend_size(&keys)[0] + 8.0;
+            }
+            LegendPlace::Below => margins.bottom += height_below(&keys, size[0] + OVERHANG),
+            _ => {}
         }
         Ok(margins)
     }
@@ -112,32 +138,54 @@ impl Panel {
         scene: &mut Scene,
         area: Rect,
         title: &str,
+        place: LegendPlace,
         budget: usize,
     ) -> Result<(), ReportError> {
         let [x, y] = self.rulers()?;
         let width = area.width;
-        let area = if self.equal_aspect { equal_area(area, x.range, y.range) } else { area };
+        let area = self.data_area(area, &x, &y);
         draw_title(scene, title, &area, width);
         draw_grid(scene, &area, &x, &y);
         scene.shapes.push(Shape::ClipStart(area));
         let first = scene.shapes.len();
-        let scales = (x.scale(area.x, area.right()), y.scale(area.bottom(), area.y));
-        let mut canvas = Canvas { scene, x: scales.0, y: scales.1 };
-        for mark in &self.marks {
-            mark.draw(&mut canvas);
-        }
+        self.draw_marks(scene, &area, &x, &y);
         let keys = self.keys();
-        let spot = legend_box(scene, first, &area, &keys, self.legend);
+        let spot = legend_box(scene, first, &area, &keys, place);
+        let texts = take_texts(scene, first);
         lighten(scene, first, area, budget)?;
         scene.shapes.push(Shape::ClipEnd);
         draw_axes(scene, &area, &x, &y);
+        scene.shapes.extend(texts);
         if let Some(scale) = self.color_scale() {
             draw_color_bar(scene, &area, &scale);
         }
-        if !keys.is_empty() {
+        if place == LegendPlace::Below {
+            let foot = axis_margins(&x, &y, title, [area.width, area.height]).bottom;
+            let at = [area.center()[0], area.bottom() + foot];
+            draw_below(scene, at, &keys, width + OVERHANG);
+        } else if !keys.is_empty() {
             draw_legend(scene, &spot, &keys);
         }
         Ok(())
+    }
+
+    fn draw_marks(&self, scene: &mut Scene, area: &Rect, x: &Ruler<'_>, y: &Ruler<'_>) {
+        let (x, y) = (x.scale(area.x, area.right()), y.scale(area.bottom(), area.y));
+        let mut canvas = Canvas { scene, x, y };
+        for mark in &self.marks {
+            mark.draw(&mut canvas);
+        }
+    }
+
+    /// The largest part of the area with equal units, at its top, if they are to be equal.
+    fn data_area(&self, area: Rect, x: &Ruler<'_>, y: &Ruler<'_>) -> Rect {
+        if !self.equal_aspect {
+            return area;
+        }
+        let (x, y) = (x.range.1 - x.range.0, y.range.1 - y.range.0);
+        let unit = (area.width / x).min(area.height / y);
+        let (width, height) = (unit * x, unit * y);
+        Rect { x: area.center()[0] - 0.5 * width, y: area.y, width, height }
     }
 
     fn rulers(&self) -> Result<[Ruler<'_>; 2], ReportError> {
@@ -175,15 +223,14 @@ fn check_logarithmic(
     }
 }
 
-/// The largest area with equal units in the middle of the given one.
-fn equal_area(area: Rect, x: (f64, f64), y: (f64, f64)) -> Rect {
-    let unit = (area.width / (x.1 - x.0)).min(area.height / (y.1 - y.0));
-    let (width, height) = (unit * (x.1 - x.0), unit * (y.1 - y.0));
-    let [center_x, center_y] = area.center();
-    Rect { x: center_x - 0.5 * width, y: center_y - 0.5 * height, width, height }
+/// Takes the texts from `first` on out of the scene, which are neither clipped nor rasterised.
+pub(crate) fn take_texts(scene: &mut Scene, first: usize) -> Vec<Shape> {
+    let is_text = |shape: &mut Shape| matches!(shape, Shape::Text(_));
+    scene.shapes.extract_if(first.., is_text).collect()
 }
 
-/// Replaces the shapes from `first` on by one picture (texts excepted) if they are too many.
+/// Replaces the shapes from `first` on by one picture if they are too many, as sharp as the
+/// budget in bytes allows.
 pub(crate) fn lighten(
     scene: &mut Scene,
     first: usize,
@@ -193,9 +240,16 @@ pub(crate) fn lighten(
     if scene.svg_weight(first) <= budget {
         return Ok(());
     }
-    let is_text = |shape: &Shape| matches!(shape, Shape::Text(_));
-    let (texts, drawn): (Vec<Shape>, Vec<Shape>) = scene.shapes.drain(first..).partition(is_text);
-    scene.shapes.push(Shape::Image(flatten(&drawn, area, 2.0)?));
-    scene.shapes.extend(texts);
-    Ok(())
+    let drawn: Vec<Shape> = scene.shapes.drain(first..).collect();
+    let mut scale = 2.0;
+    loop {
+        let image = flatten(&drawn, area, scale)?;
+        // Base64 takes four bytes for three.
+        let size = encode_png(image.columns, image.rows, &image.rgba)?.len() / 3 * 4;
+        if size <= budget || scale <= 1.0 {
+            scene.shapes.push(Shape::Image(image));
+            return Ok(());
+        }
+        scale = (scale * (budget as f64 / size as f64).sqrt() * 0.95).max(1.0);
+    }
 }

@@ -171,7 +171,7 @@ impl Scene {
     /// A rough size of the SVG of the shapes from `first` on, in bytes.
     pub(crate) fn svg_weight(&self, first: usize) -> usize {
         let weigh = |shape: &Shape| match shape {
-            Shape::Path { rings, .. } => 70 + 11 * rings.iter().map(Vec::len).sum::<usize>(),
+            Shape::Path { rings, .. } => 55 + 10 * rings.iter().map(Vec::len).sum::<usize>(),
             Shape::Dots { centers, ink, .. } if ink.opacity < 1.0 => 60 * centers.len(),
             Shape::Dots { centers, .. } => 70 + 15 * centers.len(),
             _ => 0,

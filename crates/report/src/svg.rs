@@ -16,7 +16,8 @@ pub(crate) fn to_svg(scene: &Scene, title: &str) -> Result<String, ReportError> 
     let (width, height) = (number(scene.width, 10.0), number(scene.height, 10.0));
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-         viewBox=\"0 0 {width} {height}\" font-family=\"{FAMILIES}\" role=\"img\">\n\
+         viewBox=\"0 0 {width} {height}\" font-family=\"{FAMILIES}\" \
+         stroke-linejoin=\"round\" role=\"img\">\n\
          <title>{}</title>\n<path d=\"M0 0h{width}v{height}H0z\" fill=\"#fff\"/>\n",
         escape(title)
     );
@@ -94,7 +95,7 @@ fn push_path(
     push_paint(out, "fill", fill);
     if let Some(stroke) = stroke {
         push_paint(out, "stroke", Some(&stroke.ink));
-        let _ = write!(out, " stroke-width=\"{}\" stroke-linejoin=\"round\"", fixed(stroke.width));
+        let _ = write!(out, " stroke-width=\"{}\"", fixed(stroke.width));
         if let Some([on, off]) = stroke.dash {
             let _ = write!(out, " stroke-dasharray=\"{} {}\"", fixed(on), fixed(off));
         }
@@ -158,9 +159,7 @@ fn push_text(out: &mut String, text: &Text) {
         out.push_str(" font-weight=\"bold\"");
     }
     if text.halo {
-        out.push_str(
-            " stroke=\"#fff\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\"",
-        );
+        out.push_str(" stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\"");
     }
     let _ = writeln!(out, ">{}</text>", escape(&text.content));
 }

@@ -46,7 +46,7 @@ pub(crate) fn logarithmic(low: f64, high: f64, limit: f64) -> Ticks {
     };
     let every = (f64::from(last - first) / limit.max(1.0)).ceil().max(1.0) as i32;
     let mut major = all(&[1.0], every);
-    for leads in [&[1.0, 3.0][..], &[1.0, 2.0, 5.0], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0]] {
+    for leads in [&[1.0, 2.0, 5.0][..], &[1.0, 3.0], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0]] {
         if major.len() < 3 {
             let finer = all(leads, 1);
             if finer.len() as f64 <= limit.max(2.0) + 1.0 {

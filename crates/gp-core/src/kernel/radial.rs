@@ -198,12 +198,7 @@ impl<P: Profile> fmt::Debug for Radial<P> {
 const BLOCK: usize = 128;
 
 /// Adds ((xᵢ − center)·inverse_lengthscale)² to `sums`.
-fn add_scaled_squares(
-    x: ColRef<'_, f64>,
-    center: f64,
-    inverse_lengthscale: f64,
-    sums: &mut [f64],
-) {
+fn add_scaled_squares(x: ColRef<'_, f64>, center: f64, inverse_lengthscale: f64, sums: &mut [f64]) {
     let add = |(sum, x): (&mut f64, &f64)| {
         let scaled = (x - center) * inverse_lengthscale;
         *sum += scaled * scaled;

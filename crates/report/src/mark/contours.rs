@@ -68,9 +68,10 @@ impl Mark for Contours {
     }
 
     fn draw(&self, canvas: &mut Canvas<'_>) {
+        let grid = self.grid.padded();
         let mut numbers: Vec<([f64; 2], String)> = Vec::new();
         for level in &self.levels {
-            let lines = contour(&self.grid, *level);
+            let lines = contour(&grid, *level);
             if let Some(longest) = lines.iter().max_by_key(|line| line.len()) {
                 let text = format!("{level}").replace('-', "\u{2212}");
                 numbers.push((longest[longest.len() / 2], text));

@@ -7,7 +7,7 @@ use crate::color::Color;
 use crate::error::ReportError;
 use crate::font::text_width;
 use crate::frame::{Margins, draw_title, title_height};
-use crate::legend::{LegendPlace, draw_legend, legend_box};
+use crate::legend::{LegendPlace, draw_below, draw_legend, height_below, is_crowded, legend_box};
 use crate::mark::LegendKey;
 use crate::panel::lighten;
 use crate::scene::{Anchor, Ink, Rect, Scene, Shape, Stroke, Text};
@@ -18,6 +18,11 @@ pub(crate) mod arrows;
 pub(crate) mod curve;
 pub(crate) mod surface;
 pub(crate) mod view;
+
+/// Most ticks on an axis.
+const TICKS: f64 = 4.0;
+/// Room below the box for its axes.
+const AXES: f64 = 50.0;
 
 /// Three axes and the bodies drawn in their box, nearer ones over farther ones.
 #[derive(Debug)]
@@ -119,9 +124,29 @@ impl Space {
         self.ranges().map(|_| ())
     }
 
-    pub(crate) fn margins(&self, title: &str, size: [f64; 2]) -> Margins {
-        let top = title_height(title, size[0] - 90.0);
-        Margins { left: 62.0, right: 40.0, top, bottom: 44.0 }
+    /// Where the legend goes if the box is drawn in `area`.
+    pub(crate) fn settle_legend(&self, area: Rect) -> Result<LegendPlace, ReportError> {
+        let mut trial = Scene::new(0.0, 0.0);
+        self.draw_bodies(&mut trial, &self.view_in(area)?);
+        let crowded = is_crowded(&trial, 0, &area, &self.keys());
+        Ok(if crowded { LegendPlace::Below } else { LegendPlace::Auto })
+    }
+
+    /// The room about a box of roughly `size` px.
+    pub(crate) fn margins(
+        &self,
+        title: &str,
+        size: [f64; 2],
+        place: LegendPlace,
+    ) -> Result<Margins, ReportError> {
+        let upright = self.axes[2].ticks(self.ranges()?[2], TICKS).major;
+        let left = widest(&upright) + 18.0 + NORMAL + 6.0;
+        let legend = match place {
+            LegendPlace::Below => height_below(&self.keys(), size[0]),
+            _ => 0.0,
+        };
+        let top = title_height(title, size[0]);
+        Ok(Margins { left, right: 44.0, top, bottom: AXES + legend })
     }
 
     pub(crate) fn draw(
@@ -129,25 +154,40 @@ impl Space {
         scene: &mut Scene,
         area: Rect,
         title: &str,
+        place: LegendPlace,
         budget: usize,
     ) -> Result<(), ReportError> {
-        let view =
-            View::new(self.ranges()?, self.equal_aspect, [self.azimuth, self.elevation], area);
-        draw_title(scene, title, &Rect { x: area.x - 30.0, ..area }, area.width + 60.0);
+        let view = self.view_in(area)?;
+        draw_title(scene, title, &Rect { x: area.x - 30.0, ..area }, area.width);
         self.draw_walls(scene, &view);
         let first = scene.shapes.len();
-        let mut pieces: Vec<Piece> =
-            self.bodies.iter().flat_map(|body| body.pieces(&view)).collect();
-        pieces.sort_by(|a, b| a.depth.total_cmp(&b.depth));
-        scene.shapes.extend(pieces.into_iter().flat_map(|piece| piece.shapes));
-        let keys: Vec<LegendKey> = self.bodies.iter().filter_map(|body| body.legend()).collect();
+        self.draw_bodies(scene, &view);
+        let keys = self.keys();
         let spot = legend_box(scene, first, &area, &keys, LegendPlace::Auto);
-        let whole = Rect { x: 0.0, y: 0.0, width: scene.width, height: scene.height };
-        lighten(scene, first, whole, budget)?;
-        if !keys.is_empty() {
+        lighten(scene, first, area, budget)?;
+        if place == LegendPlace::Below {
+            let at = [area.center()[0], area.bottom() + AXES];
+            draw_below(scene, at, &keys, area.width);
+        } else if !keys.is_empty() {
             draw_legend(scene, &spot, &keys);
         }
         Ok(())
+    }
+
+    fn view_in(&self, area: Rect) -> Result<View, ReportError> {
+        let angles = [self.azimuth, self.elevation];
+        Ok(View::new(self.ranges()?, self.equal_aspect, angles, area))
+    }
+
+    fn keys(&self) -> Vec<LegendKey> {
+        self.bodies.iter().filter_map(|body| body.legend()).collect()
+    }
+
+    fn draw_bodies(&self, scene: &mut Scene, view: &View) {
+        let mut pieces: Vec<Piece> =
+            self.bodies.iter().flat_map(|body| body.pieces(view)).collect();
+        pieces.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+        scene.shapes.extend(pieces.into_iter().flat_map(|piece| piece.shapes));
     }
 
     fn ranges(&self) -> Result<[(f64, f64); 3], ReportError> {
@@ -162,7 +202,7 @@ impl Space {
 
     /// The three far walls with their grids, and the three labelled axes.
     fn draw_walls(&self, scene: &mut Scene, view: &View) {
-        let ticks = [0, 1, 2].map(|i| self.axes[i].ticks(view.ranges[i], 4.0).major);
+        let ticks = [0, 1, 2].map(|i| self.axes[i].ticks(view.ranges[i], TICKS).major);
         for wall in 0..3 {
             let far = view.far_side(wall);
             let (u, v) = ((wall + 1) % 3, (wall + 2) % 3);
@@ -184,19 +224,26 @@ impl Space {
                 scene.line(on_wall(u0, *at), on_wall(u1, *at), grid);
             }
         }
+        let mut taken = Vec::new();
         for (i, ticks) in ticks.iter().enumerate() {
-            draw_spatial_axis(scene, view, i, &self.axes[i].label, ticks);
+            draw_spatial_axis(scene, view, i, &self.axes[i].label, ticks, &mut taken);
         }
     }
 }
 
-/// One axis along the edge of the box where it hides nothing, labelled away from the box.
+fn widest(ticks: &[(f64, String)]) -> f64 {
+    ticks.iter().map(|(_, text)| text_width(text, SMALL, false)).fold(0.0, f64::max)
+}
+
+/// One axis along the edge of the box where it hides nothing, labelled away from the box;
+/// `taken` are the places of the labels so far.
 fn draw_spatial_axis(
     scene: &mut Scene,
     view: &View,
     axis: usize,
     label: &str,
     ticks: &[(f64, String)],
+    taken: &mut Vec<[f64; 2]>,
 ) {
     let edge = view.axis_edge(axis);
     let at = |value: f64| {
@@ -213,13 +260,19 @@ fn draw_spatial_axis(
         x if x < -0.4 => Anchor::End,
         _ => Anchor::Middle,
     };
+    let others = taken.clone();
     for (value, name) in ticks {
         let [x, y] = at(*value);
         scene.line([x, y], [x + 4.0 * out[0], y + 4.0 * out[1]], stroke);
         let spot = [x + 9.0 * out[0], y + 9.0 * out[1] + 4.3 + 4.0 * out[1]];
+        // Two axes meet in a corner, where the second one's label gives way.
+        if others.iter().any(|t| (t[0] - spot[0]).abs() < 28.0 && (t[1] - spot[1]).abs() < 14.0) {
+            continue;
+        }
+        taken.push(spot);
         scene.text(Text { anchor, ..Text::new(spot, name, SMALL) });
     }
-    let widest = ticks.iter().map(|(_, t)| text_width(t, SMALL, false)).fold(0.0, f64::max);
+    let widest = widest(ticks);
     let middle = [0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1])];
     let (distance, upward) = if axis == 2 { (widest + 18.0, true) } else { (30.0, false) };
     let spot = [

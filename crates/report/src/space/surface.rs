@@ -1,5 +1,7 @@
 //! Shaded surfaces and wireframes.
 
+use std::collections::BTreeSet;
+
 use super::view::View;
 use super::{Body, Piece};
 use crate::color::Color;
@@ -72,12 +74,27 @@ impl Surface {
         self
     }
 
+    /// Each edge once, so that it is as dark as any other.
+    fn edge_pieces(&self, view: &View) -> Vec<Piece> {
+        let mut edges = BTreeSet::new();
+        for facet in &self.facets {
+            for (i, corner) in facet.iter().enumerate() {
+                let next = facet[(i + 1) % facet.len()];
+                edges.insert((*corner.min(&next), *corner.max(&next)));
+            }
+        }
+        let stroke = Some(Stroke::new(Ink::new(self.color, self.opacity), 0.9));
+        let piece = |(a, b): (usize, usize)| {
+            let ends = [self.points[a], self.points[b]];
+            let depth = 0.5 * (view.depth(ends[0]) + view.depth(ends[1]));
+            let rings = vec![ends.iter().map(|end| view.place(*end)).collect()];
+            Piece { depth, shapes: vec![Shape::Path { rings, closed: false, fill: None, stroke }] }
+        };
+        edges.into_iter().map(piece).collect()
+    }
+
     fn facet(&self, view: &View, corners: &[[f64; 3]]) -> Shape {
         let rings = vec![corners.iter().map(|corner| view.place(*corner)).collect()];
-        if self.wireframe {
-            let stroke = Stroke::new(Ink::new(self.color, 0.7 * self.opacity), 0.9);
-            return Shape::Path { rings, closed: true, fill: None, stroke: Some(stroke) };
-        }
         let color = self.color.lit(0.5 + 0.75 * view.light(corners));
         let fill = Ink::new(color, self.opacity);
         // The outline in the fill's own color closes the seams between facets.
@@ -122,6 +139,9 @@ impl Body for Surface {
     }
 
     fn pieces(&self, view: &View) -> Vec<Piece> {
+        if self.wireframe {
+            return self.edge_pieces(view);
+        }
         let piece = |facet: &Vec<usize>| {
             let corners: Vec<[f64; 3]> = facet.iter().map(|i| self.points[*i]).collect();
             let depth = corners.iter().map(|corner| view.depth(*corner)).sum::<f64>();

@@ -1,0 +1,103 @@
+//! Log formats behind one trait, and the list that registers them.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+#[cfg(feature = "bag")]
+use crate::formats::BagFormat;
+#[cfg(feature = "hdf5")]
+use crate::formats::MitHdf5Format;
+use crate::{
+    error::DatasetError,
+    formats::{CsvFormat, McapFormat, MitJsonFormat},
+    recording::Recording,
+    remark::{Remark, StreamRole},
+    settings::Streams,
+};
+
+/// A way in which recordings are stored.
+pub trait LogFormat: Sync {
+    /// The name used in `dataset.toml`.
+    fn id(&self) -> &'static str;
+
+    /// The recordings below a folder, sorted by name; a recording given itself is returned alone.
+    ///
+    /// # Errors
+    /// `Io` if the folder cannot be read, `NoRecordings` if it has none of this format.
+    fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError>;
+
+    /// Reads one recording; what can be saved from a damaged one is returned with remarks.
+    ///
+    /// # Errors
+    /// An error with path and byte or line if a stream cannot be found or nothing of it read.
+    fn read(&self, path: &Path, streams: &Streams) -> Result<Recording, DatasetError>;
+
+    /// What one recording contains, for people who set up a manifest.
+    ///
+    /// # Errors
+    /// An error with path and byte or line if nothing of the recording can be read.
+    fn inspect(&self, path: &Path) -> Result<Inspection, DatasetError>;
+}
+
+/// What a recording contains.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Inspection {
+    /// Topics, files or data sets.
+    pub streams: Vec<StreamInfo>,
+    /// Fixed or moving frames published in the log, as (parent, child).
+    pub frames: Vec<(String, String)>,
+    /// What is wrong with the recording.
+    pub remarks: Vec<Remark>,
+}
+
+/// One topic, file or data set of a recording.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct StreamInfo {
+    /// Topic, file name or data set.
+    pub name: String,
+    /// Message type; empty where the format has none.
+    pub type_name: String,
+    /// Encoding of the messages; empty where the format has none.
+    pub encoding: String,
+    /// Columns of a table.
+    pub columns: Vec<String>,
+    /// Number of messages or rows.
+    pub count: u64,
+    /// Mean rate over the recording, in Hz; none for fewer than two samples.
+    pub rate_hz: Option<f64>,
+    /// The streams that it could be, by its type.
+    pub fits: Vec<StreamRole>,
+}
+
+/// Every log format of this build.
+#[must_use]
+pub fn all_formats() -> &'static [&'static dyn LogFormat] {
+    &[
+        &McapFormat,
+        &CsvFormat,
+        &MitJsonFormat,
+        #[cfg(feature = "hdf5")]
+        &MitHdf5Format,
+        #[cfg(feature = "bag")]
+        &BagFormat,
+    ]
+}
+
+/// The format with this name.
+///
+/// # Errors
+/// `UnknownFormat` if there is none, `FeatureOff` if this build leaves it out.
+pub fn format_by_id(id: &str) -> Result<&'static dyn LogFormat, DatasetError> {
+    if let Some(format) = all_formats().iter().find(|format| format.id() == id) {
+        return Ok(*format);
+    }
+    match id {
+        "mit-hdf5" => Err(DatasetError::FeatureOff { what: "format mit-hdf5", feature: "hdf5" }),
+        "ros1-bag" => Err(DatasetError::FeatureOff { what: "format ros1-bag", feature: "bag" }),
+        _ => Err(DatasetError::UnknownFormat {
+            id: id.into(),
+            known: all_formats().iter().map(|format| format.id()).collect::<Vec<_>>().join(", "),
+        }),
+    }
+}

@@ -1,0 +1,20 @@
+//! One file for each log format.
+
+#[cfg(feature = "bag")]
+mod bag;
+mod csv_folder;
+mod find;
+mod mcap_log;
+#[cfg(feature = "hdf5")]
+mod mit_hdf5;
+mod mit_json;
+mod mit_rows;
+
+#[cfg(feature = "bag")]
+pub(crate) use bag::BagFormat;
+pub(crate) use csv_folder::CsvFormat;
+pub(crate) use mcap_log::McapFormat;
+#[cfg(feature = "hdf5")]
+pub(crate) use mit_hdf5::MitHdf5Format;
+pub(crate) use mit_json::MitJsonFormat;
+pub(crate) use mit_rows::default_data_set;

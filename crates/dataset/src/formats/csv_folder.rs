@@ -1,0 +1,255 @@
+//! CSV folders: `robot.csv`, `object.csv` and, where forces were recorded, `wrench.csv`.
+
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
+
+use csv::{ErrorKind, Reader, ReaderBuilder, StringRecord};
+
+use super::find::find_recordings;
+use crate::{
+    assemble::{Assembly, RawStream, nanoseconds},
+    decode::N_VALUES,
+    error::DatasetError,
+    format::{Inspection, LogFormat, StreamInfo},
+    frames::Frames,
+    log::fixed_transform,
+    map::{FileBytes, sha256},
+    recording::Recording,
+    remark::StreamRole,
+    settings::{ColumnMap, Quantity, StreamSettings, Streams},
+};
+
+/// The CSV format.
+pub(crate) struct CsvFormat;
+
+impl LogFormat for CsvFormat {
+    fn id(&self) -> &'static str {
+        "csv"
+    }
+
+    fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError> {
+        let is_recording = |path: &Path| {
+            let mut names = StreamRole::ALL[..2].iter().map(|role| path.join(file_name(*role)));
+            names.any(|file| file.is_file())
+        };
+        let expected = "folders with robot.csv, object.csv and wrench.csv";
+        find_recordings(dir, self.id(), expected, &is_recording)
+    }
+
+    fn read(&self, path: &Path, streams: &Streams) -> Result<Recording, DatasetError> {
+        let file_of = |role| {
+            let topic = streams.of(role).topic.clone();
+            path.join(topic.unwrap_or_else(|| file_name(role)))
+        };
+        let open = |role| FileBytes::open(&file_of(role));
+        let has_wrench = streams.wrench.topic.is_some() || file_of(StreamRole::Wrench).exists();
+        let files = [open(StreamRole::Robot)?, open(StreamRole::Object)?];
+        let wrench_file = has_wrench.then(|| open(StreamRole::Wrench)).transpose()?;
+        let bytes = || files.iter().chain(&wrench_file).map(FileBytes::bytes);
+        let mut raw = Vec::new();
+        for (role, bytes) in StreamRole::ALL.into_iter().zip(bytes()) {
+            raw.push(read_rows(&file_of(role), bytes, role, streams.of(role))?);
+        }
+        let lengths: Vec<[u8; 8]> = bytes().map(|b| (b.len() as u64).to_le_bytes()).collect();
+        let parts = lengths.iter().map(|length| length.as_slice()).zip(bytes());
+        let sha256 = sha256(parts.flat_map(|(length, bytes)| [length, bytes]));
+        let mut assembly = Assembly { path, sha256, remarks: Vec::new() };
+        let mut placed = Vec::new();
+        for (raw, role) in raw.iter().zip(StreamRole::ALL) {
+            let transform = streams.of(role).transform.as_ref();
+            let frames = Frames::default();
+            let pose = fixed_transform(path, role, transform, &frames, &mut assembly.remarks)?;
+            placed.push((raw, pose));
+        }
+        let wrench = placed.get(2).map(|(raw, pose)| (*raw, *pose, &streams.wrench));
+        assembly.finish(placed[0], placed[1], wrench)
+    }
+
+    fn inspect(&self, path: &Path) -> Result<Inspection, DatasetError> {
+        let is_csv = |file: &Path| super::find::is_file_ending(file, &["csv"]);
+        let files = find_recordings(path, self.id(), "files NAME.csv", &is_csv)?;
+        let streams = files.iter().map(|file| inspect_file(file)).collect::<Result<_, _>>()?;
+        Ok(Inspection { streams, ..Inspection::default() })
+    }
+}
+
+fn file_name(role: StreamRole) -> String {
+    format!("{role}.csv")
+}
+
+/// The header of a quantity where the manifest names none.
+pub(crate) fn default_column(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::T => "t_s",
+        Quantity::X => "x_m",
+        Quantity::Y => "y_m",
+        Quantity::Z => "z_m",
+        Quantity::Theta => "theta_rad",
+        Quantity::Fx => "fx_n",
+        Quantity::Fy => "fy_n",
+        Quantity::Fz => "fz_n",
+        Quantity::Tx => "tx_nm",
+        Quantity::Ty => "ty_nm",
+        Quantity::Tz => "tz_nm",
+        Quantity::Qx | Quantity::Qy | Quantity::Qz | Quantity::Qw => quantity.name(),
+    }
+}
+
+/// Reads one file; every row has a place, its line.
+fn read_rows(
+    file: &Path,
+    bytes: &[u8],
+    role: StreamRole,
+    settings: &StreamSettings,
+) -> Result<RawStream, DatasetError> {
+    let mut reader = reader(bytes);
+    let headers = headers(file, &mut reader)?;
+    let source = file.file_name().unwrap_or_default().to_string_lossy();
+    let mut raw = RawStream::new(role, &source, "line", &settings.columns);
+    let column_of = |quantity: Quantity| {
+        let column = settings.columns.get(&quantity).map(|map| map.column.as_str());
+        let name = column.unwrap_or_else(|| default_column(quantity));
+        let found = headers.iter().position(|header| header == name);
+        match found {
+            None if column.is_some() || is_required(role, quantity, &headers) => {
+                Err(DatasetError::Parse {
+                    path: file.into(),
+                    line: 1,
+                    what: format!(
+                        "no column `{name}` among {}; set streams.{role}.columns.{}",
+                        headers.join(", "),
+                        quantity.name()
+                    ),
+                })
+            }
+            found => Ok(found),
+        }
+    };
+    let time = column_of(Quantity::T)?.unwrap_or_default();
+    let time_map = settings.columns.get(&Quantity::T);
+    let mut columns = Vec::new();
+    for (slot, quantity) in Quantity::of(role).iter().enumerate() {
+        if let Some(column) = column_of(*quantity)? {
+            raw.has[slot] = true;
+            columns.push((slot, column));
+        }
+    }
+    let mut record = StringRecord::new();
+    while reader.read_record(&mut record).map_err(|error| csv_error(file, &error))? {
+        let line = record.position().map_or(0, csv::Position::line);
+        let parse = |column: usize| number(file, line, &headers[column], &record[column]);
+        let stamp = stamp(&record[time], parse(time)?, time_map);
+        let mut values = [0.0; N_VALUES];
+        for &(slot, column) in &columns {
+            values[slot] = parse(column)?;
+        }
+        match stamp {
+            Some(stamp) => raw.push(stamp, &values, line),
+            // A row without a time counts among those that are not finite.
+            None => raw.push(0, &[f64::NAN; N_VALUES], line),
+        }
+    }
+    Ok(raw)
+}
+
+/// Whether a stream cannot do without a column.
+fn is_required(role: StreamRole, quantity: Quantity, headers: &[String]) -> bool {
+    let quaternion = headers.iter().any(|header| header == default_column(Quantity::Qw));
+    match quantity {
+        Quantity::T | Quantity::X | Quantity::Y | Quantity::Fx | Quantity::Fy => true,
+        Quantity::Theta => role == StreamRole::Object && !quaternion,
+        _ => false,
+    }
+}
+
+fn reader(bytes: &[u8]) -> Reader<&[u8]> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes)
+}
+
+fn headers(file: &Path, reader: &mut Reader<&[u8]>) -> Result<Vec<String>, DatasetError> {
+    let headers = reader.headers().map_err(|error| csv_error(file, &error))?;
+    if headers.is_empty() {
+        let what = "the file is empty, expected a line of column names".into();
+        return Err(DatasetError::Parse { path: file.into(), line: 1, what });
+    }
+    Ok(headers.iter().map(String::from).collect())
+}
+
+fn number(file: &Path, line: u64, column: &str, text: &str) -> Result<f64, DatasetError> {
+    text.parse().map_err(|_| DatasetError::Parse {
+        path: file.into(),
+        line,
+        what: format!("`{text}` in column {column} is no number; write decimals with a point"),
+    })
+}
+
+/// A time in ns: decimal digits exactly, anything else by its nearest number.
+fn stamp(text: &str, seconds: f64, map: Option<&ColumnMap>) -> Option<i64> {
+    let plain = map.is_none_or(|map| map.scale == 1.0 && map.offset == 0.0);
+    if plain && let Some(exact) = decimal_nanoseconds(text) {
+        return Some(exact);
+    }
+    let seconds = map.map_or(seconds, |map| map.scale * seconds + map.offset);
+    seconds.is_finite().then(|| nanoseconds(seconds))
+}
+
+/// `seconds.fraction` with at most nine decimals, in ns.
+fn decimal_nanoseconds(text: &str) -> Option<i64> {
+    let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
+    let digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
+    if whole.is_empty() || !digits(whole) || !digits(fraction) || fraction.len() > 9 {
+        return None;
+    }
+    let fraction: i64 = format!("{fraction:0<9}").parse().ok()?;
+    whole.parse::<i64>().ok()?.checked_mul(1_000_000_000)?.checked_add(fraction)
+}
+
+fn csv_error(file: &Path, error: &csv::Error) -> DatasetError {
+    let line = error.position().map_or(1, csv::Position::line);
+    let what = match error.kind() {
+        ErrorKind::UnequalLengths { expected_len, len, .. } => {
+            format!("{len} fields where the first line has {expected_len}; complete the row")
+        }
+        ErrorKind::Utf8 { err, .. } => format!("no UTF-8 text: {err}"),
+        ErrorKind::Io(error) if error.kind() == io::ErrorKind::InvalidData => error.to_string(),
+        _ => error.to_string(),
+    };
+    DatasetError::Parse { path: file.into(), line, what }
+}
+
+fn inspect_file(file: &Path) -> Result<StreamInfo, DatasetError> {
+    let bytes = FileBytes::open(file)?;
+    let mut reader = reader(bytes.bytes());
+    let columns = headers(file, &mut reader)?;
+    let mut record = StringRecord::new();
+    let (mut count, mut first, mut last) = (0_u64, f64::INFINITY, f64::NEG_INFINITY);
+    while reader.read_record(&mut record).map_err(|error| csv_error(file, &error))? {
+        count += 1;
+        if let Ok(time) = record[0].parse::<f64>() {
+            (first, last) = (first.min(time), last.max(time));
+        }
+    }
+    let timed = columns[0] == default_column(Quantity::T) && last > first;
+    let has = |names: &[Quantity]| {
+        names.iter().all(|name| columns.iter().any(|column| column == default_column(*name)))
+    };
+    let fits = |role: &StreamRole| match role {
+        StreamRole::Robot => has(&[Quantity::X, Quantity::Y]),
+        StreamRole::Object => has(&[Quantity::X, Quantity::Y, Quantity::Theta]),
+        StreamRole::Wrench => has(&[Quantity::Fx, Quantity::Fy]),
+    };
+    Ok(StreamInfo {
+        name: file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        count,
+        rate_hz: timed.then(|| (count - 1) as f64 / (last - first)),
+        fits: StreamRole::ALL.into_iter().filter(fits).collect(),
+        columns,
+        ..StreamInfo::default()
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,39 @@
+//! Finding recordings in a folder.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use crate::error::DatasetError;
+
+/// The entries of a folder that are recordings, sorted by name; a recording itself alone.
+pub(super) fn find_recordings(
+    dir: &Path,
+    format: &'static str,
+    expected: &'static str,
+    is_recording: &dyn Fn(&Path) -> bool,
+) -> Result<Vec<PathBuf>, DatasetError> {
+    if is_recording(dir) {
+        return Ok(vec![dir.into()]);
+    }
+    let io = |error| DatasetError::io("read", dir, error);
+    let mut found = Vec::new();
+    for entry in fs::read_dir(dir).map_err(io)? {
+        let path = entry.map_err(io)?.path();
+        if is_recording(&path) {
+            found.push(path);
+        }
+    }
+    if found.is_empty() {
+        return Err(DatasetError::NoRecordings { path: dir.into(), format, expected });
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Whether a path is a file with one of these endings.
+pub(super) fn is_file_ending(path: &Path, endings: &[&str]) -> bool {
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    path.is_file() && ending.is_some_and(|ending| endings.contains(&ending))
+}

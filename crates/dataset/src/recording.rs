@@ -1,0 +1,90 @@
+//! One recording: the streams of a log exactly as they were recorded.
+
+use std::path::PathBuf;
+
+use crate::remark::Remark;
+
+/// The streams of one log file or folder, in SI units and in the world frame.
+///
+/// Order, duplicates and gaps are as recorded: repairs belong to the ingest. Only rows that hold
+/// no usable value are missing, and each such loss is one of the `remarks`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// Name of the recording: the file's stem or the folder's name.
+    pub name: String,
+    /// Where it was read from.
+    pub path: PathBuf,
+    /// SHA-256 of the source's bytes, in lower-case hexadecimal digits.
+    pub sha256: String,
+    /// Zero of the streams' times: the earliest stamp, rounded down to a whole second, in ns
+    /// since the clock's own zero.
+    pub epoch_ns: i64,
+    /// Poses of the pusher's center.
+    pub robot: PoseStream,
+    /// Poses of the tracked body frame B.
+    pub object: PoseStream,
+    /// Forces on the pusher, where they were recorded.
+    pub wrench: Option<WrenchStream>,
+    /// What reading had to replace, skip or warn about.
+    pub remarks: Vec<Remark>,
+}
+
+/// Poses over time in the world frame W.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PoseStream {
+    /// Topic, file or data set that the poses come from.
+    pub source: String,
+    /// Times since [`Recording::epoch_ns`], in s.
+    pub t: Vec<f64>,
+    /// Positions along x, in m.
+    pub x: Vec<f64>,
+    /// Positions along y, in m.
+    pub y: Vec<f64>,
+    /// Yaw, counter-clockwise positive, as recorded (not unwrapped), in rad.
+    pub theta: Vec<f64>,
+    /// Largest angle between the body's z axis and the world's, in rad.
+    pub max_tilt: f64,
+}
+
+impl PoseStream {
+    /// Number of poses.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.t.len()
+    }
+
+    /// Whether there is no pose.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.t.is_empty()
+    }
+}
+
+/// Forces of the object on the pusher over time, in the world frame W.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WrenchStream {
+    /// Topic, file or data set that the forces come from.
+    pub source: String,
+    /// Times since [`Recording::epoch_ns`], in s.
+    pub t: Vec<f64>,
+    /// Forces along x, in N.
+    pub fx: Vec<f64>,
+    /// Forces along y, in N.
+    pub fy: Vec<f64>,
+    /// Torques about z, in N·m; empty if the log has none.
+    pub tz: Vec<f64>,
+}
+
+impl WrenchStream {
+    /// Number of samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.t.len()
+    }
+
+    /// Whether there is no sample.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.t.is_empty()
+    }
+}

@@ -1,0 +1,54 @@
+//! Writers of recordings behind one trait, and the list that registers them.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use crate::{
+    error::DatasetError,
+    recording::Recording,
+    writers::{CsvWriter, McapWriter, MitJsonWriter},
+};
+
+/// A way to write recordings that the format of the same kind reads back.
+///
+/// Numbers are rounded to 1 µs, 1 µm, 1 µrad, 1 mN and 1 µN·m, so that the same recording gives
+/// the same bytes on every machine. A yaw that is written as a quaternion comes back within (−π, π].
+pub trait RecordingWriter: Sync {
+    /// Name of the writer: `csv`, `mcap-ros2`, ...
+    fn id(&self) -> &'static str;
+
+    /// Name of the format that reads what it writes, as in `dataset.toml`.
+    fn format(&self) -> &'static str;
+
+    /// Writes a recording below a folder under its own name, and returns where.
+    ///
+    /// # Errors
+    /// `Unwritable` if a stream has a value that is not finite or columns of different lengths,
+    /// `Io` if the file system refuses.
+    fn write(&self, recording: &Recording, dir: &Path) -> Result<PathBuf, DatasetError>;
+}
+
+/// Every writer of this build.
+#[must_use]
+pub fn all_writers() -> &'static [&'static dyn RecordingWriter] {
+    &[&CsvWriter, &McapWriter::ROS2, &McapWriter::ROS1, &McapWriter::JSON, &MitJsonWriter]
+}
+
+/// Writes a file under a temporary name first, so that a killed run leaves no half file.
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), DatasetError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let temporary = path.with_file_name(format!(".{name}.part"));
+    fs::write(&temporary, bytes)
+        .and_then(|()| fs::rename(&temporary, path))
+        .map_err(|error| DatasetError::io("write", path, error))
+}
+
+/// Creates a folder with its parents.
+pub(crate) fn make_dir(dir: &Path) -> Result<(), DatasetError> {
+    fs::create_dir_all(dir).map_err(|error| DatasetError::io("create", dir, error))
+}
+
+#[cfg(test)]
+mod tests;
