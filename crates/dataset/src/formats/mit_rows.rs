@@ -16,6 +16,9 @@ use crate::{
     settings::Streams,
 };
 
+/// Rows of four numbers.
+pub(super) type Rows = Vec<[f64; 4]>;
+
 /// The name of a stream's data set where the manifest names none.
 pub(crate) fn default_data_set(role: StreamRole) -> &'static str {
     match role {
@@ -32,7 +35,7 @@ pub(super) fn recording_of_rows(
     sha256: String,
     names: &[String],
     streams: &Streams,
-    rows_of: &mut dyn FnMut(&str) -> Result<Option<Vec<[f64; 4]>>, DatasetError>,
+    rows_of: &mut dyn FnMut(&str) -> Result<Option<Rows>, DatasetError>,
 ) -> Result<Recording, DatasetError> {
     let mut assembly = Assembly { path, sha256, remarks: Vec::new() };
     let mut parts: [Option<(RawStream, Option<Isometry3<f64>>)>; 3] = [None, None, None];
