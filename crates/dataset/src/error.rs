@@ -158,6 +158,87 @@ pub enum DatasetError {
         /// Why not, and what to do.
         what: String,
     },
+
+    /// Samples through which no spline can be laid.
+    #[error("spline: {what}")]
+    SplineKnots {
+        /// What is wrong with knots, values, noise or penalty.
+        what: String,
+    },
+    /// A key of the manifest has a value that is not allowed.
+    #[error("{path}:{line}: {key} = {value}{unit} is not allowed, expected {allowed}")]
+    Manifest {
+        /// The manifest.
+        path: PathBuf,
+        /// The line, from 1; 0 where the key is missing.
+        line: u64,
+        /// The key with its table, e.g. `object.side_m`.
+        key: String,
+        /// The value given, or `(missing)`.
+        value: String,
+        /// Its unit with a space before it, or nothing.
+        unit: &'static str,
+        /// What would be allowed.
+        allowed: String,
+    },
+    /// A folder has neither a manifest nor the look of a known data set.
+    #[error(
+        "{path}: no dataset.toml, and no preset fits ({presets}); write one with `pushlab init`"
+    )]
+    NoManifest {
+        /// The folder.
+        path: PathBuf,
+        /// The presets that were tried.
+        presets: String,
+    },
+    /// A setting of the ingest is out of its range.
+    #[error("{name} must be {allowed}, got {value}{unit}")]
+    Setting {
+        /// The setting.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// Its unit with a space before it, or nothing.
+        unit: &'static str,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// No push of a whole set could be used.
+    #[error("{path}: none of {recordings} recordings gave a usable push; the first: {reason}")]
+    NothingUsable {
+        /// The set's folder.
+        path: PathBuf,
+        /// How many recordings were tried.
+        recordings: usize,
+        /// Why the first push was set aside.
+        reason: String,
+    },
+    /// A table lacks a column.
+    #[error("{path}: no column `{column}`; the table has: {found}")]
+    ColumnMissing {
+        /// The table.
+        path: PathBuf,
+        /// The column.
+        column: String,
+        /// The columns that are there.
+        found: String,
+    },
+    /// A table has too few rows to learn anything from.
+    #[error("{path}: the table has {rows} row(s); at least 2 are needed, ingest more pushes")]
+    TableTooShort {
+        /// The table.
+        path: PathBuf,
+        /// Rows found.
+        rows: usize,
+    },
+    /// A Parquet file cannot be read or written.
+    #[error("{path}: {what}")]
+    Parquet {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
 }
 
 impl DatasetError {

@@ -18,10 +18,62 @@ mod transform;
 mod writer;
 mod writers;
 
+mod column;
+mod contact;
+mod coverage;
+mod flags;
+mod force_zero;
+mod ingest;
+mod ingest_report;
+mod ingest_settings;
+mod ingest_text;
+mod manifest;
+mod noise;
+mod object;
+mod preset;
+mod process;
+mod push;
+mod recording_set;
+mod repair;
+mod scene;
+mod session;
+mod smoothing;
+mod spline;
+mod step;
+mod steps;
+mod table;
+mod table_csv;
+#[cfg(feature = "parquet")]
+mod table_parquet;
+mod track;
+
 pub use error::DatasetError;
 pub use format::{Inspection, LogFormat, StreamInfo, all_formats, format_by_id};
 pub use recording::{PoseStream, Recording, WrenchStream};
 pub use remark::{Remark, RemarkKind, StreamRole};
 pub use settings::{ColumnMap, Quantity, StreamSettings, Streams, TimeSource, WrenchFrame};
 pub use transform::{AxisSigns, Transform};
+
+pub use column::{Column, columns};
+pub use coverage::{Coverage, Histogram};
+pub use flags::Flags;
+pub use force_zero::{ForceZero, UntaredReason};
+pub use ingest::{ingest, ingest_each, provenance};
+pub use ingest_report::{
+    FirstContact, IngestReport, PushReport, RecordingReport, RestingNoise, Spread, StreamInPush,
+    StreamReport, Summary,
+};
+pub use ingest_settings::{ContactSettings, Curve, IngestSettings, RestSettings, StepLength};
+pub use manifest::{MANIFEST_NAME, Manifest, PusherSpec, RecordingsSpec, SupportSpec};
+pub use object::{ObjectChoice, ObjectSpec};
+pub use preset::Preset;
+pub use push::SetAside;
+pub use recording_set::RecordingSet;
+pub use repair::RepairKind;
+pub use session::Session;
+pub use smoothing::{Smoother, smooth};
+pub use spline::{CubicSpline, EndCondition};
+pub use step::{ContactForce, Phase, StepForce, StepRow};
+pub use table::{Provenance, Table};
+pub use table_csv::CsvWriter;
 pub use writer::{RecordingWriter, all_writers};

@@ -54,4 +54,85 @@ pub enum MechanicsError {
         /// What was asked for.
         tolerance: f64,
     },
+    /// The load besides the pusher's is more than friction can bear.
+    #[error(
+        "the external load is {level} times what the limit surface bears: the object slides without a push, lower the load or raise the friction"
+    )]
+    SlidesByItself {
+        /// The load's level on the limit surface, 1 at most for rest.
+        level: f64,
+    },
+    /// A pusher's path is not usable.
+    #[error("point {index} of the pusher's path: {reason}")]
+    BadPath {
+        /// 0-based point, or the number of points if they are too few.
+        index: usize,
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// A matrix that must be symmetric and positive definite is not.
+    #[error("{name} must be finite, symmetric and positive definite, got columns {columns:?}")]
+    NotPositiveDefinite {
+        /// Which matrix.
+        name: &'static str,
+        /// The matrix, by columns.
+        columns: [[f64; 3]; 3],
+    },
+    /// A load that a single support point cannot hold at any size.
+    #[error("a single support point bears no moment about itself, got {moment} N·m")]
+    Unbearable {
+        /// The load's moment about the point, in N·m.
+        moment: f64,
+    },
+    /// A point set that spans no volume of loads.
+    #[error("a point set needs two distinct points or more, got {distinct}; see SinglePoint")]
+    TooFewPoints {
+        /// How many places there are.
+        distinct: usize,
+    },
+    /// A traction field has a value that friction cannot have.
+    #[error("the traction must be finite and not negative, got {value} N/m² at ({x}, {y}) m")]
+    BadTraction {
+        /// The value, in N/m².
+        value: f64,
+        /// Where, in m.
+        x: f64,
+        /// Where, in m.
+        y: f64,
+    },
+    /// A quartic that is not convex.
+    #[error(
+        "the quartic is not convex: its Hessian at the unit load {direction:?} (fx, fy, M/ρ) has the \
+         eigenvalue {eigenvalue}; fit with a convexity constraint or use an ellipsoid"
+    )]
+    NotConvex {
+        /// The load's direction (fx, fy, M/ρ).
+        direction: [f64; 3],
+        /// The smallest eigenvalue of the Hessian there.
+        eigenvalue: f64,
+    },
+    /// A quartic whose convexity could be neither certified nor refuted.
+    #[error(
+        "convexity undecided after {cells} cells: the quartic's smallest curvature is too near 0"
+    )]
+    ConvexityUndecided {
+        /// Cells that were looked at.
+        cells: usize,
+    },
+    /// Too few measurements for a fit.
+    #[error("a fit of {what} needs {needed} wrench-twist pairs or more, got {got}")]
+    TooFewPairs {
+        /// What is being fitted.
+        what: &'static str,
+        /// The least number.
+        needed: usize,
+        /// What was given.
+        got: usize,
+    },
+    /// Measurements that do not determine the surface.
+    #[error("the wrench-twist pairs do not determine {what}: their directions are too alike")]
+    Undetermined {
+        /// What is being fitted.
+        what: &'static str,
+    },
 }

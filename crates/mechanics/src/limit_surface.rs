@@ -1,6 +1,7 @@
 //! The limit surface: which loads move a supported object, and how.
 
-use crate::MechanicsError;
+use crate::{MechanicsError, Push, PushMotion, predict_under};
+use nalgebra::Vector3;
 use planar::{Twist, Wrench};
 
 /// A closed, convex surface in the space of wrenches (Fx, Fy, M) that bounds what friction can bear.
@@ -58,6 +59,14 @@ pub trait LimitSurface: std::fmt::Debug + Send + Sync {
             WrenchSet::Disc { center, .. } => center,
         })
     }
+
+    /// The quasi-static motion under a push; surfaces with a closed form override it.
+    ///
+    /// # Errors
+    /// As [`crate::predict`].
+    fn push(&self, push: &Push) -> Result<PushMotion, MechanicsError> {
+        predict_under(self, push, &Wrench::default())
+    }
 }
 
 /// All the loads that belong to one motion.
@@ -76,4 +85,28 @@ pub enum WrenchSet {
         /// What that point can bear, in N.
         radius: f64,
     },
+}
+
+/// A twist as direction (largest component 1) and size; size 0 for a zero twist.
+///
+/// Dividing the size out first keeps squares from over- and underflowing.
+pub(crate) fn direction_of_twist(twist: &Twist) -> Result<(Vector3<f64>, f64), MechanicsError> {
+    split(&twist.to_vector(), "twist", "m/s or rad/s")
+}
+
+/// A wrench as direction (largest component 1) and size; size 0 for a zero wrench.
+pub(crate) fn direction_of_wrench(wrench: &Wrench) -> Result<(Vector3<f64>, f64), MechanicsError> {
+    split(&wrench.to_vector(), "wrench", "N or N·m")
+}
+
+fn split(
+    vector: &Vector3<f64>,
+    name: &'static str,
+    unit: &'static str,
+) -> Result<(Vector3<f64>, f64), MechanicsError> {
+    if let Some(&value) = vector.iter().find(|x| !x.is_finite()) {
+        return Err(MechanicsError::NotFinite { name, value, unit });
+    }
+    let size = vector.amax();
+    if size == 0.0 { Ok((*vector, 0.0)) } else { Ok((vector / size, size)) }
 }

@@ -1,2 +1,28 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
+
+mod analytical;
+mod analytical_fit;
+mod description;
+mod error;
+mod estimate;
+mod gp_push_model;
+mod hybrid;
+mod kinds;
+mod least_squares;
+mod model_file;
+mod push_model;
+mod step;
+mod step_gps;
+
+pub use analytical::{Analytical, CharacteristicLength};
+pub use analytical_fit::AnalyticalFit;
+pub use description::{Base, Description, Weights};
+pub use error::ModelError;
+pub use estimate::Estimate;
+pub use gp_push_model::GpPushModel;
+pub use hybrid::Hybrid;
+pub use kinds::{ModelKind, Train, model_kinds};
+pub use model_file::ModelFile;
+pub use push_model::{Noise, OUTPUTS, PushModel, StepPrediction};
+pub use step::{StepInput, StepObservation};

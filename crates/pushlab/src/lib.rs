@@ -1,2 +1,9 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
+
+pub use dataset;
+pub use gp_core;
+pub use mechanics;
+pub use models;
+pub use planar;
+pub use report;

@@ -139,8 +139,8 @@ proptest! {
         let (sin, cos) = f64::sin_cos(angle);
         prop_assert!((moved.x[0] - (x + cos * plain.x[0] - sin * plain.y[0])).abs() < 1e-12);
         prop_assert!((moved.y[0] - (y + sin * plain.x[0] + cos * plain.y[0])).abs() < 1e-12);
-        let turned = moved.theta[0] - plain.theta[0] - angle;
-        prop_assert!(f64::sin(turned / 2.0).abs() < 1e-12);
+        let turned = planar::wrap_angle(moved.theta[0] - plain.theta[0] - angle);
+        prop_assert!(turned.abs() < 1e-12);
         prop_assert_eq!(moved.t, plain.t);
     }
 }

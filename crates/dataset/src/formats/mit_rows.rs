@@ -16,9 +16,6 @@ use crate::{
     settings::Streams,
 };
 
-/// Rows of four numbers.
-pub(super) type Rows = Vec<[f64; 4]>;
-
 /// The name of a stream's data set where the manifest names none.
 pub(crate) fn default_data_set(role: StreamRole) -> &'static str {
     match role {
@@ -27,6 +24,9 @@ pub(crate) fn default_data_set(role: StreamRole) -> &'static str {
         StreamRole::Wrench => "ft_wrench",
     }
 }
+
+/// Rows of one data set.
+pub(super) type Rows = Vec<[f64; 4]>;
 
 /// Builds a recording from rows of [t, x, y, yaw] and [t, fx, fy, τz]; `rows_of` gives the rows
 /// of a data set, or none if the file has no such set.

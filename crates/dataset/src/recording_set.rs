@@ -1,0 +1,127 @@
+//! A recording set: a folder with a manifest, or public data that a preset knows.
+
+use std::path::{Path, PathBuf};
+
+use crate::{
+    error::DatasetError,
+    format::{LogFormat, all_formats, format_by_id},
+    manifest::{MANIFEST_NAME, Manifest},
+    preset::Preset,
+    session::{Session, Sessions, read_sessions},
+};
+
+/// The recordings of a set, found but not yet read.
+pub struct RecordingSet {
+    dir: PathBuf,
+    manifest: Manifest,
+    preset: Option<Preset>,
+    format: &'static dyn LogFormat,
+    recordings: Vec<PathBuf>,
+    sessions: Sessions,
+}
+
+impl RecordingSet {
+    /// Opens a folder with `dataset.toml`, the manifest itself, or a folder that a preset knows.
+    ///
+    /// # Errors
+    /// `Io` for a path that is not there, `NoManifest` for a folder without manifest that no preset
+    /// fits, `NoRecordings` for an empty set, and what reading the manifest or `sessions.csv` may
+    /// say.
+    pub fn open(path: &Path) -> Result<Self, DatasetError> {
+        let is_dir =
+            std::fs::metadata(path).map_err(|e| DatasetError::io("read", path, e))?.is_dir();
+        let manifest_path = if is_dir { path.join(MANIFEST_NAME) } else { path.to_path_buf() };
+        if manifest_path.exists() {
+            let dir = manifest_path.parent().unwrap_or(Path::new(".")).to_path_buf();
+            return Self::with_manifest(dir, Manifest::read(&manifest_path)?, None);
+        }
+        match Preset::of_recordings(path) {
+            Some(preset) => Self::open_with_preset(path, preset),
+            None => Err(DatasetError::NoManifest {
+                path: path.into(),
+                presets: Preset::ALL.map(Preset::name).join(", "),
+            }),
+        }
+    }
+
+    /// Opens a folder of recordings by a preset, whatever manifest it may have.
+    ///
+    /// # Errors
+    /// As [`RecordingSet::open`]; `NoManifest` for a preset of tables.
+    pub fn open_with_preset(dir: &Path, preset: Preset) -> Result<Self, DatasetError> {
+        let manifest = preset.manifest().ok_or_else(|| DatasetError::NoManifest {
+            path: dir.into(),
+            presets: format!("{} is for tables", preset.name()),
+        })??;
+        Self::with_manifest(dir.to_path_buf(), manifest, Some(preset))
+    }
+
+    fn with_manifest(
+        dir: PathBuf,
+        manifest: Manifest,
+        preset: Option<Preset>,
+    ) -> Result<Self, DatasetError> {
+        let folder = dir.join(&manifest.recordings.path);
+        let (format, recordings) = match &manifest.recordings.format {
+            Some(id) => {
+                let format = format_by_id(id)?;
+                (format, format.find(&folder)?)
+            }
+            None => find_any(&folder)?,
+        };
+        let sessions = read_sessions(&dir)?;
+        Ok(Self { dir, manifest, preset, format, recordings, sessions })
+    }
+
+    /// The set's folder.
+    #[must_use]
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// Its manifest, read or from a preset.
+    #[must_use]
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// The preset that stood in for a manifest.
+    #[must_use]
+    pub fn preset(&self) -> Option<Preset> {
+        self.preset
+    }
+
+    /// The format of its recordings.
+    #[must_use]
+    pub fn format(&self) -> &'static dyn LogFormat {
+        self.format
+    }
+
+    /// The recordings, sorted by name.
+    #[must_use]
+    pub fn recordings(&self) -> &[PathBuf] {
+        &self.recordings
+    }
+
+    /// What `sessions.csv` says of a recording.
+    #[must_use]
+    pub fn session(&self, recording: &str) -> Option<&Session> {
+        self.sessions.get(recording)
+    }
+}
+
+/// The first format, in the order of the list, that finds recordings in a folder.
+fn find_any(dir: &Path) -> Result<(&'static dyn LogFormat, Vec<PathBuf>), DatasetError> {
+    for &format in all_formats() {
+        match format.find(dir) {
+            Ok(recordings) => return Ok((format, recordings)),
+            Err(DatasetError::NoRecordings { .. }) => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Err(DatasetError::NoRecordings {
+        path: dir.into(),
+        format: "any",
+        expected: "MCAP, CSV folders, MIT JSON or HDF5, or ROS 1 bags (features of this build)",
+    })
+}

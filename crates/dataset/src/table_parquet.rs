@@ -1,0 +1,201 @@
+//! The step table as Parquet, with its provenance as key-value metadata of the file.
+
+use std::{fs::File, path::Path, sync::Arc};
+
+use parquet::{
+    basic::{Compression, ConvertedType, Repetition, Type as PhysicalType},
+    data_type::{ByteArray, ByteArrayType, DoubleType, Int32Type},
+    errors::ParquetError,
+    file::{
+        metadata::KeyValue,
+        properties::WriterProperties,
+        reader::{FileReader, SerializedFileReader},
+        writer::{SerializedFileWriter, SerializedRowGroupWriter},
+    },
+    record::{Field, Row},
+    schema::types::Type,
+};
+
+use crate::{
+    column::{Access, Column, columns},
+    error::DatasetError,
+    step::StepRow,
+    table::{Provenance, Table},
+    table_csv::NameCache,
+};
+
+/// Rows that share a row group: what is in memory twice while writing.
+const GROUP: usize = 65_536;
+
+/// Writes a table as a Parquet file.
+pub(crate) fn write(table: &Table, path: &Path) -> Result<(), DatasetError> {
+    let file = File::create(path).map_err(|error| DatasetError::io("write", path, error))?;
+    write_file(table, file).map_err(|error| unusable(path, error))
+}
+
+/// Reads a table from a Parquet file.
+pub(crate) fn read(path: &Path) -> Result<Table, DatasetError> {
+    let file = File::open(path).map_err(|error| DatasetError::io("read", path, error))?;
+    let reader = SerializedFileReader::new(file).map_err(|error| unusable(path, error))?;
+    let metadata = reader.metadata().file_metadata();
+    let found: Vec<_> =
+        metadata.schema().get_fields().iter().map(|f| f.name().to_owned()).collect();
+    if let Some(column) = columns().iter().find(|c| !found.iter().any(|name| name == c.name)) {
+        let (column, found) = (column.name.to_owned(), found.join(", "));
+        return Err(DatasetError::ColumnMissing { path: path.into(), column, found });
+    }
+    let mut provenance = Provenance::default();
+    for pair in metadata.key_value_metadata().into_iter().flatten() {
+        provenance.push(&pair.key, pair.value.as_deref().unwrap_or_default());
+    }
+    let mut names = NameCache::default();
+    let mut rows = Vec::new();
+    for row in reader.get_row_iter(None).map_err(|error| unusable(path, error))? {
+        let row = row.map_err(|error| unusable(path, error))?;
+        let mut step = step_of(&row).map_err(|what| DatasetError::Parquet {
+            path: path.into(),
+            what: format!("row {}: {what}", rows.len() + 1),
+        })?;
+        names.share(&mut step);
+        rows.push(step);
+    }
+    Ok(Table { rows, provenance })
+}
+
+fn unusable(path: &Path, error: impl ToString) -> DatasetError {
+    DatasetError::Parquet { path: path.into(), what: error.to_string() }
+}
+
+fn write_file(table: &Table, file: File) -> Result<(), ParquetError> {
+    let pairs = table.provenance.entries.iter();
+    let pairs = pairs.map(|(key, value)| KeyValue::new(key.clone(), value.clone())).collect();
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::SNAPPY)
+        .set_key_value_metadata(Some(pairs))
+        .build();
+    let fields = columns().iter().map(field).collect::<Result<Vec<_>, _>>()?;
+    let schema = Type::group_type_builder("steps").with_fields(fields).build()?;
+    let mut writer = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))?;
+    for rows in table.rows.chunks(GROUP) {
+        let mut group = writer.next_row_group()?;
+        for column in columns() {
+            write_column(&mut group, column, rows)?;
+        }
+        group.close()?;
+    }
+    writer.close()?;
+    Ok(())
+}
+
+fn field(column: &Column) -> Result<Arc<Type>, ParquetError> {
+    let (physical, converted, repetition) = match column.access {
+        Access::Text(..) => (PhysicalType::BYTE_ARRAY, ConvertedType::UTF8, Repetition::OPTIONAL),
+        Access::Integer(..) => (PhysicalType::INT32, ConvertedType::UINT_32, Repetition::REQUIRED),
+        Access::Real(..) => (PhysicalType::DOUBLE, ConvertedType::NONE, Repetition::REQUIRED),
+        Access::OptionalReal(..) => {
+            (PhysicalType::DOUBLE, ConvertedType::NONE, Repetition::OPTIONAL)
+        }
+    };
+    let builder = Type::primitive_type_builder(column.name, physical);
+    builder.with_converted_type(converted).with_repetition(repetition).build().map(Arc::new)
+}
+
+fn write_column(
+    group: &mut SerializedRowGroupWriter<'_, File>,
+    column: &Column,
+    rows: &[StepRow],
+) -> Result<(), ParquetError> {
+    let missing = || ParquetError::General(format!("no room for column {}", column.name));
+    let mut writer = group.next_column()?.ok_or_else(missing)?;
+    match &column.access {
+        Access::Text(get, _) => {
+            let cells: Vec<_> = rows.iter().map(get).collect();
+            let levels: Vec<i16> = cells.iter().map(|cell| cell.is_some().into()).collect();
+            let values: Vec<_> =
+                cells.iter().flatten().map(|text| ByteArray::from(text.as_str())).collect();
+            writer.typed::<ByteArrayType>().write_batch(&values, Some(&levels), None)?;
+        }
+        Access::Integer(get, _) => {
+            let values: Vec<_> = rows.iter().map(|row| get(row).cast_signed()).collect();
+            writer.typed::<Int32Type>().write_batch(&values, None, None)?;
+        }
+        Access::Real(get, _) => {
+            let values: Vec<_> = rows.iter().map(get).collect();
+            writer.typed::<DoubleType>().write_batch(&values, None, None)?;
+        }
+        Access::OptionalReal(get, _) => {
+            let cells: Vec<_> = rows.iter().map(get).collect();
+            let levels: Vec<i16> = cells.iter().map(|cell| cell.is_some().into()).collect();
+            let values: Vec<_> = cells.into_iter().flatten().collect();
+            writer.typed::<DoubleType>().write_batch(&values, Some(&levels), None)?;
+        }
+    }
+    writer.close()
+}
+
+/// One row by the names of its columns; further columns are passed over.
+fn step_of(row: &Row) -> Result<StepRow, String> {
+    let mut step = StepRow::default();
+    for (name, field) in row.get_column_iter() {
+        let Some(column) = columns().iter().find(|column| column.name == name) else { continue };
+        let refused = |expected: &str| format!("{name} is {field}, expected {expected}");
+        match (&column.access, field) {
+            (Access::Text(_, set), Field::Str(text)) => {
+                set(&mut step, text).map_err(|e| refused(&e))?
+            }
+            (Access::Text(..) | Access::OptionalReal(..), Field::Null) => {}
+            (Access::Integer(_, set), Field::UInt(value)) => set(&mut step, *value),
+            (Access::Real(_, set) | Access::OptionalReal(_, set), Field::Double(value))
+                if value.is_finite() =>
+            {
+                set(&mut step, *value);
+            }
+            _ => return Err(refused("a finite value of the column's type")),
+        }
+    }
+    Ok(step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Provenance, StepRow, Table};
+    use crate::{
+        error::DatasetError,
+        step::{ContactForce, StepForce},
+    };
+
+    fn table() -> Table {
+        let mut provenance = Provenance::default();
+        provenance.push("tool", "pushlab test");
+        provenance.push("source", "0f3a push-0000");
+        let plain = StepRow { recording: "a".into(), shape: "rect1".into(), ..StepRow::default() };
+        let half = ContactForce { normal: 0.1 + 0.2, tangential: -1.0 / 3.0 };
+        let force = Some(StepForce { mean: half, start: half, end: half });
+        let full = StepRow {
+            session: Some("morning".into()),
+            push: 3,
+            p: f64::MIN_POSITIVE,
+            force,
+            ..plain.clone()
+        };
+        Table { rows: vec![plain, full], provenance }
+    }
+
+    #[test]
+    fn a_table_comes_back_from_parquet_bit_for_bit() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.parquet");
+        table().write(&path).unwrap();
+        assert_eq!(Table::read(&path).unwrap(), table());
+    }
+
+    #[test]
+    fn a_file_that_is_not_parquet_is_refused_with_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.parquet");
+        std::fs::write(&path, "p,beta_rad\n0.5,0.1\n").unwrap();
+        let error = Table::read(&path).unwrap_err();
+        assert!(matches!(error, DatasetError::Parquet { .. }), "{error}");
+        assert!(error.to_string().contains("table.parquet"), "{error}");
+    }
+}

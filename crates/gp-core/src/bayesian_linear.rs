@@ -1,0 +1,161 @@
+//! Bayesian linear regression on features.
+
+use std::f64::consts::PI;
+
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
+use faer::{Accum, Mat, MatRef, Par};
+
+use crate::checks::{check_count, check_finite, check_inputs, check_outputs, check_positive};
+use crate::cholesky::{Cholesky, log_determinant};
+use crate::kernel::{column, mirror_lower};
+use crate::{GpError, JointGaussian, Posterior};
+
+/// y = φᵀw + noise with weights w ~ N(0, Σp) and noise ~ N(0, σₙ²), conditioned on data.
+///
+/// Features are rows here: Φ is N×M. With A = σₙ⁻² ΦᵀΦ + Σp⁻¹ the weights have mean σₙ⁻² A⁻¹ Φᵀy
+/// and covariance A⁻¹, and f(φ*) has variance φ*ᵀA⁻¹φ*. (The thesis prints eq. 3.6 without the
+/// first σₙ⁻²; this is the right form.) It equals the Gaussian process with mean 0 and kernel
+/// φᵀΣpφ'. As a `Posterior`, its inputs are feature rows.
+///
+/// Computed with Σp = L Lᵀ, Ψ = ΦL and B = ΨᵀΨ + σₙ² I, so that A⁻¹ = σₙ² L B⁻¹ Lᵀ; O(N M² + M³).
+///
+/// # Source
+/// Rasmussen & Williams, Gaussian Processes for Machine Learning (2006), ch. 2; the thesis, eq.
+/// 3.1 to 3.10.
+#[derive(Clone, Debug)]
+pub struct BayesianLinear {
+    prior_factor: Mat<f64>,
+    cholesky: Cholesky,
+    weights: Vec<f64>,
+    noise_variance: f64,
+    log_evidence: f64,
+}
+
+impl BayesianLinear {
+    /// Conditions the weights on data.
+    ///
+    /// - `features`: Φ, N×M, one observation a row.
+    /// - `y`: outputs, N.
+    /// - `prior_covariance`: Σp, M×M, of which the lower triangle is read.
+    /// - `noise_variance`: σₙ², positive, in the squared unit of the output.
+    ///
+    /// # Errors
+    /// `Empty`, `ShapeMismatch`, `NotFinite`, `NotPositive`; `NotPositiveDefinite` if Σp is not.
+    pub fn fit(
+        features: MatRef<'_, f64>,
+        y: &[f64],
+        prior_covariance: MatRef<'_, f64>,
+        noise_variance: f64,
+    ) -> Result<Self, GpError> {
+        let m = features.ncols();
+        check_inputs("features", features, m)?;
+        check_outputs("outputs", y, features.nrows())?;
+        check_count("rows of the prior covariance", m, prior_covariance.nrows())?;
+        check_count("columns of the prior covariance", m, prior_covariance.ncols())?;
+        check_finite("prior covariance", prior_covariance)?;
+        check_positive("noise variance", noise_variance)?;
+        let prior_factor = lower_factor(prior_covariance)?;
+        let whitened = product(features, prior_factor.as_ref());
+        let mut matrix = product(whitened.transpose(), whitened.as_ref());
+        for i in 0..m {
+            matrix[(i, i)] += noise_variance;
+        }
+        let cholesky = Cholesky::new("precision of the weights", matrix)?;
+        let outputs = MatRef::from_column_major_slice(y, y.len(), 1);
+        let mut solution = product(whitened.transpose(), outputs);
+        cholesky.solve_lower(solution.as_mut());
+        let explained: f64 = column(&solution, 0).iter().map(|value| value * value).sum();
+        let total: f64 = y.iter().map(|y| y * y).sum();
+        let degrees = y.len() as f64 - m as f64;
+        let log_evidence = -0.5
+            * ((total - explained) / noise_variance
+                + log_determinant(cholesky.factor())
+                + degrees * noise_variance.ln()
+                + y.len() as f64 * (2.0 * PI).ln());
+        let upper = cholesky.factor().transpose();
+        solve_upper_triangular_in_place(upper, solution.as_mut(), Par::Seq);
+        let weights = column(&product(prior_factor.as_ref(), solution.as_ref()), 0).to_vec();
+        Ok(Self { prior_factor, cholesky, weights, noise_variance, log_evidence })
+    }
+
+    /// The posterior mean of the weights, M.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// The posterior covariance A⁻¹ of the weights, M×M.
+    pub fn weight_covariance(&self) -> Mat<f64> {
+        let half =
+            self.half_deviation(Mat::identity(self.weights.len(), self.weights.len()).as_ref());
+        self.covariance(&half)
+    }
+
+    /// The variance of the noise on an observation, in the squared unit of the output.
+    pub fn noise_variance(&self) -> f64 {
+        self.noise_variance
+    }
+
+    /// ln p(y | Φ), the log density of the outputs in the user's units, in nats.
+    pub fn log_evidence(&self) -> f64 {
+        self.log_evidence
+    }
+
+    /// R⁻¹ Lᵀ Φ*ᵀ with B = R Rᵀ, one input a column.
+    fn half_deviation(&self, features: MatRef<'_, f64>) -> Mat<f64> {
+        let mut half = product(self.prior_factor.transpose(), features.transpose());
+        self.cholesky.solve_lower(half.as_mut());
+        half
+    }
+
+    /// σₙ² HᵀH, exactly symmetric.
+    fn covariance(&self, half: &Mat<f64>) -> Mat<f64> {
+        let mut covariance = product(half.transpose(), half.as_ref()) * self.noise_variance;
+        mirror_lower(&mut covariance);
+        covariance
+    }
+}
+
+impl Posterior for BayesianLinear {
+    fn n_inputs(&self) -> usize {
+        self.weights.len()
+    }
+
+    fn predict_mean(&self, x_star: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {
+        check_inputs("features", x_star, self.n_inputs())?;
+        let weights = MatRef::from_column_major_slice(&self.weights, self.weights.len(), 1);
+        Ok(column(&product(x_star, weights), 0).to_vec())
+    }
+
+    fn predict(&self, x_star: MatRef<'_, f64>) -> Result<(Vec<f64>, Vec<f64>), GpError> {
+        let mean = self.predict_mean(x_star)?;
+        let half = self.half_deviation(x_star);
+        let square = |j| column(&half, j).iter().map(|value| value * value).sum::<f64>();
+        Ok((mean, (0..x_star.nrows()).map(|j| self.noise_variance * square(j)).collect()))
+    }
+
+    fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
+        let mean = self.predict_mean(x_star)?;
+        JointGaussian::new(mean, self.covariance(&self.half_deviation(x_star)))
+    }
+
+    fn predict_noise(&self, x_star: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {
+        check_inputs("features", x_star, self.n_inputs())?;
+        Ok(vec![self.noise_variance; x_star.nrows()])
+    }
+}
+
+/// The Cholesky factor of a covariance with zeros above the diagonal.
+fn lower_factor(covariance: MatRef<'_, f64>) -> Result<Mat<f64>, GpError> {
+    let cholesky = Cholesky::new("prior covariance of the weights", covariance.to_owned())?;
+    let factor = cholesky.factor();
+    let n = factor.nrows();
+    Ok(Mat::from_fn(n, n, |i, j| if i >= j { factor[(i, j)] } else { 0.0 }))
+}
+
+/// A B by one thread.
+fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
+    let mut result = Mat::zeros(a.nrows(), b.ncols());
+    matmul(result.as_mut(), Accum::Replace, a, b, 1.0, Par::Seq);
+    result
+}

@@ -1,0 +1,85 @@
+//! Checks of the arguments that come from a user.
+
+use std::cmp::Ordering;
+
+use faer::MatRef;
+
+use crate::GpError;
+
+/// Checks that `x` has rows, `n_inputs` columns and finite values only.
+pub(crate) fn check_inputs(
+    what: &'static str,
+    x: MatRef<'_, f64>,
+    n_inputs: usize,
+) -> Result<(), GpError> {
+    if x.nrows() == 0 || x.ncols() == 0 {
+        return Err(GpError::Empty { what });
+    }
+    check_count("columns of the inputs", n_inputs, x.ncols())?;
+    check_finite(what, x)
+}
+
+/// Checks that `y` has `n_rows` finite values.
+pub(crate) fn check_outputs(what: &'static str, y: &[f64], n_rows: usize) -> Result<(), GpError> {
+    check_count(what, n_rows, y.len())?;
+    match y.iter().position(|value| !value.is_finite()) {
+        Some(row) => Err(GpError::NotFinite { what, row, column: 0, value: y[row] }),
+        None => Ok(()),
+    }
+}
+
+/// Checks that every entry of a matrix is finite.
+pub(crate) fn check_finite(what: &'static str, x: MatRef<'_, f64>) -> Result<(), GpError> {
+    for column in 0..x.ncols() {
+        for row in 0..x.nrows() {
+            let value = x[(row, column)];
+            if !value.is_finite() {
+                return Err(GpError::NotFinite { what, row, column, value });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Checks that two counts agree.
+pub(crate) fn check_count(
+    what: &'static str,
+    expected: usize,
+    actual: usize,
+) -> Result<(), GpError> {
+    if expected == actual { Ok(()) } else { Err(GpError::ShapeMismatch { what, expected, actual }) }
+}
+
+/// Checks that a parameter is positive and finite.
+pub(crate) fn check_positive(name: &str, value: f64) -> Result<(), GpError> {
+    if value > 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(GpError::NotPositive { name: name.to_owned(), value })
+    }
+}
+
+/// Checks that a variance is finite and not negative.
+pub(crate) fn check_not_negative(name: &str, value: f64) -> Result<(), GpError> {
+    if value >= 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(GpError::Negative { name: name.to_owned(), value })
+    }
+}
+
+/// Checks that no two rows of `x` are equal, in O(D·N·log N).
+pub(crate) fn check_distinct_rows(x: MatRef<'_, f64>) -> Result<(), GpError> {
+    let compare = |&a: &usize, &b: &usize| {
+        (0..x.ncols())
+            .map(|d| x[(a, d)].partial_cmp(&x[(b, d)]).unwrap_or(Ordering::Equal))
+            .find(|order| order.is_ne())
+            .unwrap_or(Ordering::Equal)
+    };
+    let mut order: Vec<usize> = (0..x.nrows()).collect();
+    order.sort_by(compare);
+    match order.windows(2).find(|pair| compare(&pair[0], &pair[1]).is_eq()) {
+        Some(pair) => Err(GpError::DuplicateRows { first: pair[0], second: pair[1] }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,153 @@
+//! The Cholesky factor of a covariance matrix, and what is solved with it.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::triangular_inverse::invert_lower_triangular;
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::{Mat, MatMut, MatRef, Par};
+
+use crate::GpError;
+use crate::kernel::column;
+
+/// L with L Lᵀ = K, computed by one thread so that its bits do not depend on the machine's load.
+#[derive(Clone, Debug)]
+pub(crate) struct Cholesky {
+    factor: Mat<f64>,
+}
+
+impl Cholesky {
+    /// Factors a symmetric matrix of which the lower triangle is given.
+    ///
+    /// # Errors
+    /// `NotPositiveDefinite` with the pivot at which the factorisation broke down.
+    pub(crate) fn new(what: &'static str, mut matrix: Mat<f64>) -> Result<Self, GpError> {
+        factorize(what, matrix.as_mut())?;
+        Ok(Self { factor: matrix })
+    }
+
+    /// L; only its lower triangle has a meaning.
+    pub(crate) fn factor(&self) -> MatRef<'_, f64> {
+        self.factor.as_ref()
+    }
+
+    /// Replaces B by L⁻¹ B.
+    pub(crate) fn solve_lower(&self, rhs: MatMut<'_, f64>) {
+        solve_lower_triangular_in_place(self.factor.as_ref(), rhs, Par::Seq);
+    }
+
+    /// The diagonal of K⁻¹, in O(N³).
+    pub(crate) fn inverse_diagonal(&self) -> Vec<f64> {
+        let n = self.factor.nrows();
+        let mut inverse = Mat::zeros(n, n);
+        invert_lower_triangular(inverse.as_mut(), self.factor.as_ref(), Par::Seq);
+        (0..n).map(|j| column(&inverse, j)[j..].iter().map(|value| value * value).sum()).collect()
+    }
+}
+
+/// Overwrites the lower triangle of a symmetric matrix by its Cholesky factor.
+///
+/// A pivot below N·ε times its diagonal entry holds rounding only and counts as not positive.
+///
+/// # Errors
+/// `NotPositiveDefinite` with the pivot at which the factorisation broke down.
+pub(crate) fn factorize(what: &'static str, mut matrix: MatMut<'_, f64>) -> Result<(), GpError> {
+    let n = matrix.nrows();
+    let failed = |pivot| GpError::NotPositiveDefinite { what, size: n, pivot };
+    let diagonal: Vec<f64> = (0..n).map(|i| matrix[(i, i)]).collect();
+    let mut memory =
+        MemBuffer::new(cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default()));
+    cholesky_in_place(
+        matrix.as_mut(),
+        Default::default(),
+        Par::Seq,
+        MemStack::new(&mut memory),
+        Default::default(),
+    )
+    .map_err(|LltError::NonPositivePivot { index }| failed(index))?;
+    let threshold = n as f64 * f64::EPSILON;
+    let sound = |i: usize| matrix[(i, i)].powi(2) > threshold * diagonal[i];
+    match (0..n).find(|&i| !sound(i)) {
+        Some(pivot) => Err(failed(pivot)),
+        None => Ok(()),
+    }
+}
+
+/// Replaces b by (L Lᵀ)⁻¹ b.
+pub(crate) fn solve_with(factor: MatRef<'_, f64>, rhs: &mut [f64]) {
+    let n = rhs.len();
+    let mut rhs = MatMut::from_column_major_slice_mut(rhs, n, 1);
+    solve_lower_triangular_in_place(factor, rhs.as_mut(), Par::Seq);
+    solve_upper_triangular_in_place(factor.transpose(), rhs, Par::Seq);
+}
+
+/// ln |L Lᵀ|.
+pub(crate) fn log_determinant(factor: MatRef<'_, f64>) -> f64 {
+    2.0 * (0..factor.nrows()).map(|i| factor[(i, i)].ln()).sum::<f64>()
+}
+
+/// The exact Gram matrix of a positive semi-definite matrix is factored with pivoting: F Fᵀ = K.
+///
+/// F has as many columns as K has pivots above N·ε times its largest diagonal entry.
+///
+/// # Errors
+/// `NotPositiveDefinite` if K has a negative pivot beyond rounding.
+pub(crate) fn pivoted_factor(
+    what: &'static str,
+    matrix: MatRef<'_, f64>,
+) -> Result<Mat<f64>, GpError> {
+    let n = matrix.nrows();
+    let mut rest: Vec<f64> = (0..n).map(|i| matrix[(i, i)]).collect();
+    let largest = rest.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    let tolerance = n as f64 * f64::EPSILON * largest;
+    let mut factor = Mat::zeros(n, n);
+    for rank in 0..n {
+        let pivot = (0..n).fold(0, |best, i| if rest[i] > rest[best] { i } else { best });
+        if rest[pivot] <= tolerance {
+            return match rest.iter().position(|&value| value < -100.0 * tolerance) {
+                Some(pivot) => Err(GpError::NotPositiveDefinite { what, size: n, pivot }),
+                None => Ok(factor.subcols(0, rank).to_owned()),
+            };
+        }
+        let root = rest[pivot].sqrt();
+        for i in 0..n {
+            let known: f64 = (0..rank).map(|k| factor[(i, k)] * factor[(pivot, k)]).sum();
+            let value = (matrix[(i, pivot)] - known) / root;
+            factor[(i, rank)] = value;
+            rest[i] -= value * value;
+        }
+        rest[pivot] = 0.0;
+    }
+    Ok(factor)
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+
+    use super::{factorize, pivoted_factor};
+    use crate::GpError;
+
+    #[test]
+    fn the_pivoted_factor_multiplies_back_and_shows_the_rank() {
+        let root = Mat::from_fn(6, 3, |i, j| ((3 * i + 2 * j) as f64).sin() + (i * j) as f64);
+        let matrix = &root * root.transpose();
+        let factor = pivoted_factor("test", matrix.as_ref()).unwrap();
+        assert_eq!(factor.ncols(), 3);
+        assert!((&factor * factor.transpose() - &matrix).norm_max() < 1e-12 * matrix.norm_max());
+        let nothing = pivoted_factor("test", Mat::zeros(2, 2).as_ref()).unwrap();
+        assert_eq!(nothing.ncols(), 0);
+    }
+
+    #[test]
+    fn a_pivot_of_rounding_only_is_not_positive() {
+        let mut matrix = Mat::full(2, 2, 1.0);
+        matrix[(1, 1)] += f64::EPSILON;
+        let expected = GpError::NotPositiveDefinite { what: "test", size: 2, pivot: 1 };
+        assert_eq!(factorize("test", matrix.as_mut()), Err(expected));
+        let mut matrix = Mat::full(2, 2, 1.0);
+        matrix[(1, 1)] += 1e-12;
+        assert_eq!(factorize("test", matrix.as_mut()), Ok(()));
+    }
+}

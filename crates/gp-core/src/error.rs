@@ -1,0 +1,124 @@
+//! Everything that can go wrong in this crate, each with the value and the remedy.
+
+/// Why a Gaussian process could not be built, learnt, asked or scored.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GpError {
+    /// Two arguments disagree about a number of rows, columns or parameters.
+    #[error("{what}: expected {expected}, got {actual}")]
+    ShapeMismatch {
+        /// What was counted.
+        what: &'static str,
+        /// The count that the other arguments ask for.
+        expected: usize,
+        /// The count that was given.
+        actual: usize,
+    },
+    /// A matrix or slice has no rows or no columns.
+    #[error("{what}: empty, give at least one row and one column")]
+    Empty {
+        /// The empty argument.
+        what: &'static str,
+    },
+    /// A NaN or an infinity in the data.
+    #[error("{what}: row {row}, column {column} is {value}; remove the row or repair the value")]
+    NotFinite {
+        /// The argument.
+        what: &'static str,
+        /// Row, from zero.
+        row: usize,
+        /// Column, from zero.
+        column: usize,
+        /// The offending value.
+        value: f64,
+    },
+    /// A parameter that must be positive and finite is not.
+    #[error("{name} must be positive and finite, got {value}")]
+    NotPositive {
+        /// The parameter.
+        name: String,
+        /// Its value.
+        value: f64,
+    },
+    /// A parameter that must not be negative is negative or not finite.
+    #[error("{name} must be finite and not negative, got {value}")]
+    Negative {
+        /// The parameter.
+        name: String,
+        /// Its value.
+        value: f64,
+    },
+    /// Hyperparameters cannot be learnt from so few rows.
+    #[error("learning needs at least {needed} rows, got {actual}; use `Gp::fit` with known values")]
+    TooFewRows {
+        /// The least number of rows.
+        needed: usize,
+        /// The number given.
+        actual: usize,
+    },
+    /// All outputs are equal, so no hyperparameter can be learnt from them.
+    #[error("all {n_rows} outputs equal {value}; there is nothing to learn")]
+    ConstantOutputs {
+        /// The common value.
+        value: f64,
+        /// How many there are.
+        n_rows: usize,
+    },
+    /// Two equal input rows without noise make the covariance singular.
+    #[error(
+        "rows {first} and {second} have equal inputs and the noise variance is 0; \
+         drop one of them or give a positive noise variance"
+    )]
+    DuplicateRows {
+        /// The earlier row, from zero.
+        first: usize,
+        /// The later row, from zero.
+        second: usize,
+    },
+    /// The covariance is not positive definite to working precision.
+    #[error(
+        "the {what} of size {size} is not positive definite at pivot {pivot}; raise the noise \
+         variance, shorten the lengthscales, or drop rows that nearly repeat others"
+    )]
+    NotPositiveDefinite {
+        /// Which matrix.
+        what: &'static str,
+        /// Rows of the matrix.
+        size: usize,
+        /// The row at which the factorisation broke down, from zero.
+        pivot: usize,
+    },
+    /// No start of the optimiser converged.
+    #[error(
+        "none of {n_starts} starts converged; the best stopped after {iterations} iterations with \
+         gradient norm {gradient_norm:e}; allow more iterations, more starts or a larger tolerance"
+    )]
+    NotConverged {
+        /// Number of starts tried.
+        n_starts: usize,
+        /// Iterations of the start with the smallest gradient.
+        iterations: usize,
+        /// Its gradient norm, in nats per log-parameter.
+        gradient_norm: f64,
+    },
+    /// A coverage level outside (0, 1).
+    #[error("a coverage level must lie strictly between 0 and 1, got {level}")]
+    InvalidLevel {
+        /// The level.
+        level: f64,
+    },
+    /// A saved model of a format version that this release does not read.
+    #[error("saved model has format version {found}, this release reads version {supported}")]
+    UnsupportedVersion {
+        /// Version in the model.
+        found: u32,
+        /// Version that can be read.
+        supported: u32,
+    },
+    /// A user's kernel without a serialisable description.
+    #[error("the kernel has no `KernelSpec`, so the model cannot be saved: {kernel}")]
+    NotSerializable {
+        /// The kernel's debug form.
+        kernel: String,
+    },
+}

@@ -1,0 +1,243 @@
+//! The trait that every covariance function implements, and the blocks made from it.
+
+mod matern32;
+mod matern52;
+mod periodic;
+mod product;
+mod radial;
+mod spec;
+mod squared_exponential;
+
+use std::fmt::Debug;
+
+use faer::{Mat, MatRef};
+
+pub use self::matern32::{Matern32, Matern32Profile};
+pub use self::matern52::{Matern52, Matern52Profile};
+pub use self::periodic::Periodic;
+pub use self::product::Product;
+pub use self::radial::{Profile, Radial};
+pub use self::spec::KernelSpec;
+pub use self::squared_exponential::{SquaredExponential, SquaredExponentialProfile};
+use crate::GpError;
+use crate::checks::check_inputs;
+
+/// A covariance function k(a, b) of two inputs with D coordinates, and its derivatives.
+///
+/// Its parameters are positive numbers in the user's own units; derivatives are taken with respect
+/// to their logarithms. The slices `a` and `b` have `n_inputs` entries.
+/// Pairwise methods are enough; `column` and `column_gradient` are there to be made faster.
+pub trait Kernel: Debug + Send + Sync {
+    /// The number of input coordinates D.
+    fn n_inputs(&self) -> usize;
+
+    /// k(a, b).
+    fn value(&self, a: &[f64], b: &[f64]) -> f64;
+
+    /// The parameters with names, values and roles, in a fixed order.
+    fn parameters(&self) -> Vec<Parameter>;
+
+    /// The same kernel with other parameter values, in the order of `parameters`.
+    ///
+    /// # Errors
+    /// `ShapeMismatch` for a wrong count, `NotPositive` for a value that is not positive and finite.
+    fn with_parameters(&self, values: &[f64]) -> Result<Box<dyn Kernel>, GpError>;
+
+    /// Writes ∂k(a, b)/∂ ln θ into `gradient`, one entry a parameter.
+    fn parameter_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]);
+
+    /// Writes ∂k(a, b)/∂a into `gradient`, one entry a coordinate.
+    fn input_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]);
+
+    /// The kernel as plain data for saving; `None` for kernels that this crate does not know.
+    fn spec(&self) -> Option<KernelSpec> {
+        None
+    }
+
+    /// Writes k(xᵢ, b) into `values` for every row xᵢ of `x`.
+    fn column(&self, x: MatRef<'_, f64>, b: &[f64], values: &mut [f64]) {
+        let mut a = vec![0.0; x.ncols()];
+        for (i, value) in values.iter_mut().enumerate() {
+            copy_row(x, i, &mut a);
+            *value = self.value(&a, b);
+        }
+    }
+
+    /// Adds Σᵢ wᵢ ∂k(xᵢ, b)/∂ ln θ to `gradient`, where `values` holds what `column` wrote.
+    fn column_gradient(
+        &self,
+        x: MatRef<'_, f64>,
+        b: &[f64],
+        _values: &[f64],
+        weights: &[f64],
+        gradient: &mut [f64],
+    ) {
+        let mut a = vec![0.0; x.ncols()];
+        let mut term = vec![0.0; gradient.len()];
+        for (i, weight) in weights.iter().enumerate() {
+            copy_row(x, i, &mut a);
+            self.parameter_gradient(&a, b, &mut term);
+            for (sum, slope) in gradient.iter_mut().zip(&term) {
+                *sum += weight * slope;
+            }
+        }
+    }
+}
+
+/// A kernel parameter: positive, in the user's units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name, e.g. `lengthscale 0`.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// What it scales with.
+    pub role: Role,
+}
+
+/// What a parameter scales with; the optimiser takes starts and walls from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Role {
+    /// A length in the unit of one input.
+    Lengthscale {
+        /// The input's column.
+        input: usize,
+    },
+    /// A period in the unit of one input.
+    Period {
+        /// The input's column.
+        input: usize,
+    },
+    /// A variance in the squared unit of the output.
+    Variance,
+    /// A number without unit.
+    Shape,
+}
+
+/// The Gram matrix K(X, X), exactly symmetric, N×N.
+///
+/// # Errors
+/// `Empty`, `ShapeMismatch` or `NotFinite` if `x` is not a finite N×D matrix.
+pub fn gram(kernel: &dyn Kernel, x: MatRef<'_, f64>) -> Result<Mat<f64>, GpError> {
+    check_inputs("inputs", x, kernel.n_inputs())?;
+    let mut matrix = Mat::zeros(x.nrows(), x.nrows());
+    fill_lower_gram(kernel, x, &mut matrix);
+    mirror_lower(&mut matrix);
+    Ok(matrix)
+}
+
+/// The cross-covariance K(A, B), N×M, for A: N×D and B: M×D.
+///
+/// # Errors
+/// `Empty`, `ShapeMismatch` or `NotFinite` if `a` or `b` is not a finite matrix with D columns.
+pub fn cross(
+    kernel: &dyn Kernel,
+    a: MatRef<'_, f64>,
+    b: MatRef<'_, f64>,
+) -> Result<Mat<f64>, GpError> {
+    check_inputs("inputs", a, kernel.n_inputs())?;
+    check_inputs("inputs", b, kernel.n_inputs())?;
+    let mut matrix = Mat::zeros(a.nrows(), b.nrows());
+    fill_cross(kernel, a, b, &mut matrix);
+    Ok(matrix)
+}
+
+/// Writes the lower triangle of K(X, X), diagonal included; the rest is left as it is.
+pub(crate) fn fill_lower_gram(kernel: &dyn Kernel, x: MatRef<'_, f64>, matrix: &mut Mat<f64>) {
+    let mut b = vec![0.0; x.ncols()];
+    for j in 0..x.nrows() {
+        copy_row(x, j, &mut b);
+        let rows = x.subrows(j, x.nrows() - j);
+        kernel.column(rows, &b, &mut column_mut(matrix, j)[j..]);
+    }
+}
+
+/// Writes K(A, B).
+pub(crate) fn fill_cross(
+    kernel: &dyn Kernel,
+    a: MatRef<'_, f64>,
+    b: MatRef<'_, f64>,
+    matrix: &mut Mat<f64>,
+) {
+    let mut row = vec![0.0; b.ncols()];
+    for j in 0..b.nrows() {
+        copy_row(b, j, &mut row);
+        kernel.column(a, &row, column_mut(matrix, j));
+    }
+}
+
+/// Copies the lower triangle onto the upper one.
+pub(crate) fn mirror_lower(matrix: &mut Mat<f64>) {
+    for j in 0..matrix.ncols() {
+        for i in j + 1..matrix.nrows() {
+            matrix[(j, i)] = matrix[(i, j)];
+        }
+    }
+}
+
+/// Copies row `i` of `x` into `row`.
+pub(crate) fn copy_row(x: MatRef<'_, f64>, i: usize, row: &mut [f64]) {
+    for (d, value) in row.iter_mut().enumerate() {
+        *value = x[(i, d)];
+    }
+}
+
+/// A column of an owned matrix as a slice.
+pub(crate) fn column(matrix: &Mat<f64>, j: usize) -> &[f64] {
+    matrix.col(j).try_as_col_major().expect("owned matrices are column-major").as_slice()
+}
+
+/// A column of an owned matrix as a mutable slice.
+pub(crate) fn column_mut(matrix: &mut Mat<f64>, j: usize) -> &mut [f64] {
+    matrix
+        .col_mut(j)
+        .try_as_col_major_mut()
+        .expect("owned matrices are column-major")
+        .as_slice_mut()
+}
+
+impl<K: Kernel + ?Sized> Kernel for Box<K> {
+    fn n_inputs(&self) -> usize {
+        (**self).n_inputs()
+    }
+
+    fn value(&self, a: &[f64], b: &[f64]) -> f64 {
+        (**self).value(a, b)
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        (**self).parameters()
+    }
+
+    fn with_parameters(&self, values: &[f64]) -> Result<Box<dyn Kernel>, GpError> {
+        (**self).with_parameters(values)
+    }
+
+    fn parameter_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
+        (**self).parameter_gradient(a, b, gradient);
+    }
+
+    fn input_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
+        (**self).input_gradient(a, b, gradient);
+    }
+
+    fn spec(&self) -> Option<KernelSpec> {
+        (**self).spec()
+    }
+
+    fn column(&self, x: MatRef<'_, f64>, b: &[f64], values: &mut [f64]) {
+        (**self).column(x, b, values);
+    }
+
+    fn column_gradient(
+        &self,
+        x: MatRef<'_, f64>,
+        b: &[f64],
+        values: &[f64],
+        weights: &[f64],
+        gradient: &mut [f64],
+    ) {
+        (**self).column_gradient(x, b, values, weights, gradient);
+    }
+}

@@ -1,0 +1,31 @@
+//! The Matérn kernel of order 3/2.
+
+use super::{KernelSpec, Profile, Radial};
+
+/// k(a, b) = s² (1 + √3 r) exp(−√3 r) with r² = Σ_d ((a_d − b_d)/l_d)²: once differentiable functions.
+pub type Matern32 = Radial<Matern32Profile>;
+
+/// g(r²) = (1 + √3 r) exp(−√3 r).
+#[derive(Clone, Copy, Debug)]
+pub struct Matern32Profile;
+
+impl Profile for Matern32Profile {
+    const NAME: &'static str = "Matern32";
+
+    fn value(squared_distance: f64) -> f64 {
+        let scaled = (3.0 * squared_distance).sqrt();
+        let decay = (-scaled).exp();
+        if decay == 0.0 { 0.0 } else { (1.0 + scaled) * decay }
+    }
+
+    fn slope(squared_distance: f64, value: f64) -> f64 {
+        -1.5 * value / (1.0 + (3.0 * squared_distance).sqrt())
+    }
+
+    fn spec(kernel: &Matern32) -> Option<KernelSpec> {
+        Some(KernelSpec::Matern32 {
+            lengthscales: kernel.lengthscales().to_vec(),
+            signal_variance: kernel.signal_variance(),
+        })
+    }
+}

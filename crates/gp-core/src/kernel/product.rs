@@ -1,0 +1,129 @@
+//! The product of two kernels over the same inputs.
+
+use std::sync::Arc;
+
+use faer::MatRef;
+
+use super::{Kernel, KernelSpec, Parameter, Role};
+use crate::GpError;
+use crate::checks::check_count;
+
+/// k(a, b) = k₁(a, b) k₂(a, b); products of products give any number of factors.
+///
+/// Parameters in order: those of the first factor, then those of the second. A variance of the
+/// second factor counts as a number without unit, since the first one carries the output's unit.
+#[derive(Clone, Debug)]
+pub struct Product {
+    first: Arc<dyn Kernel>,
+    second: Arc<dyn Kernel>,
+    n_first: usize,
+}
+
+impl Product {
+    /// The product of two kernels.
+    ///
+    /// # Errors
+    /// `ShapeMismatch` if the factors have different numbers of inputs.
+    pub fn new(
+        first: impl Kernel + 'static,
+        second: impl Kernel + 'static,
+    ) -> Result<Self, GpError> {
+        check_count("inputs of the second factor", first.n_inputs(), second.n_inputs())?;
+        let n_first = first.parameters().len();
+        Ok(Self { first: Arc::new(first), second: Arc::new(second), n_first })
+    }
+
+    /// The two factors.
+    pub fn factors(&self) -> (&dyn Kernel, &dyn Kernel) {
+        (&*self.first, &*self.second)
+    }
+}
+
+impl Kernel for Product {
+    fn n_inputs(&self) -> usize {
+        self.first.n_inputs()
+    }
+
+    fn value(&self, a: &[f64], b: &[f64]) -> f64 {
+        self.first.value(a, b) * self.second.value(a, b)
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        let named = |factor: &'static str| {
+            move |parameter: Parameter| Parameter {
+                name: format!("{factor} factor's {}", parameter.name),
+                ..parameter
+            }
+        };
+        let unitless = |parameter: Parameter| match parameter.role {
+            Role::Variance => Parameter { role: Role::Shape, ..parameter },
+            _ => parameter,
+        };
+        let first = self.first.parameters().into_iter().map(named("first"));
+        let second = self.second.parameters().into_iter().map(named("second")).map(unitless);
+        first.chain(second).collect()
+    }
+
+    fn with_parameters(&self, values: &[f64]) -> Result<Box<dyn Kernel>, GpError> {
+        let n_parameters = self.n_first + self.second.parameters().len();
+        check_count("kernel parameters", n_parameters, values.len())?;
+        let (of_first, of_second) = values.split_at(self.n_first);
+        let first = Arc::from(self.first.with_parameters(of_first)?);
+        let second = Arc::from(self.second.with_parameters(of_second)?);
+        Ok(Box::new(Self { first, second, n_first: self.n_first }))
+    }
+
+    fn parameter_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
+        let (of_first, of_second) = gradient.split_at_mut(self.n_first);
+        self.first.parameter_gradient(a, b, of_first);
+        self.second.parameter_gradient(a, b, of_second);
+        let (first, second) = (self.first.value(a, b), self.second.value(a, b));
+        of_first.iter_mut().for_each(|slope| *slope *= second);
+        of_second.iter_mut().for_each(|slope| *slope *= first);
+    }
+
+    fn input_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
+        let mut of_second = vec![0.0; gradient.len()];
+        self.first.input_gradient(a, b, gradient);
+        self.second.input_gradient(a, b, &mut of_second);
+        let (first, second) = (self.first.value(a, b), self.second.value(a, b));
+        for (slope, other) in gradient.iter_mut().zip(&of_second) {
+            *slope = *slope * second + first * other;
+        }
+    }
+
+    fn spec(&self) -> Option<KernelSpec> {
+        let first = Box::new(self.first.spec()?);
+        let second = Box::new(self.second.spec()?);
+        Some(KernelSpec::Product { first, second })
+    }
+
+    fn column(&self, x: MatRef<'_, f64>, b: &[f64], values: &mut [f64]) {
+        let mut second = vec![0.0; values.len()];
+        self.first.column(x, b, values);
+        self.second.column(x, b, &mut second);
+        for (value, factor) in values.iter_mut().zip(&second) {
+            *value *= factor;
+        }
+    }
+
+    fn column_gradient(
+        &self,
+        x: MatRef<'_, f64>,
+        b: &[f64],
+        _values: &[f64],
+        weights: &[f64],
+        gradient: &mut [f64],
+    ) {
+        let (of_first, of_second) = gradient.split_at_mut(self.n_first);
+        let mut first = vec![0.0; weights.len()];
+        let mut second = vec![0.0; weights.len()];
+        self.first.column(x, b, &mut first);
+        self.second.column(x, b, &mut second);
+        let weighted = |other: &[f64]| -> Vec<f64> {
+            weights.iter().zip(other).map(|(weight, value)| weight * value).collect()
+        };
+        self.first.column_gradient(x, b, &first, &weighted(&second), of_first);
+        self.second.column_gradient(x, b, &second, &weighted(&first), of_second);
+    }
+}

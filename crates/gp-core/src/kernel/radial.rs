@@ -1,0 +1,227 @@
+//! Kernels that depend on the scaled distance of two inputs only, with one lengthscale an input.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use faer::{ColRef, MatRef};
+
+use super::{Kernel, KernelSpec, Parameter, Role};
+use crate::GpError;
+use crate::checks::{check_count, check_positive};
+
+/// k(a, b) = s² g(r²) with r² = Σ_d ((a_d − b_d)/l_d)² and g given by a `Profile`.
+///
+/// Parameters in order: the lengthscales l_d, in the unit of input d, and the signal variance s².
+pub struct Radial<P> {
+    lengthscales: Vec<f64>,
+    signal_variance: f64,
+    profile: PhantomData<P>,
+}
+
+/// The shape g of a radial kernel as a function of the squared scaled distance, with g(0) = 1.
+pub trait Profile: Send + Sync + Sized + 'static {
+    /// The kernel's name, for people.
+    const NAME: &'static str;
+
+    /// g(r²).
+    fn value(squared_distance: f64) -> f64;
+
+    /// dg/d(r²), given g(r²) as well, so that no exponential is computed twice.
+    fn slope(squared_distance: f64, value: f64) -> f64;
+
+    /// The kernel as plain data.
+    fn spec(kernel: &Radial<Self>) -> Option<KernelSpec>;
+}
+
+impl<P: Profile> Radial<P> {
+    /// A kernel with one lengthscale an input and signal variance s² = k(x, x).
+    ///
+    /// # Errors
+    /// `Empty` without lengthscales; `NotPositive` for a value that is not positive and finite.
+    pub fn new(lengthscales: &[f64], signal_variance: f64) -> Result<Self, GpError> {
+        if lengthscales.is_empty() {
+            return Err(GpError::Empty { what: "lengthscales" });
+        }
+        for (d, &lengthscale) in lengthscales.iter().enumerate() {
+            check_positive(&format!("lengthscale {d}"), lengthscale)?;
+        }
+        check_positive("signal variance", signal_variance)?;
+        Ok(Self { lengthscales: lengthscales.to_vec(), signal_variance, profile: PhantomData })
+    }
+
+    /// A kernel with all parameters 1: the family, where the values are to be learnt.
+    ///
+    /// # Errors
+    /// `Empty` if `n_inputs` is 0.
+    pub fn unit(n_inputs: usize) -> Result<Self, GpError> {
+        Self::new(&vec![1.0; n_inputs], 1.0)
+    }
+
+    /// The lengthscales, each in the unit of its input.
+    pub fn lengthscales(&self) -> &[f64] {
+        &self.lengthscales
+    }
+
+    /// The prior variance of the function, in the squared unit of the output.
+    pub fn signal_variance(&self) -> f64 {
+        self.signal_variance
+    }
+
+    fn squared_distance(&self, a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).zip(&self.lengthscales).fold(0.0, |sum, ((a, b), lengthscale)| {
+            let scaled = (a - b) * lengthscale.recip();
+            sum + scaled * scaled
+        })
+    }
+}
+
+impl<P: Profile> Kernel for Radial<P> {
+    fn n_inputs(&self) -> usize {
+        self.lengthscales.len()
+    }
+
+    fn value(&self, a: &[f64], b: &[f64]) -> f64 {
+        self.signal_variance * P::value(self.squared_distance(a, b))
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        let lengthscale = |(input, &value): (usize, &f64)| Parameter {
+            name: format!("lengthscale {input}"),
+            value,
+            role: Role::Lengthscale { input },
+        };
+        let variance = Parameter {
+            name: "signal variance".to_owned(),
+            value: self.signal_variance,
+            role: Role::Variance,
+        };
+        self.lengthscales.iter().enumerate().map(lengthscale).chain([variance]).collect()
+    }
+
+    fn with_parameters(&self, values: &[f64]) -> Result<Box<dyn Kernel>, GpError> {
+        check_count("kernel parameters", self.lengthscales.len() + 1, values.len())?;
+        let (lengthscales, variance) = values.split_at(self.lengthscales.len());
+        Ok(Box::new(Self::new(lengthscales, variance[0])?))
+    }
+
+    fn parameter_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
+        let squared_distance = self.squared_distance(a, b);
+        let shape = P::value(squared_distance);
+        let factor = -2.0 * self.signal_variance * P::slope(squared_distance, shape);
+        for (d, lengthscale) in self.lengthscales.iter().enumerate() {
+            gradient[d] = factor * ((a[d] - b[d]) / lengthscale).powi(2);
+        }
+        gradient[self.lengthscales.len()] = self.signal_variance * shape;
+    }
+
+    fn input_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
+        let squared_distance = self.squared_distance(a, b);
+        let slope = P::slope(squared_distance, P::value(squared_distance));
+        for (d, lengthscale) in self.lengthscales.iter().enumerate() {
+            let scaled = (a[d] - b[d]) / (lengthscale * lengthscale);
+            gradient[d] = 2.0 * self.signal_variance * slope * scaled;
+        }
+    }
+
+    fn spec(&self) -> Option<KernelSpec> {
+        P::spec(self)
+    }
+
+    fn column(&self, x: MatRef<'_, f64>, b: &[f64], values: &mut [f64]) {
+        values.fill(0.0);
+        for (d, lengthscale) in self.lengthscales.iter().enumerate() {
+            add_scaled_squares(x.col(d), b[d], lengthscale.recip(), values);
+        }
+        for value in values.iter_mut() {
+            *value = self.signal_variance * P::value(*value);
+        }
+    }
+
+    fn column_gradient(
+        &self,
+        x: MatRef<'_, f64>,
+        b: &[f64],
+        values: &[f64],
+        weights: &[f64],
+        gradient: &mut [f64],
+    ) {
+        let n_inputs = self.lengthscales.len();
+        let mut terms = [0.0; BLOCK];
+        for start in (0..values.len()).step_by(BLOCK) {
+            let n = BLOCK.min(values.len() - start);
+            let rows = x.subrows(start, n);
+            let (values, weights) = (&values[start..start + n], &weights[start..start + n]);
+            let terms = &mut terms[..n];
+            terms.fill(0.0);
+            for (d, lengthscale) in self.lengthscales.iter().enumerate() {
+                add_scaled_squares(rows.col(d), b[d], lengthscale.recip(), terms);
+            }
+            for ((term, value), weight) in terms.iter_mut().zip(values).zip(weights) {
+                let slope = P::slope(*term, value / self.signal_variance);
+                *term = -2.0 * self.signal_variance * slope * weight;
+                gradient[n_inputs] += weight * value;
+            }
+            for (d, lengthscale) in self.lengthscales.iter().enumerate() {
+                gradient[d] += weighted_squares(rows.col(d), b[d], lengthscale.recip(), terms);
+            }
+        }
+    }
+}
+
+impl<P> Clone for Radial<P> {
+    fn clone(&self) -> Self {
+        Self {
+            lengthscales: self.lengthscales.clone(),
+            signal_variance: self.signal_variance,
+            profile: PhantomData,
+        }
+    }
+}
+
+impl<P> PartialEq for Radial<P> {
+    fn eq(&self, other: &Self) -> bool {
+        self.lengthscales == other.lengthscales && self.signal_variance == other.signal_variance
+    }
+}
+
+impl<P: Profile> fmt::Debug for Radial<P> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct(P::NAME)
+            .field("lengthscales", &self.lengthscales)
+            .field("signal_variance", &self.signal_variance)
+            .finish()
+    }
+}
+
+/// Rows that the gradient handles at once: their terms stay on the stack and in the first cache.
+const BLOCK: usize = 128;
+
+/// Adds ((xᵢ − center)·inverse_lengthscale)² to `sums`.
+fn add_scaled_squares(x: ColRef<'_, f64>, center: f64, inverse_lengthscale: f64, sums: &mut [f64]) {
+    let add = |(sum, x): (&mut f64, &f64)| {
+        let scaled = (x - center) * inverse_lengthscale;
+        *sum += scaled * scaled;
+    };
+    match x.try_as_col_major() {
+        Some(x) => sums.iter_mut().zip(x.as_slice()).for_each(add),
+        None => sums.iter_mut().zip(x.iter()).for_each(add),
+    }
+}
+
+/// Σᵢ terms_i ((xᵢ − center)·inverse_lengthscale)².
+fn weighted_squares(
+    x: ColRef<'_, f64>,
+    center: f64,
+    inverse_lengthscale: f64,
+    terms: &[f64],
+) -> f64 {
+    let add = |sum: f64, (term, x): (&f64, &f64)| {
+        let scaled = (x - center) * inverse_lengthscale;
+        sum + term * (scaled * scaled)
+    };
+    match x.try_as_col_major() {
+        Some(x) => terms.iter().zip(x.as_slice()).fold(0.0, add),
+        None => terms.iter().zip(x.iter()).fold(0.0, add),
+    }
+}

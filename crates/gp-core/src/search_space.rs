@@ -1,0 +1,181 @@
+//! Where the optimiser starts and which parameter values it may visit, from the spread of the data.
+
+use faer::MatRef;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::{Kernel, Role};
+
+/// Standardised log-parameters: u = ln(θ/scale), with the scale of each from the data's spread.
+///
+/// A lengthscale or period scales with the standard deviation of its input and a variance with the
+/// variance of the outputs, so u is what standardised inputs and outputs would give, and the
+/// likelihood stays that of the data in the user's units.
+/// The noise variance is the last parameter.
+pub(crate) struct SearchSpace {
+    log_scales: Vec<f64>,
+    ranges: Vec<Range>,
+    stiffness: f64,
+}
+
+impl SearchSpace {
+    /// The space for a kernel and data with outputs that are not all equal.
+    pub(crate) fn new(kernel: &dyn Kernel, x: MatRef<'_, f64>, y: &[f64]) -> Self {
+        let log_spread = |input: usize| {
+            let values: Vec<f64> = x.col(input).iter().copied().collect();
+            0.5 * log_variance(&values).unwrap_or(0.0)
+        };
+        let output = log_variance(y).unwrap_or(0.0);
+        let center = 0.5 * (kernel.n_inputs() as f64).ln();
+        let (mut log_scales, mut ranges) = (Vec::new(), Vec::new());
+        for parameter in kernel.parameters() {
+            let log_value = parameter.value.ln();
+            let (log_scale, range) = match parameter.role {
+                Role::Lengthscale { input } => (log_spread(input), Range::lengthscale(center)),
+                Role::Period { input } => {
+                    let log_scale = log_spread(input);
+                    (log_scale, Range::around(log_value - log_scale))
+                }
+                Role::Variance => (output, Range::signal()),
+                Role::Shape => (0.0, Range::around(log_value)),
+            };
+            log_scales.push(log_scale);
+            ranges.push(range);
+        }
+        log_scales.push(output);
+        ranges.push(Range::noise());
+        Self { log_scales, ranges, stiffness: STIFFNESS * y.len() as f64 }
+    }
+
+    /// Start number `index`: the first in the usual place, the others a low-discrepancy set.
+    pub(crate) fn start(&self, index: usize, seed: u64) -> Vec<f64> {
+        if index == 0 {
+            return self.ranges.iter().map(|range| range.start).collect();
+        }
+        let fractions = low_discrepancy_point(index, self.ranges.len(), seed);
+        let place =
+            |(range, fraction): (&Range, f64)| range.low + fraction * (range.high - range.low);
+        self.ranges.iter().zip(fractions).map(place).collect()
+    }
+
+    /// The parameters θ in the user's units.
+    pub(crate) fn parameters(&self, point: &[f64]) -> Vec<f64> {
+        point.iter().zip(&self.log_scales).map(|(u, log_scale)| (u + log_scale).exp()).collect()
+    }
+
+    /// The penalty of standing behind a wall, its gradient added to `gradient`; 0 between the walls.
+    pub(crate) fn penalty(&self, point: &[f64], gradient: &mut [f64]) -> f64 {
+        let mut penalty = 0.0;
+        for ((u, range), slope) in point.iter().zip(&self.ranges).zip(gradient) {
+            let excess = u - u.clamp(range.lowest, range.highest);
+            penalty += 0.5 * self.stiffness * excess * excess;
+            *slope += self.stiffness * excess;
+        }
+        penalty
+    }
+
+    /// Which parameters stand at a wall or behind it.
+    pub(crate) fn at_wall(&self, point: &[f64]) -> Vec<usize> {
+        let outside =
+            |i: &usize| point[*i] <= self.ranges[*i].lowest || point[*i] >= self.ranges[*i].highest;
+        (0..point.len()).filter(outside).collect()
+    }
+}
+
+/// The curvature of a wall's parabola for each row of data, in nats per squared log-parameter:
+/// stiff beside the likelihood, which grows at most like N/2 times a log-parameter.
+const STIFFNESS: f64 = 10.0;
+
+/// Values of one standardised log-parameter.
+struct Range {
+    start: f64,
+    low: f64,
+    high: f64,
+    lowest: f64,
+    highest: f64,
+}
+
+impl Range {
+    /// Signal variance over output variance: start at 1, walls at 1e-6 and 1e6.
+    fn signal() -> Self {
+        let far = 1e6_f64.ln();
+        Self { start: 0.0, low: -1.0, high: 1.5, lowest: -far, highest: far }
+    }
+
+    /// Noise variance over output variance: start at 0.1, walls at 1e-8 and 10.
+    fn noise() -> Self {
+        Self {
+            start: 0.1_f64.ln(),
+            low: 1e-4_f64.ln(),
+            high: 0.5_f64.ln(),
+            lowest: 1e-8_f64.ln(),
+            highest: 10_f64.ln(),
+        }
+    }
+
+    /// Lengthscale over input spread: start at √D, walls at 0.01 and 100 √D.
+    fn lengthscale(center: f64) -> Self {
+        Self {
+            start: center,
+            low: center - 10f64.ln(),
+            high: center + 3f64.ln(),
+            lowest: -(100f64.ln()),
+            highest: center + 100f64.ln(),
+        }
+    }
+
+    /// Starts at the user's value, since no spread of the data tells it.
+    fn around(value: f64) -> Self {
+        let (near, far) = (2f64.ln(), 1000f64.ln());
+        Self {
+            start: value,
+            low: value - near,
+            high: value + near,
+            lowest: value - far,
+            highest: value + far,
+        }
+    }
+}
+
+/// ln of the variance of some values; `None` if they are all equal.
+fn log_variance(values: &[f64]) -> Option<f64> {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n;
+    (variance > 0.0).then(|| variance.ln())
+}
+
+/// A point of Roberts' additive recurrence in [0, 1)ⁿ, shifted at random by the seed.
+///
+/// frac(shift_j + index·g^−j) with g the positive root of gⁿ⁺¹ = g + 1.
+fn low_discrepancy_point(index: usize, n: usize, seed: u64) -> Vec<f64> {
+    let generator = (0..64).fold(2.0_f64, |g, _| (1.0 + g).powf(1.0 / (n as f64 + 1.0)));
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    (1..=n)
+        .map(|j| {
+            let shift: f64 = rng.random();
+            (shift + index as f64 * generator.powi(-(j as i32))).fract()
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::low_discrepancy_point;
+
+    #[test]
+    fn starts_fill_the_plane_more_evenly_than_chance() {
+        let mut cells = [0; 16];
+        for index in 1..=64 {
+            let point = low_discrepancy_point(index, 2, 5);
+            cells[(point[0] * 4.0) as usize * 4 + (point[1] * 4.0) as usize] += 1;
+        }
+        assert!(cells.iter().all(|&count| (2..=6).contains(&count)), "{cells:?}");
+    }
+
+    #[test]
+    fn the_seed_moves_the_starts() {
+        assert_ne!(low_discrepancy_point(1, 3, 1), low_discrepancy_point(1, 3, 2));
+        assert_eq!(low_discrepancy_point(1, 3, 1), low_discrepancy_point(1, 3, 1));
+    }
+}

@@ -1,0 +1,64 @@
+//! What is pushed, and by what.
+
+use crate::{LimitSurface, MechanicsError, Push, PushMotion};
+use nalgebra::{Unit, Vector2};
+use planar::{Contact, Pose, Shape, Twist};
+
+/// An object on the table: its outline and its friction.
+#[derive(Clone, Copy, Debug)]
+pub struct Slider<'a> {
+    /// Outline, in m, frame B.
+    pub shape: &'a Shape,
+    /// Friction with the table, frame S.
+    pub surface: &'a dyn LimitSurface,
+    /// Where the center of friction is in the tracked body, frame B.
+    pub pose_bs: Pose,
+}
+
+/// A round pusher that does not turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pusher {
+    /// Radius, in m.
+    pub radius: f64,
+    /// Coefficient of friction with the slider, dimensionless.
+    pub friction: f64,
+}
+
+impl Slider<'_> {
+    /// Where a pusher with its center at `center_w` touches or would touch, frame B.
+    pub fn contact(&self, pusher: &Pusher, pose_wb: &Pose, center_w: &Vector2<f64>) -> Contact {
+        self.shape.contact(&pose_wb.inverse_transform_point(center_w), pusher.radius)
+    }
+
+    /// The push at a contact, by a pusher with velocity `v_wp`, in m/s, frame W.
+    pub fn push_at(
+        &self,
+        pusher: &Pusher,
+        pose_wb: &Pose,
+        contact: &Contact,
+        v_wp: &Vector2<f64>,
+    ) -> Push {
+        let v_wp_b = pose_wb.inverse_rotate(v_wp);
+        Push {
+            p_sc: self.pose_bs.inverse_transform_point(&contact.point),
+            normal_s: Unit::new_unchecked(self.pose_bs.inverse_rotate(&contact.normal)),
+            v_wp_s: self.pose_bs.inverse_rotate(&v_wp_b),
+            friction: pusher.friction,
+        }
+    }
+
+    /// The push's motion and with it the body's velocity, in m/s and rad/s, at B's origin, frame W.
+    ///
+    /// # Errors
+    /// As [`crate::predict`].
+    pub fn velocity(
+        &self,
+        push: &Push,
+        pose_wb: &Pose,
+    ) -> Result<(PushMotion, Twist), MechanicsError> {
+        let motion = self.surface.push(push)?;
+        let at_body = motion.twist_ws_s.shifted(&self.pose_bs.inverse().position);
+        let linear = pose_wb.rotate(&self.pose_bs.rotate(&at_body.linear));
+        Ok((motion, Twist { linear, angular: at_body.angular }))
+    }
+}

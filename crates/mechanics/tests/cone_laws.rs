@@ -1,0 +1,110 @@
+//! Motion cone, centers of rotation and the vote on the sense of rotation.
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+use mechanics::{
+    CenterOfRotation, ContactMode, Ellipsoid, MotionCone, Push, Sense, predict, sense_of_rotation,
+};
+use nalgebra::{Unit, Vector2};
+use planar::{Twist, cross, perpendicular};
+use proptest::prelude::{ProptestConfig, Strategy, prop_assert, prop_assert_eq, proptest};
+use proptest::test_runner::RngSeed;
+
+fn config() -> ProptestConfig {
+    ProptestConfig {
+        cases: 512,
+        failure_persistence: None,
+        rng_seed: RngSeed::Fixed(7),
+        ..ProptestConfig::default()
+    }
+}
+
+fn pushes() -> impl Strategy<Value = Push> {
+    (-0.1..0.1f64, -0.1..0.1f64, -3.2..3.2f64, -1.5..1.5f64, 0.0..2.0f64).prop_map(
+        |(x, y, normal, beta, friction)| {
+            let direction = |a: f64| Vector2::new(a.cos(), a.sin());
+            Push {
+                p_sc: Vector2::new(x, y),
+                normal_s: Unit::new_normalize(direction(normal)),
+                v_wp_s: 0.02 * direction(normal + beta),
+                friction,
+            }
+        },
+    )
+}
+
+#[test]
+fn a_pure_translation_has_a_direction_and_no_center() {
+    let center = CenterOfRotation::of(&Twist::new(3.0, 4.0, 0.0));
+    let CenterOfRotation::Translation(direction) = center else { panic!("{center:?}") };
+    assert_eq!(direction.into_inner(), Vector2::new(0.6, 0.8));
+    assert_eq!(center.twist(5.0), Twist::new(3.0, 4.0, 0.0));
+    assert_eq!(CenterOfRotation::of(&Twist::default()), CenterOfRotation::Rest);
+    assert_eq!(CenterOfRotation::Rest.twist(1.0), Twist::default());
+}
+
+#[test]
+fn a_push_straight_at_the_center_of_friction_is_a_tie() {
+    let push = Push {
+        p_sc: Vector2::new(-0.05, 0.0),
+        normal_s: Vector2::x_axis(),
+        v_wp_s: Vector2::new(0.02, 0.0),
+        friction: 0.3,
+    };
+    assert_eq!(sense_of_rotation(&push), Ok(Sense::None));
+    let oblique = Push { v_wp_s: Vector2::new(0.02, 0.001), ..push };
+    assert_eq!(sense_of_rotation(&oblique), Ok(Sense::Clockwise));
+    let leaving = Push { v_wp_s: Vector2::new(-0.02, 0.001), ..push };
+    assert_eq!(sense_of_rotation(&leaving), Ok(Sense::None));
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    #[test]
+    fn a_twist_and_its_center_of_rotation_say_the_same(
+        vx in -1.0..1.0f64, vy in -1.0..1.0f64, omega in -3.0..3.0f64,
+    ) {
+        let twist = Twist::new(vx, vy, omega);
+        let center = CenterOfRotation::of(&twist);
+        let CenterOfRotation::Point { at, .. } = center else { panic!("{center:?}") };
+        prop_assert!(twist.velocity_at(&at).norm() < 1e-12);
+        let back = center.twist(omega.abs());
+        prop_assert!((back.to_vector() - twist.to_vector()).norm() < 1e-12);
+    }
+
+    #[test]
+    fn the_vote_is_won_by_the_way_the_object_turns(push in pushes(), c in 0.005..0.2f64) {
+        let motion = predict(&Ellipsoid::new(2.0, 2.0 * c).unwrap(), &push).unwrap();
+        prop_assert_eq!(sense_of_rotation(&push).unwrap(), Sense::of(motion.twist_ws_s.angular));
+    }
+
+    /// On an ellipsoid, a force whose line passes the center at a distance d turns the object about
+    /// the point opposite to it at c²/d: the centers need no limit surface.
+    #[test]
+    fn both_constructions_of_the_motion_cone_agree(push in pushes(), c in 0.005..0.2f64) {
+        let cone = MotionCone::new(&Ellipsoid::new(2.0, 2.0 * c).unwrap(), &push).unwrap();
+        let centers = [1.0, -1.0].map(|side| {
+            let edge = push.normal_s.into_inner() + side * push.friction * push.tangent_s();
+            let edge = edge.normalize();
+            let arm = cross(&push.p_sc, &edge);
+            CenterOfRotation::Point { at: c * c / arm * perpendicular(&edge), sense: Sense::of(arm) }
+        });
+        let edges = MotionCone::edges_from_centers(&push.p_sc, &centers).unwrap();
+        prop_assert!((edges[0].into_inner() - cone.left.into_inner()).norm() < 1e-9);
+        prop_assert!((edges[1].into_inner() - cone.right.into_inner()).norm() < 1e-9);
+        for (ours, theirs) in cone.centers().iter().zip(&centers) {
+            let (CenterOfRotation::Point { at: a, sense: s }, CenterOfRotation::Point { at: b, sense: t }) =
+                (ours, theirs) else { panic!("{ours:?} {theirs:?}") };
+            prop_assert!((a - b).norm() <= 1e-9 * b.norm());
+            prop_assert_eq!(s, t);
+        }
+    }
+
+    #[test]
+    fn the_contact_sticks_exactly_within_the_motion_cone(push in pushes(), c in 0.005..0.2f64) {
+        let surface = Ellipsoid::new(2.0, 2.0 * c).unwrap();
+        let sticks = predict(&surface, &push).unwrap().mode == ContactMode::Sticking;
+        let cone = MotionCone::new(&surface, &push).unwrap();
+        prop_assert_eq!(cone.contains(&push.v_wp_s), sticks);
+    }
+}

@@ -1,0 +1,132 @@
+//! What can go wrong between a table, a model and its file.
+
+use std::path::PathBuf;
+
+/// Why a model could not be built, fitted, asked, read or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// A quantity is NaN, infinite or of the wrong sign.
+    #[error("{name} must be {expected}, got {value} {unit}")]
+    InvalidValue {
+        /// Which quantity.
+        name: &'static str,
+        /// What it must be.
+        expected: &'static str,
+        /// What was given.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// A step starts on an edge that the outline does not have.
+    #[error("edge {edge} does not exist: the outline has {n_edges}, counted from 0")]
+    NoSuchEdge {
+        /// The edge asked for.
+        edge: usize,
+        /// How many there are.
+        n_edges: usize,
+    },
+    /// Fewer steps than a fit needs.
+    #[error("{what} needs at least {needed} steps, got {actual}; record more pushes")]
+    TooFewSteps {
+        /// What was to be fitted.
+        what: &'static str,
+        /// The least number.
+        needed: usize,
+        /// What was given.
+        actual: usize,
+    },
+    /// An output does not vary over the steps, so nothing can be fitted to it.
+    #[error("all {n_steps} steps have the same {output}; a fit needs pushes that differ")]
+    ConstantOutput {
+        /// Which output.
+        output: &'static str,
+        /// Number of steps.
+        n_steps: usize,
+    },
+    /// The data do not determine a parameter.
+    #[error("the steps do not determine {parameter}; fix it, or add pushes that slide and turn")]
+    Undetermined {
+        /// Which parameter.
+        parameter: &'static str,
+    },
+    /// A fit ended before it reached its tolerance.
+    #[error(
+        "the fit of {what} did not converge in {iterations} iterations (gradient {gradient:e})"
+    )]
+    NotConverged {
+        /// What was fitted.
+        what: &'static str,
+        /// Steps taken.
+        iterations: usize,
+        /// Cosine between residual and Jacobian at the end; 0 at a minimum.
+        gradient: f64,
+    },
+    /// A model file says something that cannot be.
+    #[error("{}:{line}: {key}: {problem}", path.display())]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// 1-based line.
+        line: usize,
+        /// The key, with its tables.
+        key: String,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// A weights file is not what the model file describes.
+    #[error("{}: {problem}", path.display())]
+    Weights {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// A file could not be read or written.
+    #[error("cannot {action} {}", path.display())]
+    Io {
+        /// `read` or `write`.
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The mechanics refused a step.
+    #[error(transparent)]
+    Mechanics(#[from] mechanics::MechanicsError),
+    /// A Gaussian process could not be learnt or asked.
+    #[error("Gaussian process of {output}")]
+    Gp {
+        /// Which output.
+        output: &'static str,
+        /// Why.
+        source: gp_core::GpError,
+    },
+}
+
+/// Refuses a value that is not positive and finite.
+pub(crate) fn positive(
+    name: &'static str,
+    value: f64,
+    unit: &'static str,
+) -> Result<f64, ModelError> {
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(ModelError::InvalidValue { name, expected: "positive and finite", value, unit })
+    }
+}
+
+/// Refuses a value that is negative or not finite.
+pub(crate) fn not_negative(
+    name: &'static str,
+    value: f64,
+    unit: &'static str,
+) -> Result<f64, ModelError> {
+    if value >= 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(ModelError::InvalidValue { name, expected: "finite and not negative", value, unit })
+    }
+}

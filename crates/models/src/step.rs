@@ -1,0 +1,202 @@
+//! A step of a push: what a model is asked, and what was observed.
+
+use std::sync::Arc;
+
+use nalgebra::{Vector2, Vector3};
+use planar::{Pose, Shape, cross, perpendicular};
+
+use crate::ModelError;
+use crate::error::{not_negative, positive};
+
+/// A straight motion of a round pusher at an object, in the body frame B at the start of the step.
+///
+/// β is the angle from the inward normal of the contact to the pusher's motion, counter-clockwise
+/// positive; p runs from 0 to 1 along the edge.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepInput {
+    shape: Arc<Shape>,
+    pusher_radius: f64,
+    edge: usize,
+    p: f64,
+    beta: f64,
+    start_b: Vector2<f64>,
+    direction_b: Vector2<f64>,
+    distance: f64,
+}
+
+impl StepInput {
+    /// The step that starts in contact at `p` on `edge` and pushes along `beta` for `distance`.
+    ///
+    /// - `pusher_radius`: in m, 0 for a point; - `beta`: in rad; - `distance`: in m.
+    ///
+    /// # Errors
+    /// `NoSuchEdge`; `InvalidValue` for p outside 0 to 1, a β that is not finite, a negative radius
+    /// or a distance that is not positive.
+    pub fn on_edge(
+        shape: Arc<Shape>,
+        pusher_radius: f64,
+        edge: usize,
+        p: f64,
+        beta: f64,
+        distance: f64,
+    ) -> Result<Self, ModelError> {
+        let n_edges = shape.n_edges();
+        if edge >= n_edges {
+            return Err(ModelError::NoSuchEdge { edge, n_edges });
+        }
+        if !(0.0..=1.0).contains(&p) {
+            let (name, expected, unit) = ("p", "within 0 and 1", "(share of the edge)");
+            return Err(ModelError::InvalidValue { name, expected, value: p, unit });
+        }
+        if !beta.is_finite() {
+            let (name, expected) = ("beta", "finite");
+            return Err(ModelError::InvalidValue { name, expected, value: beta, unit: "rad" });
+        }
+        not_negative("pusher radius", pusher_radius, "m")?;
+        positive("distance", distance, "m")?;
+        let normal = shape.inward_normal_at(edge, p);
+        let start_b = shape.point_at(edge, p) - pusher_radius * normal;
+        let direction_b = Pose::new(0.0, 0.0, beta).rotate(&normal);
+        Ok(Self { shape, pusher_radius, edge, p, beta, start_b, direction_b, distance })
+    }
+
+    /// The step of a pusher whose center moves from `start_w` to `end_w` (world frame, in m) while
+    /// the object is first at `pose_wb`; the pusher may start away from the object.
+    ///
+    /// # Errors
+    /// `InvalidValue` for a negative radius, a component that is not finite or a pusher at rest.
+    pub fn between(
+        shape: Arc<Shape>,
+        pusher_radius: f64,
+        pose_wb: &Pose,
+        start_w: &Vector2<f64>,
+        end_w: &Vector2<f64>,
+    ) -> Result<Self, ModelError> {
+        not_negative("pusher radius", pusher_radius, "m")?;
+        let start_b = pose_wb.inverse_transform_point(start_w);
+        let motion = pose_wb.inverse_rotate(&(end_w - start_w));
+        let distance = positive("the pusher's travel", motion.norm(), "m")?;
+        if !(start_b.x + start_b.y).is_finite() {
+            let (name, expected, value) = ("start", "finite", start_b.x + start_b.y);
+            return Err(ModelError::InvalidValue { name, expected, value, unit: "m" });
+        }
+        let contact = shape.contact(&start_b, pusher_radius);
+        let direction_b = motion / distance;
+        let (sine, cosine) =
+            (cross(&contact.normal, &direction_b), contact.normal.dot(&direction_b));
+        let (edge, p, beta) = (contact.edge, contact.p, sine.atan2(cosine));
+        Ok(Self { shape, pusher_radius, edge, p, beta, start_b, direction_b, distance })
+    }
+
+    /// The object's outline, in B.
+    pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// The pusher's radius, in m.
+    pub fn pusher_radius(&self) -> f64 {
+        self.pusher_radius
+    }
+
+    /// The edge touched at the start, from 0.
+    pub fn edge(&self) -> usize {
+        self.edge
+    }
+
+    /// Where on that edge, 0 to 1.
+    pub fn p(&self) -> f64 {
+        self.p
+    }
+
+    /// Angle from the inward normal to the pusher's motion, in rad.
+    pub fn beta(&self) -> f64 {
+        self.beta
+    }
+
+    /// The pusher's center at the start, in m, frame B.
+    pub fn start_b(&self) -> Vector2<f64> {
+        self.start_b
+    }
+
+    /// The direction of the pusher's motion, a unit vector in B.
+    pub fn direction_b(&self) -> Vector2<f64> {
+        self.direction_b
+    }
+
+    /// How far the pusher moves, in m.
+    pub fn distance(&self) -> f64 {
+        self.distance
+    }
+
+    /// (Δx, Δy, Δθ) of the body frame's motion `pose_bb` (end seen from start): along the pusher's
+    /// motion and along its left normal, in m, and counter-clockwise, in rad.
+    pub fn outputs(&self, pose_bb: &Pose) -> Vector3<f64> {
+        let left = perpendicular(&self.direction_b);
+        let moved = &pose_bb.position;
+        Vector3::new(self.direction_b.dot(moved), left.dot(moved), pose_bb.angle)
+    }
+}
+
+/// A step with what the object did.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepObservation {
+    /// What was done.
+    pub input: StepInput,
+    /// (Δx, Δy, Δθ): along the pusher's motion, along its left normal (m), counter-clockwise (rad).
+    pub outputs: Vector3<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::StepInput;
+    use crate::ModelError;
+    use nalgebra::Vector2;
+    use planar::{Pose, Shape};
+    use std::sync::Arc;
+
+    fn square() -> Arc<Shape> {
+        Arc::new(Shape::square(0.09).unwrap())
+    }
+
+    #[test]
+    fn both_constructors_describe_the_same_step() {
+        for (edge, p, beta) in [(0, 0.3, 0.4), (1, 0.8, -0.7), (3, 0.5, 0.0)] {
+            let step = StepInput::on_edge(square(), 0.005, edge, p, beta, 0.004).unwrap();
+            let pose_wb = Pose::new(0.4, -0.2, 2.5);
+            let start_w = pose_wb.transform_point(&step.start_b());
+            let end_w = start_w + pose_wb.rotate(&(step.direction_b() * step.distance()));
+            let same = StepInput::between(square(), 0.005, &pose_wb, &start_w, &end_w).unwrap();
+            assert_eq!(same.edge(), edge);
+            assert!((same.p() - p).abs() < 1e-12 && (same.beta() - beta).abs() < 1e-12);
+            assert!((same.distance() - 0.004).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn outputs_are_expressed_along_the_push() {
+        let step = StepInput::on_edge(square(), 0.0, 1, 0.5, 0.0, 0.004).unwrap();
+        assert!((step.direction_b() - Vector2::x()).norm() < 1e-15);
+        let outputs = step.outputs(&Pose::new(0.003, 0.001, 0.1));
+        assert_eq!(outputs.as_slice(), [0.003, 0.001, 0.1]);
+    }
+
+    #[test]
+    fn impossible_steps_are_refused() {
+        let refused = |edge, p, beta, distance| {
+            StepInput::on_edge(square(), 0.0, edge, p, beta, distance).unwrap_err()
+        };
+        assert!(matches!(
+            refused(4, 0.5, 0.0, 0.1),
+            ModelError::NoSuchEdge { edge: 4, n_edges: 4 }
+        ));
+        for (p, beta, distance, name) in [
+            (1.5, 0.0, 0.1, "p"),
+            (f64::NAN, 0.0, 0.1, "p"),
+            (0.5, f64::INFINITY, 0.1, "beta"),
+            (0.5, 0.0, 0.0, "distance"),
+        ] {
+            let error = refused(0, p, beta, distance);
+            assert!(matches!(error, ModelError::InvalidValue { name: n, .. } if n == name));
+        }
+    }
+}

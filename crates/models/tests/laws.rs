@@ -1,0 +1,256 @@
+//! What every kind of model must do, on steps made from the mechanics with known parameters.
+
+use models::{
+    Analytical, CharacteristicLength, Description, Estimate, GpPushModel, Hybrid, ModelError,
+    ModelFile, Noise, PushModel, StepInput, StepObservation, model_kinds,
+};
+use nalgebra::{Matrix3, Vector3};
+use planar::Shape;
+use std::sync::Arc;
+
+const MU_P: f64 = 0.22;
+const C: f64 = 0.037;
+const SD: [f64; 3] = [4e-5, 4e-5, 1e-3];
+
+fn truth() -> Analytical {
+    let length = CharacteristicLength::Given(Estimate::exact(C, "truth"));
+    Analytical::new(Estimate::exact(MU_P, "truth"), length, Matrix3::zeros()).unwrap()
+}
+
+fn nominal() -> Analytical {
+    Analytical::nominal(0.3).unwrap()
+}
+
+/// The k-th point of a low-discrepancy sequence on the unit interval, for a root of a small degree.
+fn spread(k: usize, ratio: f64) -> f64 {
+    (0.5 + k as f64 * ratio).fract()
+}
+
+/// Sum of twelve uniform numbers less six: mean 0, variance 1 and close to normal.
+fn unit_noise(k: usize, output: usize) -> f64 {
+    let uniform = |i: usize| {
+        let mut z = ((36 * k + 12 * output + i) as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
+        for shift in [30, 27, 31] {
+            z = (z ^ (z >> shift)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        }
+        (z >> 11) as f64 / (1u64 << 53) as f64
+    };
+    (0..12).map(uniform).sum::<f64>() - 6.0
+}
+
+/// Steps 4 mm long on one face of a 90 mm square: the truth's motion plus `noise` times `SD`.
+fn steps(n: usize, noise: f64) -> Vec<StepObservation> {
+    let shape = Arc::new(Shape::square(0.09).unwrap());
+    let step = |k: usize| {
+        let (p, share) = (spread(k, 0.754_877_666), spread(k, 0.569_840_290));
+        let beta = 1.6 * share - 0.8;
+        let input = StepInput::on_edge(shape.clone(), 0.00475, 1, p, beta, 0.004).unwrap();
+        let mean = truth().predict(&[input.clone()], Noise::Excluded).unwrap()[0].mean;
+        let error = Vector3::from_fn(|output, _| noise * SD[output] * unit_noise(k, output));
+        StepObservation { input, outputs: mean + error }
+    };
+    (0..n).map(step).collect()
+}
+
+fn inputs(steps: &[StepObservation]) -> Vec<StepInput> {
+    steps.iter().map(|step| step.input.clone()).collect()
+}
+
+/// Mean over outputs of squared error over variance.
+fn nmse(model: &dyn PushModel, steps: &[StepObservation]) -> f64 {
+    let predictions = model.predict(&inputs(steps), Noise::Excluded).unwrap();
+    let score = |k: usize| {
+        let y: Vec<f64> = steps.iter().map(|step| step.outputs[k]).collect();
+        let mean: Vec<f64> = predictions.iter().map(|prediction| prediction.mean[k]).collect();
+        gp_core::scores::nmse(&y, &mean).unwrap()
+    };
+    (0..3).map(score).sum::<f64>() / 3.0
+}
+
+fn trained(n: usize) -> Vec<Box<dyn PushModel>> {
+    let steps = steps(n, 1.0);
+    model_kinds().iter().map(|kind| (kind.train)(&nominal(), &steps).unwrap()).collect()
+}
+
+#[test]
+fn every_kind_predicts_unseen_steps_with_honest_intervals() {
+    let steps = steps(160, 1.0);
+    for (model, kind) in trained(60).iter().zip(model_kinds()) {
+        assert_eq!(model.kind(), kind.id);
+        let test = &steps[60..];
+        assert!(nmse(&**model, test) < 0.05, "{}: {}", kind.id, nmse(&**model, test));
+        let predictions = model.predict(&inputs(test), Noise::Included).unwrap();
+        let inside = |k: usize| {
+            let hit = test.iter().zip(&predictions).filter(|(step, prediction)| {
+                let error = step.outputs[k] - prediction.mean[k];
+                error.abs() < 1.96 * prediction.covariance[(k, k)].sqrt()
+            });
+            hit.count() as f64 / test.len() as f64
+        };
+        for k in 0..3 {
+            assert!((0.85..=1.0).contains(&inside(k)), "{} output {k}: {}", kind.id, inside(k));
+        }
+    }
+}
+
+#[test]
+fn every_covariance_is_symmetric_positive_and_larger_with_noise() {
+    for model in trained(40) {
+        let test = inputs(&steps(60, 0.0));
+        let with = model.predict(&test, Noise::Included).unwrap();
+        let without = model.predict(&test, Noise::Excluded).unwrap();
+        for (with, without) in with.iter().zip(&without) {
+            assert_eq!(with.mean, without.mean);
+            assert_eq!(with.covariance, with.covariance.transpose());
+            assert!(without.covariance.symmetric_eigenvalues().min() >= 0.0);
+            let gain = with.covariance - without.covariance;
+            assert!((0..3).all(|k| gain[(k, k)] > 0.0));
+        }
+    }
+}
+
+#[test]
+fn every_prediction_of_a_batch_is_that_of_its_step_alone() {
+    for model in trained(40) {
+        let test = inputs(&steps(70, 0.0));
+        let batch = model.predict(&test, Noise::Included).unwrap();
+        for (step, expected) in test.iter().zip(batch) {
+            let alone = model.predict(std::slice::from_ref(step), Noise::Included).unwrap()[0];
+            assert!((alone.mean - expected.mean).norm() < 1e-12);
+        }
+        assert!(model.predict(&[], Noise::Included).unwrap().is_empty());
+    }
+}
+
+#[test]
+fn every_kind_comes_back_from_its_file_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    for model in trained(30).iter().chain([&(Box::new(nominal()) as Box<dyn PushModel>)]) {
+        let path = folder.path().join("model.toml");
+        let description = model.describe().unwrap();
+        let file = ModelFile { name: "a \"name\"".into(), description };
+        file.write(&path).unwrap();
+        let back = ModelFile::read(&path).unwrap();
+        assert_eq!(back, file);
+        let test = inputs(&steps(20, 0.0));
+        let expected = model.predict(&test, Noise::Included).unwrap();
+        let rebuilt = back.description.build().unwrap();
+        assert_eq!(rebuilt.predict(&test, Noise::Included).unwrap(), expected);
+    }
+}
+
+#[test]
+fn a_fit_returns_the_parameters_that_made_the_steps() {
+    let fit = nominal().fit(&steps(60, 0.0)).unwrap();
+    assert!((fit.model.pusher_friction().value / MU_P - 1.0).abs() < 1e-5);
+    let c = fit.model.characteristic_length(&steps(1, 0.0)[0].input);
+    assert!((c / C - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn a_fit_to_noisy_steps_is_right_within_its_standard_errors() {
+    let fit = nominal().fit(&steps(300, 1.0)).unwrap();
+    let mu_p = fit.model.pusher_friction();
+    assert!((mu_p.value - MU_P).abs() < 3.0 * mu_p.se && mu_p.se < 0.01, "{mu_p:?}");
+    let CharacteristicLength::Given(c) = fit.model.length() else { panic!("c was fitted") };
+    assert!((c.value - C).abs() < 3.0 * c.se && c.se < 0.001, "{c:?}");
+    let input = steps(1, 0.0)[0].input.clone();
+    let scatter = fit.model.predict(&[input], Noise::Included).unwrap()[0].covariance;
+    for k in 0..3 {
+        assert!((scatter[(k, k)].sqrt() / SD[k] - 1.0).abs() < 0.15);
+    }
+}
+
+#[test]
+fn a_fit_refuses_what_it_cannot_know() {
+    let few = nominal().fit(&steps(3, 1.0));
+    assert!(matches!(few, Err(ModelError::TooFewSteps { needed: 4, actual: 3, .. })));
+    let same = nominal().fit(&vec![steps(1, 0.0).remove(0); 5]);
+    assert!(matches!(same, Err(ModelError::ConstantOutput { output: "dx", n_steps: 5 })));
+    let sticking: Vec<_> =
+        steps(200, 1.0).into_iter().filter(|step| step.input.beta().abs() < 0.05).collect();
+    let model = Analytical::nominal(1.0).unwrap().fit(&sticking);
+    assert!(matches!(model, Err(ModelError::Undetermined { parameter: "mu_p" })), "{model:?}");
+}
+
+#[test]
+fn learning_curves_fall_and_the_hybrid_needs_fewer_steps() {
+    let (steps, options) = (steps(320, 1.0), gp_core::LearnOptions::default());
+    let test = &steps[200..];
+    let gp = |n: usize| nmse(&GpPushModel::learn(&steps[..n], &options).unwrap().0, test);
+    let hybrid = |n: usize| nmse(&Hybrid::learn(nominal(), &steps[..n], &options).unwrap().0, test);
+    assert!(gp(200) < gp(20));
+    assert!(hybrid(20) < gp(20));
+}
+
+#[test]
+fn a_push_through_the_center_goes_straight() {
+    let shape = Arc::new(Shape::square(0.09).unwrap());
+    let step = StepInput::on_edge(shape, 0.00475, 1, 0.5, 0.0, 0.02).unwrap();
+    let mean = nominal().predict(&[step], Noise::Included).unwrap()[0].mean;
+    assert!((mean - Vector3::new(0.02, 0.0, 0.0)).norm() < 1e-9, "{mean}");
+}
+
+#[test]
+fn mirrored_steps_have_mirrored_motions() {
+    let shape = Arc::new(Shape::square(0.09).unwrap());
+    let mean = |p: f64, beta: f64| {
+        let step = StepInput::on_edge(shape.clone(), 0.00475, 1, p, beta, 0.004).unwrap();
+        nominal().predict(&[step], Noise::Excluded).unwrap()[0].mean
+    };
+    for k in 0..20 {
+        let (p, beta) = (spread(k, 0.37), 1.8 * spread(k, 0.61) - 0.9);
+        let (one, other) = (mean(p, beta), mean(1.0 - p, -beta));
+        assert!((one - Vector3::new(other.x, -other.y, -other.z)).norm() < 1e-9);
+    }
+}
+
+#[test]
+fn weights_that_were_changed_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("square.toml");
+    let (model, _) =
+        GpPushModel::learn(&steps(20, 1.0), &gp_core::LearnOptions::default()).unwrap();
+    let description: Description = model.describe().unwrap();
+    ModelFile { name: "square".into(), description }.write(&path).unwrap();
+    let weights = folder.path().join("square.weights.json");
+    let text = std::fs::read_to_string(&weights).unwrap();
+    std::fs::write(&weights, text.replacen('1', "2", 1)).unwrap();
+    let error = ModelFile::read(&path).unwrap_err();
+    assert!(matches!(&error, ModelError::Weights { .. }) && error.to_string().contains("SHA-256"));
+    std::fs::remove_file(&weights).unwrap();
+    assert!(matches!(ModelFile::read(&path), Err(ModelError::Io { action: "read", .. })));
+}
+
+#[test]
+fn every_impossible_file_names_its_line_and_key() {
+    let good = "schema = \"pushlab.model/1\"\nname = \"x\"\n\n[base]\nkind = \"analytical\"\n\
+                limit_surface = \"ellipsoid\"\npressure = \"uniform\"\n\n\
+                [base.pusher_friction]\nvalue = 0.25\nse = 0.0\nsource = \"manifest\"\n";
+    let effect = "\n[[effects]]\nid = \"table-tilt\"\n";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.toml");
+    let read = |text: &str| {
+        std::fs::write(&path, text).unwrap();
+        ModelFile::read(&path)
+    };
+    assert!(read(good).is_ok());
+    for (text, line, key, part) in [
+        (good.replace("model/1", "model/9"), 1, "schema", "pushlab.model/1"),
+        (good.replace("analytical", "oracle"), 5, "base.kind", "analytical, gp, hybrid"),
+        (good.replace("ellipsoid", "points"), 6, "base.limit_surface", "ellipsoid"),
+        (good.replace("pressure =", "presure ="), 7, "presure", "unknown field"),
+        (good.replace("0.25", "-0.25"), 9, "base.pusher_friction.value", "-0.25"),
+        (good.replace("se = 0.0", "se = -1.0"), 9, "base.pusher_friction.se", "-1"),
+        (good.replace("pressure = \"uniform\"\n", ""), 4, "base.pressure", "either"),
+        (good.replace("analytical", "gp"), 4, "learned", "needs"),
+        (format!("{good}{effect}"), 14, "effects", "table-tilt"),
+    ] {
+        let error = read(&text).unwrap_err();
+        let ModelError::Invalid { line: found, key: named, problem, .. } = &error else {
+            panic!("{error}")
+        };
+        assert_eq!((*found, named.as_str()), (line, key), "{error}");
+        assert!(problem.contains(part), "{error}");
+    }
+}

@@ -1,0 +1,349 @@
+//! One offline HTML page: figures, claims, tables and where they come from.
+
+use std::collections::BTreeSet;
+use std::fmt::Write;
+use std::path::Path;
+
+use crate::error::ReportError;
+use crate::files::{Drawn, check_name, write_atomically};
+use crate::html::escape;
+
+/// A page in sections, written as one `index.html` that needs no network.
+#[derive(Debug, Clone)]
+pub struct Page {
+    title: String,
+    lead: String,
+    sections: Vec<Section>,
+    provenance: Provenance,
+}
+
+/// A headed part of a page, linked from its contents.
+#[derive(Debug, Clone)]
+pub struct Section {
+    anchor: String,
+    title: String,
+    blocks: Vec<Block>,
+}
+
+#[derive(Debug, Clone)]
+enum Block {
+    Text(String),
+    Figure(Box<Plate>),
+    Table(Vec<String>, Vec<Vec<String>>),
+    Claims(Vec<Claim>),
+}
+
+/// A figure with what a reader needs beside it.
+#[derive(Debug, Clone)]
+pub struct Plate {
+    drawn: Drawn,
+    caption: String,
+    alt: String,
+    command: String,
+}
+
+/// What became of a claim on the data at hand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// The data agree.
+    Holds,
+    /// The data disagree.
+    DoesNotHold,
+    /// The data cannot tell.
+    NotTestable,
+}
+
+/// A claim with its value on the data at hand.
+#[derive(Debug, Clone)]
+pub struct Claim {
+    /// What is claimed.
+    pub claim: String,
+    /// The value found, with unit; empty if not testable.
+    pub value: String,
+    /// What became of it.
+    pub verdict: Verdict,
+    /// Why: the criterion used, or what is missing.
+    pub reason: String,
+}
+
+/// What made a page.
+#[derive(Debug, Clone, Default)]
+pub struct Provenance {
+    /// The tool and its version.
+    pub tool: String,
+    /// The arguments it was called with.
+    pub arguments: String,
+    /// The seed of its random streams.
+    pub seed: Option<u64>,
+    /// Name and SHA-256 of each input.
+    pub inputs: Vec<(String, String)>,
+}
+
+impl Page {
+    /// An empty page; the lead is one paragraph under the title.
+    pub fn new(title: &str, lead: &str, provenance: Provenance) -> Self {
+        let (title, lead) = (title.to_owned(), lead.to_owned());
+        Self { title, lead, sections: Vec::new(), provenance }
+    }
+
+    /// Adds a section.
+    #[must_use]
+    pub fn with(mut self, section: Section) -> Self {
+        self.sections.push(section);
+        self
+    }
+
+    /// Writes `index.html` into the folder; figures may lie in it or below.
+    ///
+    /// # Errors
+    /// An anchor twice or with other characters than letters, digits, `.`, `_`, `-`; a figure
+    /// outside the folder; a folder that cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), ReportError> {
+        write_atomically(&folder.join("index.html"), self.html(folder)?.as_bytes())
+    }
+
+    /// The page as HTML text with links relative to the folder.
+    ///
+    /// # Errors
+    /// As [`Page::write`], but for the writing.
+    pub fn html(&self, folder: &Path) -> Result<String, ReportError> {
+        self.check()?;
+        let title = escape(&self.title);
+        let mut out = format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <title>{title}</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n\
+             <header>\n<h1>{title}</h1>\n<p class=\"lead\">{}</p>\n</header>\n",
+            include_str!("page.css"),
+            escape(&self.lead)
+        );
+        self.push_contents(&mut out);
+        for section in &self.sections {
+            section.push(&mut out, folder)?;
+        }
+        self.provenance.push(&mut out);
+        out.push_str("</main>\n</body>\n</html>\n");
+        Ok(out)
+    }
+
+    fn check(&self) -> Result<(), ReportError> {
+        let mut seen = BTreeSet::from(["contents", "provenance"]);
+        let anchors = self
+            .sections
+            .iter()
+            .flat_map(|s| std::iter::once(s.anchor.as_str()).chain(s.plates().map(Plate::anchor)));
+        for anchor in anchors {
+            check_name(anchor)?;
+            if !seen.insert(anchor) {
+                return Err(ReportError::Duplicate { name: anchor.to_owned() });
+            }
+        }
+        Ok(())
+    }
+
+    fn push_contents(&self, out: &mut String) {
+        out.push_str("<nav id=\"contents\" aria-label=\"Contents\">\n<ol>\n");
+        for section in &self.sections {
+            let _ =
+                write!(out, "<li><a href=\"#{}\">{}</a>", section.anchor, escape(&section.title));
+            let plates: Vec<String> = section
+                .plates()
+                .map(|p| format!("<a href=\"#{}\">{}</a>", p.anchor(), escape(&p.drawn.title)))
+                .collect();
+            if !plates.is_empty() {
+                let _ = write!(out, "\n<ul>\n<li>{}</li>\n</ul>\n", plates.join("</li>\n<li>"));
+            }
+            out.push_str("</li>\n");
+        }
+        out.push_str("<li><a href=\"#provenance\">Provenance</a></li>\n</ol>\n</nav>\n");
+    }
+}
+
+impl Section {
+    /// An empty section; the anchor is what links name, e.g. `chapter-2`.
+    pub fn new(anchor: &str, title: &str) -> Self {
+        Self { anchor: anchor.to_owned(), title: title.to_owned(), blocks: Vec::new() }
+    }
+
+    /// Adds a paragraph.
+    #[must_use]
+    pub fn text(mut self, text: &str) -> Self {
+        self.blocks.push(Block::Text(text.to_owned()));
+        self
+    }
+
+    /// Adds a figure.
+    #[must_use]
+    pub fn figure(mut self, plate: Plate) -> Self {
+        self.blocks.push(Block::Figure(Box::new(plate)));
+        self
+    }
+
+    /// Adds a table; its first column heads the rows.
+    #[must_use]
+    pub fn table(mut self, head: &[&str], rows: Vec<Vec<String>>) -> Self {
+        let head = head.iter().map(|&cell| cell.to_owned()).collect();
+        self.blocks.push(Block::Table(head, rows));
+        self
+    }
+
+    /// Adds a table of claims.
+    #[must_use]
+    pub fn claims(mut self, claims: Vec<Claim>) -> Self {
+        self.blocks.push(Block::Claims(claims));
+        self
+    }
+
+    fn plates(&self) -> impl Iterator<Item = &Plate> {
+        self.blocks.iter().filter_map(|block| match block {
+            Block::Figure(plate) => Some(plate.as_ref()),
+            _ => None,
+        })
+    }
+
+    fn push(&self, out: &mut String, folder: &Path) -> Result<(), ReportError> {
+        let _ = writeln!(out, "<section id=\"{}\">\n<h2>{}</h2>", self.anchor, escape(&self.title));
+        for block in &self.blocks {
+            match block {
+                Block::Text(text) => {
+                    let _ = writeln!(out, "<p>{}</p>", escape(text));
+                }
+                Block::Figure(plate) => plate.push(out, folder)?,
+                Block::Table(head, rows) => {
+                    let rows =
+                        rows.iter().map(|row| row.iter().map(|c| escape(c).into()).collect());
+                    push_table(out, head.iter().map(String::as_str), rows);
+                }
+                Block::Claims(claims) => {
+                    let rows = claims.iter().map(Claim::cells);
+                    push_table(out, ["claim", "value", "verdict", "reason"], rows);
+                }
+            }
+        }
+        out.push_str("</section>\n");
+        Ok(())
+    }
+}
+
+impl Plate {
+    /// A drawn figure with what one sees in it and the command that makes it; the caption is also
+    /// the text for those who cannot see the picture, unless [`Plate::alt`] gives another.
+    pub fn new(drawn: Drawn, caption: &str, command: &str) -> Self {
+        let (alt, command) = (caption.to_owned(), command.to_owned());
+        Self { drawn, caption: caption.to_owned(), alt, command }
+    }
+
+    /// Describes the picture itself for those who cannot see it.
+    #[must_use]
+    pub fn alt(mut self, alt: &str) -> Self {
+        alt.clone_into(&mut self.alt);
+        self
+    }
+
+    fn anchor(&self) -> &str {
+        &self.drawn.name
+    }
+
+    fn push(&self, out: &mut String, folder: &Path) -> Result<(), ReportError> {
+        let drawn = &self.drawn;
+        let below = drawn.folder.strip_prefix(folder).map_err(|_| ReportError::Outside {
+            path: drawn.path("svg"),
+            folder: folder.to_owned(),
+        })?;
+        let mut links = Vec::new();
+        for extension in ["svg", "png", drawn.data_extension] {
+            let parts = below.iter().map(|part| part.to_string_lossy().into_owned());
+            let file = format!("{}.{extension}", drawn.name);
+            let path: Vec<String> = parts.chain([file]).map(|part| percent(&part)).collect();
+            let name = extension.to_uppercase();
+            links.push(format!("<a href=\"{}\">{name}</a>", escape(&path.join("/"))));
+        }
+        let _ = writeln!(
+            out,
+            "<figure id=\"{}\">\n<h3>{}</h3>\n<div class=\"plate\" role=\"img\" \
+             aria-label=\"{}\">\n{}</div>\n<figcaption>\n<p>{}</p>\n\
+             <p class=\"made\"><code>{}</code> <span>{}</span></p>\n</figcaption>\n</figure>",
+            drawn.name,
+            escape(&drawn.title),
+            escape(&self.alt),
+            drawn.svg,
+            escape(&self.caption),
+            escape(&self.command),
+            links.join(" · ")
+        );
+        Ok(())
+    }
+}
+
+/// A path component as it stands in a link.
+fn percent(part: &str) -> String {
+    let mut out = String::new();
+    for byte in part.bytes() {
+        if byte.is_ascii_alphanumeric() || b"-._~".contains(&byte) {
+            out.push(char::from(byte));
+        } else {
+            let _ = write!(out, "%{byte:02X}");
+        }
+    }
+    out
+}
+
+impl Claim {
+    fn cells(&self) -> Vec<String> {
+        let (class, verdict) = match self.verdict {
+            Verdict::Holds => ("holds", "holds"),
+            Verdict::DoesNotHold => ("fails", "does not hold here"),
+            Verdict::NotTestable => ("open", "not testable"),
+        };
+        vec![
+            escape(&self.claim).into(),
+            escape(&self.value).into(),
+            format!("<span class=\"verdict {class}\">{verdict}</span>"),
+            escape(&self.reason).into(),
+        ]
+    }
+}
+
+/// A table of cells that are HTML already; heads stay plain text.
+fn push_table<'a>(
+    out: &mut String,
+    head: impl IntoIterator<Item = &'a str>,
+    rows: impl Iterator<Item = Vec<String>>,
+) {
+    let head: Vec<String> = head.into_iter().map(|cell| escape(cell).into()).collect();
+    let _ = write!(
+        out,
+        "<div class=\"scroll\" tabindex=\"0\">\n<table>\n<thead><tr><th scope=\"col\">{}</th></tr></thead>\n\
+         <tbody>\n",
+        head.join("</th><th scope=\"col\">")
+    );
+    for row in rows {
+        let mut cells = row.into_iter();
+        let first = cells.next().unwrap_or_default();
+        let rest: String = cells.map(|cell| format!("<td>{cell}</td>")).collect();
+        let _ = writeln!(out, "<tr><th scope=\"row\">{first}</th>{rest}</tr>");
+    }
+    out.push_str("</tbody>\n</table>\n</div>\n");
+}
+
+impl Provenance {
+    fn push(&self, out: &mut String) {
+        let seed = self.seed.map_or_else(|| "none".to_owned(), |seed| seed.to_string());
+        let _ = write!(
+            out,
+            "<footer id=\"provenance\">\n<h2>Provenance</h2>\n<dl>\n<dt>Tool</dt><dd>{}</dd>\n\
+             <dt>Arguments</dt><dd><code>{}</code></dd>\n<dt>Seed</dt><dd>{seed}</dd>\n",
+            escape(&self.tool),
+            escape(&self.arguments)
+        );
+        for (name, hash) in &self.inputs {
+            let _ = writeln!(
+                out,
+                "<dt>{}</dt><dd>SHA-256 <code class=\"hash\">{}</code></dd>",
+                escape(name),
+                escape(hash)
+            );
+        }
+        out.push_str("</dl>\n</footer>\n");
+    }
+}

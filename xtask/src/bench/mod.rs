@@ -1,0 +1,57 @@
+//! `cargo xtask bench`: speed beside a reference, as a table and as `target/bench/NAME.json`.
+//!
+//! One file a benchmark; [`BENCHMARKS`] registers them.
+
+mod contact;
+mod report;
+mod timing;
+
+use anyhow::{Context, Result};
+use clap::builder::PossibleValuesParser;
+
+use self::report::publish;
+use self::timing::Row;
+use crate::cargo::workspace_root;
+
+/// Time the workspace beside a reference; writes target/bench/NAME.json.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Benchmarks to run [default: all]
+    #[arg(value_parser = PossibleValuesParser::new(BENCHMARKS.iter().map(|benchmark| benchmark.name)))]
+    names: Vec<String>,
+}
+
+/// Runs the benchmarks named, or all of them.
+///
+/// # Errors
+/// The first benchmark that fails, by name.
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let folder = workspace_root().join("target/bench");
+    let is_chosen = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
+    for benchmark in BENCHMARKS.iter().filter(|benchmark| is_chosen(benchmark.name)) {
+        println!("{}: {}", benchmark.name, benchmark.about);
+        (benchmark.rows)()
+            .and_then(|rows| publish(benchmark.name, &rows, &folder))
+            .with_context(|| format!("benchmark `{}`", benchmark.name))?;
+    }
+    Ok(())
+}
+
+/// What is timed, what `size` counts and what the reference is, in one line; and how.
+struct Benchmark {
+    name: &'static str,
+    about: &'static str,
+    rows: fn() -> Result<Vec<Row>>,
+}
+
+const BENCHMARKS: &[Benchmark] = &[contact::BENCHMARK];
+
+#[cfg(test)]
+mod tests {
+    use super::BENCHMARKS;
+
+    #[test]
+    fn benchmarks_are_registered_once_and_in_order() {
+        assert!(BENCHMARKS.is_sorted_by(|a, b| a.name < b.name));
+    }
+}

@@ -1,0 +1,121 @@
+//! A benchmark's rows as a table and as `target/bench/NAME.json`.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+
+use super::timing::Row;
+
+/// Prints the rows as a table and writes them as `NAME.json` in `folder`.
+///
+/// # Errors
+/// When the file cannot be written.
+pub(crate) fn publish(name: &str, rows: &[Row], folder: &Path) -> Result<()> {
+    print!("{}", table(rows));
+    let path = write(name, rows, folder)?;
+    println!("written to {}", path.display());
+    Ok(())
+}
+
+fn table(rows: &[Row]) -> String {
+    let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max(4);
+    let mut text = format!(
+        "{:width$} {:>9} {:>7} {:>12} {:>12} {:>7}\n",
+        "name", "size", "threads", "median", "reference", "ratio"
+    );
+    for row in rows {
+        let reference = duration(row.reference_seconds);
+        let median = duration(row.median_seconds);
+        writeln!(
+            text,
+            "{:width$} {:>9} {:>7} {median:>12} {reference:>12} {:>7.2}",
+            row.name, row.size, row.threads, row.ratio
+        )
+        .expect("a String takes any text");
+    }
+    text
+}
+
+/// The time in the unit that leaves one to three digits before the point.
+fn duration(seconds: f64) -> String {
+    let units = [("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)];
+    let (unit, scale) =
+        units.into_iter().find(|(_, scale)| seconds >= *scale).unwrap_or(("ns", 1e-9));
+    format!("{:.2} {unit}", seconds / scale)
+}
+
+/// Writes under a temporary name first: a killed run leaves no half file.
+fn write(name: &str, rows: &[Row], folder: &Path) -> Result<PathBuf> {
+    let path = folder.join(format!("{name}.json"));
+    let temporary = folder.join(format!(".{name}.json.{}", std::process::id()));
+    let json = serde_json::to_string_pretty(rows).context("cannot write the rows as JSON")? + "\n";
+    fs::create_dir_all(folder)
+        .and_then(|()| fs::write(&temporary, json))
+        .and_then(|()| fs::rename(&temporary, &path))
+        .with_context(|| format!("cannot write {}", path.display()))?;
+    Ok(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use serde_json::{Value, json};
+
+    use super::{Row, duration, publish, table};
+
+    fn rows() -> [Row; 2] {
+        [("ellip1", 3e-7, 0.5), ("hex", 1e-7, 1.5)].map(|(name, reference_seconds, ratio)| Row {
+            name: name.into(),
+            size: 1,
+            threads: 2,
+            median_seconds: 1.5e-7,
+            reference_seconds,
+            ratio,
+        })
+    }
+
+    #[test]
+    fn the_table_is_aligned() {
+        assert_eq!(
+            table(&rows()),
+            "name        size threads       median    reference   ratio\n\
+             ellip1         1       2    150.00 ns    300.00 ns    0.50\n\
+             hex            1       2    150.00 ns    100.00 ns    1.50\n"
+        );
+    }
+
+    #[test]
+    fn durations_choose_their_unit() {
+        let texts = [2.0, 0.0125, 3.4e-6, 5e-9].map(duration);
+        assert_eq!(texts, ["2.00 s", "12.50 ms", "3.40 µs", "5.00 ns"]);
+    }
+
+    #[test]
+    fn publishing_replaces_the_file_and_leaves_nothing_else() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let target = folder.path().join("bench");
+        publish("push", &[], &target).expect("an empty table");
+        publish("push", &rows(), &target).expect("two rows");
+        let text = fs::read_to_string(target.join("push.json")).expect("the file");
+        let json: Value = serde_json::from_str(&text).expect("JSON");
+        assert_eq!(
+            json[0],
+            json!({"name": "ellip1", "size": 1, "threads": 2, "median_seconds": 1.5e-7,
+                   "reference_seconds": 3e-7, "ratio": 0.5})
+        );
+        assert_eq!(json[1]["ratio"], 1.5);
+        assert_eq!(fs::read_dir(&target).expect("the folder").count(), 1);
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_made_is_an_error_with_its_path() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let file = folder.path().join("file");
+        fs::write(&file, "").expect("a file");
+        let error = publish("push", &[], &file).expect_err("a file is no folder");
+        assert!(error.to_string().ends_with("push.json"), "{error}");
+    }
+}

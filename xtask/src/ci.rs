@@ -1,0 +1,103 @@
+//! `cargo xtask ci`: every check that a change has to pass, in order of cost.
+
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use cargo_metadata::MetadataCommand;
+use clap::ValueEnum;
+
+use crate::cargo::{cargo, run as run_command, workspace_root};
+use crate::{test, tidy};
+
+/// Run every check that a change has to pass; stops at the first that fails.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Stages to leave out, for a caller that runs them itself
+    #[arg(long, value_enum, value_delimiter = ',')]
+    skip: Vec<Stage>,
+}
+
+/// Runs the stages in order and prints the time each took.
+///
+/// # Errors
+/// The first stage that fails, by name.
+pub(crate) fn run(args: &Args) -> Result<()> {
+    for stage in Stage::value_variants().iter().filter(|stage| !args.skip.contains(stage)) {
+        println!("== {}", stage.name());
+        let start = Instant::now();
+        stage.run().with_context(|| format!("stage `{}`", stage.name()))?;
+        println!("== {}: {:.1} s", stage.name(), start.elapsed().as_secs_f64());
+    }
+    Ok(())
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum Stage {
+    /// Formatting
+    Fmt,
+    /// What tidy's rules forbid
+    Tidy,
+    /// Lints, as errors
+    Clippy,
+    /// Documentation, its warnings as errors
+    Doc,
+    /// Each crate builds without the features that others turn on
+    Alone,
+    /// All tests and doctests
+    Test,
+}
+
+impl Stage {
+    fn name(self) -> &'static str {
+        match self {
+            Stage::Fmt => "fmt",
+            Stage::Tidy => "tidy",
+            Stage::Clippy => "clippy",
+            Stage::Doc => "doc",
+            Stage::Alone => "alone",
+            Stage::Test => "test",
+        }
+    }
+
+    fn run(self) -> Result<()> {
+        match self {
+            Stage::Fmt => run_command(&mut cargo(&["fmt", "--all", "--check"])),
+            Stage::Tidy => tidy::run(&tidy::Args::default()),
+            Stage::Clippy => run_command(&mut cargo(&[
+                "clippy",
+                "--workspace",
+                "--all-targets",
+                "--",
+                "-D",
+                "warnings",
+            ])),
+            Stage::Doc => run_command(
+                cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"),
+            ),
+            Stage::Alone => check_each_crate(),
+            Stage::Test => test::run(&test::Args {}),
+        }
+    }
+}
+
+fn check_each_crate() -> Result<()> {
+    let metadata = MetadataCommand::new().no_deps().current_dir(workspace_root()).exec()?;
+    for package in metadata.workspace_packages() {
+        run_command(&mut cargo(&["check", "--package", package.name.as_str()]))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::ValueEnum;
+
+    use super::Stage;
+
+    #[test]
+    fn stages_are_skipped_by_the_names_they_print() {
+        for stage in Stage::value_variants() {
+            assert_eq!(Stage::from_str(stage.name(), false), Ok(*stage));
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! The one list of all figures.
+
+use anyhow::Result;
+
+use super::inputs::Inputs;
+use super::mechanics;
+use super::sketch::Sketch;
+
+/// A figure: its number in the thesis, its title and the function that draws it.
+#[derive(Debug)]
+pub(crate) struct Entry {
+    pub(crate) id: &'static str,
+    pub(crate) chapter: Chapter,
+    pub(crate) title: &'static str,
+    pub(crate) draw: fn(&Inputs) -> Result<Sketch>,
+}
+
+/// A chapter of the thesis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Chapter {
+    Mechanics,
+}
+
+impl Chapter {
+    pub(crate) const ALL: [Self; 1] = [Self::Mechanics];
+
+    pub(crate) fn anchor(self) -> &'static str {
+        match self {
+            Self::Mechanics => "mechanics",
+        }
+    }
+
+    pub(crate) fn title(self) -> &'static str {
+        match self {
+            Self::Mechanics => "Mechanics of pushing",
+        }
+    }
+}
+
+const fn entry(
+    id: &'static str,
+    chapter: Chapter,
+    title: &'static str,
+    draw: fn(&Inputs) -> Result<Sketch>,
+) -> Entry {
+    Entry { id, chapter, title, draw }
+}
+
+/// All figures, in the order of the thesis.
+pub(crate) const ALL: &[Entry] = &[
+    entry("2.5", Chapter::Mechanics, "limit curve", mechanics::limit_curve::draw),
+    entry("2.6", Chapter::Mechanics, "a limit surface and its normals", mechanics::normals::draw),
+    entry("2.7", Chapter::Mechanics, "one support point", mechanics::one_point::draw),
+    entry("2.8", Chapter::Mechanics, "two and three support points", mechanics::few_points::draw),
+    entry(
+        "2.9",
+        Chapter::Mechanics,
+        "the ellipsoid beside the exact surface",
+        mechanics::ellipsoid::draw,
+    ),
+    entry("2.11", Chapter::Mechanics, "the analytical push", mechanics::analytical::draw),
+];

@@ -1,0 +1,21 @@
+//! The table of the thesis' claims.
+
+use report::{Claim, Section, Verdict};
+
+/// The section with all claims that the drawn figures settle.
+pub(crate) fn section(claims: Vec<Claim>) -> Section {
+    let count = |verdict| claims.iter().filter(|claim| claim.verdict == verdict).count();
+    let text = format!(
+        "Recomputed on these data: {} hold, {} do not hold here, {} cannot be tested.",
+        count(Verdict::Holds),
+        count(Verdict::DoesNotHold),
+        count(Verdict::NotTestable)
+    );
+    Section::new("claims", "Claims").text(&text).claims(claims)
+}
+
+/// A claim judged by a rule on its value.
+pub(crate) fn judged(claim: &str, value: String, holds: bool, reason: &str) -> Claim {
+    let verdict = if holds { Verdict::Holds } else { Verdict::DoesNotHold };
+    Claim { claim: claim.to_owned(), value, verdict, reason: reason.to_owned() }
+}

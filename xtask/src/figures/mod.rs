@@ -1,0 +1,146 @@
+//! `cargo xtask reproduce-figures`: the thesis' figures, computed anew, on one offline page.
+
+mod catalogue;
+mod claims;
+mod inputs;
+mod mechanics;
+mod sketch;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::ThreadPoolBuilder;
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+use report::{Claim, Page, Plate, Provenance, Section};
+
+use crate::cargo::workspace_root;
+use catalogue::{ALL, Chapter, Entry};
+use inputs::Inputs;
+use sketch::Sketch;
+
+/// Draw the thesis' figures on one offline page.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Draw only these figures, by number (2.9,5.7)
+    #[arg(long, value_delimiter = ',', value_name = "NUMBER")]
+    only: Vec<String>,
+    /// Folder for the page, the pictures and their numbers
+    #[arg(long, value_name = "DIR", default_value = "target/figures")]
+    out: PathBuf,
+    /// Figures drawn at once [default: one for each core]
+    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    jobs: usize,
+}
+
+/// Draws the figures and writes `index.html`.
+///
+/// # Errors
+/// An unknown number, data that cannot be read, or a figure that failed, by its number.
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let entries = choose(&args.only)?;
+    let inputs = Inputs;
+    let out = workspace_root().join(&args.out);
+    fs::create_dir_all(&out).with_context(|| format!("cannot create {}", out.display()))?;
+    let plates = draw_all(&entries, &inputs, &out, args.jobs)?;
+    page(&entries, plates, args)?.write(&out)?;
+    println!("{} figures on {}", entries.len(), out.join("index.html").display());
+    Ok(())
+}
+
+fn choose(only: &[String]) -> Result<Vec<&'static Entry>> {
+    if let Some(unknown) = only.iter().find(|id| !ALL.iter().any(|entry| entry.id == **id)) {
+        let known: Vec<_> = ALL.iter().map(|entry| entry.id).collect();
+        bail!("there is no figure `{unknown}`; there are {}", known.join(", "));
+    }
+    Ok(ALL.iter().filter(|e| only.is_empty() || only.iter().any(|id| id == e.id)).collect())
+}
+
+/// The plates and claims of all entries, in their order whatever the number of jobs.
+fn draw_all(
+    entries: &[&Entry],
+    inputs: &Inputs,
+    out: &Path,
+    jobs: usize,
+) -> Result<Vec<(Plate, Vec<Claim>)>> {
+    let pool = ThreadPoolBuilder::new().num_threads(jobs).build()?;
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} figures {msg}")?;
+    let bar = ProgressBar::new(entries.len() as u64).with_style(style);
+    let drawn: Vec<_> = pool.install(|| {
+        let draw = |entry: &&Entry| {
+            let result = draw(entry, inputs, out);
+            bar.inc(1);
+            bar.set_message(entry.id);
+            result.with_context(|| format!("figure {}", entry.id))
+        };
+        entries.par_iter().map(draw).collect::<Result<_>>()
+    })?;
+    bar.finish_and_clear();
+    Ok(drawn)
+}
+
+fn draw(entry: &Entry, inputs: &Inputs, out: &Path) -> Result<(Plate, Vec<Claim>)> {
+    let Sketch { figure, data, caption, alt, claims } = (entry.draw)(inputs)?;
+    let figure = figure.title(&format!("Figure {}: {}", entry.id, entry.title));
+    let name = format!("figure-{}", entry.id.replace('.', "-").to_lowercase());
+    let drawn = figure.write(out, &name, &data)?;
+    let command = format!("cargo xtask reproduce-figures --only {}", entry.id);
+    Ok((Plate::new(drawn, &caption, &command).alt(&alt), claims))
+}
+
+fn page(entries: &[&Entry], plates: Vec<(Plate, Vec<Claim>)>, args: &Args) -> Result<Page> {
+    ensure!(entries.len() == plates.len(), "a figure is missing");
+    let provenance = Provenance {
+        tool: format!("pushlab {}", env!("CARGO_PKG_VERSION")),
+        arguments: arguments(args),
+        seed: Some(inputs::SEED),
+        inputs: Vec::new(),
+    };
+    let lead = "The figures of the thesis on data-driven planar pushing, computed anew. Each stands \
+                beside the numbers it was drawn from and the command that draws it alone.";
+    let mut page = Page::new("Planar pushing: the figures", lead, provenance);
+    let mut all_claims = Vec::new();
+    let mut plates: Vec<_> = entries.iter().zip(plates).collect();
+    for chapter in Chapter::ALL {
+        let mut section = Section::new(chapter.anchor(), chapter.title());
+        let (own, rest): (Vec<_>, Vec<_>) =
+            plates.into_iter().partition(|(entry, _)| entry.chapter == chapter);
+        plates = rest;
+        if own.is_empty() {
+            continue;
+        }
+        for (_, (plate, claims)) in own {
+            section = section.figure(plate);
+            all_claims.extend(claims);
+        }
+        page = page.with(section);
+    }
+    Ok(page.with(claims::section(all_claims)))
+}
+
+fn arguments(args: &Args) -> String {
+    let mut words = vec!["reproduce-figures".to_owned()];
+    if !args.only.is_empty() {
+        words.push(format!("--only {}", args.only.join(",")));
+    }
+    words.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ALL, choose};
+
+    #[test]
+    fn an_unknown_number_is_refused_with_the_known_ones() {
+        let message = choose(&["9.9".into()]).unwrap_err().to_string();
+        assert!(message.contains("`9.9`") && message.contains("2.9"), "{message}");
+    }
+
+    #[test]
+    fn numbers_are_chosen_in_the_order_of_the_thesis() {
+        let chosen = choose(&["2.9".into(), "2.5".into()]).unwrap();
+        assert_eq!(chosen.iter().map(|entry| entry.id).collect::<Vec<_>>(), ["2.5", "2.9"]);
+        assert_eq!(choose(&[]).unwrap().len(), ALL.len());
+    }
+}

@@ -1,0 +1,68 @@
+//! `cargo xtask real-data`: the models against published measurements, beside published numbers.
+
+mod end_points;
+mod one_step;
+mod row;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use serde_json::{Map, Value};
+
+use row::Row;
+
+/// Runs the models on published measurements and compares with the numbers to expect.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Folder with the public data sets (`mit-push-table`, `mit-push-endpoints`, …).
+    #[arg(long)]
+    data: PathBuf,
+    /// Folder for `real-data.json`.
+    #[arg(long, default_value = "target/real-data")]
+    out: PathBuf,
+    /// Random splits of the table into training and test steps.
+    #[arg(long, default_value_t = 10)]
+    splits: u64,
+    /// Seed of the splits.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+/// What one part of the report found: its keys in the file, and its rows for people.
+#[derive(Default)]
+struct Section {
+    json: Map<String, Value>,
+    rows: Vec<Row>,
+}
+
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let mut json = Map::new();
+    let mut rows = Vec::new();
+    for section in [
+        one_step::run(&args.data.join("mit-push-table/table.csv"), args.splits, args.seed)?,
+        end_points::run(&args.data.join("mit-push-endpoints/plywood.csv"))?,
+    ] {
+        json.extend(section.json);
+        rows.extend(section.rows);
+    }
+    print!("{}", row::table(&rows));
+    let path = args.out.join("real-data.json");
+    write_whole(&path, &serde_json::to_string_pretty(&Value::Object(json))?)?;
+    println!("written: {}", path.display());
+    let outside: Vec<String> = rows.iter().filter_map(Row::complaint).collect();
+    if outside.is_empty() {
+        return Ok(());
+    }
+    bail!("{} numbers are not as expected:\n{}", outside.len(), outside.join("\n"))
+}
+
+/// Writes under a temporary name and renames, so that a killed run leaves no half file.
+fn write_whole(path: &Path, text: &str) -> Result<()> {
+    let temporary = path.with_added_extension("part");
+    let write = || {
+        std::fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
+        std::fs::write(&temporary, text)?;
+        std::fs::rename(&temporary, path)
+    };
+    write().with_context(|| format!("cannot write {}", path.display()))
+}

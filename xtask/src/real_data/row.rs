@@ -1,0 +1,81 @@
+//! A number beside the one to expect.
+
+/// Largest relative difference from an expected number: the published ones were computed on a
+/// larger draw of the same measurements.
+const BAND: f64 = 0.15;
+
+/// A measured number, with what is known about it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Row {
+    pub name: String,
+    pub measured: f64,
+    pub reference: Reference,
+}
+
+/// What a measured number is held against.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Reference {
+    /// It has to lie within the band about this.
+    Expected(f64),
+    /// Published by others with another method: for the reader only.
+    Published(f64),
+    /// Nothing is known.
+    None,
+}
+
+impl Row {
+    pub(super) fn new(name: impl Into<String>, measured: f64, reference: Reference) -> Self {
+        Self { name: name.into(), measured, reference }
+    }
+
+    /// What is wrong with the number, if something is.
+    pub(super) fn complaint(&self) -> Option<String> {
+        let Self { name, measured, reference } = self;
+        let within = |expected: f64| (1.0 - BAND..=1.0 + BAND).contains(&(measured / expected));
+        match *reference {
+            Reference::Expected(expected) if !within(expected) => {
+                let percent = 100.0 * BAND;
+                Some(format!("{name}: {measured:.4}, expected {expected:.4} ± {percent} %"))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The rows as a text table.
+pub(super) fn table(rows: &[Row]) -> String {
+    let mut text =
+        format!("{:<44} {:>10} {:>18} {:>8}\n", "quantity", "measured", "reference", "ratio");
+    for row in rows {
+        let (reference, ratio) = match row.reference {
+            Reference::Expected(x) => (format!("{x:.4}"), format!("{:.2}", row.measured / x)),
+            Reference::Published(x) => {
+                (format!("published {x:.2}"), format!("{:.2}", row.measured / x))
+            }
+            Reference::None => (String::new(), String::new()),
+        };
+        let mark = if row.complaint().is_some() { "  <-- out of band" } else { "" };
+        text +=
+            &format!("{:<44} {:>10.4} {reference:>18} {ratio:>8}{mark}\n", row.name, row.measured);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Reference, Row, table};
+
+    #[test]
+    fn only_numbers_out_of_band_are_complained_about() {
+        for (measured, reference, complains) in [
+            (1.14, Reference::Expected(1.0), false),
+            (0.84, Reference::Expected(1.0), true),
+            (f64::NAN, Reference::Expected(1.0), true),
+            (9.0, Reference::Published(1.0), false),
+        ] {
+            let row = Row::new("x", measured, reference);
+            assert_eq!(row.complaint().is_some(), complains, "{row:?}");
+            assert_eq!(table(&[row]).contains("out of band"), complains);
+        }
+    }
+}

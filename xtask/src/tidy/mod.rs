@@ -1,0 +1,138 @@
+//! `cargo xtask tidy`: the rules of the workspace that no compiler lint knows.
+//!
+//! One file a rule; [`RULES`] registers them. A rule sees the project in memory only, so that each
+//! is tested with an example it accepts and one it refuses.
+
+mod absolute_paths;
+mod crate_edges;
+mod crate_manifest;
+mod crate_readme;
+mod crate_weight;
+mod file_head;
+mod fixture_readme;
+mod glob_import;
+mod library_root;
+mod module_name;
+mod project;
+mod rust_code;
+mod size;
+mod spread_name;
+mod top_level;
+mod unfinished;
+mod unit_suffix;
+mod unsafe_code;
+
+use anyhow::{Result, ensure};
+
+use self::project::{Finding, Project};
+
+/// Check the rules of the workspace that no compiler lint knows.
+#[derive(clap::Args, Default)]
+pub(crate) struct Args {
+    /// Print the rules instead of checking them
+    #[arg(long)]
+    list: bool,
+}
+
+/// Prints every finding as `path:line: rule: what is wrong; what to do`.
+///
+/// # Errors
+/// When there is a finding, or the project cannot be read.
+pub(crate) fn run(args: &Args) -> Result<()> {
+    if args.list {
+        RULES.iter().for_each(|rule| println!("{}: {}", rule.name, rule.demand));
+        return Ok(());
+    }
+    let project = Project::load()?;
+    let messages = check(&project);
+    messages.iter().for_each(|message| println!("{message}"));
+    ensure!(messages.is_empty(), "tidy found {} to mend", messages.len());
+    println!("tidy: {} rules hold on {} files", RULES.len(), project.n_files());
+    Ok(())
+}
+
+/// What the project must look like, and how that is checked.
+struct Rule {
+    name: &'static str,
+    demand: &'static str,
+    check: fn(&Project) -> Vec<Finding>,
+}
+
+const RULES: &[Rule] = &[
+    absolute_paths::RULE,
+    crate_edges::RULE,
+    crate_manifest::RULE,
+    crate_readme::RULE,
+    crate_weight::RULE,
+    file_head::RULE,
+    fixture_readme::RULE,
+    glob_import::RULE,
+    library_root::RULE,
+    module_name::RULE,
+    size::RULE,
+    spread_name::RULE,
+    top_level::RULE,
+    unfinished::RULE,
+    unit_suffix::RULE,
+    unsafe_code::RULE,
+];
+
+fn check(project: &Project) -> Vec<String> {
+    let messages = |rule: &Rule| {
+        let findings = (rule.check)(project);
+        findings.into_iter().map(|finding| finding.message(rule.name)).collect::<Vec<_>>()
+    };
+    RULES.iter().flat_map(messages).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::project::{Crate, Project};
+    use super::{RULES, check};
+
+    const MANIFEST: &str = "[package]\nname = \"planar\"\n\n[lints]\nworkspace = true\n";
+    const LIBRARY: &str = "#![doc = include_str!(\"../README.md\")]\n#![forbid(unsafe_code)]\n\n\
+        mod pose;\n\npub use pose::Pose;\n";
+    const README: &str = "# planar\n\n```rust\nassert_eq!(1 + 1, 2);\n```\n";
+
+    fn clean_project() -> Project {
+        let planar = Crate {
+            name: "planar".into(),
+            folder: "crates/planar".into(),
+            is_library: true,
+            roots: vec!["crates/planar/src/lib.rs".into()],
+            ..Crate::default()
+        };
+        Project::in_memory(&[
+            ("Cargo.toml", "[workspace]\n"),
+            ("ARCHITECTURE.md", "# Architecture\n"),
+            ("README.md", "# pushlab\n"),
+            ("crates/planar/Cargo.toml", MANIFEST),
+            ("crates/planar/README.md", README),
+            ("crates/planar/src/lib.rs", LIBRARY),
+            ("crates/planar/src/pose.rs", "//! Poses.\n\n/// A pose.\npub struct Pose;\n"),
+            ("fixtures/abs/README.md", "# Abs\n"),
+        ])
+        .with_crates(vec![planar])
+    }
+
+    #[test]
+    fn a_clean_project_has_no_findings() {
+        assert_eq!(check(&clean_project()), Vec::<String>::new());
+    }
+
+    #[test]
+    fn a_message_names_place_rule_fault_and_remedy() {
+        let project = Project::in_memory(&[("notes.txt", "")]);
+        assert_eq!(
+            check(&project),
+            ["notes.txt:1: top-level: `notes.txt` has no place at the top level; \
+              move it under crates, xtask, fixtures or docs"]
+        );
+    }
+
+    #[test]
+    fn rules_are_registered_once_and_in_order() {
+        assert!(RULES.is_sorted_by(|a, b| a.name < b.name));
+    }
+}
