@@ -367,3 +367,6 @@ fn stamp(row: &Row<'_>, settings: &StreamSettings) -> i64 {
 pub(crate) fn nothing_to_read(path: &Path, byte: u64, what: &str) -> DatasetError {
     DatasetError::Damaged { path: path.into(), byte, what: what.into() }
 }
+
+#[cfg(test)]
+mod tests;

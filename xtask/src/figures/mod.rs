@@ -20,15 +20,12 @@ use catalogue::{ALL, Chapter, Entry};
 use inputs::Inputs;
 use sketch::Sketch;
 
-/// Draw the thesis' figures from the recordings in `fixtures/`, or from your own.
+/// Draw the thesis' figures on one offline page.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// Draw only these figures, by number (2.9,5.7)
     #[arg(long, value_delimiter = ',', value_name = "NUMBER")]
     only: Vec<String>,
-    /// Recording set to draw from [default: the one in fixtures/]
-    #[arg(long, value_name = "DIR")]
-    data: Option<PathBuf>,
     /// Folder for the page, the pictures and their numbers
     #[arg(long, value_name = "DIR", default_value = "target/figures")]
     out: PathBuf,
@@ -43,11 +40,11 @@ pub(crate) struct Args {
 /// An unknown number, data that cannot be read, or a figure that failed, by its number.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let entries = choose(&args.only)?;
-    let inputs = Inputs::new(args.data.as_deref());
+    let inputs = Inputs;
     let out = workspace_root().join(&args.out);
     fs::create_dir_all(&out).with_context(|| format!("cannot create {}", out.display()))?;
     let plates = draw_all(&entries, &inputs, &out, args.jobs)?;
-    page(&entries, plates, &inputs, args)?.write(&out)?;
+    page(&entries, plates, args)?.write(&out)?;
     println!("{} figures on {}", entries.len(), out.join("index.html").display());
     Ok(())
 }
@@ -92,18 +89,13 @@ fn draw(entry: &Entry, inputs: &Inputs, out: &Path) -> Result<(Plate, Vec<Claim>
     Ok((Plate::new(drawn, &caption, &command).alt(&alt), claims))
 }
 
-fn page(
-    entries: &[&Entry],
-    plates: Vec<(Plate, Vec<Claim>)>,
-    inputs: &Inputs,
-    args: &Args,
-) -> Result<Page> {
+fn page(entries: &[&Entry], plates: Vec<(Plate, Vec<Claim>)>, args: &Args) -> Result<Page> {
     ensure!(entries.len() == plates.len(), "a figure is missing");
     let provenance = Provenance {
         tool: format!("pushlab {}", env!("CARGO_PKG_VERSION")),
         arguments: arguments(args),
         seed: Some(inputs::SEED),
-        inputs: inputs.hashes()?,
+        inputs: Vec::new(),
     };
     let lead = "The figures of the thesis on data-driven planar pushing, computed anew. Each stands \
                 beside the numbers it was drawn from and the command that draws it alone.";
@@ -131,9 +123,6 @@ fn arguments(args: &Args) -> String {
     let mut words = vec!["reproduce-figures".to_owned()];
     if !args.only.is_empty() {
         words.push(format!("--only {}", args.only.join(",")));
-    }
-    if let Some(data) = &args.data {
-        words.push(format!("--data {}", data.display()));
     }
     words.join(" ")
 }

@@ -76,7 +76,7 @@ fn read(path: &Path) -> Result<Vec<StepObservation>> {
     let mut reader = csv::Reader::from_path(path).with_context(context)?;
     let expected = ["c", "phi_rad", "dx_c_m", "dy_c_m_sign_flipped", "dtheta_rad"];
     let header = reader.headers().with_context(context)?;
-    ensure!(header == &expected[..], "{}:1: columns must be {expected:?}", path.display());
+    ensure!(*header == expected[..], "{}:1: columns must be {expected:?}", path.display());
     let step = |(i, row): (usize, csv::Result<[f64; 5]>)| {
         let line = || format!("{}:{}", path.display(), i + 2);
         let [c, phi, dx, dy_flipped, dtheta] = row.with_context(line)?;

@@ -31,8 +31,9 @@ impl Row {
     /// What is wrong with the number, if something is.
     pub(super) fn complaint(&self) -> Option<String> {
         let Self { name, measured, reference } = self;
+        let within = |expected: f64| (1.0 - BAND..=1.0 + BAND).contains(&(measured / expected));
         match *reference {
-            Reference::Expected(expected) if !((measured / expected - 1.0).abs() <= BAND) => {
+            Reference::Expected(expected) if !within(expected) => {
                 let percent = 100.0 * BAND;
                 Some(format!("{name}: {measured:.4}, expected {expected:.4} ± {percent} %"))
             }

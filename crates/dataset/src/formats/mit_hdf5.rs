@@ -6,7 +6,7 @@ use hdf5_pure::File;
 
 use super::{
     find::{find_recordings, is_file_ending},
-    mit_rows::{inspect_rows, recording_of_rows},
+    mit_rows::{Rows, inspect_rows, recording_of_rows},
 };
 use crate::{
     error::DatasetError,
@@ -58,7 +58,7 @@ fn open(path: &Path) -> Result<(String, File, Vec<String>), DatasetError> {
     Ok((bytes.sha256(), file, names))
 }
 
-fn rows(path: &Path, file: &File, name: &str) -> Result<Vec<[f64; 4]>, DatasetError> {
+fn rows(path: &Path, file: &File, name: &str) -> Result<Rows, DatasetError> {
     let damaged = |what: String| DatasetError::Damaged {
         path: path.into(),
         byte: 0,

@@ -7,7 +7,7 @@ use std::{
 
 use super::{
     find::{find_recordings, is_file_ending},
-    mit_rows::{inspect_rows, recording_of_rows},
+    mit_rows::{Rows, inspect_rows, recording_of_rows},
 };
 use crate::{
     error::DatasetError,
@@ -45,7 +45,7 @@ impl LogFormat for MitJsonFormat {
     }
 }
 
-fn parse(path: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Vec<[f64; 4]>>, DatasetError> {
+fn parse(path: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Rows>, DatasetError> {
     serde_json::from_slice(bytes).map_err(|error| DatasetError::Parse {
         path: path.into(),
         line: (error.line() as u64).max(1),

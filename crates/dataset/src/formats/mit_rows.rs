@@ -26,7 +26,7 @@ pub(crate) fn default_data_set(role: StreamRole) -> &'static str {
 }
 
 /// Rows of one data set.
-type Rows = Vec<[f64; 4]>;
+pub(super) type Rows = Vec<[f64; 4]>;
 
 /// Builds a recording from rows of [t, x, y, yaw] and [t, fx, fy, τz]; `rows_of` gives the rows
 /// of a data set, or none if the file has no such set.

@@ -148,6 +148,17 @@ fn csv_text_is_as_documented() {
 }
 
 #[test]
+fn messages_of_an_mcap_file_stand_in_the_order_of_time() {
+    let dir = tempfile::tempdir().unwrap();
+    for writer in all_writers().iter().filter(|writer| writer.format() == "mcap") {
+        let bytes = fs::read(writer.write(&small(), dir.path()).unwrap()).unwrap();
+        let messages = mcap::MessageStream::new(&bytes).unwrap().map(Result::unwrap);
+        let topics: Vec<_> = messages.map(|message| message.channel.topic.clone()).collect();
+        assert_eq!(topics, ["/ft_sensor/wrench", "/robot/tip_pose", "/vicon/object_pose"]);
+    }
+}
+
+#[test]
 fn what_is_no_number_is_not_written() {
     let dir = tempfile::tempdir().unwrap();
     for writer in all_writers() {
