@@ -19,20 +19,30 @@ pub(crate) struct Entry {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Chapter {
     Mechanics,
+    Learning,
+    Recordings,
+    Models,
 }
 
 impl Chapter {
-    pub(crate) const ALL: [Self; 1] = [Self::Mechanics];
+    pub(crate) const ALL: [Self; 4] =
+        [Self::Mechanics, Self::Learning, Self::Recordings, Self::Models];
 
     pub(crate) fn anchor(self) -> &'static str {
         match self {
             Self::Mechanics => "mechanics",
+            Self::Learning => "learning",
+            Self::Recordings => "recordings",
+            Self::Models => "models",
         }
     }
 
     pub(crate) fn title(self) -> &'static str {
         match self {
             Self::Mechanics => "Mechanics of pushing",
+            Self::Learning => "Learning from data",
+            Self::Recordings => "From recordings to a table",
+            Self::Models => "Learned models of pushing",
         }
     }
 }
