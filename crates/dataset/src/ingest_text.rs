@@ -214,6 +214,7 @@ impl RepairKind {
             Self::Backward => "backward",
             Self::Duplicate => "duplicate",
             Self::Crowded => "crowded",
+            Self::Repeated => "repeated",
             Self::Wrap => "wrap of yaw",
             Self::Jump => "jump",
             Self::Teleport => "impossible jump",

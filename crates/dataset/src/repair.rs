@@ -30,6 +30,9 @@ pub enum RepairKind {
     Duplicate,
     /// A stamp closer to another than half of the usual spacing, merged with it by the mean.
     Crowded,
+    /// A sample that repeats the one before to the last bit amid motion, dropped: its source is
+    /// slower than its stamps.
+    Repeated,
     /// A turn of yaw across ±π, unwrapped.
     Wrap,
     /// A way or turn between neighboring samples beyond the limit, across a gap or beyond what the
@@ -142,6 +145,7 @@ pub(crate) fn repair_positions(stream: &PoseStream, settings: &IngestSettings) -
 
 fn repaired(t: &[f64], channels: [&[f64]; 3], settings: &IngestSettings) -> CleanStream {
     let mut clean = ordered(t, &channels, Some(2));
+    drop_repeats(&mut clean, settings.rest.position);
     let (t, channels) = (&clean.t, &clean.channels);
     let steps: Vec<_> = (1..t.len())
         .map(|i| {
@@ -194,6 +198,26 @@ pub(crate) fn repair_forces(stream: &WrenchStream, settings: &IngestSettings) ->
     let mut clean = ordered(&stream.t, &[&stream.fx, &stream.fy], None);
     find_gaps(&mut clean, settings.longest_gap);
     clean
+}
+
+/// Drops lone samples that repeat the one before while the body moves by more than `rest` to or from
+/// them; longer runs are rest.
+fn drop_repeats(clean: &mut CleanStream, rest: f64) {
+    let [x, y, angle] = [0, 1, 2].map(|k| &clean.channels[k]);
+    let way = |i: usize| (x[i] - x[i - 1]).hypot(y[i] - y[i - 1]);
+    let is_still = |i: usize| way(i) == 0.0 && angle[i] == angle[i - 1];
+    let repeats = |&i: &usize| {
+        let lone = is_still(i) && !is_still(i - 1) && !is_still(i + 1);
+        lone && way(i - 1).max(way(i + 1)) > rest
+    };
+    let repeated: Vec<_> = (2..x.len().saturating_sub(1)).filter(repeats).collect();
+    for &i in repeated.iter().rev() {
+        clean.repairs.push(Repair { kind: RepairKind::Repeated, t: clean.t[i], amount: 0.0 });
+    }
+    for column in std::iter::once(&mut clean.t).chain(&mut clean.channels) {
+        let mut index = 0..;
+        column.retain(|_| index.next().is_some_and(|i| repeated.binary_search(&i).is_err()));
+    }
 }
 
 fn find_gaps(clean: &mut CleanStream, longest_gap: f64) {

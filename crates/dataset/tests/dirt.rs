@@ -388,3 +388,21 @@ fn a_sensor_that_rings_out_of_reach_is_not_in_contact() {
     let push = &report.recordings[0].pushes[0];
     assert!(push.contact_start_s > made.touch() - 0.11, "{}", push.contact_start_s);
 }
+
+#[test]
+fn poses_sent_twice_are_taken_once() {
+    let made = Made { rates: [40.0, 100.0, 100.0], ..Made::default() };
+    let clean = made.recording("push");
+    let mut doubled = clean.clone();
+    let robot = &mut doubled.robot;
+    for column in [&mut robot.x, &mut robot.y, &mut robot.theta] {
+        *column = column.iter().flat_map(|value| [*value, *value]).collect();
+    }
+    robot.t = robot.t.iter().flat_map(|t| [*t, t + 0.0125]).collect();
+    let (table, report) = run(doubled);
+    // The pusher moves for 1.2 s; at rest a pose that stays is no repeat.
+    let repeated = count(&report, StreamRole::Robot, RepairKind::Repeated);
+    assert!((46..=48).contains(&repeated), "{repeated}");
+    // Poses kept at rest change the curve by 14 µm at the kinks; half a repeat's way is 125 µm.
+    assert_same_rows(&run(clean).0, &table, 2e-5);
+}
