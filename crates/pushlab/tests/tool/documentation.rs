@@ -1,0 +1,114 @@
+//! The page on the command line shows what the tool prints, and names what its JSON holds.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::small_set::SmallSet;
+
+const PROJECT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
+fn page() -> String {
+    fs::read_to_string(Path::new(PROJECT).join("docs/command-line.md")).unwrap()
+}
+
+fn copy(from: &Path, to: &Path) {
+    if from.is_dir() {
+        fs::create_dir_all(to).unwrap();
+        for entry in fs::read_dir(from).unwrap() {
+            let name = entry.unwrap().file_name();
+            copy(&from.join(&name), &to.join(&name));
+        }
+    } else {
+        fs::copy(from, to).unwrap();
+    }
+}
+
+/// The page with the output of each `$ pushlab` line in place of what stands below it.
+fn with_true_output(page: &str, set: &SmallSet) -> String {
+    let (mut text, mut in_session) = (String::new(), false);
+    for line in page.lines() {
+        let ends = in_session && line == "```";
+        in_session = line == "```console" || (in_session && !ends);
+        let command = line.strip_prefix("$ pushlab ").filter(|_| in_session);
+        if !in_session || line == "```console" || command.is_some() {
+            text += &format!("{line}\n");
+        }
+        if let Some(command) = command {
+            let arguments: Vec<_> = command.split(' ').collect();
+            let run = set.run(&arguments);
+            text += if run.code == Some(0) { &run.stdout } else { &run.stderr };
+        }
+    }
+    text
+}
+
+#[test]
+fn the_session_on_the_page_is_what_the_tool_prints() {
+    let set = SmallSet::new();
+    for name in ["pushes", "formats/mcap-ros2"] {
+        copy(&Path::new(PROJECT).join("fixtures").join(name), &set.path(name));
+    }
+    let page = page();
+    let printed = with_true_output(&page, &set);
+    if page != printed {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("command-line.md");
+        fs::write(&path, &printed).unwrap();
+        for (shown, printed) in page.lines().zip(printed.lines()) {
+            assert_eq!(shown, printed, "the whole page as it should be: {}", path.display());
+        }
+        panic!("the page ends too soon; as it should be: {}", path.display());
+    }
+}
+
+/// Names of the fields; keys of maps by reason, stream, shape or flag are data.
+fn keys(value: &Value, found: &mut Vec<String>) {
+    const MAPS: [&str; 8] =
+        ["set_aside", "rates_hz", "repairs", "untared", "phases", "shapes", "flags", "settings"];
+    match value {
+        Value::Object(fields) => {
+            for (key, value) in fields {
+                found.push(key.clone());
+                if !MAPS.contains(&key.as_str()) {
+                    keys(value, found);
+                }
+            }
+        }
+        Value::Array(values) => values.iter().for_each(|value| keys(value, found)),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_key_of_the_results_is_on_the_page() {
+    let set = SmallSet::new();
+    set.done(&["ingest", "set", "-o", "steps.csv"]);
+    set.done(&["models", "init", "set"]);
+    let page = page();
+    for arguments in [
+        &["init", "set", "--print"][..],
+        &["inspect", "set"],
+        &["ingest", "set"],
+        &["describe", "steps.csv"],
+        &["models", "show"],
+        &["models", "list"],
+    ] {
+        let run = set.done(&[arguments, &["--json"]].concat());
+        let mut document: Value = serde_json::from_str(&run.stdout).unwrap();
+        // Recordings of a report and histograms have their keys in the crate's documentation.
+        for pointer in ["/result/report/recordings", "/result/report/summary/coverage"] {
+            if let Some(value) = document.pointer_mut(pointer) {
+                value.take();
+            }
+        }
+        if let Some(coverage) = document.pointer_mut("/result/coverage") {
+            coverage.take();
+        }
+        let mut found = Vec::new();
+        keys(&document, &mut found);
+        for key in found {
+            assert!(page.contains(&format!("`{key}`")), "{arguments:?}: no `{key}` on the page");
+        }
+    }
+}
