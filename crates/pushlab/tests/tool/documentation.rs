@@ -1,16 +1,20 @@
-//! The page on the command line shows what the tool prints, and names what its JSON holds.
+//! The pages show what the tool prints, and name what its results hold.
 
 use std::fs;
 use std::path::Path;
 
+use dataset::{Column, Flags, columns};
 use serde_json::Value;
 
 use crate::small_set::SmallSet;
 
 const PROJECT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
-fn page() -> String {
-    fs::read_to_string(Path::new(PROJECT).join("docs/command-line.md")).unwrap()
+const COMMAND_LINE: &str = "command-line.md";
+const TUTORIAL: &str = "tutorial-recordings.md";
+
+fn page(name: &str) -> String {
+    fs::read_to_string(Path::new(PROJECT).join("docs").join(name)).unwrap()
 }
 
 fn copy(from: &Path, to: &Path) {
@@ -45,20 +49,33 @@ fn with_true_output(page: &str, set: &SmallSet) -> String {
 }
 
 #[test]
-fn the_session_on_the_page_is_what_the_tool_prints() {
+fn the_sessions_on_the_pages_are_what_the_tool_prints() {
     let set = SmallSet::new();
     for name in ["pushes", "formats/mcap-ros2"] {
         copy(&Path::new(PROJECT).join("fixtures").join(name), &set.path(name));
     }
-    let page = page();
-    let printed = with_true_output(&page, &set);
-    if page != printed {
-        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("command-line.md");
-        fs::write(&path, &printed).unwrap();
-        for (shown, printed) in page.lines().zip(printed.lines()) {
-            assert_eq!(shown, printed, "the whole page as it should be: {}", path.display());
+    for name in [COMMAND_LINE, TUTORIAL] {
+        let page = page(name);
+        let printed = with_true_output(&page, &set);
+        if page != printed {
+            let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+            fs::write(&path, &printed).unwrap();
+            let differ =
+                page.lines().zip(printed.lines()).find(|(shown, printed)| shown != printed);
+            panic!("{differ:?}; {name} as it should be: {}", path.display());
         }
-        panic!("the page ends too soon; as it should be: {}", path.display());
+    }
+}
+
+#[test]
+fn every_column_and_flag_is_on_the_page() {
+    let page = page(TUTORIAL);
+    for Column { name, unit, meaning, .. } in columns() {
+        let row = format!("| `{name}` | {unit} | {meaning} |\n");
+        assert!(page.contains(&row), "no line {row}");
+    }
+    for (_, flag) in Flags::ALL {
+        assert!(page.contains(&format!("`{flag}`")), "no `{flag}`");
     }
 }
 
@@ -85,7 +102,7 @@ fn every_key_of_the_results_is_on_the_page() {
     let set = SmallSet::new();
     set.done(&["ingest", "set", "-o", "steps.csv"]);
     set.done(&["models", "init", "set"]);
-    let page = page();
+    let page = page(COMMAND_LINE);
     for arguments in [
         &["init", "set", "--print"][..],
         &["inspect", "set"],
