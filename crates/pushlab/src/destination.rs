@@ -35,7 +35,7 @@ impl Destination {
     /// # Errors
     /// Also if the path exists.
     pub(crate) fn unused(path: &Path) -> Result<Self> {
-        ensure!(!path.exists(), "{} exists; remove it first, or name another", path.display());
+        ensure!(!path.exists(), "{} exists; remove or rename it first", path.display());
         Self::new(path)
     }
 
