@@ -67,12 +67,13 @@ fn a_table_carries_what_made_it() {
 #[test]
 fn threads_change_no_byte() {
     let set = SmallSet::new();
+    let pushes = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/pushes");
     let outputs = ["1", "2"].map(|jobs| {
         let (table, report) = (format!("{jobs}.csv"), format!("{jobs}.json"));
-        let arguments =
-            ["ingest", "set", "--jobs", jobs, "-o", &table, "--report", &report, "--json"];
-        let stdout = set.done(&arguments).stdout;
-        [set.read(&table), set.read(&report), stdout]
+        let files = ["-o", &table, "--report", &report];
+        let stdout =
+            set.done(&[&["ingest", pushes, "--json", "--jobs", jobs], &files[..]].concat());
+        [set.read(&table), set.read(&report), stdout.stdout]
     });
     assert_eq!(outputs[0], outputs[1]);
     // The report in JSON is the document that `--json` prints.
