@@ -106,10 +106,10 @@ fn signs(rows: &[&StepRow]) -> Claim {
         oblique.len()
     )
     .replace('-', "\u{2212}");
-    let holds =
-        share >= 0.9 && dy_beta.abs() > 2.0 * dy_p.abs() && turn_p.abs() > 2.0 * turn_beta.abs();
-    let reason = "signs opposite in 90 % of the steps with |β| > 0.1 rad, and twice as large an \
-                  effect of the named input as of the other, by linear regression on both";
+    let mainly = |named: f64, other: f64| named * named > 2.0 * other * other;
+    let holds = share >= 0.9 && mainly(dy_beta, dy_p) && mainly(turn_p, turn_beta);
+    let reason = "signs opposite in 90 % of the steps with |β| > 0.1 rad, and the named input \
+                  adds twice as much variance as the other, by linear regression on both";
     judged(CLAIMS[0], value, holds, reason)
 }
 
