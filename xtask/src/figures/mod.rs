@@ -5,6 +5,7 @@ mod claims;
 mod inputs;
 mod learning;
 mod mechanics;
+mod recordings;
 mod sketch;
 
 use std::fs;
@@ -118,14 +119,15 @@ fn page(entries: &[&Entry], outcomes: Vec<Outcome>, inputs: &Inputs, args: &Args
         inputs.name()
     );
     let mut page = Page::new("Planar pushing: the figures", &lead, provenance);
-    let (mut plates, mut claims, mut lacking) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut plates, mut settled, mut lacking) = (Vec::new(), Vec::new(), Vec::new());
     for (entry, outcome) in entries.iter().zip(outcomes) {
         match outcome {
             Outcome::Drawn(plate, own) => {
                 plates.push((entry.chapter, plate));
-                claims.extend(own);
+                settled.extend(own);
             }
             Outcome::Lacking(reason) => {
+                settled.extend(entry.claims.iter().map(|claim| claims::untestable(claim, &reason)));
                 lacking.push(vec![format!("{}: {}", entry.id, entry.title), reason]);
             }
         }
@@ -144,7 +146,7 @@ fn page(entries: &[&Entry], outcomes: Vec<Outcome>, inputs: &Inputs, args: &Args
                 .table(&["figure", "reason"], lacking),
         );
     }
-    Ok(page.with(claims::section(claims)))
+    Ok(page.with(claims::section(settled)))
 }
 
 fn arguments(args: &Args) -> String {
