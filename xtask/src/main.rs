@@ -6,6 +6,7 @@ mod bench;
 mod cargo;
 mod ci;
 mod figures;
+mod held_out;
 mod real_data;
 mod test;
 mod tidy;

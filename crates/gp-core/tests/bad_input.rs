@@ -4,8 +4,8 @@
 
 use faer::Mat;
 use gp_core::{
-    BayesianLinear, Gp, GpError, GpModel, JointGaussian, LearnOptions, Matern32, Mean, Periodic,
-    Posterior, Product, SquaredExponential,
+    BayesianLinear, Gp, GpError, GpModel, HyperPrior, JointGaussian, LearnOptions, Matern32, Mean,
+    Periodic, Posterior, Product, SquaredExponential,
 };
 
 fn kernel() -> SquaredExponential {
@@ -96,6 +96,10 @@ fn parameters_that_are_not_positive() {
     );
     let options = LearnOptions { n_starts: 0, ..LearnOptions::default() };
     assert!(matches!(learn(&line(3), &[1.0, 2.0, 0.0], &options), GpError::NotPositive { .. }));
+    let options =
+        LearnOptions { prior: HyperPrior::LogNormal { sd: 0.0 }, ..LearnOptions::default() };
+    let expected = GpError::NotPositive { name: "sd of the prior".to_owned(), value: 0.0 };
+    assert_eq!(learn(&line(3), &[1.0, 2.0, 0.0], &options), expected);
     let gp = Gp::fit(kernel(), line(2).as_ref(), &[1.0, 2.0], 0.0).unwrap();
     assert!(matches!(gp.log_marginal_likelihood_gradient(), Err(GpError::NotPositive { .. })));
 }
