@@ -40,11 +40,13 @@ pub enum HyperPrior {
     /// Nothing: the marginal likelihood alone is maximised.
     #[default]
     Flat,
-    /// Each hyperparameter is log-normal and independent about its usual start (see [`Gp::learn`]).
+    /// Hyperparameters are log-normal and independent. The medians are the usual start (see
+    /// [`Gp::learn`]) but for the noise variance, whose median is half of the outputs' variance.
     LogNormal {
-        /// Standard deviation of the natural logarithm of a lengthscale, period or shape, and of
-        /// the signal's and the noise's standard deviation.
-        sd: f64,
+        /// Standard deviation of ln θ for a lengthscale, a period or a shape.
+        lengthscale_sd: f64,
+        /// Standard deviation of ln s for the standard deviations s of signal and noise.
+        scale_sd: f64,
     },
 }
 
@@ -191,8 +193,9 @@ fn check_learnable(
     check_outputs("outputs", y, x.nrows())?;
     check_positive("n_starts", options.n_starts as f64)?;
     check_positive("gradient_tolerance", options.gradient_tolerance)?;
-    if let HyperPrior::LogNormal { sd } = options.prior {
-        check_positive("sd of the prior", sd)?;
+    if let HyperPrior::LogNormal { lengthscale_sd, scale_sd } = options.prior {
+        check_positive("lengthscale_sd of the prior", lengthscale_sd)?;
+        check_positive("scale_sd of the prior", scale_sd)?;
     }
     if let Mean::Fixed(value) = options.mean {
         check_outputs("mean", &[value], 1)?;

@@ -77,10 +77,10 @@ impl SearchSpace {
             let excess = u - u.clamp(range.lowest, range.highest);
             penalty += 0.5 * self.stiffness * excess * excess;
             *slope += self.stiffness * excess;
-            if let HyperPrior::LogNormal { sd } = self.prior {
-                let deviation = (u - range.start) / (range.power * sd);
+            if let Some(sd) = range.prior_sd(self.prior) {
+                let deviation = (u - range.center) / sd;
                 penalty += 0.5 * deviation * deviation;
-                *slope += deviation / (range.power * sd);
+                *slope += deviation / sd;
             }
         }
         penalty
@@ -100,10 +100,10 @@ const STIFFNESS: f64 = 10.0;
 
 /// Values of one standardised log-parameter.
 struct Range {
-    /// The usual start, where a prior is centered.
     start: f64,
-    /// 2 for the square of what a prior is about, such as a variance; else 1.
-    power: f64,
+    /// The median of a log-normal prior.
+    center: f64,
+    is_variance: bool,
     low: f64,
     high: f64,
     lowest: f64,
@@ -114,14 +114,23 @@ impl Range {
     /// Signal variance over output variance: start at 1, walls at 1e-6 and 1e6.
     fn signal() -> Self {
         let far = 1e6_f64.ln();
-        Self { start: 0.0, power: 2.0, low: -1.0, high: 1.5, lowest: -far, highest: far }
+        Self {
+            start: 0.0,
+            center: 0.0,
+            is_variance: true,
+            low: -1.0,
+            high: 1.5,
+            lowest: -far,
+            highest: far,
+        }
     }
 
     /// Noise variance over output variance: start at 0.1, walls at 1e-8 and 10.
     fn noise() -> Self {
         Self {
             start: 0.1_f64.ln(),
-            power: 2.0,
+            center: 0.5_f64.ln(),
+            is_variance: true,
             low: 1e-4_f64.ln(),
             high: 0.5_f64.ln(),
             lowest: 1e-8_f64.ln(),
@@ -133,11 +142,21 @@ impl Range {
     fn lengthscale(center: f64) -> Self {
         Self {
             start: center,
-            power: 1.0,
+            center,
+            is_variance: false,
             low: center - 10f64.ln(),
             high: center + 3f64.ln(),
             lowest: -(100f64.ln()),
             highest: center + 100f64.ln(),
+        }
+    }
+
+    /// The standard deviation of the log-parameter; none under a flat prior.
+    fn prior_sd(&self, prior: HyperPrior) -> Option<f64> {
+        match prior {
+            HyperPrior::Flat => None,
+            HyperPrior::LogNormal { scale_sd, .. } if self.is_variance => Some(2.0 * scale_sd),
+            HyperPrior::LogNormal { lengthscale_sd, .. } => Some(lengthscale_sd),
         }
     }
 
@@ -146,7 +165,8 @@ impl Range {
         let (near, far) = (2f64.ln(), 1000f64.ln());
         Self {
             start: value,
-            power: 1.0,
+            center: value,
+            is_variance: false,
             low: value - near,
             high: value + near,
             lowest: value - far,

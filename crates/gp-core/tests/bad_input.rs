@@ -96,6 +96,79 @@ fn parameters_that_are_not_positive() {
     );
     let options = LearnOptions { n_starts: 0, ..LearnOptions::default() };
     assert!(matches!(learn(&line(3), &[1.0, 2.0, 0.0], &options), GpError::NotPositive { .. }));
+    for (lengthscale_sd, scale_sd, name) in
+        [(0.0, 1.0, "lengthscale_sd of the prior"), (1.0, f64::NAN, "scale_sd of the prior")]
+    {
+        let prior = HyperPrior::LogNormal { lengthscale_sd, scale_sd };
+        let options = LearnOptions { prior, ..LearnOptions::default() };
+        let error = learn(&line(3), &[1.0, 2.0, 0.0], &options);
+        assert!(matches!(error, GpError::NotPositive { name: named, .. } if named == name));
+    }
+    let gp = Gp::fit(kernel(), line(2).as_ref(), &[1.0, 2.0], 0.1).unwrap();
+    let wide = Mat::zeros(3, 2);
+    assert_eq!(gp.predict(wide.as_ref()).unwrap_err(), expected);
+    assert_eq!(gp.predict_mean(wide.as_ref()).unwrap_err(), expected);
+    assert_eq!(gp.predict_joint(wide.as_ref()).unwrap_err(), expected);
+    assert_eq!(gp.predict_noise(wide.as_ref()).unwrap_err(), expected);
+    assert_eq!(gp.mean_gradient(wide.as_ref()).unwrap_err(), expected);
+    assert!(matches!(
+        Product::new(kernel(), Matern32::unit(2).unwrap()),
+        Err(GpError::ShapeMismatch { .. })
+    ));
+    assert!(matches!(Periodic::new(&[1.0], &[1.0, 2.0]), Err(GpError::ShapeMismatch { .. })));
+    assert!(matches!(
+        JointGaussian::new(vec![0.0], Mat::zeros(2, 1)),
+        Err(GpError::ShapeMismatch { .. })
+    ));
+}
+
+#[test]
+fn nothing_at_all() {
+    assert_eq!(fit(&line(0), &[], 0.1), GpError::Empty { what: "inputs" });
+    assert_eq!(learn(&line(0), &[], &LearnOptions::default()), GpError::Empty { what: "inputs" });
+    assert!(matches!(SquaredExponential::unit(0), Err(GpError::Empty { .. })));
+    assert!(matches!(Periodic::new(&[], &[]), Err(GpError::Empty { .. })));
+    assert!(matches!(
+        JointGaussian::prior(&kernel(), line(0).as_ref()),
+        Err(GpError::Empty { .. })
+    ));
+    assert!(matches!(JointGaussian::new(vec![], Mat::zeros(0, 0)), Err(GpError::Empty { .. })));
+}
+
+#[test]
+fn values_that_are_no_numbers_are_named_by_row_and_column() {
+    let mut x = Mat::from_fn(3, 2, |i, d| (i + d) as f64);
+    x[(2, 1)] = f64::INFINITY;
+    let expected = GpError::NotFinite { what: "inputs", row: 2, column: 1, value: f64::INFINITY };
+    let wide = SquaredExponential::unit(2).unwrap();
+    assert_eq!(Gp::fit(wide, x.as_ref(), &[1.0; 3], 0.1).unwrap_err(), expected);
+    let error = fit(&line(3), &[1.0, f64::NAN, 2.0], 0.1);
+    assert!(matches!(error, GpError::NotFinite { what: "outputs", row: 1, column: 0, .. }));
+    assert!(error.to_string().contains("row 1, column 0 is NaN"));
+    let mean = Mean::Fixed(f64::NAN);
+    let result = Gp::fit_with_mean(kernel(), line(2).as_ref(), &[1.0, 2.0], 0.1, mean);
+    assert!(matches!(result, Err(GpError::NotFinite { what: "mean", .. })));
+}
+
+#[test]
+fn parameters_that_are_not_positive() {
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let refused = |result: Result<(), GpError>| {
+            assert!(matches!(result, Err(GpError::NotPositive { .. })), "{result:?}");
+        };
+        refused(SquaredExponential::new(&[1.0, bad], 1.0).map(|_| ()));
+        refused(SquaredExponential::new(&[1.0], bad).map(|_| ()));
+        refused(Periodic::new(&[bad], &[1.0]).map(|_| ()));
+        refused(Periodic::new(&[1.0], &[bad]).map(|_| ()));
+        let one = line(1);
+        refused(BayesianLinear::fit(one.as_ref(), &[1.0], one.as_ref(), bad).map(|_| ()));
+    }
+    assert_eq!(
+        fit(&line(2), &[1.0, 2.0], -0.5),
+        GpError::Negative { name: "noise variance".to_owned(), value: -0.5 }
+    );
+    let options = LearnOptions { n_starts: 0, ..LearnOptions::default() };
+    assert!(matches!(learn(&line(3), &[1.0, 2.0, 0.0], &options), GpError::NotPositive { .. }));
     let options =
         LearnOptions { prior: HyperPrior::LogNormal { sd: 0.0 }, ..LearnOptions::default() };
     let expected = GpError::NotPositive { name: "sd of the prior".to_owned(), value: 0.0 };

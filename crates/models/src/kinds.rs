@@ -1,7 +1,5 @@
 //! The list of all kinds of models.
 
-use std::f64::consts::LN_2;
-
 use gp_core::{HyperPrior, LearnOptions};
 
 use crate::{Analytical, GpPushModel, Hybrid, ModelError, PushModel, StepObservation};
@@ -28,10 +26,10 @@ pub fn model_kinds() -> &'static [ModelKind] {
 /// How the kinds learn: with a weak prior, which keeps the intervals of few steps honest.
 ///
 /// By likelihood alone, most processes learnt from 20 real steps took their noise for a function
-/// with a lengthscale below a tenth of the edge. Under this prior a factor of two in a lengthscale
-/// or a standard deviation is one standard deviation; some hundred steps outweigh it.
+/// with a lengthscale below a tenth of the edge. Some hundred steps outweigh the prior.
 pub fn learn_options() -> LearnOptions {
-    LearnOptions { prior: HyperPrior::LogNormal { sd: LN_2 }, ..LearnOptions::default() }
+    let prior = HyperPrior::LogNormal { lengthscale_sd: 0.5, scale_sd: 1.0 };
+    LearnOptions { prior, ..LearnOptions::default() }
 }
 
 static KINDS: [ModelKind; 3] = [

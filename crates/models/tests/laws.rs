@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that fails shall stop")]
 
 use models::{
-    Analytical, CharacteristicLength, Description, Estimate, GpPushModel, Hybrid, ModelError,
+    Analytical, Base, CharacteristicLength, Description, Estimate, GpPushModel, Hybrid, ModelError,
     ModelFile, Noise, PushModel, StepInput, StepObservation, SurfaceKind, learn_options,
     model_kinds,
 };
@@ -139,7 +139,8 @@ fn every_prediction_of_a_batch_is_that_of_its_step_alone() {
 #[test]
 fn every_kind_comes_back_from_its_file_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
-    for model in trained(30).iter().chain([&(Box::new(nominal()) as Box<dyn PushModel>)]) {
+    let on = |surface| Box::new(nominal().with_surface(surface).unwrap()) as Box<dyn PushModel>;
+    for model in trained(30).into_iter().chain(SURFACES.map(on)) {
         let path = folder.path().join("model.toml");
         let description = model.describe().unwrap();
         let file = ModelFile { name: "a \"name\"".into(), description };
@@ -309,28 +310,104 @@ fn weights_that_were_changed_are_refused() {
     assert!(matches!(ModelFile::read(&path), Err(ModelError::Io { action: "read", .. })));
 }
 
-#[test]
-fn every_impossible_file_names_its_line_and_key() {
-    let good = "schema = \"pushlab.model/1\"\nname = \"x\"\n\n[base]\nkind = \"analytical\"\n\
-                limit_surface = \"ellipsoid\"\npressure = \"uniform\"\n\n\
-                [base.pusher_friction]\nvalue = 0.25\nse = 0.0\nsource = \"manifest\"\n";
-    let effect = "\n[[effects]]\nid = \"table-tilt\"\n";
+/// The analytical model of a file, as people would write it.
+const ANALYTICAL: &str = r#"schema = "pushlab.model/1"
+name = "x"
+
+[base]
+kind = "analytical"
+limit_surface = "ellipsoid"
+pressure = "uniform"
+
+[base.pusher_friction]
+value = 0.25
+se = 0.0
+source = "manifest"
+"#;
+
+fn read(text: &str) -> Result<ModelFile, ModelError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.toml");
-    let read = |text: &str| {
-        std::fs::write(&path, text).unwrap();
-        ModelFile::read(&path)
-    };
-    assert!(read(good).is_ok());
+    std::fs::write(&path, text).unwrap();
+    ModelFile::read(&path)
+}
+
+#[test]
+fn a_file_chooses_its_surface() {
+    let points = "\"points\"\nn_points = 7";
+    for (value, surface) in [
+        ("\"ellipsoid\"", SurfaceKind::Ellipsoid),
+        ("\"uniform-patch\"", SurfaceKind::UniformPatch),
+        ("\"quartic\"", SurfaceKind::Quartic),
+        ("\"points\"", SurfaceKind::Points { n_points: SurfaceKind::DEFAULT_POINTS }),
+        (points, SurfaceKind::Points { n_points: 7 }),
+    ] {
+        let file = read(&ANALYTICAL.replace("\"ellipsoid\"", value)).unwrap();
+        let Base::Analytical(model) = file.description.base else { panic!("{value}") };
+        assert_eq!(model.surface(), surface);
+    }
+    let file = read(&ANALYTICAL.replace("limit_surface = \"ellipsoid\"\n", "")).unwrap();
+    assert_eq!(
+        file.description.base,
+        Base::Analytical(
+            Analytical::new(
+                Estimate::exact(0.25, "manifest"),
+                CharacteristicLength::UniformPressure,
+                Matrix3::zeros(),
+            )
+            .unwrap()
+        )
+    );
+}
+
+#[test]
+fn every_impossible_file_names_its_line_and_key() {
+    let good = ANALYTICAL;
+    let effect = "\n[[effects]]\nid = \"table-tilt\"\n";
+    let length = "\n[base.characteristic_length]\nvalue = 0.03\n";
+    let learned = "\n[learned]\nweights = \"w.json\"\nsha256 = \"00\"\ninputs = [\"p\"]\n";
+    let given = || format!("{}{length}", good.replace("pressure = \"uniform\"\n", ""));
+    let scatter =
+        |rows: &str| good.replace("pressure =", &format!("scatter_per_m = {rows}\npressure ="));
     for (text, line, key, part) in [
         (good.replace("model/1", "model/9"), 1, "schema", "pushlab.model/1"),
+        (good.replace("name = \"x\"", "name = 3"), 2, "name", "expected a string"),
         (good.replace("analytical", "oracle"), 5, "base.kind", "analytical, gp, hybrid"),
-        (good.replace("ellipsoid", "points"), 6, "base.limit_surface", "ellipsoid"),
+        (
+            good.replace("ellipsoid", "sphere"),
+            6,
+            "base.limit_surface",
+            "ellipsoid, uniform-patch, points, quartic",
+        ),
+        (good.replace("\"uniform\"", "\"rim\""), 7, "base.pressure", "allowed: uniform"),
         (good.replace("pressure =", "presure ="), 7, "presure", "unknown field"),
+        (good.replace("pressure =", "n_points = 9\npressure ="), 7, "base.n_points", "points"),
+        (
+            good.replace("\"ellipsoid\"", "\"points\"\nn_points = 3"),
+            7,
+            "base.n_points",
+            "from 4 to 10000, got 3",
+        ),
         (good.replace("0.25", "-0.25"), 9, "base.pusher_friction.value", "-0.25"),
+        (good.replace("0.25", "nan"), 9, "base.pusher_friction.value", "finite"),
         (good.replace("se = 0.0", "se = -1.0"), 9, "base.pusher_friction.se", "-1"),
+        (good.replace("se = 0.0", "sd = 0.0"), 11, "sd", "unknown field"),
         (good.replace("pressure = \"uniform\"\n", ""), 4, "base.pressure", "either"),
+        (format!("{good}{length}"), 4, "base.pressure", "either"),
+        (given().replace("0.03", "0.0"), 13, "base.characteristic_length.value", "positive"),
+        (
+            given().replace("ellipsoid", "quartic"),
+            13,
+            "base.characteristic_length",
+            "on quartic give pressure",
+        ),
+        (good.split("\n[base.pusher").next().unwrap().into(), 4, "base.pusher_friction", "missing"),
+        (scatter("[[1, 2, 0], [3, 1, 0], [0, 0, 1]]"), 7, "base.scatter_per_m", "symmetric"),
+        (scatter("[[1, 2, 0], [2, 1, 0], [0, 0, 1]]"), 7, "base.scatter_per_m", "semi-definite"),
         (good.replace("analytical", "gp"), 4, "learned", "needs"),
+        (format!("{good}{learned}"), 14, "learned", "no weights"),
+        (format!("{}{learned}", good.replace("analytical", "hybrid")), 14, "learned.inputs", "p"),
+        (format!("{}{learned}", good.replace("analytical", "gp")), 6, "base", "no mechanics"),
         (format!("{good}{effect}"), 14, "effects", "table-tilt"),
     ] {
         let error = read(&text).unwrap_err();
