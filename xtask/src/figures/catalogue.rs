@@ -4,7 +4,7 @@ use anyhow::Result;
 
 use super::inputs::Inputs;
 use super::sketch::Sketch;
-use super::{mechanics, recordings};
+use super::{learning, mechanics, recordings};
 
 /// A figure: its number in the thesis, its title and the function that draws it.
 #[derive(Debug)]
@@ -67,6 +67,10 @@ impl Entry {
 
 /// All figures, in the order of the thesis.
 pub(crate) const ALL: &[Entry] = &[
+    entry("2.1", Chapter::Mechanics, "the friction cone", mechanics::friction_cone::draw),
+    entry("2.2", Chapter::Mechanics, "a rigid body and its COR", mechanics::rigid_body::draw),
+    entry("2.3", Chapter::Mechanics, "friction at pusher and support", mechanics::pressure::draw),
+    entry("2.4", Chapter::Mechanics, "the motion cone", mechanics::motion_cone::draw),
     entry("2.5", Chapter::Mechanics, "limit curve", mechanics::limit_curve::draw),
     entry("2.6", Chapter::Mechanics, "a limit surface and its normals", mechanics::normals::draw),
     entry("2.7", Chapter::Mechanics, "one support point", mechanics::one_point::draw),
@@ -77,7 +81,10 @@ pub(crate) const ALL: &[Entry] = &[
         "the ellipsoid beside the exact surface",
         mechanics::ellipsoid::draw,
     ),
+    entry("2.10", Chapter::Mechanics, "sticking and sliding", mechanics::stick_slide::draw),
     entry("2.11", Chapter::Mechanics, "the analytical push", mechanics::analytical::draw),
+    entry("3.1", Chapter::Learning, "functions from three priors", learning::prior::draw),
+    entry("3.2", Chapter::Learning, "posterior and density of data", learning::posterior::draw),
     entry("4.3", Chapter::Recordings, "two recorded pushes", recordings::two_pushes::draw),
     entry("4.4", Chapter::Recordings, "force and contact", recordings::force_profile::draw)
         .settles(&recordings::force_profile::CLAIMS),

@@ -3,6 +3,7 @@
 mod catalogue;
 mod claims;
 mod inputs;
+mod learning;
 mod mechanics;
 mod recordings;
 mod sketch;
