@@ -134,6 +134,9 @@ impl StepInput {
 
     /// (Δx, Δy, Δθ) of the body frame's motion `pose_bb` (end seen from start): along the pusher's
     /// motion and along its left normal, in m, and counter-clockwise, in rad.
+    ///
+    /// The thesis calls Δy parallel to the contact's normal (section 4.3) and Δθ negative for
+    /// counter-clockwise turns (section 5.1); its figure 4.6 and the measurements say what is here.
     pub fn outputs(&self, pose_bb: &Pose) -> Vector3<f64> {
         let left = perpendicular(&self.direction_b);
         let moved = &pose_bb.position;
