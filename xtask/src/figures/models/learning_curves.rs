@@ -50,7 +50,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let tested = (data.steps.len() - most).min(MOST_TESTED);
     let caption = format!(
         "Left: squared error over the variance of the outputs, on {tested} steps not used for \
-         training; median and quartiles of {n_splits} random splits. Right: share of these steps \
+         training; median and quartiles of {n_splits} random splits; the analytical model is fitted to the same steps. Right: share of these steps \
          inside the models' 95 % intervals, mean of the three outputs. The nominal model knows the \
          pusher's friction and uniform pressure alone; where few steps do not determine its \
          parameters the hybrid stands on it.",
@@ -143,8 +143,8 @@ impl Summary {
         let errors = Panel::new(x(), Axis::new("normalized mean squared error").log())
             .title("error")
             .legend(LegendPlace::Below)
-            .with(nominal.color(Color::INK).dashed().label("analytical, nominal"));
-        let errors = curve(errors, &self.analytical, Color::GREEN, "analytical, fitted");
+            .with(nominal.color(Color::INK).dashed().label("nominal"));
+        let errors = curve(errors, &self.analytical, Color::GREEN, "analytical");
         let errors = curve(errors, &self.gp, Color::BLUE, "GP");
         let errors = curve(errors, &self.hybrid, Color::VERMILION, "hybrid");
         let shares = Panel::new(x(), "share of steps inside / %")
