@@ -5,6 +5,7 @@ mod claims;
 mod inputs;
 mod learning;
 mod mechanics;
+mod models;
 mod recordings;
 mod sketch;
 
