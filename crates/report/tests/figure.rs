@@ -12,8 +12,8 @@ fn line() -> Panel {
 }
 
 fn heavy() -> Figure {
-    let walk: Vec<f64> = (0..12_000).map(|i| (f64::from(i) * 12.9898).sin() * 43.7).collect();
-    let index: Vec<f64> = (0..12_000).map(f64::from).collect();
+    let walk: Vec<f64> = (0..5_000).map(|i| (f64::from(i) * 12.9898).sin() * 43.7).collect();
+    let index: Vec<f64> = (0..5_000).map(f64::from).collect();
     let bowl = |u: f64, v: f64| [u, v, (u - 0.5).powi(2) + (v - 0.5).powi(2)];
     let grid = Grid::sample((0.0, 1.0), (0.0, 1.0), 200, 200, |x, y| x * y);
     Figure::new(2, 2)

@@ -16,7 +16,7 @@ use crate::figures::sketch::Sketch;
 const DISTANCE: f64 = 0.5;
 
 pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
-    let mut figure = Figure::new(1, 2).panel_size(420.0, 345.0);
+    let mut figure = Figure::new(1, 2).panel_size(420.0, 325.0);
     let mut table = Table::new();
     let axis = |label: &str, reach: f64| Axis::new(label).range(-reach, reach);
     for (n, title) in [(2, "two points"), (3, "three points")] {

@@ -18,7 +18,7 @@ const PLACES: [(&str, [f64; 2]); 2] =
     [("support point at the origin", [0.0, 0.0]), ("support point at (0, 0.5) m", [0.0, 0.5])];
 
 pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
-    let mut figure = Figure::new(1, 2).panel_size(400.0, 335.0).one_legend();
+    let mut figure = Figure::new(1, 2).panel_size(400.0, 315.0).one_legend();
     let mut table = Table::new();
     for (index, (title, [x, y])) in PLACES.into_iter().enumerate() {
         let point = SinglePoint::new(Vector2::new(x, y), 1.0)?;
