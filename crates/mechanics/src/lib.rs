@@ -17,6 +17,7 @@ mod point_set;
 mod polar;
 mod push;
 mod quadrature;
+mod quadratic_patch;
 mod quadric_push;
 mod quartic;
 mod root;
@@ -24,7 +25,6 @@ mod rotation;
 mod runge_kutta;
 mod single_point;
 mod slider;
-mod uniform_patch;
 
 pub use ellipsoid::Ellipsoid;
 pub use error::MechanicsError;
@@ -40,6 +40,7 @@ pub use path_motion::{ContactPhase, PathMotion, PathSample, PathSettings, Place}
 pub use path_push::push_along;
 pub use point_set::{Facet, PointSet};
 pub use push::{ContactMode, Push, PushMotion, predict};
+pub use quadratic_patch::QuadraticTraction;
 pub use quartic::{QUARTIC_EXPONENTS, Quartic};
 pub use rotation::{CenterOfRotation, Sense, sense_of_rotation};
 pub use single_point::SinglePoint;
