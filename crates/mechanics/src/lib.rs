@@ -39,7 +39,7 @@ pub use motion_cone::MotionCone;
 pub use patch::Patch;
 pub use path::{Polyline, PusherPath, SmoothPath, StraightPath};
 pub use path_motion::{ContactPhase, PathMotion, PathSample, PathSettings, Place};
-pub use path_push::push_along;
+pub use path_push::{push_along, push_along_under};
 pub use point_set::{Facet, PointSet};
 pub use push::{ContactMode, Push, PushMotion, predict};
 pub use quadratic_patch::QuadraticTraction;
