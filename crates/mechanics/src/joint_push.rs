@@ -189,7 +189,11 @@ fn slide<S: LimitSurface + ?Sized>(
     if shares.iter().any(|share| *share < 0.0) {
         return Ok(None);
     }
-    let twist = 1.0 / (1.0 - share) * at(share);
+    // Without friction, walls that carry the slider along have their forces here, too.
+    let (twist, modes) = match share <= ROUNDING {
+        true => (ahead, [ContactMode::Sticking; 2]),
+        false => (1.0 / (1.0 - share) * at(share), modes),
+    };
     let motion = |k: usize| {
         let (index, push) = pair[k];
         (index, push.motion(modes[k], twist, shares[k] * forces[k]))

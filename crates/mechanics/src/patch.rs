@@ -2,8 +2,8 @@
 
 use crate::limit_surface::{direction_of_twist, direction_of_wrench};
 use crate::polar::{Homogeneous, Polar, polar};
-use crate::quadrature::Cells;
 use crate::quadratic_patch::{QuadraticPatch, QuadraticTraction};
+use crate::quadrature::Cells;
 use crate::{LimitSurface, MechanicsError, WrenchSet};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Shape, Twist, Wrench, perpendicular};

@@ -332,10 +332,8 @@ impl<'a> Run<'a> {
         let contacts = self.contacts(piece, time, &state);
         let shift_b = match contacts[..] {
             [first, second, ..] => {
-                let normals = Matrix2::from_rows(&[
-                    first.normal.transpose(),
-                    second.normal.transpose(),
-                ]);
+                let normals =
+                    Matrix2::from_rows(&[first.normal.transpose(), second.normal.transpose()]);
                 let gaps = Vector2::new(first.gap, second.gap);
                 let both = normals.try_inverse().map(|inverse| -inverse * gaps);
                 // Walls that are nearly parallel would move the object far along them.

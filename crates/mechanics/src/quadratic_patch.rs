@@ -80,7 +80,8 @@ impl QuadraticPatch {
             }
             Shape::Ellipse(ellipse) => (Outline::Ellipse(*ellipse), ellipse_points(ellipse)),
         };
-        let points: Vec<_> = areas.into_iter().map(|(r, area)| (r, area * traction.at(&r))).collect();
+        let points: Vec<_> =
+            areas.into_iter().map(|(r, area)| (r, area * traction.at(&r))).collect();
         // Beyond four radii the velocity is smooth enough for the points, and the closed form would
         // start to lose digits to cancellation.
         let bears = points.iter().map(|(_, bears)| bears).sum();

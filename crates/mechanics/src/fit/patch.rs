@@ -45,7 +45,8 @@ pub fn fit_patch(
         Err(MechanicsError::BadTraction { .. }) => {}
         Err(error) => return Err(error),
     }
-    let start = DVector::from_vec(vec![1.0, 0.0, 0.0, 0.0]) * (loads.norm() / rows.column(0).norm());
+    let start =
+        DVector::from_vec(vec![1.0, 0.0, 0.0, 0.0]) * (loads.norm() / rows.column(0).norm());
     let (best, n_steps) =
         constrained_least_squares("a fit of a patch", &rows, &loads, &family, start)?;
     scored(family.patch(&best)?, pairs, length, n_steps)

@@ -63,9 +63,7 @@ impl SumsOfSquares {
             for (k, l) in [(0, 1), (0, 2), (1, 2)] {
                 // wᵢ yₖ · wⱼ yₗ = wᵢ yₗ · wⱼ yₖ
                 let mut part = Gram::zeros();
-                for (row, column, sign) in
-                    [((i, k), (j, l), 1.0), ((i, l), (j, k), -1.0)]
-                {
+                for (row, column, sign) in [((i, k), (j, l), 1.0), ((i, l), (j, k), -1.0)] {
                     part[(index(row), index(column))] += sign;
                     part[(index(column), index(row))] += sign;
                 }
@@ -100,8 +98,7 @@ impl Barrier for SumsOfSquares {
         let inverse = factor.inverse();
         let moved: Vec<Gram> = self.parts.iter().map(|part| inverse * part).collect();
         let gradient = DVector::from_fn(N_UNKNOWNS, |k, _| -moved[k].trace());
-        let hessian =
-            DMatrix::from_fn(N_UNKNOWNS, N_UNKNOWNS, |k, l| moved[k].tr_dot(&moved[l]));
+        let hessian = DMatrix::from_fn(N_UNKNOWNS, N_UNKNOWNS, |k, l| moved[k].tr_dot(&moved[l]));
         Some((value, gradient, hessian))
     }
 }
