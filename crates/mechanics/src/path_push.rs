@@ -28,7 +28,8 @@ type State = SVector<f64, 6>;
 /// that of [`crate::predict`] at the contact of the moment, or of [`predict_joint`] at several; the
 /// round pusher rolls over the outline as the object turns, passes vertices and wedges in notches.
 /// Runge–Kutta of orders 5 and 4 with adaptive steps that end at each change of mode, edge or vertex
-/// (to 10 nm of travel); after each step the object is moved so that the gaps stay closed.
+/// (to 10 nm of travel); after each step the object is moved so that the gaps stay closed. A pusher
+/// of radius 0 has no two walls to touch and ends in `NotConverged` at the bottom of a notch.
 ///
 /// # Errors
 /// A pusher, path or setting out of range, errors of the surface, or `NotConverged`.

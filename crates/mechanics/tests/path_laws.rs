@@ -245,13 +245,17 @@ fn halving_the_step_changes_less_than_a_micrometer_and_ten_microradians() {
         let surface = Ellipsoid::new(2.0, 2.0 * shape.mean_distance(&center)).unwrap();
         let pose_bs = Pose::new(center.x + 0.004, center.y - 0.003, 0.7);
         let slider = Slider { shape: &shape, surface: &surface, pose_bs };
-        for radius in [0.0, 0.00475] {
+        // A point is held by no notch: see push_along.
+        let smallest = if matches!(name, "butter" | "notch") { 5e-4 } else { 0.0 };
+        for radius in [smallest, PUSHER.radius] {
             let pusher = Pusher { radius, friction: 0.25 };
             for (y, angle) in [(0.0, 0.1), (0.02, -0.4), (-0.03, 0.9), (0.038, 0.5), (0.004, -0.9)]
             {
                 let path = approach(&shape, radius, y, angle);
-                let push =
-                    |settings| push_along(&slider, &pusher, &path, &ORIGIN, settings).unwrap_or_else(|e| panic!("{name} {radius} {y} {angle} {e}"));
+                let push = |settings| {
+                    push_along(&slider, &pusher, &path, &ORIGIN, settings)
+                        .unwrap_or_else(|e| panic!("{name} {radius} {y} {angle} {e}"))
+                };
                 let (coarse, fine) = (push(&default), push(&halved));
                 let shift = (coarse.pose_wb.position - fine.pose_wb.position).norm();
                 let turn = (coarse.pose_wb.angle - fine.pose_wb.angle).abs();
