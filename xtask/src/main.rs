@@ -7,6 +7,7 @@ mod cargo;
 mod ci;
 mod figures;
 mod fixtures;
+mod held_out;
 mod real_data;
 mod test;
 mod tidy;

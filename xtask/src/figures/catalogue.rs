@@ -4,7 +4,7 @@ use anyhow::Result;
 
 use super::inputs::Inputs;
 use super::sketch::Sketch;
-use super::{learning, mechanics, recordings};
+use super::{learning, mechanics, models, recordings};
 
 /// A figure: its number in the thesis, its title and the function that draws it.
 #[derive(Debug)]
@@ -98,4 +98,8 @@ pub(crate) const ALL: &[Entry] = &[
     entry("4.7", Chapter::Recordings, "outputs over inputs", recordings::outputs::draw)
         .settles(&recordings::outputs::CLAIMS),
     entry("5.1", Chapter::Models, "noise of the sensors", recordings::noise::draw),
+    entry("5.2", Chapter::Models, "the learned push", models::gp_maps::draw)
+        .settles(&models::gp_maps::CLAIMS),
+    entry("5.7", Chapter::Models, "learning curves", models::learning_curves::draw)
+        .settles(&models::learning_curves::CLAIMS),
 ];
