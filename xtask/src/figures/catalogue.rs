@@ -21,15 +21,20 @@ pub(crate) struct Entry {
 pub(crate) enum Chapter {
     Mechanics,
     Learning,
+    Recordings,
+    Models,
 }
 
 impl Chapter {
-    pub(crate) const ALL: [Self; 2] = [Self::Mechanics, Self::Learning];
+    pub(crate) const ALL: [Self; 4] =
+        [Self::Mechanics, Self::Learning, Self::Recordings, Self::Models];
 
     pub(crate) fn anchor(self) -> &'static str {
         match self {
             Self::Mechanics => "mechanics",
             Self::Learning => "learning",
+            Self::Recordings => "recordings",
+            Self::Models => "models",
         }
     }
 
@@ -37,6 +42,8 @@ impl Chapter {
         match self {
             Self::Mechanics => "Mechanics of pushing",
             Self::Learning => "Learning from data",
+            Self::Recordings => "From recordings to a table",
+            Self::Models => "Learned models of pushing",
         }
     }
 }

@@ -18,7 +18,7 @@ use report::{Claim, Page, Plate, Provenance, Section};
 
 use crate::cargo::workspace_root;
 use catalogue::{ALL, Chapter, Entry};
-use inputs::Inputs;
+use inputs::{Inputs, Lacking};
 use sketch::Sketch;
 
 /// Draw the thesis' figures on one offline page.
@@ -27,6 +27,12 @@ pub(crate) struct Args {
     /// Draw only these figures, by number (2.9,5.7)
     #[arg(long, value_delimiter = ',', value_name = "NUMBER")]
     only: Vec<String>,
+    /// Recording set or table of steps to draw from [default: fixtures/pushes]
+    #[arg(long, value_name = "PATH")]
+    data: Option<PathBuf>,
+    /// Fewer repetitions, for a first look
+    #[arg(long)]
+    quick: bool,
     /// Folder for the page, the pictures and their numbers
     #[arg(long, value_name = "DIR", default_value = "target/figures")]
     out: PathBuf,
@@ -41,12 +47,13 @@ pub(crate) struct Args {
 /// An unknown number, data that cannot be read, or a figure that failed, by its number.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let entries = choose(&args.only)?;
-    let inputs = Inputs;
+    let inputs = Inputs::open(args.data.as_deref(), args.quick)?;
     let out = workspace_root().join(&args.out);
     fs::create_dir_all(&out).with_context(|| format!("cannot create {}", out.display()))?;
-    let plates = draw_all(&entries, &inputs, &out, args.jobs)?;
-    page(&entries, plates, args)?.write(&out)?;
-    println!("{} figures on {}", entries.len(), out.join("index.html").display());
+    let outcomes = draw_all(&entries, &inputs, &out, args.jobs)?;
+    let drawn = outcomes.iter().filter(|outcome| matches!(outcome, Outcome::Drawn(..))).count();
+    page(&entries, outcomes, &inputs, args)?.write(&out)?;
+    println!("{drawn} of {} figures on {}", entries.len(), out.join("index.html").display());
     Ok(())
 }
 
@@ -58,13 +65,16 @@ fn choose(only: &[String]) -> Result<Vec<&'static Entry>> {
     Ok(ALL.iter().filter(|e| only.is_empty() || only.iter().any(|id| id == e.id)).collect())
 }
 
-/// The plates and claims of all entries, in their order whatever the number of jobs.
-fn draw_all(
-    entries: &[&Entry],
-    inputs: &Inputs,
-    out: &Path,
-    jobs: usize,
-) -> Result<Vec<(Plate, Vec<Claim>)>> {
+/// What became of a figure.
+enum Outcome {
+    /// Its plate, and the claims that it settles.
+    Drawn(Box<Plate>, Vec<Claim>),
+    /// What the data lack for it.
+    Lacking(String),
+}
+
+/// The outcomes of all entries, in their order whatever the number of jobs.
+fn draw_all(entries: &[&Entry], inputs: &Inputs, out: &Path, jobs: usize) -> Result<Vec<Outcome>> {
     let pool = ThreadPoolBuilder::new().num_threads(jobs).build()?;
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} figures {msg}")?;
     let bar = ProgressBar::new(entries.len() as u64).with_style(style);
@@ -81,49 +91,72 @@ fn draw_all(
     Ok(drawn)
 }
 
-fn draw(entry: &Entry, inputs: &Inputs, out: &Path) -> Result<(Plate, Vec<Claim>)> {
-    let Sketch { figure, data, caption, alt, claims } = (entry.draw)(inputs)?;
+fn draw(entry: &Entry, inputs: &Inputs, out: &Path) -> Result<Outcome> {
+    let sketch = match (entry.draw)(inputs) {
+        Ok(sketch) => sketch,
+        Err(error) => return Ok(Outcome::Lacking(error.downcast::<Lacking>()?.to_string())),
+    };
+    let Sketch { figure, data, caption, alt, claims } = sketch;
     let figure = figure.named(&format!("Figure {}: {}", entry.id, entry.title));
     let name = format!("figure-{}", entry.id.replace('.', "-").to_lowercase());
     let drawn = figure.write(out, &name, &data)?;
     let command = format!("cargo xtask reproduce-figures --only {}", entry.id);
-    Ok((Plate::new(drawn, &caption, &command).alt(&alt), claims))
+    Ok(Outcome::Drawn(Box::new(Plate::new(drawn, &caption, &command).alt(&alt)), claims))
 }
 
-fn page(entries: &[&Entry], plates: Vec<(Plate, Vec<Claim>)>, args: &Args) -> Result<Page> {
-    ensure!(entries.len() == plates.len(), "a figure is missing");
+fn page(entries: &[&Entry], outcomes: Vec<Outcome>, inputs: &Inputs, args: &Args) -> Result<Page> {
+    ensure!(entries.len() == outcomes.len(), "a figure is missing");
     let provenance = Provenance {
         tool: format!("pushlab {}", env!("CARGO_PKG_VERSION")),
         arguments: arguments(args),
         seed: Some(inputs::SEED),
-        inputs: Vec::new(),
+        inputs: inputs.sources(),
     };
-    let lead = "The figures of the thesis on data-driven planar pushing, computed anew. Each stands \
-                beside the numbers it was drawn from and the command that draws it alone.";
-    let mut page = Page::new("Planar pushing: the figures", lead, provenance);
-    let mut all_claims = Vec::new();
-    let mut plates: Vec<_> = entries.iter().zip(plates).collect();
+    let lead = format!(
+        "The figures of the thesis on data-driven planar pushing, computed anew. Each stands \
+         beside the numbers it was drawn from and the command that draws it alone. Data: {}.",
+        inputs.name()
+    );
+    let mut page = Page::new("Planar pushing: the figures", &lead, provenance);
+    let (mut plates, mut claims, mut lacking) = (Vec::new(), Vec::new(), Vec::new());
+    for (entry, outcome) in entries.iter().zip(outcomes) {
+        match outcome {
+            Outcome::Drawn(plate, own) => {
+                plates.push((entry.chapter, plate));
+                claims.extend(own);
+            }
+            Outcome::Lacking(reason) => {
+                lacking.push(vec![format!("{}: {}", entry.id, entry.title), reason]);
+            }
+        }
+    }
     for chapter in Chapter::ALL {
-        let mut section = Section::new(chapter.anchor(), chapter.title());
-        let (own, rest): (Vec<_>, Vec<_>) =
-            plates.into_iter().partition(|(entry, _)| entry.chapter == chapter);
-        plates = rest;
+        let own: Vec<_> = plates.extract_if(.., |(of, _)| *of == chapter).collect();
         if own.is_empty() {
             continue;
         }
-        for (_, (plate, claims)) in own {
-            section = section.figure(plate);
-            all_claims.extend(claims);
-        }
-        page = page.with(section);
+        let section = Section::new(chapter.anchor(), chapter.title());
+        page = page.with(own.into_iter().fold(section, |to, (_, plate)| to.figure(*plate)));
     }
-    Ok(page.with(claims::section(all_claims)))
+    if !lacking.is_empty() {
+        page = page.with(
+            Section::new("not-drawn", "Not drawn from these data")
+                .table(&["figure", "reason"], lacking),
+        );
+    }
+    Ok(page.with(claims::section(claims)))
 }
 
 fn arguments(args: &Args) -> String {
     let mut words = vec!["reproduce-figures".to_owned()];
     if !args.only.is_empty() {
         words.push(format!("--only {}", args.only.join(",")));
+    }
+    if let Some(data) = &args.data {
+        words.push(format!("--data {}", data.display()));
+    }
+    if args.quick {
+        words.push("--quick".to_owned());
     }
     words.join(" ")
 }
@@ -135,7 +168,11 @@ mod tests {
 
     use clap::Parser;
 
-    use super::{ALL, Args, choose, run};
+    use super::{ALL, Args, Chapter, choose, run};
+
+    /// Two steps in the columns of the MIT square's table, for figures that need no data.
+    const STEPS: &str = "c,phi_rad,dx_c_m,dy_c_m_sign_flipped,dtheta_rad\n\
+                         0.5,0.0,0.004,0.0,0.0\n0.4,0.1,0.004,0.0,0.01\n";
 
     #[derive(Parser)]
     struct CommandLine {
@@ -144,10 +181,13 @@ mod tests {
     }
 
     /// Runs the task as from the command line; its files by name.
-    fn drawn(words: &[&str], out: &Path) -> Vec<(String, Vec<u8>)> {
-        let out = out.to_str().expect("a temporary folder has a plain name");
-        let line = CommandLine::try_parse_from([&["figures", "--out", out], words].concat());
-        run(&line.unwrap().args).unwrap();
+    fn drawn(words: &[&str], folder: &Path) -> Vec<(String, Vec<u8>)> {
+        let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+        let (out, data) = (path("out"), path("steps.csv"));
+        fs::write(&data, STEPS).unwrap();
+        let fixed = ["figures", "--out", &out, "--data", &data];
+        let line = CommandLine::try_parse_from([&fixed, words].concat()).unwrap();
+        run(&line.args).unwrap();
         let mut files: Vec<_> = fs::read_dir(out)
             .unwrap()
             .map(|entry| entry.unwrap().path())
@@ -158,11 +198,14 @@ mod tests {
     }
 
     #[test]
-    fn every_figure_leaves_a_light_picture_its_numbers_and_its_place_on_the_page() {
+    fn every_figure_without_data_leaves_a_light_picture_its_numbers_and_its_place() {
         let folder = tempfile::tempdir().unwrap();
-        let files = drawn(&[], folder.path());
-        let page = fs::read_to_string(folder.path().join("index.html")).unwrap();
-        for entry in ALL {
+        let without_data = [Chapter::Mechanics, Chapter::Learning];
+        let entries = || ALL.iter().filter(|entry| without_data.contains(&entry.chapter));
+        let numbers: Vec<_> = entries().map(|entry| entry.id).collect();
+        let files = drawn(&["--only", &numbers.join(",")], folder.path());
+        let page = fs::read_to_string(folder.path().join("out/index.html")).unwrap();
+        for entry in entries() {
             let name = format!("figure-{}", entry.id.replace('.', "-").to_lowercase());
             let size = |extension: &str| {
                 let file = format!("{name}.{extension}");
@@ -172,7 +215,7 @@ mod tests {
             assert!(size("png") > 10_000, "{name}.png: {} bytes", size("png"));
             assert!(size("csv") + size("json") > 100, "{name}: no numbers");
             assert!(page.contains(&format!("<figure id=\"{name}\">")), "{name} is not on the page");
-            assert!(page.contains(&format!("--only {}</code>", entry.id)), "{name}: no command");
+            assert!(page.contains(&format!("--only {}", entry.id)), "{name}: no command");
         }
         assert!(page.contains("3. c of the uniform square"));
     }
