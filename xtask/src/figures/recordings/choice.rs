@@ -23,17 +23,24 @@ impl<'a> Choice<'a> {
         })
     }
 
-    /// Of the pushes that fit, the one that touches nearest to `p` in the direction `beta`.
-    pub(super) fn nearest(
-        report: &'a IngestReport,
-        (p, beta): (f64, f64),
-        fits: impl Fn(&Self) -> bool,
-    ) -> Option<Self> {
+    /// All pushes, the first of them that which touches nearest to `p` in the direction `beta`.
+    pub(super) fn nearest_first(report: &'a IngestReport, (p, beta): (f64, f64)) -> Vec<Self> {
         let distance = |choice: &Self| {
             let first = &choice.first;
             ((first.p - p) / P_SCALE).hypot((first.beta_rad - beta) / BETA_SCALE)
         };
-        Self::all(report).filter(fits).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        let mut all: Vec<_> = Self::all(report).collect();
+        all.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        all
+    }
+
+    /// Of the pushes that fit, the nearest to `p` and `beta`.
+    pub(super) fn nearest(
+        report: &'a IngestReport,
+        wanted: (f64, f64),
+        fits: impl Fn(&Self) -> bool,
+    ) -> Option<Self> {
+        Self::nearest_first(report, wanted).into_iter().find(fits)
     }
 
     /// Its rows in contact.

@@ -76,7 +76,7 @@ fn directions(shape: &Shape) -> Panel {
     panel
         .with(Line::through(&arc).color(Color::VERMILION))
         .with(centered(contact + turned(30.0, 19.5), "β").color(Color::VERMILION))
-        .with(Note::new((contact + 48.0 * normal).into(), "inward normal, β = 0").offset(4.0, -4.0))
+        .with(Note::new((contact + 48.0 * normal).into(), "normal (β = 0)").offset(4.0, -4.0))
 }
 
 fn square_panel(shape: &Shape) -> Panel {

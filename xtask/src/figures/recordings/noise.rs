@@ -12,8 +12,13 @@ use crate::figures::sketch::Sketch;
 
 /// Motion has died down this long after rest, in s.
 const SETTLING: f64 = 0.1;
+/// A pusher that stays this near to where it was is at rest, in m.
+const AT_REST: f64 = 1e-4;
 /// Fewest samples of a stream that tell of its noise.
 const FEWEST: usize = 10;
+/// Times longer than this are not looked for, in s, nor more pushes than this.
+const LONG_ENOUGH: f64 = 0.4;
+const MOST_TRIED: usize = 20;
 
 /// Deviations of some channels of one sensor from their means.
 struct Sensor {
@@ -25,24 +30,25 @@ struct Sensor {
 
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let report = inputs.ingest_report()?;
-    let lasting = |choice: &Choice| {
-        choice.recording.streams.iter().all(|stream| {
-            let until = choice.window().1.min(stream.span_s[1]);
-            let rate = stream.rate_hz.unwrap_or(0.0);
-            (until - choice.push.rest_s - SETTLING) * rate > 1.5 * FEWEST as f64
-        })
+    let mut stills = Vec::new();
+    for choice in Choice::nearest_first(report, (0.5, 0.0)).into_iter().take(MOST_TRIED) {
+        let recording = inputs.recording(&choice.recording.name)?;
+        stills.extend(still(&recording, &choice).map(|span| (recording, span)));
+    }
+    let length = |span: &(f64, f64)| (span.1 - span.0).min(LONG_ENOUGH);
+    // Of those that are long enough, the first, which is nearest to a central push.
+    let Some((recording, span)) =
+        stills.into_iter().rev().max_by(|(_, a), (_, b)| length(a).total_cmp(&length(b)))
+    else {
+        return Err(inputs.lacking("samples of an object and a pusher at rest"));
     };
-    let choice = Choice::nearest(report, (0.5, 0.0), lasting)
-        .ok_or_else(|| inputs.lacking("samples of an object at rest after a push"))?;
-    let recording = inputs.recording(&choice.recording.name)?;
-    let rest = choice.push.rest_s + SETTLING;
-    let sensors = sensors(&recording, rest, choice.window().1);
+    let sensors = sensors(&recording, span);
     let columns = 2;
     let mut figure = Figure::new(sensors.len().div_ceil(columns), columns).panel_size(440.0, 300.0);
     let mut data = Vec::new();
     for sensor in &sensors {
-        figure = figure.with(sensor.panel(rest)?);
-        data.push(sensor.numbers(rest));
+        figure = figure.with(sensor.panel(span.0)?);
+        data.push(sensor.numbers(span.0));
     }
     let pooled = match (report.summary.resting_position_sd_m, report.summary.resting_angle_sd_rad) {
         (Some(position), Some(angle)) => format!(
@@ -55,15 +61,44 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
         _ => String::new(),
     };
     let caption = format!(
-        "Samples of object, robot and force sensor while everything rests after one push, as \
-         differences from their medians, with what still dies down after the stop; lines at plus and \
-         minus one standard deviation (sd).{pooled}"
+        "Samples of object, robot and force sensor while object and pusher rest before or after \
+         one push, as differences from their medians, with what still dies down after a stop; lines \
+         at plus and minus one standard deviation (sd).{pooled}"
     );
     let alt = "Scattered points about zero for each sensor.";
     Ok(Sketch::new(figure, json!(data), &caption, alt))
 }
 
-fn sensors(recording: &Recording, from: f64, until: f64) -> Vec<Sensor> {
+/// The longest time in which neither object nor pusher moves, before or after a push.
+fn still(recording: &Recording, choice: &Choice) -> Option<(f64, f64)> {
+    let (from, until) = choice.window();
+    let around =
+        [(from, choice.push.contact_start_s - SETTLING), (choice.push.rest_s + SETTLING, until)];
+    let spans = around.into_iter().filter_map(|span| longest_rest(&recording.robot, span));
+    let longest = spans.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)))?;
+    let t = &recording.object.t;
+    let n = t.iter().filter(|t| (longest.0..longest.1).contains(*t)).count();
+    (n >= FEWEST).then_some(longest)
+}
+
+/// The longest time in which a stream stays where it is.
+fn longest_rest(stream: &PoseStream, (from, until): (f64, f64)) -> Option<(f64, f64)> {
+    let mut order: Vec<_> =
+        (0..stream.len()).filter(|&i| (from..until).contains(&stream.t[i])).collect();
+    order.sort_by(|&a, &b| stream.t[a].total_cmp(&stream.t[b]));
+    let way = |a: usize, b: usize| (stream.x[a] - stream.x[b]).hypot(stream.y[a] - stream.y[b]);
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for i in order {
+        match runs.last_mut() {
+            Some((first, last)) if way(*first, i) < AT_REST => *last = i,
+            _ => runs.push((i, i)),
+        }
+    }
+    let spans = runs.into_iter().map(|(first, last)| (stream.t[first], stream.t[last]));
+    spans.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)))
+}
+
+fn sensors(recording: &Recording, (from, until): (f64, f64)) -> Vec<Sensor> {
     let PoseStream { t, x, y, theta, .. } = &recording.object;
     let position = [("x", &x[..], 1e6), ("y", &y[..], 1e6)];
     let mut sensors = vec![
@@ -145,7 +180,23 @@ fn standard_deviation(values: &[f64]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::standard_deviation;
+    use dataset::PoseStream;
+
+    use super::{longest_rest, standard_deviation};
+
+    /// Moves at 20 mm/s, but for a rest from 1 s to 1.5 s and one from 2 s to 2.2 s.
+    #[test]
+    fn the_longest_rest_is_found_within_what_is_asked_for() {
+        let t: Vec<f64> = (0..300).map(|k| f64::from(k) / 100.0).collect();
+        let way = |t: &f64| t.min(1.0) + (t - 1.5).clamp(0.0, 0.5) + (t - 2.2).max(0.0);
+        let x: Vec<f64> = t.iter().map(|t| 0.02 * way(t)).collect();
+        let stream = PoseStream { y: vec![0.0; t.len()], x, t, ..PoseStream::default() };
+        for (asked, (from, until)) in [((0.0, 3.0), (1.0, 1.5)), ((1.6, 3.0), (2.0, 2.2))] {
+            let found = longest_rest(&stream, asked).unwrap();
+            assert!((found.0 - from).abs() < 0.011 && (found.1 - until).abs() < 0.011, "{found:?}");
+        }
+        assert_eq!(longest_rest(&stream, (4.0, 5.0)), None);
+    }
 
     #[test]
     fn the_standard_deviation_is_that_of_a_sample() {

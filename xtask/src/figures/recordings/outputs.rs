@@ -1,10 +1,13 @@
 //! Figure 4.7: the table's three outputs over contact position and direction.
 
+use std::collections::BTreeSet;
+
 use anyhow::Result;
 use dataset::{Phase, StepRow};
 use report::{Claim, Color, ColorMap, Figure, Panel, Points, Table};
 
 use super::fold;
+use super::force_scan::median;
 use crate::figures::claims::{judged, untestable};
 use crate::figures::inputs::Inputs;
 use crate::figures::sketch::Sketch;
@@ -14,12 +17,12 @@ pub(crate) const CLAIMS: [&str; 2] = [
     "15. β > 0 gives Δy < 0; Δy depends mainly on β, Δθ mainly on p.",
     "16. Folding the four edges into one adds noise.",
 ];
-/// Steps whose pusher moves by less than this share of the others' way are cut short.
-const WHOLE: f64 = 0.95;
+/// Steps whose pusher moves by the usual way, within this share, are not cut short.
+const WHOLE: f64 = 0.05;
 /// Directions closer to the normal than this have no sign, in rad.
 const OBLIQUE: f64 = 0.1;
-/// Steps below which nothing is said of signs.
-const FEWEST_STEPS: usize = 50;
+/// Pushes below which p and β cannot be told apart.
+const FEWEST_PUSHES: usize = 10;
 
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let rows = whole_steps(&inputs.table()?.rows);
@@ -70,8 +73,8 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
 fn whole_steps(rows: &[StepRow]) -> Vec<&StepRow> {
     let way = |row: &StepRow| row.speed * row.dt;
     let in_contact = rows.iter().filter(|row| row.phase == Phase::Contact);
-    let longest = in_contact.clone().map(way).fold(0.0, f64::max);
-    in_contact.filter(|row| way(row) > WHOLE * longest).collect()
+    let usual = median(in_contact.clone().map(way).collect()).unwrap_or_default();
+    in_contact.filter(|row| (way(row) / usual - 1.0).abs() < WHOLE).collect()
 }
 
 /// The 1st and 99th percentile; the same on both sides of zero for a diverging map.
@@ -89,8 +92,9 @@ fn extremes(values: &[f64], map: ColorMap) -> (f64, f64) {
 }
 
 fn signs(rows: &[&StepRow]) -> Claim {
-    if rows.len() < FEWEST_STEPS {
-        return untestable(CLAIMS[0], "fewer than 50 steps in contact");
+    let pushes: BTreeSet<_> = rows.iter().map(|row| (&row.recording, row.push)).collect();
+    if pushes.len() < FEWEST_PUSHES {
+        return untestable(CLAIMS[0], "fewer than ten pushes: p and β go together");
     }
     let oblique: Vec<_> = rows.iter().filter(|row| row.beta.abs() > OBLIQUE).collect();
     let opposite = oblique.iter().filter(|row| row.beta * row.dy < 0.0).count();
@@ -106,10 +110,10 @@ fn signs(rows: &[&StepRow]) -> Claim {
         oblique.len()
     )
     .replace('-', "\u{2212}");
-    let holds =
-        share >= 0.9 && dy_beta.abs() > 2.0 * dy_p.abs() && turn_p.abs() > 2.0 * turn_beta.abs();
-    let reason = "signs opposite in 90 % of the steps with |β| > 0.1 rad, and twice as large an \
-                  effect of the named input as of the other, by linear regression on both";
+    let mainly = |named: f64, other: f64| named * named > 2.0 * other * other;
+    let holds = share >= 0.9 && mainly(dy_beta, dy_p) && mainly(turn_p, turn_beta);
+    let reason = "signs opposite in 90 % of the steps with |β| > 0.1 rad, and the named input \
+                  adds twice as much variance as the other, by linear regression on both";
     judged(CLAIMS[0], value, holds, reason)
 }
 
