@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::{
-    coverage::Histogram,
+    coverage::{Coverage, Histogram},
     force_zero::{ForceZero, UntaredReason},
     ingest_report::{IngestReport, PushReport, RecordingReport, Spread, StreamReport},
     push::SetAside,
@@ -15,11 +15,17 @@ impl IngestReport {
     /// The report as text: the set first, then one paragraph a recording.
     #[must_use]
     pub fn to_text(&self) -> String {
-        let mut out = format!("{}", SummaryText(self));
+        let mut out = self.summary_text();
         for recording in &self.recordings {
             out.push_str(&recording_text(recording));
         }
         out
+    }
+
+    /// The findings over the set as text, as [`IngestReport::to_text`] begins.
+    #[must_use]
+    pub fn summary_text(&self) -> String {
+        SummaryText(self).to_string()
     }
 }
 
@@ -78,11 +84,17 @@ impl fmt::Display for SummaryText<'_> {
         spread(f, "object noise at rest", summary.resting_position_sd_m, 1e6, "µm")?;
         spread(f, "object noise at rest", summary.resting_angle_sd_rad, 1e6, "µrad")?;
         writeln!(f, "  largest tilt: {:.2}°", summary.max_tilt_rad.to_degrees())?;
-        let coverage = &summary.coverage;
-        for histogram in [&coverage.p, &coverage.beta, &coverage.speed, &coverage.orientation] {
+        write!(f, "{}", summary.coverage)
+    }
+}
+
+impl fmt::Display for Coverage {
+    /// A line a histogram and the rows on each edge, indented by two blanks.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for histogram in [&self.p, &self.beta, &self.speed, &self.orientation] {
             histogram_line(f, histogram)?;
         }
-        writeln!(f, "  rows on edges: {:?}", coverage.edges)
+        writeln!(f, "  rows on edges: {:?}", self.edges)
     }
 }
 

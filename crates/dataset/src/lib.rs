@@ -73,7 +73,7 @@ pub use ingest_report::{
     Summary,
 };
 pub use ingest_settings::{ContactSettings, Curve, IngestSettings, RestSettings, StepLength};
-pub use init::{draft_manifest, init};
+pub use init::{draft_manifest, find_recordings, init};
 pub use manifest::{MANIFEST_NAME, Manifest, PusherSpec, RecordingsSpec, SupportSpec};
 pub use object::{ObjectChoice, ObjectSpec};
 pub use preset::Preset;

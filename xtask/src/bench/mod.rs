@@ -3,6 +3,7 @@
 //! One file a benchmark; [`BENCHMARKS`] registers them.
 
 mod contact;
+mod gp;
 mod report;
 mod timing;
 
@@ -44,7 +45,7 @@ struct Benchmark {
     rows: fn() -> Result<Vec<Row>>,
 }
 
-const BENCHMARKS: &[Benchmark] = &[contact::BENCHMARK];
+const BENCHMARKS: &[Benchmark] = &[contact::BENCHMARK, gp::BENCHMARK];
 
 #[cfg(test)]
 mod tests {
