@@ -3,7 +3,10 @@
 mod end_points;
 mod limit_surface_fits;
 mod one_step;
+mod raw_pushes;
+mod recordings;
 mod row;
+mod samples;
 
 use std::path::{Path, PathBuf};
 
@@ -45,6 +48,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         one_step::run(&args.data.join("mit-push-table/table.csv"), args.splits, args.seed)?,
         limit_surface_fits::section(&fits),
         end_points::run(&end_points.join("plywood.csv"), &fits)?,
+        raw_pushes::run(&args.data.join("mit-push-raw"))?,
+        recordings::run(&args.data.join("mit-recordings"))?,
+        samples::run(&args.data.join("../samples"))?,
     ] {
         json.extend(section.json);
         rows.extend(section.rows);

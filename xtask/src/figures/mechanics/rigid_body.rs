@@ -47,8 +47,8 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
         Line::through(&[in_mm(&center), in_mm(point)]).color(Color::GRAY).width(1.2)
     };
     let note = |at: &Vector2<f64>, text: &str| Note::new(in_mm(at), text);
-    let panel = panel("", (-90.0, 100.0), (-70.0, 80.0))?
-        .legend(LegendPlace::Outside)
+    let panel = panel("", (-92.0, 92.0), (-70.0, 70.0))?
+        .legend(LegendPlace::Below)
         .with(circle(&push.p_sc).width(0.9))
         .with(circle(&marked).width(0.9))
         .with(radius(&push.p_sc))
@@ -85,6 +85,6 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
     );
     let alt = "A square from above with a pusher at its left edge; arrows at its corners, center and \
                contact run along circles about a point below.";
-    let figure = Figure::new(1, 1).panel_size(700.0, 420.0).with(panel);
+    let figure = Figure::new(1, 1).panel_size(560.0, 470.0).with(panel);
     Ok(Sketch::new(figure, table, &caption, alt))
 }
