@@ -4,6 +4,7 @@
 
 mod contact;
 mod gp;
+mod ingest;
 mod report;
 mod timing;
 
@@ -45,7 +46,7 @@ struct Benchmark {
     rows: fn() -> Result<Vec<Row>>,
 }
 
-const BENCHMARKS: &[Benchmark] = &[contact::BENCHMARK, gp::BENCHMARK];
+const BENCHMARKS: &[Benchmark] = &[contact::BENCHMARK, gp::BENCHMARK, ingest::BENCHMARK];
 
 #[cfg(test)]
 mod tests {
