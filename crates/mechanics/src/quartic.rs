@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn a_narrow_dent_between_samples_is_found() {
+    fn a_quartic_without_curvature_across_an_axis_is_on_the_border_of_convexity() {
         // Without cross terms the curvature across an axis is zero: a limit that cannot be proved.
         assert!(Quartic::new(fourth_powers(2.0), 0.05).is_ok());
         let edge = Quartic::new(fourth_powers(0.0), 0.05);
