@@ -4,6 +4,7 @@
 
 mod contact;
 mod gp;
+mod ingest;
 mod push;
 mod report;
 mod timing;
@@ -49,7 +50,8 @@ struct Benchmark {
     rows: fn() -> Result<Vec<Row>>,
 }
 
-const BENCHMARKS: &[Benchmark] = &[contact::BENCHMARK, gp::BENCHMARK, push::BENCHMARK];
+const BENCHMARKS: &[Benchmark] =
+    &[contact::BENCHMARK, gp::BENCHMARK, ingest::BENCHMARK, push::BENCHMARK];
 
 #[cfg(test)]
 mod tests {
