@@ -1,0 +1,259 @@
+//! The motion in which friction, the pusher, other loads and inertia balance.
+
+use mechanics::{ContactMode, Ellipsoid, Push, predict};
+use nalgebra::{Matrix2, Matrix3, UnitVector2, Vector2, Vector3};
+use planar::perpendicular;
+
+use crate::friction::Load;
+use crate::{ContactLaw, EffectError, Friction};
+
+/// All loads of one moment but the pusher's, per unit of the largest friction force, about S.
+pub(crate) struct Balance<'a> {
+    pub(crate) friction: &'a Friction<'a>,
+    /// What else acts on the object.
+    pub(crate) external: Vector3<f64>,
+    /// Inertia over the time step, and the motion from which it pulls.
+    pub(crate) inertia: Option<(Matrix3<f64>, Vector3<f64>)>,
+}
+
+/// One contact, about S in the axes of the outline.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Touch {
+    pub(crate) point: Vector2<f64>,
+    pub(crate) normal: Vector2<f64>,
+    /// The pusher's velocity, in m/s.
+    pub(crate) velocity: Vector2<f64>,
+}
+
+/// Motion and contact force that belong together.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Answer {
+    pub(crate) mode: ContactMode,
+    /// (vx, vy, ω) at S.
+    pub(crate) motion: Vector3<f64>,
+    /// Contact force on the object, per unit of the largest friction force.
+    pub(crate) force: Vector2<f64>,
+}
+
+const AT_REST: Answer = Answer {
+    mode: ContactMode::Separated,
+    motion: Vector3::new(0.0, 0.0, 0.0),
+    force: Vector2::new(0.0, 0.0),
+};
+
+const MAX_ITERATIONS: usize = 60;
+/// Relative change of the motion at which a search ends.
+const TOLERANCE: f64 = 1e-12;
+
+/// The push in closed form on an ellipsoid, with a friction cone that need not be even.
+pub(crate) fn closed_form(
+    surface: &Ellipsoid,
+    touch: &Touch,
+    law: &ContactLaw,
+) -> Result<Answer, EffectError> {
+    // A cone of the larger half-width tells on which side the force is.
+    let wide = law.static_ratio * law.sliding(1.0).max(law.sliding(-1.0));
+    let push = touch.push(wide);
+    let motion = predict(surface, &push)?;
+    let (normal, tangential) = touch.split(&motion.force_s);
+    if motion.mode == ContactMode::Separated {
+        return Ok(AT_REST);
+    }
+    let fits = motion.mode == ContactMode::Sticking && law.sticks(normal, tangential);
+    let side = tangential.signum();
+    let motion = if fits || law.sliding(side) == wide {
+        motion
+    } else {
+        predict(surface, &touch.push(law.sliding(side)))?
+    };
+    Ok(Answer { mode: motion.mode, motion: motion.twist_ws_s.to_vector(), force: motion.force_s })
+}
+
+impl Touch {
+    fn push(&self, friction: f64) -> Push {
+        let normal_s = UnitVector2::new_unchecked(self.normal);
+        Push { p_sc: self.point, normal_s, v_wp_s: self.velocity, friction }
+    }
+
+    pub(crate) fn tangent(&self) -> Vector2<f64> {
+        perpendicular(&self.normal)
+    }
+
+    /// Normal and tangential part of a force.
+    pub(crate) fn split(&self, force: &Vector2<f64>) -> (f64, f64) {
+        (self.normal.dot(force), self.tangent().dot(force))
+    }
+
+    /// The motion of a turn ω with the contact point at the velocity v − slip · tangent.
+    fn motion(&self, omega: f64, slip: f64) -> Vector3<f64> {
+        let linear = self.velocity - slip * self.tangent() - omega * perpendicular(&self.point);
+        Vector3::new(linear.x, linear.y, omega)
+    }
+
+    /// Maps a motion to ω's part in it, and a load to its moment about the contact.
+    fn turn(&self) -> Vector3<f64> {
+        Vector3::new(self.point.y, -self.point.x, 1.0)
+    }
+}
+
+impl Balance<'_> {
+    /// The load that the pusher has to bear for a motion.
+    pub(crate) fn missing(&self, motion: &Vector3<f64>) -> Result<Load, EffectError> {
+        let (mut load, mut slope) = self.friction.load(motion)?;
+        load -= self.external;
+        if let Some((mass, target)) = &self.inertia {
+            load += mass * (motion - target);
+            slope += mass;
+        }
+        Ok((load, slope))
+    }
+
+    /// The motion while the pusher touches and moves on; `guess` starts the search.
+    ///
+    /// A contact that would have to pull is separated, and its motion without meaning.
+    pub(crate) fn touched(
+        &self,
+        touch: &Touch,
+        law: &ContactLaw,
+        guess: &Answer,
+    ) -> Result<Answer, EffectError> {
+        let (motion, force) = self.stick(touch, 0.0, guess.motion.z)?;
+        let (normal, tangential) = touch.split(&force);
+        if normal > 0.0 && law.sticks(normal, tangential) {
+            return Ok(Answer { mode: ContactMode::Sticking, motion, force });
+        }
+        let side = if tangential >= 0.0 { 1.0 } else { -1.0 };
+        let (motion, force) = self.slide(touch, side, law.sliding(side), guess)?;
+        let mode = match side > 0.0 {
+            true => ContactMode::SlidingLeft,
+            false => ContactMode::SlidingRight,
+        };
+        let pushes = touch.normal.dot(&force) > 0.0;
+        Ok(Answer { mode: if pushes { mode } else { ContactMode::Separated }, motion, force })
+    }
+
+    /// The turn for which the moment about the contact vanishes, at a given slip.
+    ///
+    /// The moment grows with ω, because the dissipation is convex: Newton's method within a bracket.
+    fn stick(
+        &self,
+        touch: &Touch,
+        slip: f64,
+        guess: f64,
+    ) -> Result<(Vector3<f64>, Vector2<f64>), EffectError> {
+        let turn = touch.turn();
+        let rate = touch.velocity.norm() / self.friction.length();
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let (mut omega, mut reach) = (guess, 0.1 * rate.max(guess.abs()));
+        for _ in 0..MAX_ITERATIONS {
+            let motion = touch.motion(omega, slip);
+            let (load, slope) = self.missing(&motion)?;
+            let (moment, change) = (turn.dot(&load), turn.dot(&(slope * turn)));
+            if moment > 0.0 {
+                high = omega
+            } else {
+                low = omega
+            }
+            let mut next = omega - moment / change;
+            if !(next > low && next < high) {
+                next = if low.is_finite() && high.is_finite() {
+                    0.5 * (low + high)
+                } else {
+                    reach *= 2.0;
+                    omega - moment.signum() * reach
+                };
+            }
+            let settled = (next - omega).abs() <= TOLERANCE * (rate + omega.abs());
+            if settled || moment == 0.0 || high - low <= TOLERANCE * rate {
+                return Ok((motion, load.xy()));
+            }
+            omega = next;
+        }
+        Err(EffectError::NotConverged { what: "the sticking push", iterations: MAX_ITERATIONS })
+    }
+
+    /// The turn and the slip for which the force is on the cone's edge.
+    fn slide(
+        &self,
+        touch: &Touch,
+        side: f64,
+        friction: f64,
+        guess: &Answer,
+    ) -> Result<(Vector3<f64>, Vector2<f64>), EffectError> {
+        let (turn, tangent) = (touch.turn(), touch.tangent());
+        let outside = tangent - side * friction * touch.normal;
+        let outside = Vector3::new(outside.x, outside.y, 0.0);
+        let along = Vector3::new(-tangent.x, -tangent.y, 0.0);
+        let speed = touch.velocity.norm();
+        let start = self.slip_of(touch, guess);
+        let mut at = Vector2::new(guess.motion.z, if side * start > 0.0 { start } else { 0.0 });
+        let mut last = f64::INFINITY;
+        for _ in 0..MAX_ITERATIONS / 2 {
+            let (load, slope) = self.missing(&touch.motion(at.x, at.y))?;
+            let residual =
+                Vector2::new(turn.dot(&load) / self.friction.length(), outside.dot(&load));
+            let columns = [slope * turn, slope * along];
+            let jacobian = Matrix2::new(
+                turn.dot(&columns[0]) / self.friction.length(),
+                turn.dot(&columns[1]) / self.friction.length(),
+                outside.dot(&columns[0]),
+                outside.dot(&columns[1]),
+            );
+            let Some(step) = jacobian.try_inverse().map(|inverse| inverse * residual) else {
+                break;
+            };
+            let size = step.y.abs() + self.friction.length() * step.x.abs();
+            if size <= TOLERANCE * speed {
+                return Ok((touch.motion(at.x, at.y), load.xy()));
+            }
+            // Steps that do not shrink are left to the slower search.
+            if !(residual.norm() < 2.0 * last && size < 10.0 * speed) {
+                break;
+            }
+            last = residual.norm();
+            at -= step;
+        }
+        self.slide_by_bracket(touch, side, &outside, guess.motion.z)
+    }
+
+    /// The same by the sticking solution at each slip: the force turns one way as the slip grows.
+    fn slide_by_bracket(
+        &self,
+        touch: &Touch,
+        side: f64,
+        outside: &Vector3<f64>,
+        guess: f64,
+    ) -> Result<(Vector3<f64>, Vector2<f64>), EffectError> {
+        let (mut low, mut high) = (0.0, 0.25 * touch.velocity.norm());
+        let speed = touch.velocity.norm();
+        let excess = |slip: f64, guess: f64| {
+            let (motion, force) = self.stick(touch, side * slip, guess)?;
+            Ok::<_, EffectError>((side * outside.xy().dot(&force), motion, force))
+        };
+        let mut omega = guess;
+        for _ in 0..MAX_ITERATIONS {
+            let (value, motion, _) = excess(high, omega)?;
+            omega = motion.z;
+            if value <= 0.0 {
+                break;
+            }
+            (low, high) = (high, 2.0 * high);
+        }
+        for _ in 0..2 * MAX_ITERATIONS {
+            let middle = 0.5 * (low + high);
+            let (value, motion, force) = excess(middle, omega)?;
+            omega = motion.z;
+            if high - low <= TOLERANCE * speed || value == 0.0 {
+                return Ok((motion, force));
+            }
+            if value > 0.0 { low = middle } else { high = middle }
+        }
+        Err(EffectError::NotConverged { what: "the sliding push", iterations: 2 * MAX_ITERATIONS })
+    }
+
+    /// Slip of a motion: velocity of the pusher over the object along the tangent, in m/s.
+    fn slip_of(&self, touch: &Touch, answer: &Answer) -> f64 {
+        let at_contact = answer.motion.xy() + answer.motion.z * perpendicular(&touch.point);
+        touch.tangent().dot(&(touch.velocity - at_contact))
+    }
+}

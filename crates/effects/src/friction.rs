@@ -1,0 +1,221 @@
+//! The friction load of a motion, with its derivatives.
+
+use mechanics::LimitSurface;
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
+use planar::Twist;
+
+use crate::patch_table::PatchTable;
+use crate::{EffectError, Object, Support};
+
+/// Friction of one moment, per unit of the largest force, about the center of friction S.
+///
+/// The load is (1 − λ) that of the ellipsoid (or given surface) plus λ that of the patch, plus the
+/// surplus of single points.
+#[derive(Debug)]
+pub(crate) struct Friction<'a> {
+    object: &'a Object,
+    shape: f64,
+    /// c of the ellipsoid, in m.
+    length: f64,
+    /// How much farther apart the points of the support are than nominal.
+    stretch: f64,
+    base: Base<'a>,
+    patch: Option<&'a PatchTable>,
+    tensor: Matrix2<f64>,
+    is_isotropic: bool,
+    /// Relative surplus of each of the object's points; empty for none.
+    surplus: &'a [f64],
+}
+
+#[derive(Debug)]
+enum Base<'a> {
+    /// A⁻¹ of the ellipsoid.
+    Ellipsoid(Matrix3<f64>),
+    /// A surface seen through `map`: H(map · t).
+    Given { surface: &'a dyn LimitSurface, map: Matrix3<f64>, f_max: f64 },
+}
+
+/// A load and its derivatives by the motion.
+pub(crate) type Load = (Vector3<f64>, Matrix3<f64>);
+
+/// A limit surface given by the user, with its largest force in N.
+pub(crate) type Given<'a> = Option<(&'a dyn LimitSurface, f64)>;
+
+impl<'a> Friction<'a> {
+    pub(crate) fn new(
+        object: &'a Object,
+        support: &Support,
+        given: Given<'a>,
+        surplus: &'a [f64],
+    ) -> Result<Self, EffectError> {
+        let tensor = support.tensor_o.exp(1.0);
+        let stretch = support.length_ratio;
+        let turning = stretch * turning_ratio(object, support);
+        let length = turning * object.mean_distance();
+        let base = match given {
+            None => Base::Ellipsoid(ellipsoid(support, length)),
+            Some((surface, f_max)) => {
+                let map = map_to_frame(object, &tensor, turning);
+                Base::Given { surface, map, f_max }
+            }
+        };
+        let patch = if support.shape == 0.0 { None } else { Some(object.patch()?) };
+        let is_isotropic = support.tensor_o.is_zero();
+        let shape = support.shape;
+        Ok(Self { object, shape, length, stretch, base, patch, tensor, is_isotropic, surplus })
+    }
+
+    /// c = Mmax/Fmax, in m.
+    pub(crate) fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// The load (Fx, Fy, M) of a nonzero motion (vx, vy, ω) at S.
+    pub(crate) fn load(&self, motion: &Vector3<f64>) -> Result<Load, EffectError> {
+        let (mut load, mut slope) = (Vector3::zeros(), Matrix3::zeros());
+        if self.shape != 1.0 {
+            let (base, base_slope) = self.base_load(motion)?;
+            load += (1.0 - self.shape) * base;
+            slope += (1.0 - self.shape) * base_slope;
+        }
+        if let Some(table) = self.patch {
+            let (patch, patch_slope) = self.patch_load(table, motion);
+            load += self.shape * patch;
+            slope += self.shape * patch_slope;
+        }
+        if !self.surplus.is_empty() {
+            self.add_points(
+                motion,
+                |index, share| share * self.surplus[index],
+                0.0,
+                (&mut load, &mut slope),
+            );
+        }
+        Ok((load, slope))
+    }
+
+    fn base_load(&self, motion: &Vector3<f64>) -> Result<Load, EffectError> {
+        match &self.base {
+            Base::Ellipsoid(inverse) => {
+                let image = inverse * motion;
+                let power = image.dot(motion).sqrt();
+                let load = image / power;
+                Ok((load, (inverse - load * load.transpose()) / power))
+            }
+            Base::Given { surface, map, f_max } => {
+                let at = |motion: &Vector3<f64>| -> Result<Vector3<f64>, EffectError> {
+                    let wrench = surface.wrench(&Twist::from_vector(&(map * motion)))?;
+                    Ok(map.transpose() * wrench.to_vector() / *f_max)
+                };
+                // Differences over a millionth of the motion: given surfaces state no derivatives.
+                let size = 1e-6 * motion.xy().norm().max(self.length * motion.z.abs());
+                let mut slope = Matrix3::zeros();
+                for (axis, step) in [size, size, size / self.length].into_iter().enumerate() {
+                    let (mut ahead, mut behind) = (*motion, *motion);
+                    ahead[axis] += step;
+                    behind[axis] -= step;
+                    slope.set_column(axis, &((at(&ahead)? - at(&behind)?) / (2.0 * step)));
+                }
+                Ok((at(motion)?, slope))
+            }
+        }
+    }
+
+    /// The table's load; where friction has directions, the points add the difference.
+    fn patch_load(&self, table: &PatchTable, motion: &Vector3<f64>) -> Load {
+        let scale = self.stretch * self.object.mean_distance();
+        let (unit, unit_slope) = table.load(&Vector3::new(motion.x, motion.y, scale * motion.z));
+        let mut load = Vector3::new(unit.x, unit.y, scale * unit.z);
+        let mut slope = Matrix3::from_fn(|i, j| {
+            let factors = [1.0, 1.0, scale];
+            factors[i] * factors[j] * unit_slope[(i, j)]
+        });
+        if !self.is_isotropic {
+            self.add_points(motion, |_, share| share, -1.0, (&mut load, &mut slope));
+        }
+        (load, slope)
+    }
+
+    /// Adds, for each point, its weight times T²v/|Tv| and `isotropic` times the weight times v/|v|.
+    fn add_points(
+        &self,
+        motion: &Vector3<f64>,
+        weight: impl Fn(usize, f64) -> f64,
+        isotropic: f64,
+        (load, slope): (&mut Vector3<f64>, &mut Matrix3<f64>),
+    ) {
+        // Points move with the pressure that they stand for.
+        let stretch = self.stretch;
+        for (index, (place, share)) in self.object.points().iter().enumerate() {
+            let weight = weight(index, *share);
+            let arm = Matrix2x3::new(1.0, 0.0, -stretch * place.y, 0.0, 1.0, stretch * place.x);
+            let velocity = arm * motion;
+            let mut add = |tensor: &Matrix2<f64>, weight: f64| {
+                let image = tensor * velocity;
+                let speed = image.norm();
+                if speed > 0.0 {
+                    let (unit, turned) = (image / speed, tensor * arm);
+                    let along: Vector3<f64> = turned.tr_mul(&unit);
+                    *load += weight * along;
+                    let curve = turned.tr_mul(&turned) - along * along.transpose();
+                    *slope += weight / speed * curve;
+                }
+            };
+            add(&self.tensor, weight);
+            if isotropic != 0.0 {
+                add(&Matrix2::identity(), isotropic * weight);
+            }
+        }
+    }
+
+    /// The velocity of a support point, axes of the outline, in m/s, and its place from S.
+    pub(crate) fn sliding(
+        &self,
+        motion: &Vector3<f64>,
+    ) -> impl Iterator<Item = (Vector2<f64>, Vector2<f64>)> + '_ {
+        let (motion, stretch) = (*motion, self.stretch);
+        self.object.points().iter().map(move |(place, _)| {
+            let place = stretch * place;
+            (place, motion.xy() + motion.z * planar::perpendicular(&place))
+        })
+    }
+}
+
+/// A⁻¹ = diag(T², c²) of the ellipsoid of a moment, per unit of the largest force.
+pub(crate) fn ellipsoid(support: &Support, length: f64) -> Matrix3<f64> {
+    let forces = support.tensor_o.exp(2.0);
+    Matrix3::new(
+        forces.m11,
+        forces.m12,
+        0.0,
+        forces.m21,
+        forces.m22,
+        0.0,
+        0.0,
+        0.0,
+        length * length,
+    )
+}
+
+/// The largest moment of anisotropic friction over that of isotropic friction with the same mean.
+///
+/// Turning about its center, a point at r slides along J r with the friction |T J r| = |T⁻¹ r|.
+pub(crate) fn turning_ratio(object: &Object, support: &Support) -> f64 {
+    if support.tensor_o.is_zero() {
+        return 1.0;
+    }
+    let inverse = support.tensor_o.exp(-1.0);
+    let (mut with, mut without) = (0.0, 0.0);
+    for (place, share) in object.points() {
+        with += share * (inverse * place).norm();
+        without += share * place.norm();
+    }
+    with / without
+}
+
+/// From motions at S to those of a given surface at the origin of the outline.
+fn map_to_frame(object: &Object, tensor: &Matrix2<f64>, turning: f64) -> Matrix3<f64> {
+    let center = object.centroid();
+    let (a, b) = (turning * center.y, -turning * center.x);
+    Matrix3::new(tensor.m11, tensor.m12, a, tensor.m21, tensor.m22, b, 0.0, 0.0, turning)
+}

@@ -1,0 +1,251 @@
+//! What moves the object at one moment.
+
+use mechanics::{ContactMode, Ellipsoid, MechanicsError};
+use nalgebra::{Vector2, Vector3};
+use planar::{Pose, Twist, cross, perpendicular};
+
+use crate::balance::{Answer, Balance, Touch, closed_form};
+use crate::effect::{Moment, Sliding, Stage};
+use crate::friction::{Friction, ellipsoid, turning_ratio};
+use crate::{ContactLaw, EffectError, PushPhysics, StepInput, Support};
+
+/// The model at one pose and time of a step.
+pub(crate) struct Instant<'a> {
+    physics: &'a PushPhysics,
+    step: &'a StepInput,
+    pose_wo: Pose,
+    support: Support,
+    /// Center of friction, in m, frame of the outline.
+    center: Vector2<f64>,
+    /// Largest friction force, in N.
+    pub(crate) f_max: f64,
+    /// Loads besides the pusher's per `f_max`, about the center of friction, axes of the outline.
+    external: Vector3<f64>,
+}
+
+/// Motion and contact force of a moment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rate {
+    pub(crate) mode: ContactMode,
+    /// Motion of the outline's origin, or with inertia of the center of mass, axes of W.
+    pub(crate) twist_w: Twist,
+    /// Contact force on the object, in N, axes of the outline.
+    pub(crate) force_o: Vector2<f64>,
+}
+
+/// Passes over the friction of single points, which depends on the motion that it causes.
+const MAX_PASSES: usize = 40;
+const SURPLUS_TOLERANCE: f64 = 1e-10;
+
+impl<'a> Instant<'a> {
+    pub(crate) fn new(
+        physics: &'a PushPhysics,
+        step: &'a StepInput,
+        pose_wo: &Pose,
+        time: f64,
+    ) -> Self {
+        let moment = Moment { rig: physics.rig(), step, pose_wo: *pose_wo, time };
+        let support = physics.support(&moment);
+        let center = step.object.centroid() + support.center_o;
+        let nominal = physics.rig().nominal_force(step.object.mass());
+        let f_max = nominal * (support.friction / physics.rig().support_friction());
+        let external = if physics.acts_at(Stage::Load) {
+            let load_w = physics.load(&moment);
+            let force = pose_wo.inverse_rotate(&load_w.force);
+            let torque = load_w.torque - cross(&center, &force);
+            Vector3::new(force.x, force.y, torque) / f_max
+        } else {
+            Vector3::zeros()
+        };
+        Self { physics, step, pose_wo: *pose_wo, support, center, f_max, external }
+    }
+
+    /// The contact at a point in the outline's frame, by a pusher with a velocity in W.
+    pub(crate) fn touch(
+        &self,
+        point_o: &Vector2<f64>,
+        normal_o: &Vector2<f64>,
+        velocity_w: &Vector2<f64>,
+    ) -> Touch {
+        let velocity = self.pose_wo.inverse_rotate(velocity_w);
+        Touch { point: point_o - self.center, normal: *normal_o, velocity }
+    }
+
+    /// The quasi-static motion; `ellipsoid` keeps the closed form's surface from moment to moment.
+    pub(crate) fn pushed(
+        &self,
+        touch: &Touch,
+        law: &ContactLaw,
+        last: &mut Option<(Support, Ellipsoid)>,
+    ) -> Result<Rate, EffectError> {
+        self.refuse_sliding_by_itself()?;
+        let guess = closed_form(&self.ellipsoid(last)?, touch, law)?;
+        if guess.mode == ContactMode::Separated {
+            return Ok(self.rate(&guess));
+        }
+        let is_quadric = self.support.shape == 0.0 && self.physics.rig().given().is_none();
+        let answer = if is_quadric && self.external == Vector3::zeros() {
+            guess
+        } else {
+            let friction = self.friction(&[])?;
+            let balance = Balance { friction: &friction, external: self.external, inertia: None };
+            balance.touched(touch, law, &guess)?
+        };
+        if !self.physics.acts_at(Stage::Local) {
+            return Ok(self.rate(&answer));
+        }
+        let external = self.external;
+        let solve = |friction: &Friction<'_>, guess: &Answer| {
+            Balance { friction, external, inertia: None }.touched(touch, law, guess)
+        };
+        Ok(self.rate(&self.with_local(answer, solve)?))
+    }
+
+    /// The motion with inertia: friction, pusher and loads act for `duration`, in s, on an object
+    /// that moves with `target`. Both are motions of the center of mass, axes of W.
+    pub(crate) fn pushed_with_inertia(
+        &self,
+        touch: &Touch,
+        law: &ContactLaw,
+        duration: f64,
+        target: &Twist,
+        last: &mut Option<(Support, Ellipsoid)>,
+    ) -> Result<Rate, EffectError> {
+        let center = self.step.object.center_of_mass();
+        let guess = closed_form(&self.ellipsoid(last)?, touch, law)?;
+        let guess = match guess.mode {
+            ContactMode::Separated => Answer { motion: self.to_motion(target, center), ..guess },
+            _ => guess,
+        };
+        let pull = self.to_motion(target, center);
+        let inertia = Some((self.mass() / (self.f_max * duration), pull));
+        let external = self.external;
+        let solve = |friction: &Friction<'_>, guess: &Answer| {
+            Balance { friction, external, inertia }.touched(touch, law, guess)
+        };
+        let answer = solve(&self.friction(&[])?, &guess)?;
+        Ok(self.rate_at(&self.with_local(answer, solve)?, center))
+    }
+
+    /// Acceleration of the center of mass without a pusher, and the power that slows it, in W.
+    pub(crate) fn free_acceleration(&self, twist_w: &Twist) -> Result<(Twist, f64), EffectError> {
+        let center = self.step.object.center_of_mass();
+        let motion = self.to_motion(twist_w, center);
+        let mut surplus = Vec::new();
+        if self.physics.acts_at(Stage::Local) {
+            self.surplus(&self.friction(&[])?, &motion, &mut surplus);
+        }
+        let (load, _) = self.friction(&surplus)?.load(&motion)?;
+        let net = self.f_max * (self.external - load);
+        let inverse = self.mass().try_inverse();
+        let inverse = inverse.expect("mass and moment of inertia are positive");
+        let power = -net.dot(&motion);
+        Ok((self.to_twist(&(inverse * net), center), power))
+    }
+
+    /// Iterates between the motion and the friction of single points that it causes.
+    fn with_local(
+        &self,
+        mut answer: Answer,
+        solve: impl Fn(&Friction<'_>, &Answer) -> Result<Answer, EffectError>,
+    ) -> Result<Answer, EffectError> {
+        if !self.physics.acts_at(Stage::Local) || answer.mode == ContactMode::Separated {
+            return Ok(answer);
+        }
+        let plain = self.friction(&[])?;
+        let (mut surplus, mut before) = (Vec::new(), Vec::new());
+        for _ in 0..MAX_PASSES {
+            self.surplus(&plain, &answer.motion, &mut surplus);
+            if before.is_empty() && surplus.iter().all(|value| *value == 0.0) {
+                return Ok(answer);
+            }
+            let change = surplus.iter().zip(&before).map(|(a, b): (&f64, &f64)| (a - b).abs());
+            if !before.is_empty() && change.fold(0.0, f64::max) <= SURPLUS_TOLERANCE {
+                return Ok(answer);
+            }
+            answer = solve(&self.friction(&surplus)?, &answer)?;
+            std::mem::swap(&mut surplus, &mut before);
+        }
+        let what = "the friction of single support points";
+        Err(EffectError::NotConverged { what, iterations: MAX_PASSES })
+    }
+
+    /// Relative surplus of friction of each support point in a motion at S.
+    fn surplus(&self, friction: &Friction<'_>, motion: &Vector3<f64>, surplus: &mut Vec<f64>) {
+        surplus.clear();
+        surplus.extend(friction.sliding(motion).map(|(place, velocity)| {
+            self.physics.local_friction(&Sliding {
+                place_w: self.pose_wo.transform_point(&(self.center + place)),
+                velocity_w: self.pose_wo.rotate(&velocity),
+            })
+        }));
+    }
+
+    fn friction<'b>(&'b self, surplus: &'b [f64]) -> Result<Friction<'b>, EffectError> {
+        let given = self.physics.rig().given();
+        Friction::new(&self.step.object, &self.support, given, surplus)
+    }
+
+    /// The ellipsoid of the moment, made anew only if it changed.
+    fn ellipsoid(&self, last: &mut Option<(Support, Ellipsoid)>) -> Result<Ellipsoid, EffectError> {
+        if let Some((support, surface)) = last {
+            let same = support.tensor_o == self.support.tensor_o
+                && support.length_ratio == self.support.length_ratio;
+            if same {
+                return Ok(*surface);
+            }
+        }
+        let object = &self.step.object;
+        let ratio = self.support.length_ratio * turning_ratio(object, &self.support);
+        let inverse = ellipsoid(&self.support, ratio * object.mean_distance());
+        let surface = Ellipsoid::from_inverse(inverse)?;
+        *last = Some((self.support, surface));
+        Ok(surface)
+    }
+
+    /// A load that friction cannot hold has no quasi-static motion.
+    fn refuse_sliding_by_itself(&self) -> Result<(), EffectError> {
+        if self.external == Vector3::zeros() {
+            return Ok(());
+        }
+        let ratio = self.support.length_ratio * turning_ratio(&self.step.object, &self.support);
+        let inverse = ellipsoid(&self.support, ratio * self.step.object.mean_distance());
+        let matrix = inverse.try_inverse().expect("a positive definite matrix");
+        let level = self.external.dot(&(matrix * self.external)).sqrt();
+        if level < 1.0 {
+            return Ok(());
+        }
+        Err(MechanicsError::SlidesByItself { level }.into())
+    }
+
+    /// Mass matrix at the center of friction, axes of the outline.
+    fn mass(&self) -> nalgebra::Matrix3<f64> {
+        let object = &self.step.object;
+        let (m, arm) = (object.mass(), object.center_of_mass() - self.center);
+        let (x, y) = (m * arm.x, m * arm.y);
+        let turn = object.moment_of_inertia() + m * arm.norm_squared();
+        nalgebra::Matrix3::new(m, 0.0, -y, 0.0, m, x, -y, x, turn)
+    }
+
+    /// From a motion of the point `at` (frame of the outline) in W to one at S in the outline's axes.
+    fn to_motion(&self, twist_w: &Twist, at: &Vector2<f64>) -> Vector3<f64> {
+        let linear = self.pose_wo.inverse_rotate(&twist_w.linear)
+            + twist_w.angular * perpendicular(&(self.center - at));
+        Vector3::new(linear.x, linear.y, twist_w.angular)
+    }
+
+    /// The inverse of [`Instant::to_motion`].
+    fn to_twist(&self, motion: &Vector3<f64>, at: &Vector2<f64>) -> Twist {
+        let linear = motion.xy() + motion.z * perpendicular(&(at - self.center));
+        Twist { linear: self.pose_wo.rotate(&linear), angular: motion.z }
+    }
+
+    fn rate(&self, answer: &Answer) -> Rate {
+        self.rate_at(answer, &Vector2::zeros())
+    }
+
+    fn rate_at(&self, answer: &Answer, at: &Vector2<f64>) -> Rate {
+        let twist_w = self.to_twist(&answer.motion, at);
+        Rate { mode: answer.mode, twist_w, force_o: self.f_max * answer.force }
+    }
+}
