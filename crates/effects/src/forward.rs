@@ -2,7 +2,7 @@
 
 use mechanics::{ContactMode, Ellipsoid};
 use nalgebra::Vector2;
-use planar::{Contact, Pose, Twist, perpendicular};
+use planar::{Contact, Feature, Pose, Twist, perpendicular};
 
 use crate::geometry::Outline;
 use crate::instant::{Instant, Rate};
@@ -25,6 +25,8 @@ pub(crate) struct Forward<'a> {
     /// Velocity of the center of mass, axes of W; followed only with inertia.
     pub(crate) twist_w: Twist,
     pub(crate) touching: bool,
+    /// The contact at this time and pose.
+    pub(crate) now: Meeting,
     /// How far the pusher yields along the normal, in m.
     deflection: f64,
     /// Time integral of the measured force, normal and tangential to the nominal contact, in N·s.
@@ -54,7 +56,15 @@ impl<'a> Forward<'a> {
             && geometry.radius_excess == 0.0
             && geometry.corner_radius == 0.0
             && law.compliance == 0.0;
-        Ok(Self {
+        let nowhere = Contact {
+            point: Vector2::zeros(),
+            normal: Vector2::x(),
+            edge: 0,
+            p: 0.0,
+            gap: 0.0,
+            feature: Feature::Edge,
+        };
+        let mut forward = Self {
             physics,
             step,
             reading,
@@ -67,17 +77,20 @@ impl<'a> Forward<'a> {
             pose_wo,
             twist_w: Twist::default(),
             touching: false,
+            now: Meeting { contact: nowhere, velocity_w: Vector2::zeros() },
             deflection: 0.0,
             impulse: Vector2::zeros(),
             last: None,
-        })
+        };
+        forward.now = forward.meet(0.0, &pose_wo);
+        Ok(forward)
     }
 
     /// All channels at the end of the step.
     pub(crate) fn run(mut self) -> Result<Channels, EffectError> {
         self.start()?;
         let start_wb = self.pose_wo * self.pose_ob;
-        let gap_start = self.measured_gap(&start_wb);
+        let gap_start = self.measured_gap();
         let duration = self.step.track.duration();
         let way = duration * self.step.track.mean_velocity().norm();
         let least = if self.has_inertia { LEAST_DYNAMIC_SUBSTEPS } else { LEAST_SUBSTEPS };
@@ -106,32 +119,34 @@ impl<'a> Forward<'a> {
             force_normal: force.x,
             force_tangential: force.y,
             gap_start,
-            gap_end: self.measured_gap(&end_wb),
+            gap_end: self.measured_gap(),
         })
     }
 
     /// Sets the object where it truly is at the start.
     fn start(&mut self) -> Result<(), EffectError> {
-        let meeting = self.meet(0.0, &self.pose_wo);
-        let approach = self.approach(&meeting, &self.pose_wo);
+        let meeting = self.now;
+        let approach = self.pose_wo.rotate(&meeting.contact.normal).dot(&meeting.velocity_w);
         if self.law.compliance > 0.0 && approach > 0.0 {
             let pose = self.pose_wo;
             let rate = self.rate(0.0, &pose, &meeting)?;
             self.deflection = self.law.compliance * meeting.contact.normal.dot(&rate.force_o);
+            self.now.contact.gap += self.deflection;
         }
         if self.step.touching {
             // What the pusher still goes before it moves the object: its spring is not wound up
             // yet, or the object's stream lags behind.
             let ahead = self.deflection + approach * self.reading.latency.max(0.0);
             let lost = (ahead - approach * self.step.since_contact).max(0.0);
-            self.close(0.0, lost);
+            self.close(lost);
             self.touching = lost <= TOUCH;
         } else {
-            self.touching = meeting.contact.gap <= TOUCH && approach > 0.0;
+            self.touching = self.now.contact.gap <= TOUCH && approach > 0.0;
             if !self.has_inertia && self.step.since_contact > 0.0 {
                 // The object's stream still shows the motion of before.
                 let late = self.reading.latency.clamp(0.0, self.step.track.duration());
                 self.pose_wo = moved(&self.pose_wo, &self.step.twist_wb, late);
+                self.now = self.meet(0.0, &self.pose_wo);
             }
         }
         if self.has_inertia {
@@ -146,7 +161,8 @@ impl<'a> Forward<'a> {
             return self.press_with_inertia(length);
         }
         let (time, pose) = (self.time, self.pose_wo);
-        let first = self.rate(time, &pose, &self.meet(time, &pose))?;
+        let start = self.now;
+        let first = self.rate(time, &pose, &start)?;
         if first.mode == ContactMode::Separated {
             return Ok(false);
         }
@@ -156,8 +172,7 @@ impl<'a> Forward<'a> {
         let rate = self.rate(middle_time, &middle, &meeting)?;
         self.record(middle_time, &middle, &meeting.contact, &rate.force_o, length);
         self.pose_wo = moved(&pose, &rate.twist_w, length);
-        self.time = time + length;
-        self.close(self.time, 0.0);
+        self.reach(time + length);
         Ok(true)
     }
 
@@ -171,12 +186,12 @@ impl<'a> Forward<'a> {
 
     /// Time without contact, up to the touch at most.
     fn go_free(&mut self, length: f64, let_go: bool) -> Result<(), EffectError> {
-        let start = self.meet(self.time, &self.pose_wo);
+        let start = self.now;
         let closing = |run: &Self, time: f64, pose: &Pose, twist: &Twist| {
             let meeting = run.meet(time, pose);
             (meeting.contact.gap, run.closing_speed(&meeting, pose, twist))
         };
-        let (_, speed) = closing(self, self.time, &self.pose_wo, &self.twist_w);
+        let speed = self.closing_speed(&start, &self.pose_wo, &self.twist_w);
         if !let_go && start.contact.gap <= TOUCH && speed > 0.0 {
             self.touching = true;
             return Ok(());
@@ -198,8 +213,9 @@ impl<'a> Forward<'a> {
         self.record(self.time, &before, &start.contact, &nothing, high);
         (self.pose_wo, self.twist_w) = (pose, twist);
         self.time += high;
+        self.now = self.meet(self.time, &pose);
         if self.touching {
-            self.close(self.time, 0.0);
+            self.close(0.0);
         }
         Ok(())
     }
@@ -226,10 +242,6 @@ impl<'a> Forward<'a> {
         self.outline.acting_point(contact)
     }
 
-    fn approach(&self, meeting: &Meeting, pose: &Pose) -> f64 {
-        pose.rotate(&meeting.contact.normal).dot(&meeting.velocity_w)
-    }
-
     /// Speed at which pusher and contact point near each other, in m/s.
     pub(crate) fn closing_speed(&self, meeting: &Meeting, pose: &Pose, twist: &Twist) -> f64 {
         let arm = meeting.contact.point - self.step.object.center_of_mass();
@@ -237,10 +249,18 @@ impl<'a> Forward<'a> {
         pose.rotate(&meeting.contact.normal).dot(&(meeting.velocity_w - point_velocity))
     }
 
-    /// Moves the object along the normal until the gap has a size, in m.
-    pub(crate) fn close(&mut self, time: f64, gap: f64) {
-        let contact = self.meet(time, &self.pose_wo).contact;
+    /// Goes on to a later time in contact.
+    pub(crate) fn reach(&mut self, time: f64) {
+        self.time = time;
+        self.now = self.meet(time, &self.pose_wo);
+        self.close(0.0);
+    }
+
+    /// Moves the object along the normal until the gap has a size, in m; the contact stays.
+    fn close(&mut self, gap: f64) {
+        let contact = &mut self.now.contact;
         self.pose_wo.position += (gap - contact.gap) * self.pose_wo.rotate(&contact.normal);
+        contact.gap = gap;
     }
 
     /// Adds a sub-step's force as the sensor shows it, in the frame of the nominal contact.
@@ -272,8 +292,11 @@ impl<'a> Forward<'a> {
         self.step.object.shape().contact(&center_b, self.step.pusher_radius)
     }
 
-    fn measured_gap(&self, pose_wb: &Pose) -> f64 {
-        self.nominal(self.time, pose_wb).gap
+    fn measured_gap(&self) -> f64 {
+        if self.is_plain {
+            return self.now.contact.gap;
+        }
+        self.nominal(self.time, &(self.pose_wo * self.pose_ob)).gap
     }
 }
 

@@ -55,8 +55,8 @@ impl Forward<'_> {
         self.record(time + length, &late, &meeting.contact, &force_o, length);
         let mean = (1.0 - GAMMA) * first.twist_w + GAMMA * second.twist_w;
         self.pose_wo = self.moved_center(&pose, &mean, length);
-        (self.twist_w, self.time) = (second.twist_w, time + length);
-        self.close(self.time, 0.0);
+        self.twist_w = second.twist_w;
+        self.reach(time + length);
         Ok(true)
     }
 
@@ -93,8 +93,7 @@ impl Forward<'_> {
 
     /// An inelastic impact with Coulomb friction, if the pusher is faster than the object.
     fn meet_pusher(&mut self) -> Result<(), EffectError> {
-        let meeting = self.meet(self.time, &self.pose_wo);
-        if self.closing_speed(&meeting, &self.pose_wo, &self.twist_w) > 0.0 {
+        if self.closing_speed(&self.now, &self.pose_wo, &self.twist_w) > 0.0 {
             let (time, pose, twist) = (self.time, self.pose_wo, self.twist_w);
             if let Some((rate, _)) = self.stage(time, &pose, IMPACT, &twist)? {
                 self.twist_w = rate.twist_w;

@@ -1,7 +1,7 @@
 //! What moves the object at one moment.
 
 use mechanics::{ContactMode, Ellipsoid, MechanicsError};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use planar::{Pose, Twist, cross, perpendicular};
 
 use crate::balance::{Answer, Balance, Touch, closed_form};
@@ -172,11 +172,13 @@ impl<'a> Instant<'a> {
 
     /// Relative surplus of friction of each support point in a motion at S.
     fn surplus(&self, friction: &Friction<'_>, motion: &Vector3<f64>, surplus: &mut Vec<f64>) {
+        let (sin, cos) = self.pose_wo.angle.sin_cos();
+        let turn = Matrix2::new(cos, -sin, sin, cos);
         surplus.clear();
         surplus.extend(friction.sliding(motion).map(|(place, velocity)| {
             self.physics.local_friction(&Sliding {
-                place_w: self.pose_wo.transform_point(&(self.center + place)),
-                velocity_w: self.pose_wo.rotate(&velocity),
+                place_w: self.pose_wo.position + turn * (self.center + place),
+                velocity_w: turn * velocity,
             })
         }));
     }
@@ -186,8 +188,11 @@ impl<'a> Instant<'a> {
         Friction::new(&self.step.object, &self.support, given, surplus)
     }
 
-    /// The ellipsoid of the moment, made anew only if it changed.
+    /// The ellipsoid of the moment, made anew only if it changed; its largest force is 1.
     fn ellipsoid(&self, last: &mut Option<(Support, Ellipsoid)>) -> Result<Ellipsoid, EffectError> {
+        if self.support.length_ratio == 1.0 && self.support.tensor_o.is_zero() {
+            return Ok(*self.step.object.ellipsoid());
+        }
         if let Some((support, surface)) = last {
             let same = support.tensor_o == self.support.tensor_o
                 && support.length_ratio == self.support.length_ratio;
@@ -219,12 +224,12 @@ impl<'a> Instant<'a> {
     }
 
     /// Mass matrix at the center of friction, axes of the outline.
-    fn mass(&self) -> nalgebra::Matrix3<f64> {
+    fn mass(&self) -> Matrix3<f64> {
         let object = &self.step.object;
         let (m, arm) = (object.mass(), object.center_of_mass() - self.center);
         let (x, y) = (m * arm.x, m * arm.y);
         let turn = object.moment_of_inertia() + m * arm.norm_squared();
-        nalgebra::Matrix3::new(m, 0.0, -y, 0.0, m, x, -y, x, turn)
+        Matrix3::new(m, 0.0, -y, 0.0, m, x, -y, x, turn)
     }
 
     /// From a motion of the point `at` (frame of the outline) in W to one at S in the outline's axes.

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use mechanics::MechanicsError;
+use mechanics::{Ellipsoid, MechanicsError};
 use nalgebra::{Matrix2, Vector2};
 use planar::{Shape, cross};
 
@@ -24,6 +24,7 @@ pub struct Object {
     mean_distance: f64,
     second_moment: Matrix2<f64>,
     points: Vec<(Vector2<f64>, f64)>,
+    ellipsoid: Ellipsoid,
     patch: OnceLock<Result<PatchTable, MechanicsError>>,
 }
 
@@ -46,6 +47,7 @@ impl Object {
         let points = support_points(&shape, &centroid);
         let second_moment = points.iter().map(|(r, share)| *share * r * r.transpose()).sum();
         let mean_distance = shape.mean_distance(&centroid);
+        let ellipsoid = Ellipsoid::new(1.0, mean_distance)?;
         let patch = OnceLock::new();
         Ok(Self {
             shape,
@@ -56,6 +58,7 @@ impl Object {
             mean_distance,
             second_moment,
             points,
+            ellipsoid,
             patch,
         })
     }
@@ -108,6 +111,11 @@ impl Object {
     /// Points that stand for the supported area: place from the centroid, in m, and share of the load.
     pub(crate) fn points(&self) -> &[(Vector2<f64>, f64)] {
         &self.points
+    }
+
+    /// The ellipsoid of uniform pressure about the centroid, its largest force 1.
+    pub(crate) fn ellipsoid(&self) -> &Ellipsoid {
+        &self.ellipsoid
     }
 
     /// The exact limit surface of uniform pressure, tabulated.
