@@ -9,7 +9,10 @@ use crate::{ContactLaw, EffectError, Friction};
 
 /// All loads of one moment but the pusher's, per unit of the largest friction force, about S.
 pub(crate) struct Balance<'a> {
-    pub(crate) friction: &'a Friction<'a>,
+    /// Friction with the table; none in an impact, where it adds nothing.
+    pub(crate) friction: Option<&'a Friction<'a>>,
+    /// Length that makes turns and velocities, moments and forces of like size, in m.
+    pub(crate) length: f64,
     /// What else acts on the object.
     pub(crate) external: Vector3<f64>,
     /// Inertia over the time step, and the motion from which it pulls.
@@ -41,7 +44,7 @@ const AT_REST: Answer = Answer {
     force: Vector2::new(0.0, 0.0),
 };
 
-const MAX_ITERATIONS: usize = 60;
+const MAX_ITERATIONS: usize = 100;
 /// Relative change of the motion at which a search ends.
 const TOLERANCE: f64 = 1e-12;
 
@@ -99,7 +102,10 @@ impl Touch {
 impl Balance<'_> {
     /// The load that the pusher has to bear for a motion.
     pub(crate) fn missing(&self, motion: &Vector3<f64>) -> Result<Load, EffectError> {
-        let (mut load, mut slope) = self.friction.load(motion)?;
+        let (mut load, mut slope) = match self.friction {
+            Some(friction) => friction.load(motion)?,
+            None => (Vector3::zeros(), Matrix3::zeros()),
+        };
         load -= self.external;
         if let Some((mass, target)) = &self.inertia {
             load += mass * (motion - target);
@@ -142,9 +148,9 @@ impl Balance<'_> {
         guess: f64,
     ) -> Result<(Vector3<f64>, Vector2<f64>), EffectError> {
         let turn = touch.turn();
-        let rate = touch.velocity.norm() / self.friction.length();
+        let rate = touch.velocity.norm() / self.length;
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        let (mut omega, mut reach) = (guess, 0.1 * rate.max(guess.abs()));
+        let (mut omega, mut reach, mut last) = (guess, 0.1 * rate.max(guess.abs()), f64::INFINITY);
         for _ in 0..MAX_ITERATIONS {
             let motion = touch.motion(omega, slip);
             let (load, slope) = self.missing(&motion)?;
@@ -155,7 +161,8 @@ impl Balance<'_> {
                 low = omega
             }
             let mut next = omega - moment / change;
-            if !(next > low && next < high) {
+            let shrinks = (next - omega).abs() <= 0.5 * last;
+            if !(next > low && next < high && shrinks) {
                 next = if low.is_finite() && high.is_finite() {
                     0.5 * (low + high)
                 } else {
@@ -163,8 +170,9 @@ impl Balance<'_> {
                     omega - moment.signum() * reach
                 };
             }
-            let settled = (next - omega).abs() <= TOLERANCE * (rate + omega.abs());
-            if settled || moment == 0.0 || high - low <= TOLERANCE * rate {
+            last = (next - omega).abs();
+            let settled = last <= TOLERANCE * (rate + omega.abs());
+            if settled || moment == 0.0 || high - low <= TOLERANCE * (rate + omega.abs()) {
                 return Ok((motion, load.xy()));
             }
             omega = next;
@@ -188,21 +196,20 @@ impl Balance<'_> {
         let start = self.slip_of(touch, guess);
         let mut at = Vector2::new(guess.motion.z, if side * start > 0.0 { start } else { 0.0 });
         let mut last = f64::INFINITY;
-        for _ in 0..MAX_ITERATIONS / 2 {
+        for _ in 0..MAX_ITERATIONS / 4 {
             let (load, slope) = self.missing(&touch.motion(at.x, at.y))?;
-            let residual =
-                Vector2::new(turn.dot(&load) / self.friction.length(), outside.dot(&load));
+            let residual = Vector2::new(turn.dot(&load) / self.length, outside.dot(&load));
             let columns = [slope * turn, slope * along];
             let jacobian = Matrix2::new(
-                turn.dot(&columns[0]) / self.friction.length(),
-                turn.dot(&columns[1]) / self.friction.length(),
+                turn.dot(&columns[0]) / self.length,
+                turn.dot(&columns[1]) / self.length,
                 outside.dot(&columns[0]),
                 outside.dot(&columns[1]),
             );
             let Some(step) = jacobian.try_inverse().map(|inverse| inverse * residual) else {
                 break;
             };
-            let size = step.y.abs() + self.friction.length() * step.x.abs();
+            let size = step.y.abs() + self.length * step.x.abs();
             if size <= TOLERANCE * speed {
                 return Ok((touch.motion(at.x, at.y), load.xy()));
             }

@@ -94,7 +94,8 @@ impl<'a> Forward<'a> {
         let duration = self.step.track.duration();
         let way = duration * self.step.track.mean_velocity().norm();
         let least = if self.has_inertia { LEAST_DYNAMIC_SUBSTEPS } else { LEAST_SUBSTEPS };
-        let n = (way / self.physics.rig().longest_substep()).ceil().max(least);
+        // A way of a whole number of sub-steps must not gain one by rounding.
+        let n = (way / self.physics.rig().longest_substep() - 1e-6).ceil().max(least);
         let longest = duration / n;
         let mut let_go = false;
         while duration - self.time > 1e-9 * longest {

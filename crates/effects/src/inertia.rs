@@ -10,8 +10,6 @@ use crate::instant::{Instant, Rate};
 
 /// 1 − 1/√2: both stages of the rule have this share of the sub-step.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
-/// Duration of an impact, in s: friction adds nothing to its impulse.
-const IMPACT: f64 = 1e-9;
 /// Share of the time to rest that a free slide goes in one step.
 const SLIDE_SHARE: f64 = 0.125;
 /// Share of the first energy below which the rest of a slide is added in one piece.
@@ -94,10 +92,11 @@ impl Forward<'_> {
     /// An inelastic impact with Coulomb friction, if the pusher is faster than the object.
     fn meet_pusher(&mut self) -> Result<(), EffectError> {
         if self.closing_speed(&self.now, &self.pose_wo, &self.twist_w) > 0.0 {
-            let (time, pose, twist) = (self.time, self.pose_wo, self.twist_w);
-            if let Some((rate, _)) = self.stage(time, &pose, IMPACT, &twist)? {
-                self.twist_w = rate.twist_w;
-            }
+            let contact = &self.now.contact;
+            let instant = Instant::new(self.physics, self.step, &self.pose_wo, self.time);
+            let point = self.acting_point(contact);
+            let touch = instant.touch(&point, &contact.normal, &self.now.velocity_w);
+            self.twist_w = instant.struck(&touch, &self.law, &self.twist_w)?;
         }
         Ok(())
     }

@@ -88,15 +88,13 @@ impl<'a> Instant<'a> {
             guess
         } else {
             let friction = self.friction(&[])?;
-            let balance = Balance { friction: &friction, external: self.external, inertia: None };
-            balance.touched(touch, law, &guess)?
+            self.balance(&friction, None).touched(touch, law, &guess)?
         };
         if !self.physics.acts_at(Stage::Local) {
             return Ok(self.rate(&answer));
         }
-        let external = self.external;
         let solve = |friction: &Friction<'_>, guess: &Answer| {
-            Balance { friction, external, inertia: None }.touched(touch, law, guess)
+            self.balance(friction, None).touched(touch, law, guess)
         };
         Ok(self.rate(&self.with_local(answer, solve)?))
     }
@@ -119,12 +117,40 @@ impl<'a> Instant<'a> {
         };
         let pull = self.to_motion(target, center);
         let inertia = Some((self.mass() / (self.f_max * duration), pull));
-        let external = self.external;
         let solve = |friction: &Friction<'_>, guess: &Answer| {
-            Balance { friction, external, inertia }.touched(touch, law, guess)
+            self.balance(friction, inertia).touched(touch, law, guess)
         };
         let answer = solve(&self.friction(&[])?, &guess)?;
         Ok(self.rate_at(&self.with_local(answer, solve)?, center))
+    }
+
+    /// The motion after an inelastic impact with Coulomb friction on an object that moved with
+    /// `target`, both of the center of mass, axes of W.
+    pub(crate) fn struck(
+        &self,
+        touch: &Touch,
+        law: &ContactLaw,
+        target: &Twist,
+    ) -> Result<Twist, EffectError> {
+        let center = self.step.object.center_of_mass();
+        let motion = self.to_motion(target, center);
+        let inertia = Some((self.mass() / self.step.object.mass(), motion));
+        let length = self.step.object.mean_distance();
+        let balance = Balance { friction: None, length, external: Vector3::zeros(), inertia };
+        let mode = ContactMode::Separated;
+        let guess = Answer { mode, motion, force: Vector2::zeros() };
+        let answer = balance.touched(touch, law, &guess)?;
+        let pushes = answer.mode != ContactMode::Separated;
+        Ok(if pushes { self.to_twist(&answer.motion, center) } else { *target })
+    }
+
+    fn balance<'b>(
+        &'b self,
+        friction: &'b Friction<'b>,
+        inertia: Option<(Matrix3<f64>, Vector3<f64>)>,
+    ) -> Balance<'b> {
+        let length = friction.length();
+        Balance { friction: Some(friction), length, external: self.external, inertia }
     }
 
     /// Acceleration of the center of mass without a pusher, and the power that slows it, in W.
