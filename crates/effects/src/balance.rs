@@ -148,7 +148,7 @@ impl Balance<'_> {
         guess: f64,
     ) -> Result<(Vector3<f64>, Vector2<f64>), EffectError> {
         let turn = touch.turn();
-        let rate = touch.velocity.norm() / self.length;
+        let rate = self.speed(touch) / self.length;
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let (mut omega, mut reach, mut last) = (guess, 0.1 * rate.max(guess.abs()), f64::INFINITY);
         for _ in 0..MAX_ITERATIONS {
@@ -192,7 +192,7 @@ impl Balance<'_> {
         let outside = tangent - side * friction * touch.normal;
         let outside = Vector3::new(outside.x, outside.y, 0.0);
         let along = Vector3::new(-tangent.x, -tangent.y, 0.0);
-        let speed = touch.velocity.norm();
+        let speed = self.speed(touch);
         let start = self.slip_of(touch, guess);
         let mut at = Vector2::new(guess.motion.z, if side * start > 0.0 { start } else { 0.0 });
         let mut last = f64::INFINITY;
@@ -231,8 +231,8 @@ impl Balance<'_> {
         outside: &Vector3<f64>,
         guess: f64,
     ) -> Result<(Vector3<f64>, Vector2<f64>), EffectError> {
-        let (mut low, mut high) = (0.0, 0.25 * touch.velocity.norm());
-        let speed = touch.velocity.norm();
+        let speed = self.speed(touch);
+        let (mut low, mut high) = (0.0, 0.25 * speed);
         let excess = |slip: f64, guess: f64| {
             let (motion, force) = self.stick(touch, side * slip, guess)?;
             Ok::<_, EffectError>((side * outside.xy().dot(&force), motion, force))
@@ -256,6 +256,14 @@ impl Balance<'_> {
             if value > 0.0 { low = middle } else { high = middle }
         }
         Err(EffectError::NotConverged { what: "the sliding push", iterations: 2 * MAX_ITERATIONS })
+    }
+
+    /// The size of velocities: the pusher's, or that of an object which is faster, in m/s.
+    fn speed(&self, touch: &Touch) -> f64 {
+        let pull = self
+            .inertia
+            .map_or(0.0, |(_, target)| target.xy().norm().max(self.length * target.z.abs()));
+        touch.velocity.norm().max(pull).max(f64::MIN_POSITIVE)
     }
 
     /// Slip of a motion: velocity of the pusher over the object along the tangent, in m/s.

@@ -188,10 +188,7 @@ impl<'a> Forward<'a> {
     /// Time without contact, up to the touch at most.
     fn go_free(&mut self, length: f64, let_go: bool) -> Result<(), EffectError> {
         let start = self.now;
-        let closing = |run: &Self, time: f64, pose: &Pose, twist: &Twist| {
-            let meeting = run.meet(time, pose);
-            (meeting.contact.gap, run.closing_speed(&meeting, pose, twist))
-        };
+        let gap_at = |run: &Self, time: f64, pose: &Pose| run.meet(time, pose).contact.gap;
         let speed = self.closing_speed(&start, &self.pose_wo, &self.twist_w);
         if !let_go && start.contact.gap <= TOUCH && speed > 0.0 {
             self.touching = true;
@@ -199,11 +196,13 @@ impl<'a> Forward<'a> {
         }
         let (mut pose, mut twist) = self.slid(length)?;
         let (mut low, mut high) = (0.0, length);
-        if closing(self, self.time + length, &pose, &twist).0 < 0.0 && !let_go {
+        let end_gap = gap_at(self, self.time + length, &pose);
+        // A measured overlap that does not get deeper is no touch.
+        if end_gap < start.contact.gap.min(0.0) && !let_go {
             for _ in 0..40 {
                 let middle = 0.5 * (low + high);
                 (pose, twist) = self.slid(middle)?;
-                match closing(self, self.time + middle, &pose, &twist).0 > 0.0 {
+                match gap_at(self, self.time + middle, &pose) > 0.0 {
                     true => low = middle,
                     false => high = middle,
                 }

@@ -1,17 +1,17 @@
 //! The friction load of a motion, with its derivatives.
 
 use mechanics::LimitSurface;
-use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
-use planar::Twist;
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use planar::{Pose, Twist, perpendicular};
 
+use crate::effect::Sliding;
 use crate::patch_table::PatchTable;
-use crate::{EffectError, Object, Support};
+use crate::{EffectError, Object, PushPhysics, Support};
 
 /// Friction of one moment, per unit of the largest force, about the center of friction S.
 ///
 /// The load is (1 − λ) that of the ellipsoid (or given surface) plus λ that of the patch, plus the
 /// surplus of single points.
-#[derive(Debug)]
 pub(crate) struct Friction<'a> {
     object: &'a Object,
     shape: f64,
@@ -23,11 +23,32 @@ pub(crate) struct Friction<'a> {
     patch: Option<&'a PatchTable>,
     tensor: Matrix2<f64>,
     is_isotropic: bool,
-    /// Relative surplus of each of the object's points; empty for none.
-    surplus: &'a [f64],
+    local: Option<Local<'a>>,
 }
 
-#[derive(Debug)]
+/// The effects that change friction point by point.
+#[derive(Clone, Copy)]
+pub(crate) struct Local<'a> {
+    physics: &'a PushPhysics,
+    center_w: Vector2<f64>,
+    turn_wo: Matrix2<f64>,
+}
+
+impl<'a> Local<'a> {
+    /// Those of a model, with the center of friction in the outline's frame.
+    pub(crate) fn new(physics: &'a PushPhysics, pose_wo: &Pose, center_o: &Vector2<f64>) -> Self {
+        let (sin, cos) = pose_wo.angle.sin_cos();
+        let turn_wo = Matrix2::new(cos, -sin, sin, cos);
+        Self { physics, center_w: pose_wo.transform_point(center_o), turn_wo }
+    }
+
+    /// Relative surplus at a place from S with a velocity, axes of the outline.
+    pub(crate) fn surplus(&self, place: &Vector2<f64>, velocity: &Vector2<f64>) -> f64 {
+        let place_w = self.center_w + self.turn_wo * place;
+        self.physics.local_friction(&Sliding { place_w, velocity_w: self.turn_wo * velocity })
+    }
+}
+
 enum Base<'a> {
     /// A⁻¹ of the ellipsoid.
     Ellipsoid(Matrix3<f64>),
@@ -46,7 +67,7 @@ impl<'a> Friction<'a> {
         object: &'a Object,
         support: &Support,
         given: Given<'a>,
-        surplus: &'a [f64],
+        local: Option<Local<'a>>,
     ) -> Result<Self, EffectError> {
         let tensor = support.tensor_o.exp(1.0);
         let stretch = support.length_ratio;
@@ -62,7 +83,7 @@ impl<'a> Friction<'a> {
         let patch = if support.shape == 0.0 { None } else { Some(object.patch()?) };
         let is_isotropic = support.tensor_o.is_zero();
         let shape = support.shape;
-        Ok(Self { object, shape, length, stretch, base, patch, tensor, is_isotropic, surplus })
+        Ok(Self { object, shape, length, stretch, base, patch, tensor, is_isotropic, local })
     }
 
     /// c = Mmax/Fmax, in m.
@@ -70,7 +91,7 @@ impl<'a> Friction<'a> {
         self.length
     }
 
-    /// The load (Fx, Fy, M) of a nonzero motion (vx, vy, ω) at S.
+    /// The load (Fx, Fy, M) of a motion (vx, vy, ω) at S; zero for none.
     pub(crate) fn load(&self, motion: &Vector3<f64>) -> Result<Load, EffectError> {
         let (mut load, mut slope) = (Vector3::zeros(), Matrix3::zeros());
         if self.shape != 1.0 {
@@ -83,13 +104,10 @@ impl<'a> Friction<'a> {
             load += self.shape * patch;
             slope += self.shape * patch_slope;
         }
-        if !self.surplus.is_empty() {
-            self.add_points(
-                motion,
-                |index, share| share * self.surplus[index],
-                0.0,
-                (&mut load, &mut slope),
-            );
+        if let Some(local) = self.local {
+            let surplus =
+                |place: &Vector2<f64>, velocity: &Vector2<f64>| local.surplus(place, velocity);
+            self.add_points(motion, surplus, 0.0, (&mut load, &mut slope));
         }
         Ok((load, slope))
     }
@@ -99,6 +117,9 @@ impl<'a> Friction<'a> {
             Base::Ellipsoid(inverse) => {
                 let image = inverse * motion;
                 let power = image.dot(motion).sqrt();
+                if power == 0.0 {
+                    return Ok((Vector3::zeros(), Matrix3::zeros()));
+                }
                 let load = image / power;
                 Ok((load, (inverse - load * load.transpose()) / power))
             }
@@ -131,54 +152,61 @@ impl<'a> Friction<'a> {
             factors[i] * factors[j] * unit_slope[(i, j)]
         });
         if !self.is_isotropic {
-            self.add_points(motion, |_, share| share, -1.0, (&mut load, &mut slope));
+            self.add_points(motion, |_, _| 1.0, -1.0, (&mut load, &mut slope));
         }
         (load, slope)
     }
 
-    /// Adds, for each point, its weight times T²v/|Tv| and `isotropic` times the weight times v/|v|.
+    /// Adds, for each point, its share of the load times `weight` times T²v/|Tv|, and `isotropic`
+    /// times as much of v/|v|. The slope takes the weight for constant.
     fn add_points(
         &self,
         motion: &Vector3<f64>,
-        weight: impl Fn(usize, f64) -> f64,
+        weight: impl Fn(&Vector2<f64>, &Vector2<f64>) -> f64,
         isotropic: f64,
         (load, slope): (&mut Vector3<f64>, &mut Matrix3<f64>),
     ) {
-        // Points move with the pressure that they stand for.
-        let stretch = self.stretch;
-        for (index, (place, share)) in self.object.points().iter().enumerate() {
-            let weight = weight(index, *share);
-            let arm = Matrix2x3::new(1.0, 0.0, -stretch * place.y, 0.0, 1.0, stretch * place.x);
-            let velocity = arm * motion;
-            let mut add = |tensor: &Matrix2<f64>, weight: f64| {
-                let image = tensor * velocity;
-                let speed = image.norm();
-                if speed > 0.0 {
-                    let (unit, turned) = (image / speed, tensor * arm);
-                    let along: Vector3<f64> = turned.tr_mul(&unit);
-                    *load += weight * along;
-                    let curve = turned.tr_mul(&turned) - along * along.transpose();
-                    *slope += weight / speed * curve;
-                }
-            };
-            add(&self.tensor, weight);
-            if isotropic != 0.0 {
-                add(&Matrix2::identity(), isotropic * weight);
+        for (place, share) in self.object.points() {
+            // Points move with the pressure that they stand for.
+            let place = self.stretch * place;
+            let velocity = motion.xy() + motion.z * perpendicular(&place);
+            if velocity == Vector2::zeros() {
+                continue;
+            }
+            let weight = share * weight(&place, &velocity);
+            if weight == 0.0 {
+                continue;
+            }
+            if !self.is_isotropic {
+                let (turned, image) = (self.tensor * perpendicular(&place), self.tensor * velocity);
+                add_point(weight, &self.tensor, &turned, &image, load, slope);
+            }
+            let plain = if self.is_isotropic { 1.0 } else { isotropic };
+            if plain != 0.0 {
+                let arm = perpendicular(&place);
+                add_point(plain * weight, &Matrix2::identity(), &arm, &velocity, load, slope);
             }
         }
     }
+}
 
-    /// The velocity of a support point, axes of the outline, in m/s, and its place from S.
-    pub(crate) fn sliding(
-        &self,
-        motion: &Vector3<f64>,
-    ) -> impl Iterator<Item = (Vector2<f64>, Vector2<f64>)> + '_ {
-        let (motion, stretch) = (*motion, self.stretch);
-        self.object.points().iter().map(move |(place, _)| {
-            let place = stretch * place;
-            (place, motion.xy() + motion.z * planar::perpendicular(&place))
-        })
-    }
+/// Adds `weight` times Aᵀ v/|v|, with v = A t the velocity of a point and A = (`tensor`, `arm`).
+fn add_point(
+    weight: f64,
+    tensor: &Matrix2<f64>,
+    arm: &Vector2<f64>,
+    velocity: &Vector2<f64>,
+    load: &mut Vector3<f64>,
+    slope: &mut Matrix3<f64>,
+) {
+    let speed = velocity.norm();
+    let across = perpendicular(velocity) / speed;
+    let force = tensor.tr_mul(velocity) * (weight / speed);
+    *load += Vector3::new(force.x, force.y, weight / speed * arm.dot(velocity));
+    // (1 − v̂ v̂ᵀ) is the part across the velocity.
+    let side = tensor.tr_mul(&across);
+    let side = Vector3::new(side.x, side.y, arm.dot(&across));
+    *slope += weight / speed * side * side.transpose();
 }
 
 /// A⁻¹ = diag(T², c²) of the ellipsoid of a moment, per unit of the largest force.

@@ -1,12 +1,12 @@
 //! What moves the object at one moment.
 
 use mechanics::{ContactMode, Ellipsoid, MechanicsError};
-use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Pose, Twist, cross, perpendicular};
 
 use crate::balance::{Answer, Balance, Touch, closed_form};
-use crate::effect::{Moment, Sliding, Stage};
-use crate::friction::{Friction, ellipsoid, turning_ratio};
+use crate::effect::{Moment, Stage};
+use crate::friction::{Friction, Local, ellipsoid, turning_ratio};
 use crate::{ContactLaw, EffectError, PushPhysics, StepInput, Support};
 
 /// The model at one pose and time of a step.
@@ -32,10 +32,6 @@ pub(crate) struct Rate {
     /// Contact force on the object, in N, axes of the outline.
     pub(crate) force_o: Vector2<f64>,
 }
-
-/// Passes over the friction of single points, which depends on the motion that it causes.
-const MAX_PASSES: usize = 40;
-const SURPLUS_TOLERANCE: f64 = 1e-10;
 
 impl<'a> Instant<'a> {
     pub(crate) fn new(
@@ -84,19 +80,15 @@ impl<'a> Instant<'a> {
             return Ok(self.rate(&guess));
         }
         let is_quadric = self.support.shape == 0.0 && self.physics.rig().given().is_none();
-        let answer = if is_quadric && self.external == Vector3::zeros() {
-            guess
-        } else {
-            let friction = self.friction(&[])?;
-            self.balance(&friction, None).touched(touch, law, &guess)?
-        };
-        if !self.physics.acts_at(Stage::Local) {
-            return Ok(self.rate(&answer));
+        let mut answer = guess;
+        if !(is_quadric && self.external == Vector3::zeros()) {
+            answer = self.balance(&self.friction(None)?, None).touched(touch, law, &guess)?;
         }
-        let solve = |friction: &Friction<'_>, guess: &Answer| {
-            self.balance(friction, None).touched(touch, law, guess)
-        };
-        Ok(self.rate(&self.with_local(answer, solve)?))
+        if let Some(local) = self.local(&answer.motion) {
+            answer =
+                self.balance(&self.friction(Some(local))?, None).touched(touch, law, &answer)?;
+        }
+        Ok(self.rate(&answer))
     }
 
     /// The motion with inertia: friction, pusher and loads act for `duration`, in s, on an object
@@ -117,11 +109,10 @@ impl<'a> Instant<'a> {
         };
         let pull = self.to_motion(target, center);
         let inertia = Some((self.mass() / (self.f_max * duration), pull));
-        let solve = |friction: &Friction<'_>, guess: &Answer| {
-            self.balance(friction, inertia).touched(touch, law, guess)
-        };
-        let answer = solve(&self.friction(&[])?, &guess)?;
-        Ok(self.rate_at(&self.with_local(answer, solve)?, center))
+        let local = self.local(&guess.motion);
+        let friction = self.friction(local)?;
+        let answer = self.balance(&friction, inertia).touched(touch, law, &guess)?;
+        Ok(self.rate_at(&answer, center))
     }
 
     /// The motion after an inelastic impact with Coulomb friction on an object that moved with
@@ -157,11 +148,8 @@ impl<'a> Instant<'a> {
     pub(crate) fn free_acceleration(&self, twist_w: &Twist) -> Result<(Twist, f64), EffectError> {
         let center = self.step.object.center_of_mass();
         let motion = self.to_motion(twist_w, center);
-        let mut surplus = Vec::new();
-        if self.physics.acts_at(Stage::Local) {
-            self.surplus(&self.friction(&[])?, &motion, &mut surplus);
-        }
-        let (load, _) = self.friction(&surplus)?.load(&motion)?;
+        let local = self.local(&motion);
+        let (load, _) = self.friction(local)?.load(&motion)?;
         let net = self.f_max * (self.external - load);
         let inverse = self.mass().try_inverse();
         let inverse = inverse.expect("mass and moment of inertia are positive");
@@ -169,49 +157,21 @@ impl<'a> Instant<'a> {
         Ok((self.to_twist(&(inverse * net), center), power))
     }
 
-    /// Iterates between the motion and the friction of single points that it causes.
-    fn with_local(
-        &self,
-        mut answer: Answer,
-        solve: impl Fn(&Friction<'_>, &Answer) -> Result<Answer, EffectError>,
-    ) -> Result<Answer, EffectError> {
-        if !self.physics.acts_at(Stage::Local) || answer.mode == ContactMode::Separated {
-            return Ok(answer);
+    /// The friction of single points, if any has a surplus in a motion at S.
+    fn local(&self, motion: &Vector3<f64>) -> Option<Local<'a>> {
+        if !self.physics.acts_at(Stage::Local) {
+            return None;
         }
-        let plain = self.friction(&[])?;
-        let (mut surplus, mut before) = (Vec::new(), Vec::new());
-        for _ in 0..MAX_PASSES {
-            self.surplus(&plain, &answer.motion, &mut surplus);
-            if before.is_empty() && surplus.iter().all(|value| *value == 0.0) {
-                return Ok(answer);
-            }
-            let change = surplus.iter().zip(&before).map(|(a, b): (&f64, &f64)| (a - b).abs());
-            if !before.is_empty() && change.fold(0.0, f64::max) <= SURPLUS_TOLERANCE {
-                return Ok(answer);
-            }
-            answer = solve(&self.friction(&surplus)?, &answer)?;
-            std::mem::swap(&mut surplus, &mut before);
-        }
-        let what = "the friction of single support points";
-        Err(EffectError::NotConverged { what, iterations: MAX_PASSES })
+        let local = Local::new(self.physics, &self.pose_wo, &self.center);
+        let is_there = self.step.object.points().iter().any(|(place, _)| {
+            local.surplus(place, &(motion.xy() + motion.z * perpendicular(place))) != 0.0
+        });
+        is_there.then_some(local)
     }
 
-    /// Relative surplus of friction of each support point in a motion at S.
-    fn surplus(&self, friction: &Friction<'_>, motion: &Vector3<f64>, surplus: &mut Vec<f64>) {
-        let (sin, cos) = self.pose_wo.angle.sin_cos();
-        let turn = Matrix2::new(cos, -sin, sin, cos);
-        surplus.clear();
-        surplus.extend(friction.sliding(motion).map(|(place, velocity)| {
-            self.physics.local_friction(&Sliding {
-                place_w: self.pose_wo.position + turn * (self.center + place),
-                velocity_w: turn * velocity,
-            })
-        }));
-    }
-
-    fn friction<'b>(&'b self, surplus: &'b [f64]) -> Result<Friction<'b>, EffectError> {
+    fn friction(&self, local: Option<Local<'a>>) -> Result<Friction<'_>, EffectError> {
         let given = self.physics.rig().given();
-        Friction::new(&self.step.object, &self.support, given, surplus)
+        Friction::new(&self.step.object, &self.support, given, local)
     }
 
     /// The ellipsoid of the moment, made anew only if it changed; its largest force is 1.

@@ -47,11 +47,14 @@ impl PatchTable {
         Ok(Self { faces: [face(0)?, face(1)?, face(2)?] })
     }
 
-    /// The load of a nonzero motion, and its derivatives by the motion.
+    /// The load of a motion, zero for none, and its derivatives by the motion.
     pub(crate) fn load(&self, motion: &Vector3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
         let axis = motion.iamax();
         let (first, second) = others(axis);
         let size = motion[axis];
+        if size == 0.0 {
+            return (Vector3::zeros(), Matrix3::zeros());
+        }
         let (u, v) = (motion[first] / size, motion[second] / size);
         let (value, by_u, by_v) = self.spline(axis, u, v);
         let sign = size.signum();
