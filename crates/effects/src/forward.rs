@@ -91,6 +91,7 @@ impl<'a> Forward<'a> {
         self.start()?;
         let start_wb = self.pose_wo * self.pose_ob;
         let gap_start = self.measured_gap();
+        self.finish_late_motion();
         let duration = self.step.track.duration();
         let way = duration * self.step.track.mean_velocity().norm();
         let least = if self.has_inertia { LEAST_DYNAMIC_SUBSTEPS } else { LEAST_SUBSTEPS };
@@ -143,17 +144,21 @@ impl<'a> Forward<'a> {
             self.touching = lost <= TOUCH;
         } else {
             self.touching = self.now.contact.gap <= TOUCH && approach > 0.0;
-            if !self.has_inertia && self.step.since_contact > 0.0 {
-                // The object's stream still shows the motion of before.
-                let late = self.reading.latency.clamp(0.0, self.step.track.duration());
-                self.pose_wo = moved(&self.pose_wo, &self.step.twist_wb, late);
-                self.now = self.meet(0.0, &self.pose_wo);
-            }
         }
         if self.has_inertia {
             self.start_moving()?;
         }
         Ok(())
+    }
+
+    /// After contact a late stream still shows the motion of before; inertia follows it itself.
+    fn finish_late_motion(&mut self) {
+        let is_after = !self.step.touching && self.step.since_contact > 0.0;
+        if is_after && !self.has_inertia && self.reading.latency > 0.0 {
+            let late = self.reading.latency.min(self.step.track.duration());
+            self.pose_wo = moved(&self.pose_wo, &self.step.twist_wb, late);
+            self.now = self.meet(0.0, &self.pose_wo);
+        }
     }
 
     /// One sub-step in contact; false, and nothing done, if the pusher lets go.

@@ -85,6 +85,17 @@ pub struct Coordinate {
 }
 
 impl Parameter {
+    /// A parameter that is a plain number: off at `off`, the same in a mirror.
+    pub const fn number(
+        name: &'static str,
+        unit: &'static str,
+        meaning: &'static str,
+        (off, typical): (f64, f64),
+        range: (f64, f64),
+    ) -> Self {
+        Self { name, unit, meaning, off: Off::At(off), typical, range, role: Role::Even }
+    }
+
     /// The value when the effect is not there; the typical one where that is not defined.
     pub fn off(&self, rig: &Rig) -> f64 {
         match self.off {
