@@ -4,8 +4,8 @@ use mechanics::{ContactMode, Ellipsoid, Push, predict};
 use nalgebra::{Matrix2, Matrix3, UnitVector2, Vector2, Vector3};
 use planar::perpendicular;
 
-use crate::friction::Load;
-use crate::{ContactLaw, EffectError, Friction};
+use crate::friction::{Friction, Load};
+use crate::{ContactLaw, EffectError};
 
 /// All loads of one moment but the pusher's, per unit of the largest friction force, about S.
 pub(crate) struct Balance<'a> {
@@ -38,11 +38,14 @@ pub(crate) struct Answer {
     pub(crate) force: Vector2<f64>,
 }
 
-const AT_REST: Answer = Answer {
-    mode: ContactMode::Separated,
-    motion: Vector3::new(0.0, 0.0, 0.0),
-    force: Vector2::new(0.0, 0.0),
-};
+impl Answer {
+    /// No push, no motion.
+    pub(crate) const AT_REST: Self = Self {
+        mode: ContactMode::Separated,
+        motion: Vector3::new(0.0, 0.0, 0.0),
+        force: Vector2::new(0.0, 0.0),
+    };
+}
 
 const MAX_ITERATIONS: usize = 100;
 /// Relative change of the motion at which a search ends.
@@ -60,7 +63,7 @@ pub(crate) fn closed_form(
     let motion = predict(surface, &push)?;
     let (normal, tangential) = touch.split(&motion.force_s);
     if motion.mode == ContactMode::Separated {
-        return Ok(AT_REST);
+        return Ok(Answer::AT_REST);
     }
     let fits = motion.mode == ContactMode::Sticking && law.sticks(normal, tangential);
     let side = tangential.signum();
@@ -76,6 +79,11 @@ impl Touch {
     fn push(&self, friction: f64) -> Push {
         let normal_s = UnitVector2::new_unchecked(self.normal);
         Push { p_sc: self.point, normal_s, v_wp_s: self.velocity, friction }
+    }
+
+    /// Speed at which the pusher approaches the object at rest, in m/s.
+    pub(crate) fn approach(&self) -> f64 {
+        self.normal.dot(&self.velocity)
     }
 
     pub(crate) fn tangent(&self) -> Vector2<f64> {
@@ -123,19 +131,24 @@ impl Balance<'_> {
         law: &ContactLaw,
         guess: &Answer,
     ) -> Result<Answer, EffectError> {
+        // With one friction for sticking and sliding, a slip that fits is the only answer.
+        if law.static_ratio == 1.0 && is_sliding(guess.mode) {
+            let answer = self.slide(touch, law, guess.mode, guess)?;
+            if answer.mode == guess.mode && self.slip_of(touch, &answer) * side(guess.mode) > 0.0 {
+                return Ok(answer);
+            }
+        }
         let (motion, force) = self.stick(touch, 0.0, guess.motion.z)?;
         let (normal, tangential) = touch.split(&force);
         if normal > 0.0 && law.sticks(normal, tangential) {
             return Ok(Answer { mode: ContactMode::Sticking, motion, force });
         }
-        let side = if tangential >= 0.0 { 1.0 } else { -1.0 };
-        let (motion, force) = self.slide(touch, side, law.sliding(side), guess)?;
-        let mode = match side > 0.0 {
+        let mode = match tangential >= 0.0 {
             true => ContactMode::SlidingLeft,
             false => ContactMode::SlidingRight,
         };
-        let pushes = touch.normal.dot(&force) > 0.0;
-        Ok(Answer { mode: if pushes { mode } else { ContactMode::Separated }, motion, force })
+        let guess = if guess.mode == mode { *guess } else { Answer { mode, motion, force } };
+        self.slide(touch, law, mode, &guess)
     }
 
     /// The turn for which the moment about the contact vanishes, at a given slip.
@@ -184,17 +197,25 @@ impl Balance<'_> {
     fn slide(
         &self,
         touch: &Touch,
-        side: f64,
-        friction: f64,
+        law: &ContactLaw,
+        mode: ContactMode,
         guess: &Answer,
-    ) -> Result<(Vector3<f64>, Vector2<f64>), EffectError> {
+    ) -> Result<Answer, EffectError> {
+        let side = side(mode);
         let (turn, tangent) = (touch.turn(), touch.tangent());
-        let outside = tangent - side * friction * touch.normal;
+        let outside = tangent - side * law.sliding(side) * touch.normal;
         let outside = Vector3::new(outside.x, outside.y, 0.0);
         let along = Vector3::new(-tangent.x, -tangent.y, 0.0);
+        let answer = |(motion, force): (Vector3<f64>, Vector2<f64>)| {
+            let pushes = touch.normal.dot(&force) > 0.0;
+            Answer { mode: if pushes { mode } else { ContactMode::Separated }, motion, force }
+        };
         let speed = self.speed(touch);
         let start = self.slip_of(touch, guess);
-        let mut at = Vector2::new(guess.motion.z, if side * start > 0.0 { start } else { 0.0 });
+        let mut at = Vector2::new(
+            guess.motion.z,
+            if side * start > 0.0 { start } else { 0.1 * side * speed },
+        );
         let mut last = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS / 4 {
             let (load, slope) = self.missing(&touch.motion(at.x, at.y))?;
@@ -211,7 +232,7 @@ impl Balance<'_> {
             };
             let size = step.y.abs() + self.length * step.x.abs();
             if size <= TOLERANCE * speed {
-                return Ok((touch.motion(at.x, at.y), load.xy()));
+                return Ok(answer((touch.motion(at.x, at.y), load.xy())));
             }
             // Steps that do not shrink are left to the slower search.
             if !(residual.norm() < 2.0 * last && size < 10.0 * speed) {
@@ -220,7 +241,7 @@ impl Balance<'_> {
             last = residual.norm();
             at -= step;
         }
-        self.slide_by_bracket(touch, side, &outside, guess.motion.z)
+        Ok(answer(self.slide_by_bracket(touch, side, &outside, guess.motion.z)?))
     }
 
     /// The same by the sticking solution at each slip: the force turns one way as the slip grows.
@@ -271,4 +292,13 @@ impl Balance<'_> {
         let at_contact = answer.motion.xy() + answer.motion.z * perpendicular(&touch.point);
         touch.tangent().dot(&(touch.velocity - at_contact))
     }
+}
+
+fn is_sliding(mode: ContactMode) -> bool {
+    matches!(mode, ContactMode::SlidingLeft | ContactMode::SlidingRight)
+}
+
+/// +1 for a slide to the left, −1 for one to the right.
+fn side(mode: ContactMode) -> f64 {
+    if mode == ContactMode::SlidingLeft { 1.0 } else { -1.0 }
 }

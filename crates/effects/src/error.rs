@@ -19,7 +19,7 @@ pub enum EffectError {
         unit: &'static str,
     },
     /// An effect's parameter is outside its range.
-    #[error("{effect}: {parameter} must be within {low} and {high} {unit}, got {value} {unit}")]
+    #[error("{effect}: {parameter} must be within {low} and {high} {unit}, got {value}")]
     OutOfRange {
         /// Id of the effect.
         effect: String,

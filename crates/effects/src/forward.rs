@@ -1,12 +1,12 @@
 //! One step, integrated along the pusher's way.
 
-use mechanics::{ContactMode, Ellipsoid};
+use mechanics::ContactMode;
 use nalgebra::Vector2;
 use planar::{Contact, Feature, Pose, Twist, perpendicular};
 
 use crate::geometry::Outline;
-use crate::instant::{Instant, Rate};
-use crate::{Channels, ContactLaw, EffectError, PushPhysics, Reading, StepInput, Support};
+use crate::instant::{Instant, Memory, Rate};
+use crate::{Channels, ContactLaw, EffectError, PushPhysics, Reading, StepInput};
 
 /// The state of a step while it is integrated.
 pub(crate) struct Forward<'a> {
@@ -31,7 +31,7 @@ pub(crate) struct Forward<'a> {
     deflection: f64,
     /// Time integral of the measured force, normal and tangential to the nominal contact, in N·s.
     impulse: Vector2<f64>,
-    pub(crate) last: Option<(Support, Ellipsoid)>,
+    pub(crate) memory: Memory,
 }
 
 /// The contact of a moment, frame of the outline, and the pusher's velocity in W.
@@ -80,7 +80,7 @@ impl<'a> Forward<'a> {
             now: Meeting { contact: nowhere, velocity_w: Vector2::zeros() },
             deflection: 0.0,
             impulse: Vector2::zeros(),
-            last: None,
+            memory: Memory::default(),
         };
         forward.now = forward.meet(0.0, &pose_wo);
         Ok(forward)
@@ -187,7 +187,7 @@ impl<'a> Forward<'a> {
         let instant = Instant::new(self.physics, self.step, pose, time);
         let point = self.outline.acting_point(&meeting.contact);
         let touch = instant.touch(&point, &meeting.contact.normal, &meeting.velocity_w);
-        instant.pushed(&touch, &self.law, &mut self.last)
+        instant.pushed(&touch, &self.law, &mut self.memory)
     }
 
     /// Time without contact, up to the touch at most.

@@ -104,10 +104,8 @@ impl<'a> Friction<'a> {
             load += self.shape * patch;
             slope += self.shape * patch_slope;
         }
-        if let Some(local) = self.local {
-            let surplus =
-                |place: &Vector2<f64>, velocity: &Vector2<f64>| local.surplus(place, velocity);
-            self.add_points(motion, surplus, 0.0, (&mut load, &mut slope));
+        if let Some(local) = &self.local {
+            self.add_local(local, motion, (&mut load, &mut slope));
         }
         Ok((load, slope))
     }
@@ -152,39 +150,53 @@ impl<'a> Friction<'a> {
             factors[i] * factors[j] * unit_slope[(i, j)]
         });
         if !self.is_isotropic {
-            self.add_points(motion, |_, _| 1.0, -1.0, (&mut load, &mut slope));
+            self.add_anisotropy(motion, (&mut load, &mut slope));
         }
         (load, slope)
     }
 
-    /// Adds, for each point, its share of the load times `weight` times T²v/|Tv|, and `isotropic`
-    /// times as much of v/|v|. The slope takes the weight for constant.
-    fn add_points(
-        &self,
-        motion: &Vector3<f64>,
-        weight: impl Fn(&Vector2<f64>, &Vector2<f64>) -> f64,
-        isotropic: f64,
-        (load, slope): (&mut Vector3<f64>, &mut Matrix3<f64>),
-    ) {
+    /// Adds, for each point, its share of the load times T²v/|Tv| − v/|v|.
+    fn add_anisotropy(&self, motion: &Vector3<f64>, sums: (&mut Vector3<f64>, &mut Matrix3<f64>)) {
+        let (load, slope) = sums;
         for (place, share) in self.object.points() {
-            // Points move with the pressure that they stand for.
+            let arm = self.stretch * perpendicular(place);
+            let velocity = motion.xy() + motion.z * arm;
+            if velocity != Vector2::zeros() {
+                let (turned, image) = (self.tensor * arm, self.tensor * velocity);
+                add_point(*share, &self.tensor, &turned, &image, load, slope);
+                add_point(-share, &Matrix2::identity(), &arm, &velocity, load, slope);
+            }
+        }
+    }
+
+    /// Adds, for each point, its share of the load times its surplus s times T²v/|Tv|.
+    fn add_local(
+        &self,
+        local: &Local<'_>,
+        motion: &Vector3<f64>,
+        sums: (&mut Vector3<f64>, &mut Matrix3<f64>),
+    ) {
+        /// Relative change of a speed over which the surplus' slope is taken.
+        const STEP: f64 = 1e-6;
+        let (load, slope) = sums;
+        for (place, share) in self.object.points() {
             let place = self.stretch * place;
-            let velocity = motion.xy() + motion.z * perpendicular(&place);
-            if velocity == Vector2::zeros() {
+            let arm = perpendicular(&place);
+            let velocity = motion.xy() + motion.z * arm;
+            let square = velocity.norm_squared();
+            if square == 0.0 {
                 continue;
             }
-            let weight = share * weight(&place, &velocity);
-            if weight == 0.0 {
-                continue;
-            }
-            if !self.is_isotropic {
-                let (turned, image) = (self.tensor * perpendicular(&place), self.tensor * velocity);
-                add_point(weight, &self.tensor, &turned, &image, load, slope);
-            }
-            let plain = if self.is_isotropic { 1.0 } else { isotropic };
-            if plain != 0.0 {
-                let arm = perpendicular(&place);
-                add_point(plain * weight, &Matrix2::identity(), &arm, &velocity, load, slope);
+            let surplus = local.surplus(&place, &velocity);
+            let growth = (local.surplus(&place, &((1.0 + STEP) * velocity)) - surplus) / STEP;
+            let (turned, image) = (self.tensor * arm, self.tensor * velocity);
+            add_point(share * surplus, &self.tensor, &turned, &image, load, slope);
+            if growth != 0.0 {
+                // ds = growth · d|v|/|v|, with d|v| = v·(dv + J r dω)/|v|.
+                let force = self.tensor * image / image.norm();
+                let force = Vector3::new(force.x, force.y, turned.dot(&image) / image.norm());
+                let faster = Vector3::new(velocity.x, velocity.y, velocity.dot(&arm));
+                *slope += share * growth / square * force * faster.transpose();
             }
         }
     }

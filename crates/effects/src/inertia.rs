@@ -114,7 +114,7 @@ impl Forward<'_> {
         let instant = Instant::new(self.physics, self.step, pose, time);
         let touch = instant.touch(&point, &meeting.contact.normal, &meeting.velocity_w);
         let rate =
-            instant.pushed_with_inertia(&touch, &self.law, length, target, &mut self.last)?;
+            instant.pushed_with_inertia(&touch, &self.law, length, target, &mut self.memory)?;
         Ok((rate.mode != ContactMode::Separated).then_some((rate, meeting)))
     }
 

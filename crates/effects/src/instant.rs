@@ -33,6 +33,13 @@ pub(crate) struct Rate {
     pub(crate) force_o: Vector2<f64>,
 }
 
+/// What one moment hands on to the next, to be faster.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Memory {
+    ellipsoid: Option<(Support, Ellipsoid)>,
+    answer: Option<Answer>,
+}
+
 impl<'a> Instant<'a> {
     pub(crate) fn new(
         physics: &'a PushPhysics,
@@ -67,27 +74,26 @@ impl<'a> Instant<'a> {
         Touch { point: point_o - self.center, normal: *normal_o, velocity }
     }
 
-    /// The quasi-static motion; `ellipsoid` keeps the closed form's surface from moment to moment.
+    /// The quasi-static motion.
     pub(crate) fn pushed(
         &self,
         touch: &Touch,
         law: &ContactLaw,
-        last: &mut Option<(Support, Ellipsoid)>,
+        memory: &mut Memory,
     ) -> Result<Rate, EffectError> {
         self.refuse_sliding_by_itself()?;
-        let guess = closed_form(&self.ellipsoid(last)?, touch, law)?;
-        if guess.mode == ContactMode::Separated {
-            return Ok(self.rate(&guess));
+        if touch.approach() <= 0.0 {
+            return Ok(self.rate(&Answer::AT_REST));
         }
+        let guess = self.guess(touch, law, memory)?;
         let is_quadric = self.support.shape == 0.0 && self.physics.rig().given().is_none();
-        let mut answer = guess;
-        if !(is_quadric && self.external == Vector3::zeros()) {
-            answer = self.balance(&self.friction(None)?, None).touched(touch, law, &guess)?;
-        }
-        if let Some(local) = self.local(&answer.motion) {
-            answer =
-                self.balance(&self.friction(Some(local))?, None).touched(touch, law, &answer)?;
-        }
+        let local = self.local(&guess.motion);
+        let answer = if is_quadric && local.is_none() && self.external == Vector3::zeros() {
+            closed_form(&self.ellipsoid(memory)?, touch, law)?
+        } else {
+            self.balance(&self.friction(local)?, None).touched(touch, law, &guess)?
+        };
+        memory.answer = Some(answer);
         Ok(self.rate(&answer))
     }
 
@@ -99,19 +105,19 @@ impl<'a> Instant<'a> {
         law: &ContactLaw,
         duration: f64,
         target: &Twist,
-        last: &mut Option<(Support, Ellipsoid)>,
+        memory: &mut Memory,
     ) -> Result<Rate, EffectError> {
         let center = self.step.object.center_of_mass();
-        let guess = closed_form(&self.ellipsoid(last)?, touch, law)?;
-        let guess = match guess.mode {
-            ContactMode::Separated => Answer { motion: self.to_motion(target, center), ..guess },
-            _ => guess,
-        };
+        let mut guess = self.guess(touch, law, memory)?;
+        if guess.mode == ContactMode::Separated {
+            guess.motion = self.to_motion(target, center);
+        }
         let pull = self.to_motion(target, center);
         let inertia = Some((self.mass() / (self.f_max * duration), pull));
         let local = self.local(&guess.motion);
         let friction = self.friction(local)?;
         let answer = self.balance(&friction, inertia).touched(touch, law, &guess)?;
+        memory.answer = Some(answer);
         Ok(self.rate_at(&answer, center))
     }
 
@@ -157,6 +163,19 @@ impl<'a> Instant<'a> {
         Ok((self.to_twist(&(inverse * net), center), power))
     }
 
+    /// Where a search starts: at the moment before, else at the push on the ellipsoid.
+    fn guess(
+        &self,
+        touch: &Touch,
+        law: &ContactLaw,
+        memory: &mut Memory,
+    ) -> Result<Answer, EffectError> {
+        match memory.answer {
+            Some(answer) if answer.mode != ContactMode::Separated => Ok(answer),
+            _ => closed_form(&self.ellipsoid(memory)?, touch, law),
+        }
+    }
+
     /// The friction of single points, if any has a surplus in a motion at S.
     fn local(&self, motion: &Vector3<f64>) -> Option<Local<'a>> {
         if !self.physics.acts_at(Stage::Local) {
@@ -175,11 +194,11 @@ impl<'a> Instant<'a> {
     }
 
     /// The ellipsoid of the moment, made anew only if it changed; its largest force is 1.
-    fn ellipsoid(&self, last: &mut Option<(Support, Ellipsoid)>) -> Result<Ellipsoid, EffectError> {
+    fn ellipsoid(&self, memory: &mut Memory) -> Result<Ellipsoid, EffectError> {
         if self.support.length_ratio == 1.0 && self.support.tensor_o.is_zero() {
             return Ok(*self.step.object.ellipsoid());
         }
-        if let Some((support, surface)) = last {
+        if let Some((support, surface)) = &memory.ellipsoid {
             let same = support.tensor_o == self.support.tensor_o
                 && support.length_ratio == self.support.length_ratio;
             if same {
@@ -190,7 +209,7 @@ impl<'a> Instant<'a> {
         let ratio = self.support.length_ratio * turning_ratio(object, &self.support);
         let inverse = ellipsoid(&self.support, ratio * object.mean_distance());
         let surface = Ellipsoid::from_inverse(inverse)?;
-        *last = Some((self.support, surface));
+        memory.ellipsoid = Some((self.support, surface));
         Ok(surface)
     }
 

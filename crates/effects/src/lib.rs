@@ -13,6 +13,8 @@ mod geometry;
 mod inertia;
 mod instant;
 mod object;
+#[cfg(doctest)]
+mod pages;
 mod parameter;
 mod patch_table;
 mod push_physics;
@@ -44,5 +46,3 @@ pub use setting::Setting;
 pub use step_input::StepInput;
 pub use support::{LogTensor, Support};
 pub use track::Track;
-
-use friction::Friction;

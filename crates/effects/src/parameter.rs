@@ -126,7 +126,7 @@ impl Parameter {
         if (low..=high).contains(&value) {
             return Ok(());
         }
-        let unit = self.unit;
+        let unit = if self.unit == "1" { "(dimensionless)" } else { self.unit };
         Err(EffectError::OutOfRange { effect, parameter, value, unit, low, high })
     }
 }

@@ -4,6 +4,7 @@
 
 mod contact;
 mod effects;
+mod gp;
 mod report;
 mod timing;
 
@@ -45,7 +46,7 @@ struct Benchmark {
     rows: fn() -> Result<Vec<Row>>,
 }
 
-const BENCHMARKS: &[Benchmark] = &[contact::BENCHMARK, effects::BENCHMARK];
+const BENCHMARKS: &[Benchmark] = &[contact::BENCHMARK, effects::BENCHMARK, gp::BENCHMARK];
 
 #[cfg(test)]
 mod tests {

@@ -3,8 +3,8 @@
 use anyhow::Result;
 
 use super::inputs::Inputs;
-use super::mechanics;
 use super::sketch::Sketch;
+use super::{learning, mechanics, models, recordings};
 
 /// A figure: its number in the thesis, its title and the function that draws it.
 #[derive(Debug)]
@@ -13,26 +13,38 @@ pub(crate) struct Entry {
     pub(crate) chapter: Chapter,
     pub(crate) title: &'static str,
     pub(crate) draw: fn(&Inputs) -> Result<Sketch>,
+    /// The claims that it settles, for data from which it cannot be drawn.
+    pub(crate) claims: &'static [&'static str],
 }
 
 /// A chapter of the thesis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Chapter {
     Mechanics,
+    Learning,
+    Recordings,
+    Models,
 }
 
 impl Chapter {
-    pub(crate) const ALL: [Self; 1] = [Self::Mechanics];
+    pub(crate) const ALL: [Self; 4] =
+        [Self::Mechanics, Self::Learning, Self::Recordings, Self::Models];
 
     pub(crate) fn anchor(self) -> &'static str {
         match self {
             Self::Mechanics => "mechanics",
+            Self::Learning => "learning",
+            Self::Recordings => "recordings",
+            Self::Models => "models",
         }
     }
 
     pub(crate) fn title(self) -> &'static str {
         match self {
             Self::Mechanics => "Mechanics of pushing",
+            Self::Learning => "Learning from data",
+            Self::Recordings => "From recordings to a table",
+            Self::Models => "Learned models of pushing",
         }
     }
 }
@@ -43,11 +55,22 @@ const fn entry(
     title: &'static str,
     draw: fn(&Inputs) -> Result<Sketch>,
 ) -> Entry {
-    Entry { id, chapter, title, draw }
+    Entry { id, chapter, title, draw, claims: &[] }
+}
+
+impl Entry {
+    const fn settles(mut self, claims: &'static [&'static str]) -> Self {
+        self.claims = claims;
+        self
+    }
 }
 
 /// All figures, in the order of the thesis.
 pub(crate) const ALL: &[Entry] = &[
+    entry("2.1", Chapter::Mechanics, "the friction cone", mechanics::friction_cone::draw),
+    entry("2.2", Chapter::Mechanics, "a rigid body and its COR", mechanics::rigid_body::draw),
+    entry("2.3", Chapter::Mechanics, "friction at pusher and support", mechanics::pressure::draw),
+    entry("2.4", Chapter::Mechanics, "the motion cone", mechanics::motion_cone::draw),
     entry("2.5", Chapter::Mechanics, "limit curve", mechanics::limit_curve::draw),
     entry("2.6", Chapter::Mechanics, "a limit surface and its normals", mechanics::normals::draw),
     entry("2.7", Chapter::Mechanics, "one support point", mechanics::one_point::draw),
@@ -58,5 +81,25 @@ pub(crate) const ALL: &[Entry] = &[
         "the ellipsoid beside the exact surface",
         mechanics::ellipsoid::draw,
     ),
+    entry("2.10", Chapter::Mechanics, "sticking and sliding", mechanics::stick_slide::draw),
     entry("2.11", Chapter::Mechanics, "the analytical push", mechanics::analytical::draw),
+    entry("3.1", Chapter::Learning, "functions from three priors", learning::prior::draw),
+    entry("3.2", Chapter::Learning, "posterior and density of data", learning::posterior::draw),
+    entry("4.3", Chapter::Recordings, "two recorded pushes", recordings::two_pushes::draw),
+    entry("4.4", Chapter::Recordings, "force and contact", recordings::force_profile::draw)
+        .settles(&recordings::force_profile::CLAIMS),
+    entry("4.5", Chapter::Recordings, "notation of the inputs", recordings::inputs_notation::draw),
+    entry(
+        "4.6",
+        Chapter::Recordings,
+        "notation of the outputs",
+        recordings::outputs_notation::draw,
+    ),
+    entry("4.7", Chapter::Recordings, "outputs over inputs", recordings::outputs::draw)
+        .settles(&recordings::outputs::CLAIMS),
+    entry("5.1", Chapter::Models, "noise of the sensors", recordings::noise::draw),
+    entry("5.2", Chapter::Models, "the learned push", models::gp_maps::draw)
+        .settles(&models::gp_maps::CLAIMS),
+    entry("5.7", Chapter::Models, "learning curves", models::learning_curves::draw)
+        .settles(&models::learning_curves::CLAIMS),
 ];

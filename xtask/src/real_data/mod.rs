@@ -2,7 +2,10 @@
 
 mod end_points;
 mod one_step;
+mod raw_pushes;
+mod recordings;
 mod row;
+mod samples;
 
 use std::path::{Path, PathBuf};
 
@@ -41,6 +44,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     for section in [
         one_step::run(&args.data.join("mit-push-table/table.csv"), args.splits, args.seed)?,
         end_points::run(&args.data.join("mit-push-endpoints/plywood.csv"))?,
+        raw_pushes::run(&args.data.join("mit-push-raw"))?,
+        recordings::run(&args.data.join("mit-recordings"))?,
+        samples::run(&args.data.join("../samples"))?,
     ] {
         json.extend(section.json);
         rows.extend(section.rows);

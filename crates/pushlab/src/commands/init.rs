@@ -1,0 +1,106 @@
+//! `pushlab init`: a first manifest from what a folder holds.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use dataset::{MANIFEST_NAME, Preset, draft_manifest, find_recordings};
+use serde::Serialize;
+
+use crate::command_line::preset_parser;
+use crate::destination::Destination;
+use crate::origin::{Input, Origin, plain, readable};
+use crate::terminal::{TITLE, Terminal, WARNING};
+
+/// Write a commented dataset.toml from what a folder of recordings holds
+///
+/// Looks at topics, types, columns, rates and file names. What no recording can tell (shape, mass,
+/// pusher) is left as "TODO". A dataset.toml that is there is never overwritten.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Args {
+    /// Folder with the recordings, or with one folder of them
+    dir: PathBuf,
+    /// Write what is known of a public data set instead of looking
+    #[arg(long, value_name = "NAME", value_parser = preset_parser())]
+    preset: Option<Preset>,
+    /// Print the file instead of writing it
+    #[arg(long)]
+    print: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  pushlab init pushes
+  pushlab init pushes --print
+  pushlab init mit --preset mit-push     for the MIT push data set as published";
+
+#[derive(Serialize)]
+struct Initialized<'a> {
+    /// The file written; none with `--print`.
+    path: Option<&'a Path>,
+    text: &'a str,
+    /// Lines of the file that are still to be filled in, from 1.
+    open_lines: Vec<usize>,
+}
+
+pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    readable(&args.dir)?;
+    let path = plain(&args.dir.join(MANIFEST_NAME));
+    let destination = if args.print { None } else { Some(Destination::unused(&path)?) };
+    let mut origin = Origin::new(["init".to_owned(), args.dir.display().to_string()]);
+    let text = match args.preset {
+        Some(preset) => {
+            origin.arguments.extend(["--preset".to_owned(), preset.name().to_owned()]);
+            preset.text().to_owned()
+        }
+        None => {
+            let (_, _, recordings) = find_recordings(&args.dir)?;
+            origin.inputs = Input::all(&recordings[0])?;
+            draft_manifest(&args.dir)?
+        }
+    };
+    let text = format!("{}\n\n{}", text.trim_end(), origin.comment());
+    if let Some(destination) = &destination {
+        destination.write(text.as_bytes())?;
+    }
+    let open_lines = text.lines().enumerate().filter(|(_, line)| line.contains("\"TODO\""));
+    let result = Initialized {
+        path: destination.as_ref().map(Destination::path),
+        text: &text,
+        open_lines: open_lines.map(|(index, _)| index + 1).collect(),
+    };
+    let words = match result.path {
+        Some(path) => next_steps(args, path, &result),
+        None => text.clone(),
+    };
+    terminal.finish(&origin, &result, words)
+}
+
+/// What was written and what to do now.
+fn next_steps(args: &Args, path: &Path, result: &Initialized<'_>) -> String {
+    let mut out = format!("{TITLE}wrote {}{TITLE:#}\n", path.display());
+    let lines: Vec<_> = result.text.lines().collect();
+    if !result.open_lines.is_empty() {
+        let _ = writeln!(out, "{WARNING}to be filled in:{WARNING:#}");
+    }
+    for &line in &result.open_lines {
+        let _ = writeln!(out, "  {}:{line}: {}", path.display(), lines[line - 1]);
+    }
+    let set = args.dir.display();
+    let _ = match (args.preset, Preset::of_recordings(&args.dir)) {
+        (Some(Preset::MitTable), _) => {
+            writeln!(out, "then: pushlab ingest {set}/TABLE.csv -o steps.csv")
+        }
+        (Some(Preset::MitEndpoints), _) => Ok(()),
+        (None, Some(known)) => {
+            let name = known.name();
+            writeln!(
+                out,
+                "or, as these look like public data: pushlab ingest {set} --preset {name}"
+            )
+        }
+        _ => writeln!(out, "then: pushlab ingest {set} -o steps.csv"),
+    };
+    out
+}
