@@ -1,5 +1,7 @@
 //! Without effects, a step is the quasi-static push along its way.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
 use effects::{Channels, Object, PushPhysics, Rig, StepInput, Surface, Track};
 use mechanics::{
     Ellipsoid, LimitSurface, Patch, PathSettings, Pusher, Slider, StraightPath, push_along,

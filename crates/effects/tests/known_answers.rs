@@ -1,5 +1,7 @@
 //! What each effect does to pushes that can be worked out by hand.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
 use effects::{Channels, Object, PushPhysics, Rig, StepInput, Surface, Track, by_id};
 use mechanics::{Ellipsoid, Patch, PointSet};
 use nalgebra::Vector2;

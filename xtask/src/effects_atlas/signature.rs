@@ -27,6 +27,9 @@ const RADIUS: f64 = 0.00475;
 const WAY: f64 = 0.01;
 const SLOW: f64 = 0.02;
 
+const QUARTERS: [(f64, &str); 5] =
+    [(0.0, "0"), (90.0, "90"), (180.0, "180"), (270.0, "270"), (360.0, "360")];
+
 /// One push of the atlas.
 #[derive(Clone, Copy)]
 struct Shot {
@@ -60,7 +63,7 @@ pub(super) fn figure(effect: &'static dyn Effect) -> Result<Figure> {
         .collect();
     Ok(Figure::new(2, 2)
         .title(&format!("{}: {}", about.title, values.join(", ")))
-        .panel_size(330.0, 250.0)
+        .panel_size(350.0, 250.0)
         .with(map(&changes, first))
         .with(map(&changes, second))
         .with(atlas.over_speed()?)
@@ -70,7 +73,7 @@ pub(super) fn figure(effect: &'static dyn Effect) -> Result<Figure> {
 fn shot_of_cell(cell: usize) -> Shot {
     let share = |index: usize| (index as f64 + 0.5) / CELLS as f64;
     let (p, beta) = (share(cell % CELLS), 1.2 * (share(cell / CELLS) - 0.5));
-    Shot { p: 0.02 + 0.96 * p, beta, ..SHOT }
+    Shot { p, beta, ..SHOT }
 }
 
 /// The two channels with the largest changes, in standard deviations.
@@ -90,7 +93,7 @@ fn map(changes: &[[f64; 7]], channel: usize) -> Panel {
     // A channel that does not change is drawn as such, not as rounding.
     let reach = if largest < 1e-6 { 1.0 } else { largest };
     let values = (0..changes.len()).map(value).collect();
-    let grid = Grid::new((0.02, 0.98), (-0.6, 0.6), CELLS, CELLS, values);
+    let grid = Grid::new((0.0, 1.0), (-0.6, 0.6), CELLS, CELLS, values);
     Panel::new("place p", "angle β in rad").title(&format!("change of {name}")).with(
         HeatMap::new(grid, &format!("{name} in {unit}"))
             .map(ColorMap::Diverging)
@@ -156,7 +159,7 @@ impl Atlas {
     fn over_orientation(&self) -> Result<Panel> {
         let degrees: Vec<f64> = (0..37).map(|k| 10.0 * f64::from(k)).collect();
         let shots = degrees.iter().map(|angle| Shot { angle: angle.to_radians(), ..SHOT });
-        self.lines(Axis::new("orientation in °").range(0.0, 360.0), &degrees, shots)
+        self.lines(Axis::new("orientation in °").names(&QUARTERS), &degrees, shots)
     }
 
     fn lines(&self, x: Axis, at: &[f64], shots: impl Iterator<Item = Shot>) -> Result<Panel> {
