@@ -133,8 +133,11 @@ impl Balance<'_> {
     ) -> Result<Answer, EffectError> {
         // With one friction for sticking and sliding, a slip that fits is the only answer.
         if law.static_ratio == 1.0 && is_sliding(guess.mode) {
-            let answer = self.slide(touch, law, guess.mode, guess)?;
-            if answer.mode == guess.mode && self.slip_of(touch, &answer) * side(guess.mode) > 0.0 {
+            let edge = Edge::new(touch, law, guess.mode);
+            if let Some(answer) = self.slide_by_newton(touch, &edge, guess)?
+                && answer.mode == guess.mode
+                && edge.side * self.slip_of(touch, &answer) > 0.0
+            {
                 return Ok(answer);
             }
         }
@@ -148,7 +151,11 @@ impl Balance<'_> {
             false => ContactMode::SlidingRight,
         };
         let guess = if guess.mode == mode { *guess } else { Answer { mode, motion, force } };
-        self.slide(touch, law, mode, &guess)
+        let edge = Edge::new(touch, law, mode);
+        match self.slide_by_newton(touch, &edge, &guess)? {
+            Some(answer) => Ok(answer),
+            None => self.slide_by_bracket(touch, &edge, guess.motion.z),
+        }
     }
 
     /// The turn for which the moment about the contact vanishes, at a given slip.
@@ -168,11 +175,8 @@ impl Balance<'_> {
             let motion = touch.motion(omega, slip);
             let (load, slope) = self.missing(&motion)?;
             let (moment, change) = (turn.dot(&load), turn.dot(&(slope * turn)));
-            if moment > 0.0 {
-                high = omega
-            } else {
-                low = omega
-            }
+            let end = if moment > 0.0 { &mut high } else { &mut low };
+            *end = omega;
             let mut next = omega - moment / change;
             let shrinks = (next - omega).abs() <= 0.5 * last;
             if !(next > low && next < high && shrinks) {
@@ -193,70 +197,59 @@ impl Balance<'_> {
         Err(EffectError::NotConverged { what: "the sticking push", iterations: MAX_ITERATIONS })
     }
 
-    /// The turn and the slip for which the force is on the cone's edge.
-    fn slide(
+    /// The turn and the slip for which the force is on the cone's edge; none where steps grow.
+    fn slide_by_newton(
         &self,
         touch: &Touch,
-        law: &ContactLaw,
-        mode: ContactMode,
+        edge: &Edge,
         guess: &Answer,
-    ) -> Result<Answer, EffectError> {
-        let side = side(mode);
-        let (turn, tangent) = (touch.turn(), touch.tangent());
-        let outside = tangent - side * law.sliding(side) * touch.normal;
-        let outside = Vector3::new(outside.x, outside.y, 0.0);
+    ) -> Result<Option<Answer>, EffectError> {
+        let (turn, tangent) = (touch.turn() / self.length, touch.tangent());
+        let outside = Vector3::new(edge.outside.x, edge.outside.y, 0.0);
         let along = Vector3::new(-tangent.x, -tangent.y, 0.0);
-        let answer = |(motion, force): (Vector3<f64>, Vector2<f64>)| {
-            let pushes = touch.normal.dot(&force) > 0.0;
-            Answer { mode: if pushes { mode } else { ContactMode::Separated }, motion, force }
-        };
         let speed = self.speed(touch);
-        let start = self.slip_of(touch, guess);
-        let mut at = Vector2::new(
-            guess.motion.z,
-            if side * start > 0.0 { start } else { 0.1 * side * speed },
-        );
+        let slip = edge.side * self.slip_of(touch, guess);
+        let slip = edge.side * if slip > 0.0 { slip } else { 0.1 * speed };
+        // Turn times length, and slip, in m/s.
+        let mut at = Vector2::new(self.length * guess.motion.z, slip);
         let mut last = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS / 4 {
-            let (load, slope) = self.missing(&touch.motion(at.x, at.y))?;
-            let residual = Vector2::new(turn.dot(&load) / self.length, outside.dot(&load));
-            let columns = [slope * turn, slope * along];
+            let motion = touch.motion(at.x / self.length, at.y);
+            let (load, slope) = self.missing(&motion)?;
+            let residual = Vector2::new(turn.dot(&load), outside.dot(&load));
+            let (by_turn, by_slip) = (slope * turn, slope * along);
             let jacobian = Matrix2::new(
-                turn.dot(&columns[0]) / self.length,
-                turn.dot(&columns[1]) / self.length,
-                outside.dot(&columns[0]),
-                outside.dot(&columns[1]),
+                turn.dot(&by_turn),
+                turn.dot(&by_slip),
+                outside.dot(&by_turn),
+                outside.dot(&by_slip),
             );
-            let Some(step) = jacobian.try_inverse().map(|inverse| inverse * residual) else {
-                break;
-            };
-            let size = step.y.abs() + self.length * step.x.abs();
-            if size <= TOLERANCE * speed {
-                return Ok(answer((touch.motion(at.x, at.y), load.xy())));
+            let Some(inverse) = jacobian.try_inverse() else { return Ok(None) };
+            let step = inverse * residual;
+            if step.norm() <= TOLERANCE * speed {
+                return Ok(Some(edge.answer(touch, motion, load.xy())));
             }
-            // Steps that do not shrink are left to the slower search.
-            if !(residual.norm() < 2.0 * last && size < 10.0 * speed) {
-                break;
+            if !(residual.norm() < 2.0 * last && step.norm() < 10.0 * speed) {
+                return Ok(None);
             }
             last = residual.norm();
             at -= step;
         }
-        Ok(answer(self.slide_by_bracket(touch, side, &outside, guess.motion.z)?))
+        Ok(None)
     }
 
     /// The same by the sticking solution at each slip: the force turns one way as the slip grows.
     fn slide_by_bracket(
         &self,
         touch: &Touch,
-        side: f64,
-        outside: &Vector3<f64>,
+        edge: &Edge,
         guess: f64,
-    ) -> Result<(Vector3<f64>, Vector2<f64>), EffectError> {
+    ) -> Result<Answer, EffectError> {
         let speed = self.speed(touch);
         let (mut low, mut high) = (0.0, 0.25 * speed);
         let excess = |slip: f64, guess: f64| {
-            let (motion, force) = self.stick(touch, side * slip, guess)?;
-            Ok::<_, EffectError>((side * outside.xy().dot(&force), motion, force))
+            let (motion, force) = self.stick(touch, edge.side * slip, guess)?;
+            Ok::<_, EffectError>((edge.side * edge.outside.dot(&force), motion, force))
         };
         let mut omega = guess;
         for _ in 0..MAX_ITERATIONS {
@@ -272,7 +265,7 @@ impl Balance<'_> {
             let (value, motion, force) = excess(middle, omega)?;
             omega = motion.z;
             if high - low <= TOLERANCE * speed || value == 0.0 {
-                return Ok((motion, force));
+                return Ok(edge.answer(touch, motion, force));
             }
             if value > 0.0 { low = middle } else { high = middle }
         }
@@ -294,11 +287,29 @@ impl Balance<'_> {
     }
 }
 
-fn is_sliding(mode: ContactMode) -> bool {
-    matches!(mode, ContactMode::SlidingLeft | ContactMode::SlidingRight)
+/// An edge of the friction cone.
+struct Edge {
+    mode: ContactMode,
+    /// +1 for the left edge, −1 for the right.
+    side: f64,
+    /// Normal to the edge, out of the cone on the left, into it on the right.
+    outside: Vector2<f64>,
 }
 
-/// +1 for a slide to the left, −1 for one to the right.
-fn side(mode: ContactMode) -> f64 {
-    if mode == ContactMode::SlidingLeft { 1.0 } else { -1.0 }
+impl Edge {
+    /// The edge on which the force of a sliding `mode` is.
+    fn new(touch: &Touch, law: &ContactLaw, mode: ContactMode) -> Self {
+        let side = if mode == ContactMode::SlidingLeft { 1.0 } else { -1.0 };
+        Self { mode, side, outside: touch.tangent() - side * law.sliding(side) * touch.normal }
+    }
+
+    /// A solution with its force on the edge, or on the edge's other side of the contact: separated.
+    fn answer(&self, touch: &Touch, motion: Vector3<f64>, force: Vector2<f64>) -> Answer {
+        let pushes = touch.normal.dot(&force) > 0.0;
+        Answer { mode: if pushes { self.mode } else { ContactMode::Separated }, motion, force }
+    }
+}
+
+fn is_sliding(mode: ContactMode) -> bool {
+    matches!(mode, ContactMode::SlidingLeft | ContactMode::SlidingRight)
 }
