@@ -11,8 +11,8 @@ acts at one stage of the prediction, is seen by some channels of the measurement
 for others. `model.toml` names them by their ids and parameters.
 
 The figures show what an effect of typical size changes, on a 90 mm square of 0.84 kg: maps over the
-place p along an edge and the angle β of the push, for steps of 10 mm at 20 mm/s; then one push over
-speed and over the object's orientation, in standard deviations of ordinary sensors (30 µm, 0.08°,
+place p along an edge and the angle β of the push, for steps of 10 mm at 20 mm/s; then the push that
+shows it most, over speed and over the object's orientation, in standard deviations of ordinary sensors (30 µm, 0.08°,
 50 mN, 0.1 mm of gap). Dashed: the way that the object goes in 0.1 s after the pusher stopped.
 
 This page and its figures are written by `cargo xtask effects-atlas` from what the effects say of
