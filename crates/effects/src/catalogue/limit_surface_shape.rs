@@ -9,9 +9,10 @@ pub struct LimitSurfaceShape;
 static ABOUT: About = About {
     id: "limit-surface-shape",
     title: "Shape of the limit surface",
-    physics: "The exact limit surface of uniform pressure is not an ellipsoid: it is blunter, so \
-        that turns about centers in and near the object come out differently. The loads of both \
-        surfaces for the same motion are mixed; both have the same largest force and moment.",
+    physics: "The exact limit surface of uniform pressure is not an ellipsoid: turns about centers \
+        in and near the object come out differently. The loads of both surfaces for the same \
+        motion are mixed; both have the same largest force and moment. Beyond λ = 1.25 the mixture \
+        need not be convex on long triangles.",
     equation: "w(t) = (1 − λ) w_ellipsoid(t) + λ w_patch(t), with t the motion and w its load; λ \
         = 0 the ellipsoid, 1 the patch.",
     source: "Goyal, Ruina & Papadopoulos (1991), Planar sliding with dry friction, Wear 143; Howe \
@@ -29,7 +30,11 @@ static ABOUT: About = About {
         role: Role::Even,
     }],
     look_alikes: &[
-        LookAlike { id: "pressure-radius", when: "see there" },
+        LookAlike {
+            id: "pressure-radius",
+            when: "where all pushes turn alike; an ellipsoid fitted to the exact surface has a c \
+                that is 9 to 14 % too small",
+        },
         LookAlike {
             id: "rate-dependent-friction",
             when: "at one speed; pushes at several speeds tell them apart",
