@@ -6,7 +6,7 @@ mod made;
 
 use dataset::{
     Curve, Flags, ForceZero, IngestReport, IngestSettings, Phase, Recording, RecordingSet,
-    StepLength, StepRow, Table, ingest, ingest_each, provenance,
+    RecordingWriter, StepLength, StepRow, Table, all_writers, ingest, ingest_each, provenance,
 };
 use made::{HALF_SIDE, Made, write_set};
 use nalgebra::Vector2;
@@ -151,12 +151,16 @@ fn each_contact_of_a_recording_is_a_push() {
 #[test]
 fn the_same_push_through_every_format_gives_the_same_table() {
     let recording = Made::default().recording("push-0000");
-    let tables = ["csv", "mcap-ros2", "mcap-ros1", "mcap-json", "mit-json"].map(|writer| {
+    let through = |writer: &&dyn RecordingWriter| {
         let dir = tempfile::tempdir().unwrap();
-        write_set(dir.path(), writer, std::slice::from_ref(&recording));
+        write_set(dir.path(), writer.id(), std::slice::from_ref(&recording));
         let set = RecordingSet::open(dir.path()).unwrap();
         ingest(&set, &IngestSettings::default()).unwrap().0
-    });
+    };
+    let tables: Vec<_> = all_writers().iter().map(through).collect();
+    // CSV, MIT JSON and HDF5, MCAP with ROS 1, ROS 2, JSON and protobuf messages, ROS 1 bag.
+    #[cfg(all(feature = "protobuf", feature = "hdf5", feature = "bag"))]
+    assert_eq!(tables.len(), 8);
     for table in &tables[1..] {
         assert_eq!(table.len(), tables[0].len());
         for (a, b) in tables[0].rows.iter().zip(&table.rows) {

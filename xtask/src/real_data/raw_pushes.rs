@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use dataset::{FirstContact, IngestReport, IngestSettings, Preset, RecordingSet, ingest};
 use nalgebra::Vector2;
 use planar::{Shape, mit_object, wrap_angle};
-use serde_json::{Map, json};
+use serde_json::{Map, Value, json};
 
 use super::Section;
 use super::row::{Reference, Row};
@@ -39,7 +39,16 @@ pub(super) fn run(dir: &Path) -> Result<Section> {
             direction_errors.push(direction);
         }
     }
-    Ok(section(&report, contact_errors, direction_errors))
+    let contact = Errors::of(contact_errors);
+    let direction = Errors::of(direction_errors);
+    let json = Map::from_iter([("raw_pushes".to_owned(), entry(&report, &contact, &direction))]);
+    Ok(Section { json, rows: rows(&report, &contact, &direction) })
+}
+
+/// The spread of differences from what the names tell.
+struct Errors {
+    median: f64,
+    max: f64,
 }
 
 impl Told {
@@ -71,12 +80,23 @@ impl Told {
     }
 }
 
-fn section(report: &IngestReport, mut contact: Vec<f64>, mut direction: Vec<f64>) -> Section {
+impl Errors {
+    /// Infinite where there are none, so that no bound holds.
+    fn of(mut values: Vec<f64>) -> Self {
+        values.sort_by(f64::total_cmp);
+        let middle = values.len() / 2;
+        let median = match values.len() {
+            0 => f64::INFINITY,
+            n if n % 2 == 1 => values[middle],
+            _ => f64::midpoint(values[middle - 1], values[middle]),
+        };
+        Self { median, max: values.last().copied().unwrap_or(f64::INFINITY) }
+    }
+}
+
+fn rows(report: &IngestReport, contact: &Errors, direction: &Errors) -> Vec<Row> {
     let summary = &report.summary;
     let set_aside: usize = summary.set_aside.values().sum();
-    let (contact_median, contact_max) = median_and_max(&mut contact);
-    let (direction_median, direction_max) = median_and_max(&mut direction);
-    let steady = summary.steady_force_untared_n;
     let mut rows = vec![
         Row::new("raw pushes: used", summary.pushes_used as f64, Reference::None),
         Row::new(
@@ -86,18 +106,18 @@ fn section(report: &IngestReport, mut contact: Vec<f64>, mut direction: Vec<f64>
         ),
         Row::new(
             "raw pushes: contact error in mm, median",
-            1e3 * contact_median,
+            1e3 * contact.median,
             Reference::AtMost(1e3 * LARGEST_CONTACT_ERROR),
         ),
-        Row::new("raw pushes: contact error in mm, largest", 1e3 * contact_max, Reference::None),
+        Row::new("raw pushes: contact error in mm, largest", 1e3 * contact.max, Reference::None),
         Row::new(
             "raw pushes: direction error in deg, median",
-            direction_median.to_degrees(),
+            direction.median.to_degrees(),
             Reference::AtMost(LARGEST_DIRECTION_ERROR.to_degrees()),
         ),
         Row::new(
             "raw pushes: direction error in deg, largest",
-            direction_max.to_degrees(),
+            direction.max.to_degrees(),
             Reference::None,
         ),
         Row::new("raw pushes: contact lost", summary.contacts_lost as f64, Reference::None),
@@ -110,21 +130,27 @@ fn section(report: &IngestReport, mut contact: Vec<f64>, mut direction: Vec<f64>
     for (name, spread, scale) in [
         ("raw pushes: μ·m·g by the preset in N", summary.nominal_force_n, 1.0),
         ("raw pushes: steady force in N, tared", summary.steady_force_n, 1.0),
-        ("raw pushes: steady force in N, 0 at rest", steady, 1.0),
+        ("raw pushes: steady force in N, 0 at rest", summary.steady_force_untared_n, 1.0),
         ("raw pushes: Vicon noise in µm", summary.resting_position_sd_m, 1e6),
         ("raw pushes: Vicon noise in mdeg", summary.resting_angle_sd_rad, 1e3_f64.to_degrees()),
     ] {
         let median = spread.map(|spread| scale * spread.median);
         rows.extend(median.map(|median| Row::new(name, median, Reference::None)));
     }
-    let entry = json!({
+    rows
+}
+
+fn entry(report: &IngestReport, contact: &Errors, direction: &Errors) -> Value {
+    let summary = &report.summary;
+    let set_aside: usize = summary.set_aside.values().sum();
+    json!({
         "used": summary.pushes_used,
         "set_aside": set_aside,
         "reasons": summary.set_aside,
-        "contact_error_m_median": contact_median,
-        "contact_error_m_max": contact_max,
-        "direction_error_rad_median": direction_median,
-        "direction_error_rad_max": direction_max,
+        "contact_error_m_median": contact.median,
+        "contact_error_m_max": contact.max,
+        "direction_error_rad_median": direction.median,
+        "direction_error_rad_max": direction.max,
         "steps": summary.rows,
         "contacts_lost": summary.contacts_lost,
         "force_zero_found": summary.tared,
@@ -132,30 +158,18 @@ fn section(report: &IngestReport, mut contact: Vec<f64>, mut direction: Vec<f64>
         "force_left_at_rest": summary.force_left_at_rest,
         "nominal_force_n": summary.nominal_force_n,
         "steady_force_n": summary.steady_force_n,
-        "steady_force_untared_n": steady,
+        "steady_force_untared_n": summary.steady_force_untared_n,
         "resting_position_sd_m": summary.resting_position_sd_m,
         "resting_angle_sd_rad": summary.resting_angle_sd_rad,
         "repairs": summary.repairs,
-    });
-    Section { json: Map::from_iter([("raw_pushes".to_owned(), entry)]), rows }
-}
-
-fn median_and_max(values: &mut [f64]) -> (f64, f64) {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    let median = match values.len() {
-        0 => f64::INFINITY,
-        n if n % 2 == 1 => values[middle],
-        _ => f64::midpoint(values[middle - 1], values[middle]),
-    };
-    (median, values.last().copied().unwrap_or(f64::INFINITY))
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use dataset::FirstContact;
 
-    use super::{Told, median_and_max};
+    use super::{Errors, Told};
 
     #[test]
     fn a_name_tells_contact_and_direction() {
@@ -177,8 +191,12 @@ mod tests {
 
     #[test]
     fn no_values_satisfy_no_bound() {
-        assert_eq!(median_and_max(&mut []), (f64::INFINITY, f64::INFINITY));
-        assert_eq!(median_and_max(&mut [3.0, 1.0, 2.0]), (2.0, 3.0));
-        assert_eq!(median_and_max(&mut [1.0, 4.0]), (2.5, 4.0));
+        let spread = |values: &[f64]| {
+            let errors = Errors::of(values.to_vec());
+            (errors.median, errors.max)
+        };
+        assert_eq!(spread(&[]), (f64::INFINITY, f64::INFINITY));
+        assert_eq!(spread(&[3.0, 1.0, 2.0]), (2.0, 3.0));
+        assert_eq!(spread(&[1.0, 4.0]), (2.5, 4.0));
     }
 }

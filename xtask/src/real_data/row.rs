@@ -41,7 +41,7 @@ impl Row {
                 let percent = 100.0 * BAND;
                 Some(format!("{name}: {measured:.4}, expected {expected:.4} ± {percent} %"))
             }
-            Reference::AtMost(limit) if !(*measured <= limit) => {
+            Reference::AtMost(limit) if measured.is_nan() || *measured > limit => {
                 Some(format!("{name}: {measured:.4}, allowed is at most {limit:.4}"))
             }
             Reference::Exactly(expected) if *measured != expected => {

@@ -28,7 +28,8 @@ static ABOUT: About = About {
     }],
     look_alikes: &[LookAlike {
         id: "limit-surface-shape",
-        when: "an ellipsoid fitted to the exact surface has a c that is 9 to 14 % too small; pushes at many distances from the center tell them apart",
+        when: "where all pushes turn alike; an ellipsoid fitted to the exact surface has a c that \
+            is 9 to 14 % too small",
     }],
 };
 

@@ -139,7 +139,8 @@ fn dependence(steps: &[[f64; 5]], dy: &MainEffects, dtheta: &MainEffects) -> Cla
         100.0 * dtheta.p,
         100.0 * dtheta.beta
     );
-    let claim = "15. In the analytical model β > 0 gives Δy < 0; Δy depends mainly on β, Δθ on p";
+    let claim = "15. In the analytical model β > 0 gives Δy < 0 (positive to the left of the push); \
+                 Δy depends mainly on β, Δθ mainly on p";
     let holds = share > 0.5 && dy.beta > 0.5 && dtheta.p > 0.5;
     let reason = "each share above one half; shares of variance over the map of figure 2.11";
     judged(claim, value, holds, reason)

@@ -50,14 +50,15 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let tested = (data.steps.len() - most).min(MOST_TESTED);
     let caption = format!(
         "Left: squared error over the variance of the outputs, on {tested} steps not used for \
-         training; median and quartiles of {n_splits} random splits; the analytical model is fitted to the same steps. Right: share of these steps \
-         inside the models' 95 % intervals, mean of the three outputs. The nominal model knows the \
-         pusher's friction and uniform pressure alone; where few steps do not determine its \
-         parameters the hybrid stands on it.",
+         training; median and quartiles of {n_splits} random splits of steps (not of pushes, whose \
+         steps resemble one another). The analytical model is fitted to the same steps; the nominal \
+         one knows the pusher's friction and uniform pressure alone, and is the hybrid's base where \
+         few steps do not determine more. Right: share of the same steps inside the models' 95 % \
+         intervals, mean of the three outputs.",
     );
-    let alt = "Two panels over the number of training steps. Left, the errors of Gaussian process and \
-               hybrid fall below the level lines of the analytical model and meet. Right, the shares \
-               inside the intervals.";
+    let alt = "Two panels over the number of training steps. Left, the errors of Gaussian process, \
+               hybrid, fitted and nominal analytical model. Right, the shares inside the intervals \
+               of Gaussian process and hybrid, beside a line at 95 %.";
     Ok(Sketch::new(curves.figure(), curves.table(), &caption, alt).claim(curves.claim()))
 }
 

@@ -130,7 +130,9 @@ impl Sensor {
             .map(|(name, values, scale)| {
                 let own: Vec<f64> = inside.iter().map(|&i| values[i]).collect();
                 let middle = median(own.clone()).unwrap_or_default();
-                (*name, own.into_iter().map(|value| scale * (value - middle)).collect())
+                // A picometer and the like are digits of the numbers, not of the sensor.
+                let difference = |value: f64| (1e6 * scale * (value - middle)).round() / 1e6;
+                (*name, own.into_iter().map(difference).collect())
             })
             .collect();
         Self { title, label, channels, t: inside.into_iter().map(|i| t[i]).collect() }

@@ -1,9 +1,15 @@
 //! Least-squares fits of limit surfaces to measured loads and motions.
 
-use crate::quartic::{QUARTIC_EXPONENTS, gradient, polynomial, squared};
-use crate::{Ellipsoid, LimitSurface, MechanicsError, Patch, Quartic};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
-use planar::{Shape, Twist, Wrench};
+mod barrier;
+mod patch;
+mod quartic;
+
+pub use patch::fit_patch;
+pub use quartic::fit_quartic;
+
+use crate::{Ellipsoid, LimitSurface, MechanicsError};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use planar::{Twist, Wrench};
 
 /// A load applied to a sliding object, in N and N·m, and the object's motion, in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +29,8 @@ pub struct Fit<S> {
     pub force_error_rms: f64,
     /// Mean angle between the motion and the one predicted for the load, in rad.
     pub twist_error_mean: f64,
-    /// Attempts until the surface was admissible; 1 if plain least squares was.
-    pub iterations: usize,
+    /// Newton steps of the constrained fit; 0 if plain least squares were admissible.
+    pub n_steps: usize,
 }
 
 /// Fits wᵀ A w = 1 with motions along A w; ρ is `length`, in m.
@@ -43,80 +49,12 @@ pub fn fit_ellipsoid(pairs: &[WrenchTwist], length: f64) -> Result<Fit<Ellipsoid
         .to_vec();
     let terms =
         |w: &Vector3<f64>| basis.iter().map(|m| (0.5 * w.dot(&(m * w)), m * w)).collect::<Vec<_>>();
-    let solution = scaled.level_set_fit("an ellipsoid", 2.0, &terms)?;
+    let (rows, right) = scaled.level_set_equations(2.0, &terms);
+    let solution = least_squares("an ellipsoid", rows, &right)?;
     let matrix: Matrix3<f64> = basis.iter().zip(solution.iter()).map(|(m, c)| m * *c).sum();
     let unscale = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 1.0 / length)) / scaled.force;
     Ellipsoid::from_matrix(unscale * matrix * unscale)
-        .and_then(|surface| scored(surface, pairs, length, 1))
-}
-
-/// Fits a quartic, drawn towards the fitted ellipsoid just as far as it needs to be convex.
-///
-/// # Errors
-/// As [`fit_ellipsoid`], below 15 pairs.
-pub fn fit_quartic(pairs: &[WrenchTwist], length: f64) -> Result<Fit<Quartic>, MechanicsError> {
-    let scaled = Scaled::new("a quartic", pairs, length, 15)?;
-    let unit = |k: usize| -> [f64; 15] { std::array::from_fn(|i| f64::from(u8::from(i == k))) };
-    let terms = |w: &Vector3<f64>| {
-        let term = |k| (0.25 * polynomial(&unit(k), w), 0.25 * gradient(&unit(k), w));
-        (0..QUARTIC_EXPONENTS.len()).map(term).collect::<Vec<_>>()
-    };
-    let solution = scaled.level_set_fit("a quartic", 4.0, &terms)?;
-    let scale = scaled.force.powi(-4);
-    let free: [f64; 15] = std::array::from_fn(|k| scale * solution[k]);
-    let ellipsoid = fit_ellipsoid(pairs, length)?.surface;
-    let unscale = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, length));
-    let convex = squared(&(unscale * ellipsoid.matrix() * unscale));
-    let blend = |share: f64| {
-        let c = std::array::from_fn(|k| (1.0 - share) * free[k] + share * convex[k]);
-        Quartic::new(c, length)
-    };
-    let (surface, iterations) = least_blend(&blend)?;
-    scored(surface, pairs, length, iterations)
-}
-
-/// Fits the traction c₀ + c₁ x + c₂ y + c₃ |r|² over `shape` to the loads of the motions, drawn
-/// towards the uniform one just as far as it needs to be nowhere negative.
-///
-/// # Errors
-/// As [`fit_ellipsoid`], below 4 pairs; `BadTraction` if even the uniform traction is not positive.
-pub fn fit_patch(
-    shape: &Shape,
-    pairs: &[WrenchTwist],
-    length: f64,
-) -> Result<Fit<Patch>, MechanicsError> {
-    Scaled::new("a patch", pairs, length, 4)?;
-    let radius = shape.bounding_radius();
-    // Lifted by |r| ≤ radius every basis field is a traction by itself; the lift is taken off again.
-    let basis: [fn(&Vector2<f64>) -> f64; 4] =
-        [|_| 1.0, |r| 1.0 + r.x, |r| 1.0 + r.y, |r| r.norm_squared()];
-    let unit = |k: usize| Patch::with_traction(shape, move |r| basis[k](&(r / radius)));
-    let patches = [unit(0)?, unit(1)?, unit(2)?, unit(3)?];
-    let mut rows = DMatrix::zeros(3 * pairs.len(), 4);
-    let mut loads = DVector::zeros(3 * pairs.len());
-    for (i, pair) in pairs.iter().enumerate() {
-        for (k, patch) in patches.iter().enumerate() {
-            let load = normalized(&patch.wrench(&pair.twist)?, length);
-            rows.fixed_view_mut::<3, 1>(3 * i, k).copy_from(&load);
-        }
-        loads.fixed_rows_mut::<3>(3 * i).copy_from(&normalized(&pair.wrench, length));
-    }
-    // Columns of like size make the check of the rank independent of the shape's area.
-    let size = shape.area();
-    let free = least_squares("a patch", rows / size, &loads)? / size;
-    let ones = uniform_size(&patches[0], pairs, length)?;
-    let blend = |share: f64| {
-        let c: [f64; 4] = std::array::from_fn(|k| (1.0 - share) * free[k]);
-        let level = c[0] + c[1] + c[2] + share * ones;
-        let field = move |r: &Vector2<f64>| {
-            let r = r / radius;
-            level + c[1] * r.x + c[2] * r.y + c[3] * r.norm_squared()
-        };
-        refuse_negative(shape, &field)?;
-        Patch::with_traction(shape, field)
-    };
-    let (surface, iterations) = least_blend(&blend)?;
-    scored(surface, pairs, length, iterations)
+        .and_then(|surface| scored(surface, pairs, length, 0))
 }
 
 /// Scores a surface on pairs: see [`Fit`].
@@ -127,7 +65,7 @@ pub fn scored<S: LimitSurface>(
     surface: S,
     pairs: &[WrenchTwist],
     length: f64,
-    iterations: usize,
+    n_steps: usize,
 ) -> Result<Fit<S>, MechanicsError> {
     if pairs.is_empty() {
         return Err(MechanicsError::TooFewPairs { what: "a score", needed: 1, got: 0 });
@@ -141,7 +79,7 @@ pub fn scored<S: LimitSurface>(
     }
     let n = pairs.len() as f64;
     let (force_error_rms, twist_error_mean) = ((squares / n).sqrt(), angles / n);
-    Ok(Fit { surface, force_error_rms, twist_error_mean, iterations })
+    Ok(Fit { surface, force_error_rms, twist_error_mean, n_steps })
 }
 
 /// Pairs as loads (Fx, Fy, M/ρ) of mean size 1 and directions of motion (vx, vy, ω ρ).
@@ -180,15 +118,14 @@ impl Scaled {
         Ok(Self { pairs: scaled, force })
     }
 
-    /// Least squares for H(w) = 1 and for a gradient along the motion, both linear in the
-    /// coefficients; `terms` gives each term's value and its gradient, both over its degree, so
-    /// that near the surface the residuals of all degrees are those of the level.
-    fn level_set_fit(
+    /// Equations for H(w) = 1 and for a gradient along the motion, both linear in the coefficients;
+    /// `terms` gives each term's value and its gradient, both over its degree, so that near the
+    /// surface the residuals of all degrees are those of the level.
+    fn level_set_equations(
         &self,
-        what: &'static str,
         degree: f64,
         terms: &impl Fn(&Vector3<f64>) -> Vec<(f64, Vector3<f64>)>,
-    ) -> Result<DVector<f64>, MechanicsError> {
+    ) -> (DMatrix<f64>, DVector<f64>) {
         let n_terms = terms(&Vector3::x()).len();
         let mut rows = DMatrix::zeros(4 * self.pairs.len(), n_terms);
         let mut right = DVector::zeros(4 * self.pairs.len());
@@ -200,7 +137,7 @@ impl Scaled {
                 rows.fixed_view_mut::<3, 1>(4 * i + 1, k).copy_from(&across);
             }
         }
-        least_squares(what, rows, &right)
+        (rows, right)
     }
 }
 
@@ -229,62 +166,10 @@ fn least_squares(
     r.solve_upper_triangular(&projected).ok_or_else(undetermined)
 }
 
-/// The admissible surface with the smallest share of its safe neighbor, to 1/1024.
-fn least_blend<S>(
-    blend: &impl Fn(f64) -> Result<S, MechanicsError>,
-) -> Result<(S, usize), MechanicsError> {
-    if let Ok(surface) = blend(0.0) {
-        return Ok((surface, 1));
-    }
-    let mut best = blend(1.0)?;
-    let (mut refused, mut admitted) = (0.0, 1.0);
-    let halvings = 10;
-    for _ in 0..halvings {
-        let middle = 0.5 * (refused + admitted);
-        match blend(middle) {
-            Ok(surface) => (best, admitted) = (surface, middle),
-            Err(_) => refused = middle,
-        }
-    }
-    Ok((best, halvings + 2))
-}
-
-/// The uniform traction, in N/m², whose loads fit best.
-fn uniform_size(unit: &Patch, pairs: &[WrenchTwist], length: f64) -> Result<f64, MechanicsError> {
-    let (mut product, mut square) = (0.0, 0.0);
-    for pair in pairs {
-        let load = normalized(&unit.wrench(&pair.twist)?, length);
-        product += load.dot(&normalized(&pair.wrench, length));
-        square += load.norm_squared();
-    }
-    Ok(product / square)
-}
-
-/// Refuses a quadratic field that is negative somewhere on a fine set of rays of the outline.
-fn refuse_negative(
-    shape: &Shape,
-    field: &impl Fn(&Vector2<f64>) -> f64,
-) -> Result<(), MechanicsError> {
-    let center = shape.centroid();
-    for edge in 0..shape.n_edges() {
-        for k in 0..=64 {
-            for j in 0..=16 {
-                let rim = shape.point_at(edge, f64::from(k) / 64.0);
-                let r = center + f64::from(j) / 16.0 * (rim - center);
-                let value = field(&r);
-                if value < 0.0 || value.is_nan() {
-                    return Err(MechanicsError::BadTraction { value, x: r.x, y: r.y });
-                }
-            }
-        }
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::{WrenchTwist, fit_ellipsoid, fit_patch, fit_quartic};
-    use crate::{Ellipsoid, LimitSurface, MechanicsError, Patch};
+    use crate::{Ellipsoid, LimitSurface, MechanicsError, Patch, PointSet, QuadraticTraction};
     use nalgebra::{Matrix3, Vector2};
     use planar::{Shape, Twist};
 
@@ -308,7 +193,7 @@ mod tests {
         assert!((fit.surface.matrix() - tilted).amax() < 1e-8);
         assert!(fit.force_error_rms < 1e-10 && fit.twist_error_mean < 1e-6);
         let quartic = fit_quartic(&pairs(&truth), 0.04).unwrap();
-        assert_eq!(quartic.iterations, 1);
+        assert_eq!(quartic.n_steps, 0);
         assert!(quartic.force_error_rms < 1e-7 && quartic.twist_error_mean < 1e-6);
     }
 
@@ -328,13 +213,35 @@ mod tests {
     #[test]
     fn a_patch_fit_finds_the_traction_of_its_family() {
         let square = Shape::square(0.09).unwrap();
-        let traction =
-            |r: &Vector2<f64>| 200.0 + 1500.0 * r.x - 500.0 * r.y + 3e4 * r.norm_squared();
-        let truth = Patch::with_traction(&square, traction).unwrap();
+        let traction = QuadraticTraction([200.0, 1500.0, -500.0, 3e4]);
+        let truth = Patch::with_traction(&square, move |r| traction.at(r)).unwrap();
         let fit = fit_patch(&square, &pairs(&truth), 0.034).unwrap();
         assert!(fit.force_error_rms < 1e-8, "{fit:?}");
         let gap = fit.surface.center_of_friction() - truth.center_of_friction();
         assert!(gap.norm() < 1e-9);
+    }
+
+    #[test]
+    fn a_patch_fit_to_less_than_no_pressure_ends_at_none() {
+        // A point set at the corners is hollower than any patch of the family.
+        let square = Shape::square(0.09).unwrap();
+        let corners = square.outline(4).into_iter().map(|corner| (corner, 0.5));
+        let fit = fit_patch(&square, &pairs(&PointSet::new(corners).unwrap()), 0.034).unwrap();
+        assert!(fit.n_steps > 0 && fit.force_error_rms > 0.05, "{fit:?}");
+        let even = Patch::uniform(&square, 2.0).unwrap();
+        assert!(fit.surface.characteristic_length() > 1.2 * even.characteristic_length());
+    }
+
+    #[test]
+    fn a_quartic_fit_to_two_points_is_the_best_convex_one() {
+        // The level of two points has edges, so that plain least squares are not convex.
+        let points = [(Vector2::new(0.05, 0.0), 1.0), (Vector2::new(-0.05, 0.0), 1.0)];
+        let pairs = pairs(&PointSet::new(points).unwrap());
+        let quartic = fit_quartic(&pairs, 0.05).unwrap();
+        let ellipsoid = fit_ellipsoid(&pairs, 0.05).unwrap();
+        assert!(quartic.n_steps > 0);
+        assert!(quartic.force_error_rms < 0.8 * ellipsoid.force_error_rms, "{quartic:?}");
+        assert!(quartic.twist_error_mean < ellipsoid.twist_error_mean);
     }
 
     #[test]
