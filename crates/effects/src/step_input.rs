@@ -10,7 +10,17 @@ use crate::{EffectError, Object, Track};
 
 /// What is known of a step before its outcome: what an effect and a prediction may depend on.
 ///
-/// Frames: W is the table, B the tracked body frame, nominally that of the outline.
+/// Frames: W is the table, B the tracked body frame, nominally that of the outline. Each field has
+/// its source in a row of the step table:
+///
+/// | field | columns |
+/// |---|---|
+/// | `object`, `pusher_radius` | `shape` and the set's manifest |
+/// | `pose_wb`, `twist_wb` | `object_x_m` … `object_omega_rad_s` |
+/// | `track` | [`Track::accelerated`] of `pusher_x0_m` … `pusher_ay_m_s2` and `dt_s` |
+/// | `touching` | `phase` is contact, and no flag says that contact was lost |
+/// | `since_contact` | `since_contact_s` |
+/// | `progress`, `session` | the order of `t_s` in the set, `session` |
 #[derive(Clone, Debug)]
 pub struct StepInput {
     /// What is pushed.

@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use effects::{Channels, Object, PushPhysics, Rig, StepInput, Surface, Track, by_id};
-use mechanics::{Ellipsoid, Patch, PointSet};
+use mechanics::{Ellipsoid, Patch, PointSet, Pusher, Slider, predict_under};
 use nalgebra::Vector2;
-use planar::{Pose, Shape, Twist};
+use planar::{Pose, Shape, Twist, Wrench};
 use std::sync::Arc;
 
 const SIDE: f64 = 0.09;
@@ -236,6 +236,34 @@ fn the_sensor_turns_and_shifts_the_force() {
     let channels = predict("force-bias", &[0.3, -0.2, 0.1], &push(0.0, 4e-3));
     near(channels.force_normal, LOAD * 0.1_f64.cos() + 0.3, 1e-12);
     near(channels.force_tangential, LOAD * 0.1_f64.sin() - 0.2, 1e-12);
+}
+
+#[test]
+fn a_tilt_pulls_like_the_same_load_of_the_mechanics() {
+    let (shape, tilt) = (Shape::square(SIDE).unwrap(), Vector2::new(0.3, -0.4));
+    let surface = Patch::uniform(&shape, LOAD).unwrap();
+    let slider = Slider { shape: &shape, surface: &surface, pose_bs: Pose::default() };
+    let pusher = Pusher { radius: RADIUS, friction: FRICTION };
+    for (y, way) in [(0.01, (3e-3, 1e-3)), (-0.03, (3e-3, -2e-3)), (0.02, (1e-3, 2e-3))] {
+        let step = push_along(y, Vector2::new(way.0, way.1));
+        let velocity = step.track.mean_velocity();
+        let push = slider.push_at(&pusher, &step.pose_wb, &contact_of(&step), &velocity);
+        let load = Wrench { force: MASS * tilt, torque: 0.0 };
+        let expected = predict_under(&surface, &push, &load).unwrap();
+        let short = Track::straight(step.track.start(), step.track.start() + 1e-6 * velocity, 1e-6);
+        let step = StepInput { track: short, ..step };
+        let model = PushPhysics::new(rig(Surface::UniformPatch));
+        let model = model.with(by_id("table-tilt").unwrap(), tilt.as_slice()).unwrap();
+        let got = model.predict(&step).unwrap();
+        near(1e6 * got.dtheta, expected.twist_ws_s.angular, 1e-4 * SPEED / SIDE);
+        near(got.force_normal, expected.force_s.x, 1e-4 * LOAD);
+        near(got.force_tangential, expected.force_s.y, 1e-4 * LOAD);
+    }
+}
+
+fn contact_of(step: &StepInput) -> planar::Contact {
+    let center = step.pose_wb.inverse_transform_point(&step.track.start());
+    step.object.shape().contact(&center, step.pusher_radius)
 }
 
 /// A rig on a surface of the user's, in the frame of the outline.
