@@ -12,8 +12,9 @@ for others. `model.toml` names them by their ids and parameters.
 
 The figures show what an effect of typical size changes, on a 90 mm square of 0.84 kg: maps over the
 place p along an edge and the angle β of the push, for steps of 10 mm at 20 mm/s; then the push that
-shows it most, over speed and over the object's orientation, in standard deviations of ordinary sensors (30 µm, 0.08°,
-50 mN, 0.1 mm of gap). Dashed: the way that the object goes in 0.1 s after the pusher stopped.
+shows it most, over speed and over the object's orientation, in standard deviations of ordinary
+sensors (30 µm, 0.08°, 50 mN, 0.1 mm of gap). Dashed: the way that the object goes in 0.1 s after
+the pusher stopped.
 
 This page and its figures are written by `cargo xtask effects-atlas` from what the effects say of
 themselves. An effect of your own: [write your own effect](write-your-own-effect.md).
@@ -25,8 +26,7 @@ pub(super) fn text() -> String {
     text.push_str("\n| id | what it is | parameters | seen in |\n|---|---|---|---|\n");
     for effect in all() {
         let about = effect.about();
-        let names: Vec<_> =
-            about.parameters.iter().map(|p| format!("{} in {}", p.name, unit(p))).collect();
+        let names: Vec<_> = about.parameters.iter().map(with_unit).collect();
         let (id, title) = (about.id, about.title);
         let row = format!("| [`{id}`](#{id}) | {title} | {} | {} |", names.join(", "), seen(about));
         writeln!(text, "{row}").expect("a String takes any text");
@@ -50,21 +50,24 @@ fn section(text: &mut String, about: &About) {
     );
     for parameter in about.parameters {
         let Parameter { name, meaning, typical, range, .. } = parameter;
-        let (unit, off) = (unit(parameter), off(parameter));
+        let (unit, off) = (parameter.unit, off(parameter));
         let range = format!("{} to {}", range.0, range.1);
         line(format!("| `{name}` | {unit} | {off} | {typical} | {range} | {meaning} |"));
     }
-    line(format!("\nSeen in: {}.", seen(about)));
+    line(format!("\n- Seen in {}.", seen(about)));
     for look_alike in about.look_alikes {
         let id = look_alike.id;
-        line(format!("Taken for [`{id}`](#{id}): {}.", look_alike.when));
+        line(format!("- Taken for [`{id}`](#{id}): {}.", look_alike.when));
     }
-    line(format!("Source: {}", source.trim_end_matches('.').to_owned() + "."));
+    line(format!("- Source: {}.", source.trim_end_matches('.')));
     line(format!("\n![What {id} changes](effects/{id}.svg)"));
 }
 
-fn unit(parameter: &Parameter) -> &'static str {
-    if parameter.unit == "1" { "1 (a ratio)" } else { parameter.unit }
+fn with_unit(parameter: &Parameter) -> String {
+    match parameter.unit {
+        "1" => parameter.name.to_owned(),
+        unit => format!("{} in {unit}", parameter.name),
+    }
 }
 
 fn off(parameter: &Parameter) -> String {
