@@ -3,6 +3,7 @@
 //! One file a benchmark; [`BENCHMARKS`] registers them.
 
 mod contact;
+mod effects;
 mod gp;
 mod ingest;
 mod push;
@@ -50,8 +51,16 @@ struct Benchmark {
     rows: fn() -> Result<Vec<Row>>,
 }
 
-const BENCHMARKS: &[Benchmark] =
-    &[contact::BENCHMARK, gp::BENCHMARK, ingest::BENCHMARK, push::BENCHMARK];
+const BENCHMARKS: &[Benchmark] = &[
+    contact::BENCHMARK,
+    effects::BENCHMARK,
+    gp::BENCHMARK,
+    ingest::BENCHMARK,
+    push::BENCHMARK,
+];
+=======
+    &[contact::BENCHMARK, effects::BENCHMARK, gp::BENCHMARK, push::BENCHMARK];
+>>>>>>> effects
 
 #[cfg(test)]
 mod tests {
