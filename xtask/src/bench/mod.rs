@@ -51,16 +51,8 @@ struct Benchmark {
     rows: fn() -> Result<Vec<Row>>,
 }
 
-const BENCHMARKS: &[Benchmark] = &[
-    contact::BENCHMARK,
-    effects::BENCHMARK,
-    gp::BENCHMARK,
-    ingest::BENCHMARK,
-    push::BENCHMARK,
-];
-=======
-    &[contact::BENCHMARK, effects::BENCHMARK, gp::BENCHMARK, push::BENCHMARK];
->>>>>>> effects
+const BENCHMARKS: &[Benchmark] =
+    &[contact::BENCHMARK, effects::BENCHMARK, gp::BENCHMARK, ingest::BENCHMARK, push::BENCHMARK];
 
 #[cfg(test)]
 mod tests {
