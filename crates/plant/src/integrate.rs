@@ -48,20 +48,17 @@ pub(crate) fn integrate(rig: &Rig, start: &State) -> Result<Trajectory, PlantErr
 }
 
 /// The state after a step, and the difference of the whole step from two halves, in m.
-fn taken(
-    rig: &Rig,
-    time: f64,
-    step: f64,
-    state: &State,
-) -> Result<(State, f64), &'static str> {
+fn taken(rig: &Rig, time: f64, step: f64, state: &State) -> Result<(State, f64), &'static str> {
     let half = 0.5 * step;
     let whole = rig.step(time, step, state)?;
     let halves = rig.step(time + half, half, &rig.step(time, half, state)?)?;
     let moved = halves.place - whole.place;
     let turned = rig.radius() * moved.z;
     let bent = halves.deflection - whole.deflection;
+    let sped = rig.swing_time() * (halves.motion - whole.motion);
+    let spun = rig.radius() * sped.z;
     let squared = moved.x * moved.x + moved.y * moved.y + turned * turned + bent.dot(&bent);
-    let error = sqrt(squared);
+    let error = sqrt(squared + sped.x * sped.x + sped.y * sped.y + spun * spun);
     if !error.is_finite() {
         return Err("the motion is not finite");
     }

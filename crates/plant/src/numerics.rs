@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 pub struct Numerics {
     /// Pads under the object, about; at least 100.
     pub n_pads: usize,
-    /// Difference between a whole and two half steps that is allowed, in m; the result, which is
+    /// Difference between a whole and two half steps that is allowed, in m (turns count times the
+    /// radius, rates times the swing time on the tip); the result, which is
     /// extrapolated from both, is far better.
     pub tolerance: f64,
     /// Longest step, in s.
@@ -19,6 +20,6 @@ pub struct Numerics {
 
 impl Default for Numerics {
     fn default() -> Self {
-        Self { n_pads: 400, tolerance: 2e-7, longest_step: 5e-3, creep: 5e-5 }
+        Self { n_pads: 256, tolerance: 5e-8, longest_step: 5e-3, creep: 5e-5 }
     }
 }

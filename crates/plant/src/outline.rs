@@ -97,8 +97,7 @@ impl Side {
         };
         let corner = self.corner.and_then(|(middle, radius, next_outward)| {
             let away = center - middle;
-            let within =
-                cross(&self.outward, &away) >= 0.0 && cross(&away, &next_outward) >= 0.0;
+            let within = cross(&self.outward, &away) >= 0.0 && cross(&away, &next_outward) >= 0.0;
             let distance = away.norm();
             (within && distance > 0.0).then(|| {
                 let outward = away / distance;
@@ -110,10 +109,7 @@ impl Side {
 }
 
 /// The vertices with one of them cut off.
-fn chipped(
-    vertices: &[Vector2<f64>],
-    wear: &Wear,
-) -> Result<Vec<Vector2<f64>>, PlantError> {
+fn chipped(vertices: &[Vector2<f64>], wear: &Wear) -> Result<Vec<Vector2<f64>>, PlantError> {
     if wear.chip_size == 0.0 {
         return Ok(vertices.to_vec());
     }
@@ -151,16 +147,13 @@ fn rounded(vertices: &[Vector2<f64>], radius: f64) -> Result<Vec<Side>, PlantErr
     let side = |i: usize| {
         let next = (i + 1) % n;
         if taken(i) + taken(next) > length(i) {
-            let what = format!(
-                "side {i} of {} m has no room for corners of radius {radius} m",
-                length(i)
-            );
+            let what =
+                format!("side {i} of {} m has no room for corners of radius {radius} m", length(i));
             return Err(PlantError::Wear { what });
         }
         let along = (vertices[next] - vertices[i]) / length(i);
         let (from, to) = (vertices[i] + taken(i) * along, vertices[next] - taken(next) * along);
-        let corner = (taken(next) > 0.0)
-            .then(|| (to - radius * outward(i), radius, outward(next)));
+        let corner = (taken(next) > 0.0).then(|| (to - radius * outward(i), radius, outward(next)));
         Ok(Side { from, to, outward: outward(i), corner })
     };
     (0..n).map(side).collect()
@@ -216,7 +209,8 @@ mod tests {
             for k in 0..97 {
                 let angle = TAU * f64::from(k) / 97.0;
                 let center = 0.09 * Vector2::new(angle.cos(), angle.sin());
-                let (ours, theirs) = (outline.touch(&center, RADIUS), shape.contact(&center, RADIUS));
+                let (ours, theirs) =
+                    (outline.touch(&center, RADIUS), shape.contact(&center, RADIUS));
                 // At a tie between two places either is right.
                 assert!((ours.gap - theirs.gap).abs() < 1e-10, "{name} {k}");
                 assert!((center + (ours.gap + RADIUS) * ours.normal - ours.point).norm() < 1e-9);
@@ -242,7 +236,8 @@ mod tests {
         let outward = Vector2::new(1.0, 1.0).normalize();
         assert!((round.normal + outward).norm() < 1e-12);
         assert!((round.point - Vector2::new(0.04, 0.04) - 0.005 * outward).norm() < 1e-12);
-        let (worn, new) = (touch(&square, wear, 0.05, 0.02), touch(&square, Wear::default(), 0.05, 0.02));
+        let (worn, new) =
+            (touch(&square, wear, 0.05, 0.02), touch(&square, Wear::default(), 0.05, 0.02));
         assert!((worn.point - new.point).norm() < 1e-15 && worn.normal == new.normal);
     }
 

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use crate::PlantError;
 
-/// Pads are handled in groups of this many, so that the compiler can use vector registers.
+/// Pads are handled in groups of this many, side by side in vector registers.
 pub(crate) const LANES: usize = 4;
 
 const ELLIPSE_VERTICES: usize = 720;
@@ -58,7 +58,8 @@ impl Pads {
             let column = strip(&vertices, 0, low.x + i as f64 * cell.x, cell.x);
             for j in 0..counts.y as usize {
                 let piece = strip(&column, 1, low.y + j as f64 * cell.y, cell.y);
-                let center = low + cell.component_mul(&Vector2::new(i as f64 + 0.5, j as f64 + 0.5));
+                let center =
+                    low + cell.component_mul(&Vector2::new(i as f64 + 0.5, j as f64 + 0.5));
                 if let Some(moments) = Moments::of(&piece, center) {
                     pads.push(moments.centroid, 0.5 * moments.gyration, moments.area);
                     area += moments.area;
@@ -211,11 +212,7 @@ fn strip(outline: &[Vector2<f64>], axis: usize, from: f64, width: f64) -> Vec<Ve
 }
 
 /// The part of an outline on the side where `inside` is not negative.
-fn cut(
-    outline: &[Vector2<f64>],
-    axis: usize,
-    inside: impl Fn(f64) -> f64,
-) -> Vec<Vector2<f64>> {
+fn cut(outline: &[Vector2<f64>], axis: usize, inside: impl Fn(f64) -> f64) -> Vec<Vector2<f64>> {
     let mut kept = Vec::with_capacity(outline.len() + 2);
     for (a, b) in outline.iter().zip(outline.iter().cycle().skip(1)) {
         let (at_a, at_b) = (inside(a[axis]), inside(b[axis]));

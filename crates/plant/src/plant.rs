@@ -109,8 +109,7 @@ impl Plant {
     /// The pads of a push.
     pub(crate) fn pads(&self, variation: &Variation) -> Result<Pads, PlantError> {
         let pressure = &self.truth.pressure;
-        let shift =
-            Vector2::from(pressure.center_shift) + Vector2::from(variation.pressure_shift);
+        let shift = Vector2::from(pressure.center_shift) + Vector2::from(variation.pressure_shift);
         let ratio = pressure.radius_ratio * variation.pressure_radius;
         Ok(self.uniform.reshaped(&shift, ratio)?.blended(pressure.patch_share))
     }

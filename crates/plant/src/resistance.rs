@@ -1,6 +1,7 @@
 //! What friction does to an object that slides on pads.
 
 use nalgebra::{Matrix2, Matrix3, Vector3};
+use wide::f64x4;
 
 use crate::pads::{LANES, Pads};
 use crate::truth::RateLaw;
@@ -21,8 +22,6 @@ pub(crate) struct Footing {
     y: Vec<f64>,
     spin: Vec<f64>,
 }
-
-type Lane = [f64; LANES];
 
 impl Footing {
     pub(crate) fn new(pads: &Pads, reference: &nalgebra::Vector2<f64>) -> Self {
@@ -58,10 +57,12 @@ impl Footing {
         law: &RateLaw,
     ) -> Resistance {
         if law.is_off() {
-            self.sum(frictions, motion, metric, creep, |_, inverse| [inverse, 1.0])
+            self.sum(frictions, motion, metric, creep, |_, inverse| [inverse, f64x4::splat(1.0)])
         } else {
             self.sum(frictions, motion, metric, creep, |speed, inverse| {
-                let (factor, slope) = law.factor(speed);
+                let factors = speed.to_array().map(|speed| law.factor(speed));
+                let factor = f64x4::new(factors.map(|(factor, _)| factor));
+                let slope = f64x4::new(factors.map(|(_, slope)| slope));
                 [factor * inverse, factor - slope * speed]
             })
         }
@@ -69,7 +70,7 @@ impl Footing {
 
     /// Sums over the pads, each lane by itself, so that the order of additions never changes.
     ///
-    /// `law` gives for s and 1/s: f/s and (f − s f′), f the factor on the friction.
+    /// `law` gives for s and 1/s: f/s and f − s f′, f the factor on the friction.
     #[inline(always)]
     fn sum(
         &self,
@@ -77,46 +78,49 @@ impl Footing {
         motion: &Vector3<f64>,
         metric: &Matrix2<f64>,
         creep: f64,
-        law: impl Fn(f64, f64) -> [f64; 2],
+        law: impl Fn(f64x4, f64x4) -> [f64x4; 2],
     ) -> Resistance {
-        let (gxx, gxy, gyy) = (metric.m11, metric.m12, metric.m22);
-        let (vx, vy, omega) = (motion.x, motion.y, motion.z);
-        let floor = creep * creep;
-        let mut totals = [[0.0; LANES]; 9];
-        let groups = self.x.chunks_exact(LANES).zip(self.y.chunks_exact(LANES));
-        let groups = groups.zip(self.spin.chunks_exact(LANES)).zip(frictions.chunks_exact(LANES));
-        for (((x, y), spin), friction) in groups {
-            let mut terms: [Lane; 9] = [[0.0; LANES]; 9];
-            for i in 0..LANES {
-                let (px, py) = (vx - omega * y[i], vy + omega * x[i]);
-                // The gradient of s²/2 by the motion.
-                let ux = gxx * px + gxy * py;
-                let uy = gxy * px + gyy * py;
-                let um = x[i] * uy - y[i] * ux + spin[i] * omega;
-                let squared = px * ux + py * uy + spin[i] * (omega * omega) + floor;
-                let inverse = 1.0 / squared.sqrt();
-                let [by_speed, rest] = law(squared * inverse, inverse);
-                let first = friction[i] * by_speed;
-                let second = friction[i] * rest * inverse * inverse * inverse;
-                let (mx, my) = (x[i] * gxy - y[i] * gxx, x[i] * gyy - y[i] * gxy);
-                terms[0][i] = first * ux;
-                terms[1][i] = first * uy;
-                terms[2][i] = first * um;
-                terms[3][i] = first * gxx - second * ux * ux;
-                terms[4][i] = first * gxy - second * ux * uy;
-                terms[5][i] = first * gyy - second * uy * uy;
-                terms[6][i] = first * mx - second * ux * um;
-                terms[7][i] = first * my - second * uy * um;
-                terms[8][i] = first * (x[i] * my - y[i] * mx + spin[i]) - second * um * um;
-            }
-            for (total, term) in totals.iter_mut().zip(&terms) {
-                for i in 0..LANES {
-                    total[i] += term[i];
-                }
+        let [gxx, gxy, gyy] = [metric.m11, metric.m12, metric.m22].map(f64x4::splat);
+        let [vx, vy, omega] = [motion.x, motion.y, motion.z].map(f64x4::splat);
+        let floor = f64x4::splat(creep * creep);
+        let mut totals = [f64x4::splat(0.0); 9];
+        let columns = [&self.x, &self.y, &self.spin].map(|column| column.as_chunks::<LANES>().0);
+        let [x, y, spin] = columns;
+        let frictions = frictions.as_chunks::<LANES>().0;
+        for (((x, y), spin), friction) in x.iter().zip(y).zip(spin).zip(frictions) {
+            let [x, y, spin, friction] = [x, y, spin, friction].map(|lanes| f64x4::new(*lanes));
+            let (px, py) = (vx - omega * y, vy + omega * x);
+            // The gradient of s²/2 by the motion.
+            let ux = gxx * px + gxy * py;
+            let uy = gxy * px + gyy * py;
+            let turning = spin * omega;
+            let um = x * uy - y * ux + turning;
+            let speed = (px * ux + py * uy + turning * omega + floor).sqrt();
+            let inverse = f64x4::splat(1.0) / speed;
+            let [by_speed, rest] = law(speed, inverse);
+            let first = friction * by_speed;
+            let second = friction * rest * inverse * inverse * inverse;
+            let (mx, my) = (x * gxy - y * gxx, x * gyy - y * gxy);
+            let (sx, sy) = (second * ux, second * uy);
+            let terms = [
+                first * ux,
+                first * uy,
+                first * um,
+                first * gxx - sx * ux,
+                first * gxy - sx * uy,
+                first * gyy - sy * uy,
+                first * mx - sx * um,
+                first * my - sy * um,
+                first * (x * my - y * mx + spin) - second * um * um,
+            ];
+            for (total, term) in totals.iter_mut().zip(terms) {
+                *total += term;
             }
         }
-        let [fx, fy, m, xx, xy, yy, xm, ym, mm] =
-            totals.map(|lane| (lane[0] + lane[1]) + (lane[2] + lane[3]));
+        let [fx, fy, m, xx, xy, yy, xm, ym, mm] = totals.map(|total| {
+            let [a, b, c, d] = total.to_array();
+            (a + b) + (c + d)
+        });
         Resistance {
             load: Vector3::new(fx, fy, m),
             slope: Matrix3::new(xx, xy, xm, xy, yy, ym, xm, ym, mm),
@@ -161,8 +165,7 @@ mod tests {
         let motion = Vector3::new(0.02, -0.01, 0.5);
         let one = Matrix2::identity();
         let frictions: Vec<_> = pads.share.iter().map(|share| 2.0 * share).collect();
-        let load =
-            footing.resistance(&frictions, &motion, &one, 1e-9, &RateLaw::default()).load;
+        let load = footing.resistance(&frictions, &motion, &one, 1e-9, &RateLaw::default()).load;
         let level = (load.x / 2.0).powi(2) + (load.y / 2.0).powi(2) + (load.z / (2.0 * c)).powi(2);
         assert!((level - 1.0).abs() < 1e-3, "{level}");
     }

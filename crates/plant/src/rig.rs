@@ -107,6 +107,11 @@ impl<'a> Rig<'a> {
         self.plant.radius
     }
 
+    /// Time in which the object swings through a radian on the tip's spring, in s.
+    pub(crate) fn swing_time(&self) -> f64 {
+        sqrt(self.plant.mass / self.stiffness)
+    }
+
     /// One step of the implicit Euler method, of first order in its length (s).
     ///
     /// Friction and contact belong to the motion at the end of the step, directions and places to
@@ -278,8 +283,8 @@ impl<'a> Rig<'a> {
         energy.slip_heat += step * response.slip_power;
         energy.tip_heat += step * self.damping * rate.dot(&rate);
         let v = &next.motion;
-        energy.kinetic = 0.5 * plant.mass * (v.x * v.x + v.y * v.y)
-            + 0.5 * plant.moment_of_inertia * v.z * v.z;
+        energy.kinetic =
+            0.5 * plant.mass * (v.x * v.x + v.y * v.y) + 0.5 * plant.moment_of_inertia * v.z * v.z;
         let second = next.deflection - next.grip;
         energy.elastic = 0.5 * self.stiffness * next.deflection.dot(&next.deflection)
             + 0.5 * hysteresis.stiffness * second.dot(&second);

@@ -3,10 +3,10 @@
 use nalgebra::{Vector2, Vector3};
 use planar::Pose;
 
+use crate::TipPath;
 use crate::energy::Energy;
 use crate::rig::{Rig, rotation};
 use crate::state::State;
-use crate::TipPath;
 
 /// The true motion and force of one push.
 #[derive(Clone, Debug, PartialEq)]

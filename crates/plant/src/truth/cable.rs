@@ -47,8 +47,7 @@ mod tests {
 
     #[test]
     fn a_cable_pulls_toward_its_anchor_and_harder_from_afar_but_never_pushes() {
-        let cable =
-            Cable { anchor: [0.0, 1.0], tension: 0.3, stiffness: 2.0, ..Cable::default() };
+        let cable = Cable { anchor: [0.0, 1.0], tension: 0.3, stiffness: 2.0, ..Cable::default() };
         assert_eq!(cable.pull(&Vector2::zeros()), Vector2::new(0.0, 0.3));
         assert!((cable.pull(&Vector2::new(0.0, -0.1)).y - 0.5).abs() < 1e-15);
         assert_eq!(cable.pull(&Vector2::new(0.0, 0.5)), Vector2::zeros());

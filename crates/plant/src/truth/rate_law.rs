@@ -69,12 +69,8 @@ mod tests {
 
     #[test]
     fn the_derivative_is_that_of_the_factor() {
-        let law = RateLaw {
-            log_slope: 0.1,
-            breakaway_ratio: 1.3,
-            film_dip: 0.2,
-            ..RateLaw::default()
-        };
+        let law =
+            RateLaw { log_slope: 0.1, breakaway_ratio: 1.3, film_dip: 0.2, ..RateLaw::default() };
         for speed in [1e-4, 1e-3, 0.01, 0.05, 0.4] {
             let step = 1e-4 * speed;
             let rise = law.factor(speed + step).0 - law.factor(speed - step).0;
