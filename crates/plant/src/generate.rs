@@ -12,14 +12,14 @@ use crate::sealed_truth::{SealedPush, SealedTruth};
 use crate::sensors::Streams;
 use crate::{
     Design, Hidden, Nominal, Numerics, PlannedPush, Plant, PlantError, PushedObject, Scatter,
-    Sensors, Trajectory, Truth, Variation,
+    Sensors, TipPath, Trajectory, Truth, Variation,
 };
 
 /// Stamp of the first push, in s.
-const FIRST_EPOCH: f64 = 1000.0;
+const FIRST_EPOCH: i64 = 1000;
 /// From the end of a push to the next one, and between sessions, in s.
-const PAUSE: f64 = 20.0;
-const SESSION_PAUSE: f64 = 3600.0;
+const PAUSE: i64 = 20;
+const SESSION_PAUSE: i64 = 3600;
 const SESSIONS_HEADER: &str = "recording,session,repeat\n";
 
 /// What a recording set is made of.
@@ -159,6 +159,8 @@ pub(crate) struct Set<'a> {
     shape: planar::Shape,
     pub(crate) design: Design,
     plan: Vec<PlannedPush>,
+    /// Whole seconds at which the pushes begin.
+    epochs: Vec<i64>,
     n_blocked: usize,
 }
 
@@ -179,8 +181,24 @@ impl<'a> Set<'a> {
         }
         let plant = Plant::new(&object, &truth, nominal.gravity, &settings.numerics)?;
         let plan = design.plan(&object.shape, nominal.pusher_radius, settings.seed)?;
-        let (shape, n_blocked) = (object.shape, plan.n_blocked);
-        Ok(Self { settings, hidden, plant, shape, design, plan: plan.pushes, n_blocked })
+        let (shape, n_blocked, plan) = (object.shape, plan.n_blocked, plan.pushes);
+        let mut set =
+            Self { settings, hidden, plant, shape, design, plan, epochs: Vec::new(), n_blocked };
+        let mut next = FIRST_EPOCH;
+        for index in 0..set.plan.len() {
+            let session = |index: usize| set.plan[index].session;
+            if index > 0 && session(index) != session(index - 1) {
+                next += SESSION_PAUSE;
+            }
+            set.epochs.push(next);
+            next += PAUSE + set.path(&set.plan[index]).duration().ceil() as i64;
+        }
+        Ok(set)
+    }
+
+    fn path(&self, plan: &PlannedPush) -> TipPath {
+        let radius = self.settings.nominal.pusher_radius;
+        plan.path(&self.shape, radius, self.design.acceleration, self.design.rests)
     }
 
     pub(crate) fn truth(&self) -> &Truth {
@@ -199,25 +217,19 @@ impl<'a> Set<'a> {
     }
 
     fn push(&self, index: usize, plan: &PlannedPush) -> Result<SimulatedPush, PlantError> {
-        let Self { settings, plant, design, .. } = self;
+        let Self { settings, plant, .. } = self;
         let (seed, scatter) = (settings.seed, &settings.scatter);
         let mut variation = scatter.draw(seed, plan.session, index);
         let age = index as f64 / (self.plan.len() - 1).max(1) as f64 - 0.5;
         variation.support_friction *= 1.0 + age * plant.truth().support_friction.drift;
-        let radius = settings.nominal.pusher_radius;
-        let path = plan.path(&self.shape, radius, design.acceleration, design.rests);
         let mut random = Random::new(seed, Purpose::Placing, index as u64);
         let mut start = plan.pose();
         start.position.x += random.normal(scatter.placing_sd);
         start.position.y += random.normal(scatter.placing_sd);
         start.angle += random.normal(scatter.turning_sd);
-        let trajectory = plant.push(&start, &path, &variation)?;
-        // Whole seconds, and long enough apart for the longest push of any design.
-        let epoch = FIRST_EPOCH
-            + index as f64 * (PAUSE + path.duration().ceil())
-            + plan.session as f64 * SESSION_PAUSE;
+        let trajectory = plant.push(&start, &self.path(plan), &variation)?;
         let streams = settings.sensors.read(plant, &trajectory, &variation, (seed, index));
-        let recording = recording(push_name(index), epoch, streams);
+        let recording = recording(push_name(index), self.epochs[index], streams);
         Ok(SimulatedPush { plan: plan.clone(), variation, start, trajectory, recording })
     }
 }
@@ -226,12 +238,12 @@ fn push_name(index: usize) -> String {
     format!("push-{index:04}")
 }
 
-fn recording(name: String, epoch: f64, streams: Streams) -> Recording {
+fn recording(name: String, epoch: i64, streams: Streams) -> Recording {
     Recording {
         name,
         path: PathBuf::new(),
         sha256: String::new(),
-        epoch_ns: epoch as i64 * 1_000_000_000,
+        epoch_ns: epoch * 1_000_000_000,
         robot: streams.robot,
         object: streams.object,
         wrench: streams.wrench,

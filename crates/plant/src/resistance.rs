@@ -37,10 +37,6 @@ impl Footing {
         nalgebra::Vector2::new(self.x[index], self.y[index])
     }
 
-    pub(crate) fn len(&self) -> usize {
-        self.x.len()
-    }
-
     /// The resistance against a motion (vx, vy, ω) of the reference point, in the body's axes.
     ///
     /// A pad that bears the friction w dissipates w·s with s² = vᵀGv + spin·ω² + creep², v its

@@ -82,6 +82,13 @@ impl Trajectory {
         self.path.position(time)
     }
 
+    /// How far the tip is from where the robot holds it at the time step before a time (s), in m,
+    /// world frame.
+    #[must_use]
+    pub fn deflection_at(&self, time: f64) -> Vector2<f64> {
+        self.around(time).0.state.deflection
+    }
+
     /// Force of the tip on the object at the time step before a time (s), in N, world frame.
     #[must_use]
     pub fn force_at(&self, time: f64) -> Vector2<f64> {
