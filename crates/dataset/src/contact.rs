@@ -94,7 +94,8 @@ fn by_force(
     hysteresis(levels, on, on * limits.force_off / limits.force_on)
 }
 
-/// Keeps the force contacts during which the pusher comes within reach of the outline.
+/// Keeps the force contacts during which the pusher comes within reach of the outline, as far as it
+/// is within reach: sensors ring after a stop, and a mounted tool has inertia.
 ///
 /// A contact that is on when the force stream begins, begins when geometry says so.
 fn confirm(
@@ -104,25 +105,40 @@ fn confirm(
     wrench: &CleanStream,
     settings: &IngestSettings,
 ) -> Vec<Interval> {
-    let reach = |interval: &Interval| {
-        let first = gaps.partition_point(|sample| sample.t < interval.start - settings.longest_gap);
-        gaps[first..]
-            .iter()
-            .take_while(|sample| sample.t <= interval.end)
-            .any(|sample| sample.gap <= settings.contact.release_gap)
-    };
     seen.iter()
-        .filter(|interval| reach(interval))
-        .map(|interval| {
+        .filter_map(|interval| {
+            let reached = within_reach(interval, gaps, settings)?;
             let earlier = touching.iter().find(|touch| overlap(touch, interval));
-            match earlier {
+            Some(match earlier {
                 Some(touch) if wrench.t.first() == Some(&interval.start) => {
-                    Interval { start: touch.start.min(interval.start), ..*interval }
+                    Interval { start: touch.start.min(reached.start), ..reached }
                 }
-                _ => *interval,
-            }
+                _ => reached,
+            })
         })
         .collect()
+}
+
+/// The part of an interval from the first to the last time at which the gap is small enough; where
+/// the gap is not known it counts as small.
+fn within_reach(
+    interval: &Interval,
+    gaps: &[GapSample],
+    settings: &IngestSettings,
+) -> Option<Interval> {
+    let first = gaps.partition_point(|sample| sample.t < interval.start - settings.longest_gap);
+    let after = gaps.partition_point(|sample| sample.t <= interval.end);
+    let around = gaps.get(first..after)?;
+    let near = |sample: &GapSample| sample.gap <= settings.contact.release_gap;
+    let (from, to) = (around.iter().position(near)?, around.iter().rposition(near)?);
+    let mut reached = *interval;
+    if from > 0 {
+        reached.start = reached.start.max(around[from].t);
+    }
+    if to + 1 < around.len() {
+        reached.end = reached.end.min(around[to].t);
+    }
+    (reached.start < reached.end).then_some(reached)
 }
 
 /// Stretches that begin above `on` and end below `off`; the level crosses them on straight lines.
@@ -249,6 +265,33 @@ pub(crate) fn rest_time(
     let last_moving = samples.clone().rev().find(|&i| away(i));
     let first_resting = last_moving.map_or(samples.start, |i| i + 1).min(samples.end - 1);
     Some(object.t[first_resting])
+}
+
+/// When an object that nothing touches has come to rest: the first sample from which on it stays
+/// where it is for a while.
+///
+/// Whatever moves its samples later is no motion of the push: trackers drift and tables shake.
+pub(crate) fn quiet_time(
+    scene: &Scene<'_>,
+    from: f64,
+    to: f64,
+    settings: &IngestSettings,
+) -> Option<f64> {
+    const HALF_WINDOW: f64 = 0.05;
+    const FEWEST: usize = 3;
+    let object = &scene.object;
+    object.range(from, to).map(|i| object.t[i]).find(|&t| {
+        let (middle, end) = (t + HALF_WINDOW, t + 2.0 * HALF_WINDOW);
+        let (early, late) = (object.range(t, middle), object.range(middle, end));
+        if early.len().min(late.len()) < FEWEST {
+            return false;
+        }
+        let limit = rest_limit(scene.object_noise(t, end), settings);
+        let places = median_pose(object, early).zip(median_pose(object, late));
+        places.is_some_and(|(a, b)| {
+            (a[0] - b[0]).hypot(a[1] - b[1]) <= limit.position && (a[2] - b[2]).abs() <= limit.angle
+        })
+    })
 }
 
 fn rest_limit(noise: PoseNoise, settings: &IngestSettings) -> PoseNoise {

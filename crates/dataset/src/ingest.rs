@@ -72,7 +72,7 @@ pub fn ingest_each(
             report.recordings.push(recording);
         }
     }
-    collected.finish(&mut report.summary);
+    collected.finish(&mut report);
     if report.summary.pushes_used == 0 {
         return Err(nothing_usable(set, &report));
     }
@@ -133,6 +133,9 @@ fn nothing_usable(set: &RecordingSet, report: &IngestReport) -> DatasetError {
 #[derive(Default)]
 struct Collected {
     steady_force: Vec<f64>,
+    steady_force_untared: Vec<f64>,
+    nominal_force: Vec<f64>,
+    rates: BTreeMap<StreamRole, Vec<f64>>,
     resting_position: Vec<f64>,
     resting_angle: Vec<f64>,
 }
@@ -157,6 +160,7 @@ impl Collected {
             count(&mut summary.set_aside, reason.name());
         }
         for stream in &recording.streams {
+            self.rates.entry(stream.stream).or_default().extend(stream.rate_hz);
             let repairs = summary.repairs.entry(stream.stream).or_default();
             for (kind, n) in &stream.repairs {
                 *repairs.entry(*kind).or_default() += n;
@@ -171,14 +175,22 @@ impl Collected {
             ForceZero::Untared { reason } => count(&mut summary.untared, reason.name()),
         }
         let support = set.manifest().support;
-        let mass = set.manifest().object.of(&recording.name).map_or(0.0, |object| object.mass);
-        let nominal_force = support.friction * mass * support.gravity;
+        let object = set.manifest().object.of(&recording.name).ok();
+        let nominal_force = object
+            .map(|object| support.friction * object.mass * support.gravity)
+            .filter(|force| *force > 0.0);
+        self.nominal_force.extend(nominal_force);
         for push in &recording.pushes {
+            summary.contacts_lost += usize::from(push.contact_lost);
             summary.pushes_used += usize::from(push.set_aside.is_none());
             summary.steps_lost_in_gaps += push.steps_lost_in_gaps;
-            let left = push.resting_force_n.is_some_and(|force| force > 0.5 * nominal_force);
-            summary.force_left_at_rest += usize::from(left && mass > 0.0);
+            let left =
+                push.resting_force_n.zip(nominal_force).map(|(left, nominal)| left / nominal);
+            summary.force_left_at_rest += usize::from(left.is_some_and(|left| left > 0.5));
             self.steady_force.extend(push.steady_force_n);
+            if push.steady_force_n.is_none() && left.is_some_and(|left| left < 0.1) {
+                self.steady_force_untared.extend(push.recorded_force_n);
+            }
         }
         if let Some(noise) = recording.resting_noise {
             self.resting_position.push(noise.position_sd_m);
@@ -186,9 +198,19 @@ impl Collected {
         }
     }
 
-    fn finish(self, summary: &mut Summary) {
+    fn finish(self, report: &mut IngestReport) {
+        let summary = &mut report.summary;
+        summary.nominal_force_n = Spread::of(&self.nominal_force);
         summary.steady_force_n = Spread::of(&self.steady_force);
+        summary.steady_force_untared_n = Spread::of(&self.steady_force_untared);
         summary.resting_position_sd_m = Spread::of(&self.resting_position);
         summary.resting_angle_sd_rad = Spread::of(&self.resting_angle);
+        let rates = self.rates.iter().filter_map(|(role, rates)| Some((*role, Spread::of(rates)?)));
+        summary.rates_hz = rates.collect();
+        for stream in report.recordings.iter_mut().flat_map(|recording| &mut recording.streams) {
+            let [first, last] = stream.span_s;
+            let rate = summary.rates_hz.get(&stream.stream).map_or(0.0, |rate| rate.high);
+            stream.samples_due = Some(1 + ((last - first) * rate).round() as usize);
+        }
     }
 }

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::{
     coverage::Coverage,
+    first_contact::FirstContact,
     force_zero::ForceZero,
     ingest_settings::IngestSettings,
     noise::median,
@@ -44,6 +45,10 @@ pub struct Summary {
     pub rows: usize,
     /// Steps lost because a stream had a gap at their start or end.
     pub steps_lost_in_gaps: u32,
+    /// Pushes whose contact ends while the pusher goes on.
+    pub contacts_lost: usize,
+    /// Rate of each stream over the recordings, in Hz.
+    pub rates_hz: BTreeMap<StreamRole, Spread>,
     /// Repairs over all recordings, by stream.
     pub repairs: BTreeMap<StreamRole, BTreeMap<RepairKind, u32>>,
     /// Recordings whose force zero was found.
@@ -53,8 +58,13 @@ pub struct Summary {
     /// Pushes that leave more than half of μ·m·g on the sensor at rest: a zero that is lost, or a
     /// pusher that still presses.
     pub force_left_at_rest: usize,
+    /// Support friction times weight, μ·m·g, as the manifest states them.
+    pub nominal_force_n: Option<Spread>,
     /// Steady force of the tared pushes.
     pub steady_force_n: Option<Spread>,
+    /// Steady force as recorded of untared pushes that leave less than a tenth of μ·m·g on the
+    /// sensor at rest, so that their zero cannot be far off.
+    pub steady_force_untared_n: Option<Spread>,
     /// Noise of the object's resting samples, position per axis.
     pub resting_position_sd_m: Option<Spread>,
     /// Noise of the object's resting samples, yaw.
@@ -138,6 +148,9 @@ pub struct StreamReport {
     pub samples_read: usize,
     /// Samples after repair.
     pub samples_used: usize,
+    /// Samples that the span would hold at the rate of the set's fastest recording; known once the
+    /// whole set is read.
+    pub samples_due: Option<usize>,
     /// One over the median spacing.
     pub rate_hz: Option<f64>,
     /// First and last stamp on the recording's clock.
@@ -175,7 +188,9 @@ pub struct PushReport {
     pub rest_s: f64,
     /// Whether contact was there from the first common sample on.
     pub starts_in_contact: bool,
-    /// Where the first row touches; none without rows.
+    /// Whether the contact ends while the pusher goes on.
+    pub contact_lost: bool,
+    /// Where the push begins; none where a stream has no samples then.
     pub first_contact: Option<FirstContact>,
     /// The streams between first contact and rest.
     pub streams: Vec<StreamInPush>,
@@ -183,25 +198,13 @@ pub struct PushReport {
     pub steady_force_n: Option<f64>,
     /// Largest magnitude of the force in contact; none if untared.
     pub peak_force_n: Option<f64>,
+    /// Median magnitude of the force as recorded, no zero subtracted, in the middle half of the
+    /// contact.
+    pub recorded_force_n: Option<f64>,
     /// Magnitude of the mean force as recorded after the object came to rest.
     pub resting_force_n: Option<f64>,
     /// Noise of the object's samples in contact, which includes jitter of their stamps.
     pub moving_noise: Option<RestingNoise>,
-}
-
-/// Where and how a push first touches, as its first row has it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct FirstContact {
-    /// Edge.
-    pub edge: u32,
-    /// Position along it.
-    pub p: f64,
-    /// Contact point in the body frame.
-    pub point_b_m: [f64; 2],
-    /// Angle from the inward normal to the pusher's velocity.
-    pub beta_rad: f64,
-    /// Speed of the pusher.
-    pub speed_m_s: f64,
 }
 
 /// One stream during a push.

@@ -3,10 +3,11 @@
 use std::fmt;
 
 use crate::{
-    coverage::Histogram,
+    coverage::{Coverage, Histogram},
     force_zero::{ForceZero, UntaredReason},
-    ingest_report::{IngestReport, PushReport, RecordingReport, Spread},
+    ingest_report::{IngestReport, PushReport, RecordingReport, Spread, StreamReport},
     push::SetAside,
+    remark::StreamRole,
     repair::RepairKind,
 };
 
@@ -14,11 +15,17 @@ impl IngestReport {
     /// The report as text: the set first, then one paragraph a recording.
     #[must_use]
     pub fn to_text(&self) -> String {
-        let mut out = format!("{}", SummaryText(self));
+        let mut out = self.summary_text();
         for recording in &self.recordings {
             out.push_str(&recording_text(recording));
         }
         out
+    }
+
+    /// The findings over the set as text, as [`IngestReport::to_text`] begins.
+    #[must_use]
+    pub fn summary_text(&self) -> String {
+        SummaryText(self).to_string()
     }
 }
 
@@ -40,6 +47,9 @@ impl fmt::Display for SummaryText<'_> {
         for (reason, n) in &summary.set_aside {
             writeln!(f, "  set aside, {reason}: {n}")?;
         }
+        for (stream, rates) in &summary.rates_hz {
+            spread(f, &format!("rate of the {stream} stream"), Some(*rates), 1.0, "Hz")?;
+        }
         for (stream, repairs) in &summary.repairs {
             let counts = counts(repairs.iter());
             writeln!(f, "  repairs of the {stream} stream: {}", or_none(&counts))?;
@@ -52,6 +62,13 @@ impl fmt::Display for SummaryText<'_> {
             summary.tared,
             or_none(&untared.join(", "))
         )?;
+        if summary.contacts_lost > 0 {
+            writeln!(
+                f,
+                "  {} pushes lose contact while the pusher goes on",
+                summary.contacts_lost
+            )?;
+        }
         if summary.force_left_at_rest > 0 {
             writeln!(
                 f,
@@ -60,15 +77,24 @@ impl fmt::Display for SummaryText<'_> {
                 summary.force_left_at_rest
             )?;
         }
-        spread(f, "steady force", summary.steady_force_n, 1.0, "N")?;
+        spread(f, "μ·m·g by the manifest", summary.nominal_force_n, 1.0, "N")?;
+        spread(f, "steady force, zero known", summary.steady_force_n, 1.0, "N")?;
+        let untared = "steady force, untared but below 10 % of μ·m·g at rest";
+        spread(f, untared, summary.steady_force_untared_n, 1.0, "N")?;
         spread(f, "object noise at rest", summary.resting_position_sd_m, 1e6, "µm")?;
         spread(f, "object noise at rest", summary.resting_angle_sd_rad, 1e6, "µrad")?;
         writeln!(f, "  largest tilt: {:.2}°", summary.max_tilt_rad.to_degrees())?;
-        let coverage = &summary.coverage;
-        for histogram in [&coverage.p, &coverage.beta, &coverage.speed, &coverage.orientation] {
+        write!(f, "{}", summary.coverage)
+    }
+}
+
+impl fmt::Display for Coverage {
+    /// A line a histogram and the rows on each edge, indented by two blanks.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for histogram in [&self.p, &self.beta, &self.speed, &self.orientation] {
             histogram_line(f, histogram)?;
         }
-        writeln!(f, "  rows on edges: {:?}", coverage.edges)
+        writeln!(f, "  rows on edges: {:?}", self.edges)
     }
 }
 
@@ -114,38 +140,43 @@ fn recording_text(recording: &RecordingReport) -> String {
     for remark in &recording.remarks {
         line(remark.text.clone());
     }
+    let robot = recording.streams.iter().find(|stream| stream.stream == StreamRole::Robot);
     for stream in &recording.streams {
-        let rate = stream.rate_hz.map_or_else(String::new, |rate| format!(" at {rate:.0} Hz"));
-        let counts = counts(stream.repairs.iter());
-        let order = match (stream.largest_step_back_s > 0.0, stream.kept_row_order) {
-            (false, _) => String::new(),
-            (true, true) => {
-                format!(
-                    "; stamps run back by up to {:.1} ms, kept in row order",
-                    1e3 * stream.largest_step_back_s
-                )
-            }
-            (true, false) => {
-                format!(
-                    "; stamps run back by up to {:.1} ms, sorted",
-                    1e3 * stream.largest_step_back_s
-                )
-            }
-        };
-        line(format!(
-            "{}: {} of {} samples{rate}, longest gap {:.0} ms; {}{order}",
-            stream.stream,
-            stream.samples_used,
-            stream.samples_read,
-            1e3 * stream.longest_gap_s,
-            or_none(&counts)
-        ));
+        line(stream_text(stream, robot));
     }
     line(format!("force: {}", recording.force_zero));
     for push in &recording.pushes {
         line(push_text(push));
     }
     out
+}
+
+/// One stream; `robot` is the one whose start the others are compared with.
+fn stream_text(stream: &StreamReport, robot: Option<&StreamReport>) -> String {
+    let rate = stream.rate_hz.map_or_else(String::new, |rate| format!(" at {rate:.0} Hz"));
+    // Fewer than nine tenths of the samples are worth a word.
+    let missing = stream.samples_due.filter(|due| 10 * stream.samples_read < 9 * due);
+    let due = missing.map_or_else(String::new, |due| format!(" ({due} were due)"));
+    let step_back = 1e3 * stream.largest_step_back_s;
+    let order = match (step_back > 0.0, stream.kept_row_order) {
+        (false, _) => String::new(),
+        (true, true) => format!("; stamps run back by up to {step_back:.1} ms, kept in row order"),
+        (true, false) => format!("; stamps run back by up to {step_back:.1} ms, sorted"),
+    };
+    let early_ms = robot.map_or(0.0, |robot| 1e3 * (robot.span_s[0] - stream.span_s[0]));
+    let start = match early_ms.round() {
+        ms if ms.abs() < 5.0 => String::new(),
+        ms if ms > 0.0 => format!("; begins {ms} ms before the robot stream"),
+        ms => format!("; begins {} ms after the robot stream", -ms),
+    };
+    format!(
+        "{}: {} of {} samples{due}{rate}, longest gap {:.0} ms; {}{order}{start}",
+        stream.stream,
+        stream.samples_used,
+        stream.samples_read,
+        1e3 * stream.longest_gap_s,
+        or_none(&counts(stream.repairs.iter()))
+    )
 }
 
 fn push_text(push: &PushReport) -> String {
@@ -165,8 +196,9 @@ fn push_text(push: &PushReport) -> String {
             1e3 * first.speed_m_s
         )
     });
+    let lost = if push.contact_lost { ", lost while the pusher goes on" } else { "" };
     format!(
-        "push {}: {fate}; contact {:.3} to {:.3} s, rest at {:.3} s{contact}{}{}{}",
+        "push {}: {fate}; contact {:.3} to {:.3} s{lost}, rest at {:.3} s{contact}{}{}{}",
         push.push,
         push.contact_start_s,
         push.contact_end_s,
@@ -194,6 +226,7 @@ impl RepairKind {
             Self::Backward => "backward",
             Self::Duplicate => "duplicate",
             Self::Crowded => "crowded",
+            Self::Repeated => "repeated",
             Self::Wrap => "wrap of yaw",
             Self::Jump => "jump",
             Self::Teleport => "impossible jump",

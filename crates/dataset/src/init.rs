@@ -81,8 +81,11 @@ pub fn draft_manifest(dir: &Path) -> Result<String, DatasetError> {
     Ok(out)
 }
 
-/// Recordings in the folder itself or in one below it.
-fn find_recordings(
+/// Recordings in the folder itself or in one below it, with their format and that folder's name.
+///
+/// # Errors
+/// `Io` for a folder that cannot be read, `NoRecordings` for one without recordings.
+pub fn find_recordings(
     dir: &Path,
 ) -> Result<(&'static dyn LogFormat, String, Vec<PathBuf>), DatasetError> {
     let entries = fs::read_dir(dir).map_err(|error| DatasetError::io("read", dir, error))?;

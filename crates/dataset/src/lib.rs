@@ -7,6 +7,7 @@ mod error;
 mod format;
 mod formats;
 mod frames;
+mod lateness;
 mod layout;
 mod log;
 mod map;
@@ -22,6 +23,7 @@ mod column;
 mod contact;
 mod coverage;
 mod endpoints;
+mod first_contact;
 mod flags;
 mod force_zero;
 mod foreign;
@@ -60,16 +62,17 @@ pub use transform::{AxisSigns, Transform};
 pub use column::{Column, columns};
 pub use coverage::{Coverage, Histogram};
 pub use endpoints::{EndPoint, WrenchTwist, read_endpoints, read_wrench_twists};
+pub use first_contact::FirstContact;
 pub use flags::Flags;
 pub use force_zero::{ForceZero, UntaredReason};
 pub use foreign::TableMapping;
 pub use ingest::{ingest, ingest_each, provenance};
 pub use ingest_report::{
-    FirstContact, IngestReport, PushReport, RecordingReport, RestingNoise, Spread, StreamInPush,
-    StreamReport, Summary,
+    IngestReport, PushReport, RecordingReport, RestingNoise, Spread, StreamInPush, StreamReport,
+    Summary,
 };
 pub use ingest_settings::{ContactSettings, Curve, IngestSettings, RestSettings, StepLength};
-pub use init::{draft_manifest, init};
+pub use init::{draft_manifest, find_recordings, init};
 pub use manifest::{MANIFEST_NAME, Manifest, PusherSpec, RecordingsSpec, SupportSpec};
 pub use object::{ObjectChoice, ObjectSpec};
 pub use preset::Preset;

@@ -10,6 +10,7 @@ use crate::{
     error::DatasetError,
     format::{Inspection, StreamInfo},
     frames::Frames,
+    lateness::Lateness,
     layout::Layout,
     recording::Recording,
     remark::{Remark, RemarkKind, StreamRole},
@@ -254,6 +255,7 @@ struct Taker<'a> {
     raw: RawStream,
     is_list: bool,
     children: Vec<String>,
+    lateness: Lateness,
     n_misfits: u64,
     first_misfit: Option<(u64, MessageError)>,
 }
@@ -273,6 +275,7 @@ impl<'a> Taker<'a> {
             raw: RawStream::new(role, topic, "byte", &settings.fields),
             is_list: false,
             children: Vec::new(),
+            lateness: Lateness::default(),
             n_misfits: 0,
             first_misfit: None,
         };
@@ -300,7 +303,7 @@ impl<'a> Taker<'a> {
     }
 
     fn take(&mut self, message: &Message<'_>) {
-        let Self { settings, decoders, raw, children, .. } = self;
+        let Self { settings, decoders, raw, children, lateness, .. } = self;
         let Some((_, decoder, stamped)) = decoders.iter().find(|(id, ..)| *id == message.channel)
         else {
             return;
@@ -315,6 +318,9 @@ impl<'a> Taker<'a> {
             let stamp = stamp(row, settings);
             let own = *stamped && stamp != 0;
             raw.log_times_used += u64::from(!own && settings.time == TimeSource::Stamp);
+            if own {
+                lateness.note(stamp, message.log_time);
+            }
             raw.push(if own { stamp } else { message.log_time }, &row.values, message.byte);
         });
         if let Err(error) = decoded {
@@ -324,7 +330,8 @@ impl<'a> Taker<'a> {
     }
 
     fn finish(self, path: &Path, remarks: &mut Vec<Remark>) -> Result<RawStream, DatasetError> {
-        let Self { role, settings, raw, is_list, children, n_misfits, first_misfit, .. } = self;
+        let Self { role, settings, raw, is_list, children, .. } = self;
+        let Self { lateness, n_misfits, first_misfit, .. } = self;
         if let Some((byte, error)) = first_misfit {
             let total = n_misfits + raw.rows.len() as u64;
             let what = format!("the message at byte {byte} does not fit its schema: {error}");
@@ -338,6 +345,7 @@ impl<'a> Taker<'a> {
             let (kind, stream) = (RemarkKind::MessageSetAside, Some(role));
             remarks.push(Remark { kind, stream, count: n_misfits, text });
         }
+        remarks.extend(lateness.remark(role));
         match &settings.child_frame {
             Some(frame) if raw.rows.is_empty() => Err(DatasetError::FrameMissing {
                 path: path.into(),

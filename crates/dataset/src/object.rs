@@ -100,10 +100,7 @@ impl ObjectTable {
             known if MIT_NAMES.contains(&known) => &[],
             other => return Err(unknown_shape(source, self.shape.span(), other)),
         };
-        // An unknown name is refused as such, below, not for the keys that would go with it.
-        if name == "by-file-name" || MIT_NAMES.contains(&name) || !own_keys.is_empty() {
-            self.refuse_other_keys(own_keys, source)?;
-        }
+        self.refuse_other_keys(own_keys, source)?;
         let known = if MIT_NAMES.contains(&name) { ObjectSpec::mit(name).ok() } else { None };
         let shape = match (name, &known) {
             ("by-file-name", _) => return self.by_file_name(source),

@@ -7,12 +7,12 @@ use nalgebra::Vector2;
 use crate::{
     contact::{Contacts, find_contacts},
     error::DatasetError,
+    first_contact::FirstContact,
     flags::Flags,
     force_zero::{ForceZero, mean_between},
-    ingest_report::{
-        FirstContact, PushReport, RecordingReport, RestingNoise, StreamInPush, StreamReport,
-    },
+    ingest_report::{PushReport, RecordingReport, RestingNoise, StreamInPush, StreamReport},
     ingest_settings::IngestSettings,
+    noise::median,
     object::ObjectSpec,
     push::{Push, SetAside},
     recording::Recording,
@@ -116,7 +116,7 @@ fn one_push(
     number: u32,
 ) -> Result<(Vec<StepRow>, PushReport), DatasetError> {
     let settings = setup.settings;
-    let mut report = push_report(scene, &contacts.zero, push, number);
+    let mut report = push_report(scene, &contacts.zero, push, number, settings);
     report.set_aside = push.fault(scene, settings);
     if report.set_aside.is_some() {
         return Ok((Vec::new(), report));
@@ -141,16 +141,6 @@ fn one_push(
     let (rows, lost) = steps(&context, &push.curves(scene, settings)?);
     report.steps_lost_in_gaps = lost;
     report.rows = rows.len();
-    report.first_contact = rows.first().map(|row| {
-        let point = row.object_pose.inverse_transform_point(&row.contact_point);
-        FirstContact {
-            edge: row.edge,
-            p: row.p,
-            point_b_m: point.into(),
-            beta_rad: row.beta,
-            speed_m_s: row.speed,
-        }
-    });
     if rows.is_empty() {
         let contact_s = push.contact_end() - push.contact.start;
         report.set_aside = Some(SetAside::NoStep { contact_s, lost_in_gaps: lost });
@@ -158,7 +148,13 @@ fn one_push(
     Ok((rows, report))
 }
 
-fn push_report(scene: &Scene<'_>, zero: &ForceZero, push: &Push, number: u32) -> PushReport {
+fn push_report(
+    scene: &Scene<'_>,
+    zero: &ForceZero,
+    push: &Push,
+    number: u32,
+    settings: &IngestSettings,
+) -> PushReport {
     let (from, to) = (push.contact.start, push.rest.max(push.contact_end()));
     let streams = streams(scene)
         .map(|(stream, clean)| StreamInPush {
@@ -169,13 +165,15 @@ fn push_report(scene: &Scene<'_>, zero: &ForceZero, push: &Push, number: u32) ->
         })
         .collect();
     let contact_end = push.contact_end();
+    let quarter = 0.25 * (contact_end - from);
+    let steady = |zero: Vector2<f64>| {
+        median(&magnitudes(scene, zero, from + quarter, contact_end - quarter))
+    };
     let (steady_force_n, peak_force_n) = match zero {
         ForceZero::Tared { offset_n, .. } => {
-            let offset = Vector2::from(*offset_n);
-            let quarter = 0.25 * (contact_end - from);
-            let steady = magnitudes(scene, offset, from + quarter, contact_end - quarter);
-            let all = magnitudes(scene, offset, from, contact_end);
-            (crate::noise::median(&steady), all.into_iter().reduce(f64::max))
+            let zero = Vector2::from(*offset_n);
+            let all = magnitudes(scene, zero, from, contact_end);
+            (steady(zero), all.into_iter().reduce(f64::max))
         }
         _ => (None, None),
     };
@@ -195,10 +193,12 @@ fn push_report(scene: &Scene<'_>, zero: &ForceZero, push: &Push, number: u32) ->
         contact_end_s: push.contact.end,
         rest_s: push.rest,
         starts_in_contact: push.starts_in_contact,
-        first_contact: None,
+        contact_lost: push.loses_contact(scene, settings),
+        first_contact: FirstContact::of(scene, push, settings),
         streams,
         steady_force_n,
         peak_force_n,
+        recorded_force_n: steady(Vector2::zeros()),
         resting_force_n,
         moving_noise: noise(&scene.object, from, contact_end),
     }
@@ -244,6 +244,8 @@ fn stream_reports(recording: &Recording, scene: &Scene<'_>) -> Vec<StreamReport>
                 source: sources[&stream].0.to_owned(),
                 samples_read: clean.n_read,
                 samples_used: clean.t.len(),
+                // Filled in once the rates of the whole set are known.
+                samples_due: None,
                 rate_hz: clean.rate(),
                 span_s,
                 longest_gap_s: clean.longest_gap(span_s[0], span_s[1]),

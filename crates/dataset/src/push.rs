@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::{
-    contact::{Contacts, Interval, pusher_onset, rest_time},
+    contact::{Contacts, Interval, pusher_onset, quiet_time, rest_time},
     error::DatasetError,
     ingest_settings::{Curve, IngestSettings},
     repair::{CleanStream, RepairKind},
@@ -111,6 +111,7 @@ impl Push {
                 // A pusher that presses at rest makes no steps.
                 let begins = pusher_onset(scene, &contact, settings);
                 let rest = rest_time(scene, contact.start, until, settings).unwrap_or(until);
+                let rest = quiet_time(scene, contact.end, rest, settings).unwrap_or(rest);
                 let starts_in_contact = contact.start - begin < settings.longest_gap;
                 Self { contact, begins, rest, until, starts_in_contact }
             })
@@ -120,6 +121,18 @@ impl Push {
     /// End of the contact phase: the last contact or the object's rest.
     pub(crate) fn contact_end(&self) -> f64 {
         self.contact.end.min(self.rest)
+    }
+
+    /// Whether the pusher goes on without the object at the end of the contact.
+    pub(crate) fn loses_contact(&self, scene: &Scene<'_>, settings: &IngestSettings) -> bool {
+        const WINDOW: f64 = 0.03;
+        let end = self.contact.end;
+        let position = |t: f64| scene.robot_track.position(t);
+        let ways = (position(end - WINDOW), position(end), position(end + WINDOW));
+        let (Some(before), Some(at), Some(after)) = ways else { return false };
+        let (way, way_on) = (at - before, after - at);
+        way.norm() > settings.rest.pusher_speed * WINDOW
+            && way_on.dot(&way) > 0.5 * way.norm_squared()
     }
 
     /// Whether a stated limit is exceeded.

@@ -24,6 +24,8 @@ pub struct Remark {
 pub enum RemarkKind {
     /// Messages without a stamp of their own took the time at which they were logged.
     LogTimeUsed,
+    /// Messages reached the log long after their own stamps.
+    Late,
     /// A damaged chunk was left out.
     ChunkSkipped,
     /// The file ends before its proper end.

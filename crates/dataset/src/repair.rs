@@ -30,9 +30,13 @@ pub enum RepairKind {
     Duplicate,
     /// A stamp closer to another than half of the usual spacing, merged with it by the mean.
     Crowded,
+    /// A sample that repeats the one before to the last bit amid motion, dropped: its source is
+    /// slower than its stamps.
+    Repeated,
     /// A turn of yaw across ±π, unwrapped.
     Wrap,
-    /// A way or turn between neighboring samples beyond the limit; kept.
+    /// A way or turn between neighboring samples beyond the limit, across a gap or beyond what the
+    /// motion before or after explains; kept.
     Jump,
     /// A jump too fast for any motion; nothing is evaluated across it.
     Teleport,
@@ -127,19 +131,46 @@ impl CleanStream {
     }
 }
 
-/// Brings a pose stream into order.
+/// Brings the object's poses into order.
 pub(crate) fn repair_poses(stream: &PoseStream, settings: &IngestSettings) -> CleanStream {
-    let mut clean = ordered(&stream.t, &[&stream.x, &stream.y, &stream.theta], Some(2));
+    repaired(&stream.t, [&stream.x, &stream.y, &stream.theta], settings)
+}
+
+/// Brings the positions of the robot into order; its yaw, which tells nothing of a round pusher and
+/// is not defined for a tool that points down, is taken as 0.
+pub(crate) fn repair_positions(stream: &PoseStream, settings: &IngestSettings) -> CleanStream {
+    let still = vec![0.0; stream.len()];
+    repaired(&stream.t, [&stream.x, &stream.y, &still], settings)
+}
+
+fn repaired(t: &[f64], channels: [&[f64]; 3], settings: &IngestSettings) -> CleanStream {
+    let mut clean = ordered(t, &channels, Some(2));
+    drop_repeats(&mut clean, settings.rest.position);
     let (t, channels) = (&clean.t, &clean.channels);
+    let steps: Vec<_> = (1..t.len())
+        .map(|i| {
+            let step = |channel: usize| channels[channel][i] - channels[channel][i - 1];
+            (t[i] - t[i - 1], step(0).hypot(step(1)), step(2).abs())
+        })
+        .collect();
     let mut found = Vec::new();
-    for i in 1..t.len() {
-        let step = |channel: usize| channels[channel][i] - channels[channel][i - 1];
-        let (dt, way, turn) = (t[i] - t[i - 1], step(0).hypot(step(1)), step(2).abs());
-        if way > settings.jump_position || turn > settings.jump_angle {
-            let fast = way > settings.fastest_speed * dt || turn > settings.fastest_turn * dt;
-            let kind = if fast { RepairKind::Teleport } else { RepairKind::Jump };
-            found.push((i, Repair { kind, t: t[i], amount: way }));
+    for (i, &(dt, way, turn)) in steps.iter().enumerate() {
+        if way <= settings.jump_position && turn <= settings.jump_angle {
+            continue;
         }
+        let fast = way > settings.fastest_speed * dt || turn > settings.fastest_turn * dt;
+        let explained = expected_step(&steps, i);
+        let kind = if fast {
+            RepairKind::Teleport
+        } else if dt > settings.longest_gap
+            || way - explained.0 > settings.jump_position
+            || turn - explained.1 > settings.jump_angle
+        {
+            RepairKind::Jump
+        } else {
+            continue;
+        };
+        found.push((i + 1, Repair { kind, t: t[i + 1], amount: way }));
     }
     for (i, repair) in found {
         clean.repairs.push(repair);
@@ -151,11 +182,42 @@ pub(crate) fn repair_poses(stream: &PoseStream, settings: &IngestSettings) -> Cl
     clean
 }
 
+/// Way and turn of step i at the median rates of the steps around it.
+fn expected_step(steps: &[(f64, f64, f64)], i: usize) -> (f64, f64) {
+    const EACH_SIDE: usize = 3;
+    let around = i.saturating_sub(EACH_SIDE)..(i + EACH_SIDE + 1).min(steps.len());
+    let others = || around.clone().filter(|&k| k != i).map(|k| steps[k]);
+    let ways: Vec<_> = others().map(|(dt, way, _)| way / dt).collect();
+    let turns: Vec<_> = others().map(|(dt, _, turn)| turn / dt).collect();
+    let expected = |rates: &[f64]| steps[i].0 * median(rates).unwrap_or_default();
+    (expected(&ways), expected(&turns))
+}
+
 /// Brings a force stream into order.
 pub(crate) fn repair_forces(stream: &WrenchStream, settings: &IngestSettings) -> CleanStream {
     let mut clean = ordered(&stream.t, &[&stream.fx, &stream.fy], None);
     find_gaps(&mut clean, settings.longest_gap);
     clean
+}
+
+/// Drops lone samples that repeat the one before while the body moves by more than `rest` to or from
+/// them; longer runs are rest.
+fn drop_repeats(clean: &mut CleanStream, rest: f64) {
+    let [x, y, angle] = [0, 1, 2].map(|k| &clean.channels[k]);
+    let way = |i: usize| (x[i] - x[i - 1]).hypot(y[i] - y[i - 1]);
+    let is_still = |i: usize| way(i) == 0.0 && angle[i] == angle[i - 1];
+    let repeats = |&i: &usize| {
+        let lone = is_still(i) && !is_still(i - 1) && !is_still(i + 1);
+        lone && way(i - 1).max(way(i + 1)) > rest
+    };
+    let repeated: Vec<_> = (2..x.len().saturating_sub(1)).filter(repeats).collect();
+    for &i in repeated.iter().rev() {
+        clean.repairs.push(Repair { kind: RepairKind::Repeated, t: clean.t[i], amount: 0.0 });
+    }
+    for column in std::iter::once(&mut clean.t).chain(&mut clean.channels) {
+        let mut index = 0..;
+        column.retain(|_| index.next().is_some_and(|i| repeated.binary_search(&i).is_err()));
+    }
 }
 
 fn find_gaps(clean: &mut CleanStream, longest_gap: f64) {

@@ -7,7 +7,7 @@ use crate::{
     error::DatasetError,
     ingest_settings::{Curve, IngestSettings},
     recording::Recording,
-    repair::{CleanStream, repair_forces, repair_poses},
+    repair::{CleanStream, repair_forces, repair_poses, repair_positions},
     spline::EndCondition,
     track::{PoseNoise, PoseTrack, pose_noise},
 };
@@ -45,7 +45,7 @@ impl<'a> Scene<'a> {
         outline: Outline<'a>,
         settings: &IngestSettings,
     ) -> Result<Self, DatasetError> {
-        let robot = repair_poses(&recording.robot, settings);
+        let robot = repair_positions(&recording.robot, settings);
         let object = repair_poses(&recording.object, settings);
         let wrench = recording.wrench.as_ref().map(|wrench| repair_forces(wrench, settings));
         let curve = match settings.curve {

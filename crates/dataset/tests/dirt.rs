@@ -7,10 +7,10 @@ mod made;
 use std::path::Path;
 
 use dataset::{
-    DatasetError, Flags, ForceZero, IngestReport, IngestSettings, Recording, RecordingSet,
+    DatasetError, Flags, ForceZero, IngestReport, IngestSettings, Phase, Recording, RecordingSet,
     RepairKind, SetAside, StreamRole, Table, UntaredReason, ingest,
 };
-use made::{Made, manifest, write_set};
+use made::{HALF_SIDE, Made, manifest, write_set};
 
 fn try_run(recordings: &[Recording]) -> Result<(Table, IngestReport), DatasetError> {
     let dir = tempfile::tempdir().unwrap();
@@ -291,4 +291,118 @@ fn what_is_missing_is_named() {
         panic!("an empty set was opened")
     };
     assert_eq!(format, "csv");
+}
+
+#[test]
+fn a_tracker_that_drifts_after_the_stop_makes_no_motion() {
+    let made = Made::default();
+    let mut recording = made.recording("push");
+    let object = &mut recording.object;
+    for (t, theta) in object.t.iter().zip(&mut object.theta) {
+        *theta += 0.05 * (t - made.stop() - 0.15).max(0.0);
+    }
+    let (table, report) = run(recording);
+    let push = &report.recordings[0].pushes[0];
+    assert!((push.rest_s - made.stop()).abs() < 0.03, "{} {}", push.rest_s, made.stop());
+    assert!(table.rows.iter().all(|row| row.phase == Phase::Contact));
+}
+
+#[test]
+fn fast_motion_is_no_jump_and_an_outlier_is_one() {
+    // 6 mm from sample to sample of the robot.
+    let fast = Made { speed: 0.3, duration: 0.3, rates: [50.0, 100.0, 100.0], ..Made::default() };
+    let (_, report) = run(fast.recording("push"));
+    assert_eq!(count(&report, StreamRole::Robot, RepairKind::Jump), 0, "{}", report.to_text());
+    let mut outlier = Made::default().recording("push");
+    outlier.object.x[20] += 0.006;
+    let (_, report) = run(outlier);
+    assert_eq!(count(&report, StreamRole::Object, RepairKind::Jump), 2, "there and back");
+    let largest = report.recordings[0].streams[1].largest_jump_m;
+    assert!((largest - 0.006).abs() < 1e-5, "{largest}");
+}
+
+#[test]
+fn a_robots_yaw_is_of_no_concern() {
+    let clean = Made::default().recording("push");
+    let mut spinning = clean.clone();
+    for (i, theta) in spinning.robot.theta.iter_mut().enumerate() {
+        *theta = if i % 3 == 0 { 3.1 } else { -2.9 };
+    }
+    let (table, report) = run(spinning);
+    assert_eq!(report.recordings[0].streams[0].repairs.len(), 0);
+    assert_eq!(table.rows, run(clean).0.rows);
+}
+
+#[test]
+fn a_contact_that_is_lost_is_named() {
+    let made = Made { yaw_rate: 0.0, ..Made::default() };
+    let (_, report) = run(made.recording("push"));
+    assert_eq!(report.summary.contacts_lost, 0);
+    // A quarter of a second before the stop the object is kicked 6 mm ahead of the pusher.
+    let mut recording = made.recording("push");
+    let loss = made.stop() - 0.25;
+    let along = made.scene.rotate(&nalgebra::Vector2::x());
+    let object = &mut recording.object;
+    for (i, t) in object.t.iter().enumerate() {
+        let ahead = (0.2 * (t - loss)).clamp(0.0, 0.006);
+        object.x[i] += ahead * along.x;
+        object.y[i] += ahead * along.y;
+    }
+    let wrench = recording.wrench.as_mut().unwrap();
+    for (i, _) in wrench.t.iter().enumerate().filter(|(_, t)| **t > loss) {
+        (wrench.fx[i], wrench.fy[i]) = (made.zero[0], made.zero[1]);
+    }
+    let (_, report) = run(recording);
+    let push = &report.recordings[0].pushes[0];
+    assert!(push.contact_lost && (push.contact_end_s - loss).abs() < 0.02, "{push:?}");
+    assert!(report.to_text().contains("1 pushes lose contact while the pusher goes on"));
+}
+
+#[test]
+fn the_first_contact_is_known_though_the_first_step_is_lost() {
+    let made = Made::default();
+    let mut recording = made.recording("push");
+    let object = &mut recording.object;
+    for column in [&mut object.t, &mut object.x, &mut object.y, &mut object.theta] {
+        column.drain(45..56);
+    }
+    let (table, report) = run(recording);
+    assert!(table.rows[0].step > 0, "the step that begins in the gap is lost");
+    let first = report.recordings[0].pushes[0].first_contact.unwrap();
+    assert_eq!(first.edge, 1);
+    assert!((first.p - (0.5 - made.contact_y / (2.0 * HALF_SIDE))).abs() < 1e-3, "{}", first.p);
+    assert!(first.beta_rad.abs() < 1e-2, "{}", first.beta_rad);
+    assert!((first.speed_m_s - made.speed).abs() < 1e-4, "{}", first.speed_m_s);
+}
+
+#[test]
+fn a_sensor_that_rings_out_of_reach_is_not_in_contact() {
+    let made = Made::default();
+    let mut recording = made.recording("push");
+    // Long before the touch, 4 mm away, the tool is accelerated; the force goes on to the touch.
+    let wrench = recording.wrench.as_mut().unwrap();
+    for (i, _) in wrench.t.iter().enumerate().filter(|(_, t)| (0.35..0.51).contains(*t)) {
+        wrench.fx[i] += 1.0;
+    }
+    let (_, report) = run(recording);
+    let push = &report.recordings[0].pushes[0];
+    assert!(push.contact_start_s > made.touch() - 0.11, "{}", push.contact_start_s);
+}
+
+#[test]
+fn poses_sent_twice_are_taken_once() {
+    let made = Made { rates: [40.0, 100.0, 100.0], ..Made::default() };
+    let clean = made.recording("push");
+    let mut doubled = clean.clone();
+    let robot = &mut doubled.robot;
+    for column in [&mut robot.x, &mut robot.y, &mut robot.theta] {
+        *column = column.iter().flat_map(|value| [*value, *value]).collect();
+    }
+    robot.t = robot.t.iter().flat_map(|t| [*t, t + 0.0125]).collect();
+    let (table, report) = run(doubled);
+    // The pusher moves for 1.2 s; at rest a pose that stays is no repeat.
+    let repeated = count(&report, StreamRole::Robot, RepairKind::Repeated);
+    assert!((46..=48).contains(&repeated), "{repeated}");
+    // Poses kept at rest change the curve by 14 µm at the kinks; half a repeat's way is 125 µm.
+    assert_same_rows(&run(clean).0, &table, 2e-5);
 }

@@ -1,6 +1,9 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+#[cfg(doctest)]
+mod root_readme;
+
 pub use dataset;
 pub use gp_core;
 pub use mechanics;

@@ -1,7 +1,256 @@
-//! What the figures are drawn from.
+//! What the figures are drawn from: the fixtures, or data of the user's.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+use anyhow::{Context, Result};
+use dataset::{
+    DatasetError, IngestReport, IngestSettings, ObjectSpec, PusherSpec, Recording, RecordingSet,
+    StepLength, SupportSpec, Table, TableMapping, ingest,
+};
+use sha2::{Digest, Sha256};
+
+use crate::cargo::workspace_root;
 
 /// The seed of every random stream in the figures.
 pub(crate) const SEED: u64 = 7;
 
-/// Inputs that several figures share; the figures of mechanics need none.
-pub(crate) struct Inputs;
+/// The recording set that figures are drawn from unless they are told otherwise.
+const FIXTURES: &str = "fixtures/pushes";
+
+/// The pusher's way in a step, in m: 0.2 s at 20 mm/s. Steps of one length can be compared at all
+/// speeds at which a push is quasi-static.
+pub(crate) const STEP_WAY: f64 = 0.004;
+
+/// One set of data, shared by all figures; what takes time is done once, when first asked for.
+pub(crate) struct Inputs {
+    name: String,
+    source: Source,
+    quick: bool,
+    ingested: OnceLock<Result<(Table, IngestReport), Arc<DatasetError>>>,
+}
+
+enum Source {
+    Recordings(Box<RecordingSet>),
+    Table { table: Table, mapping: Option<Box<TableMapping>> },
+}
+
+/// Why a figure cannot be drawn: the data lack what it shows.
+#[derive(Debug)]
+pub(crate) struct Lacking {
+    needs: &'static str,
+    has: String,
+}
+
+impl Inputs {
+    /// Opens the fixtures, a recording set, or a table of steps (a file, or a folder with one).
+    ///
+    /// # Errors
+    /// A path that is none of these, or a table that cannot be read.
+    pub(crate) fn open(data: Option<&Path>, quick: bool) -> Result<Self> {
+        let path = data.map_or_else(|| workspace_root().join(FIXTURES), Path::to_path_buf);
+        let (name, source) = open_source(&path)?;
+        Ok(Self { name, source, quick, ingested: OnceLock::new() })
+    }
+
+    /// Title of the data.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Whether fewer repetitions than a careful figure needs will do.
+    pub(crate) fn quick(&self) -> bool {
+        self.quick
+    }
+
+    /// The recordings.
+    ///
+    /// # Errors
+    /// [`Lacking`] if the data are a table of steps.
+    pub(crate) fn recordings(&self) -> Result<&RecordingSet> {
+        match &self.source {
+            Source::Recordings(set) => Ok(set),
+            Source::Table { .. } => Err(self.lacking("recordings")),
+        }
+    }
+
+    /// Reads one recording, by its name in the table.
+    ///
+    /// # Errors
+    /// [`Lacking`] if the data are a table of steps; a recording that cannot be read.
+    pub(crate) fn recording(&self, name: &str) -> Result<Recording> {
+        let set = self.recordings()?;
+        let report = self.ingest_report()?;
+        let found = report.recordings.iter().find(|recording| recording.name == name);
+        let path = &found.with_context(|| format!("there is no recording {name}"))?.path;
+        Ok(set.format().read(path, &set.manifest().streams)?)
+    }
+
+    /// The steps, [`STEP_WAY`] each where they are made from recordings.
+    ///
+    /// # Errors
+    /// What the ingest says.
+    pub(crate) fn table(&self) -> Result<&Table> {
+        match &self.source {
+            Source::Recordings(set) => Ok(&self.ingested(set)?.0),
+            Source::Table { table, .. } => Ok(table),
+        }
+    }
+
+    /// What became of every recording and push.
+    ///
+    /// # Errors
+    /// [`Lacking`] if the data are a table of steps; what the ingest says.
+    pub(crate) fn ingest_report(&self) -> Result<&IngestReport> {
+        Ok(&self.ingested(self.recordings()?)?.1)
+    }
+
+    /// The object of a recording.
+    ///
+    /// # Errors
+    /// An unknown shape.
+    pub(crate) fn object(&self, recording: &str) -> Result<ObjectSpec> {
+        match &self.source {
+            Source::Recordings(set) => Ok(set.manifest().object.of(recording)?),
+            Source::Table { mapping: Some(mapping), .. } => Ok(mapping.object.clone()),
+            Source::Table { mapping: None, table } => {
+                let row = table.rows.iter().find(|row| *row.recording == *recording);
+                Ok(ObjectSpec::mit(row.map_or("", |row| &row.shape))?)
+            }
+        }
+    }
+
+    /// The pusher.
+    ///
+    /// # Errors
+    /// [`Lacking`] for a table that does not tell.
+    pub(crate) fn pusher(&self) -> Result<PusherSpec> {
+        match &self.source {
+            Source::Recordings(set) => Ok(set.manifest().pusher),
+            Source::Table { mapping: Some(mapping), .. } => Ok(mapping.pusher),
+            Source::Table { mapping: None, .. } => Err(self.lacking("the pusher's size")),
+        }
+    }
+
+    /// The table that the object is pushed on.
+    ///
+    /// # Errors
+    /// [`Lacking`] for a table that does not tell.
+    pub(crate) fn support(&self) -> Result<SupportSpec> {
+        match &self.source {
+            Source::Recordings(set) => Ok(set.manifest().support),
+            Source::Table { mapping: Some(mapping), .. } => Ok(mapping.support),
+            Source::Table { mapping: None, .. } => Err(self.lacking("the support's friction")),
+        }
+    }
+
+    /// Name and SHA-256 of what was read so far: of one file, or of the list of many.
+    pub(crate) fn sources(&self) -> Vec<(String, String)> {
+        let table = match &self.source {
+            Source::Recordings(_) => match self.ingested.get() {
+                Some(Ok((table, _))) => table,
+                _ => return Vec::new(),
+            },
+            Source::Table { table, .. } => table,
+        };
+        let entries = &table.provenance.entries;
+        let sources = entries.iter().filter(|(key, _)| key == "source");
+        // `sha256 <hash> <path>`, as the provenance of a table has it.
+        let files: Vec<_> = sources.filter_map(|(_, text)| text.split(' ').nth(1)).collect();
+        let n = files.len();
+        match files[..] {
+            [] => Vec::new(),
+            [hash] => vec![(self.name.clone(), hash.to_owned())],
+            _ => {
+                let what = format!("{}: the list of the hashes of {n} recordings", self.name);
+                let list = files.join("\n") + "\n";
+                let digest = Sha256::digest(list.as_bytes());
+                vec![(what, digest.iter().map(|byte| format!("{byte:02x}")).collect())]
+            }
+        }
+    }
+
+    /// The error for data that lack something.
+    pub(crate) fn lacking(&self, needs: &'static str) -> anyhow::Error {
+        let has = match self.source {
+            Source::Recordings(_) => format!("the recordings of {}", self.name),
+            Source::Table { .. } => format!("{}, a table of steps", self.name),
+        };
+        Lacking { needs, has }.into()
+    }
+
+    fn ingested(&self, set: &RecordingSet) -> Result<&(Table, IngestReport)> {
+        let result = self.ingested.get_or_init(|| {
+            let step = StepLength::Distance(STEP_WAY);
+            let settings = IngestSettings { step, ..IngestSettings::default() };
+            // On a thread of its own: while it waits for others, a thread of the figures' pool
+            // would take up the next figure, which would wait here for this very result.
+            std::thread::scope(|scope| {
+                scope.spawn(|| ingest(set, &settings).map_err(Arc::new)).join()
+            })
+            .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        });
+        result.as_ref().map_err(|error| error.clone().into())
+    }
+}
+
+impl fmt::Display for Lacking {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "needs {}, which are not in {}", self.needs, self.has)
+    }
+}
+
+impl std::error::Error for Lacking {}
+
+fn open_source(path: &Path) -> Result<(String, Source)> {
+    if is_table(path) {
+        return open_table(path);
+    }
+    match RecordingSet::open(path) {
+        Ok(set) => Ok((set.manifest().name.clone(), Source::Recordings(Box::new(set)))),
+        Err(error @ DatasetError::NoManifest { .. }) => match &tables_in(path)?[..] {
+            [table] => open_table(table),
+            _ => Err(error.into()),
+        },
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// A table in this project's columns, or in those of the MIT square's table.
+fn open_table(path: &Path) -> Result<(String, Source)> {
+    match Table::read(path) {
+        Ok(table) => {
+            let name = table.provenance.get("set").unwrap_or("table of steps").to_owned();
+            Ok((name, Source::Table { table, mapping: None }))
+        }
+        Err(own @ DatasetError::ColumnMissing { .. }) => {
+            let mapping = TableMapping::mit_table()?;
+            let table = match mapping.read_table(path) {
+                Ok(table) => table,
+                Err(DatasetError::ColumnMissing { .. }) => return Err(own.into()),
+                Err(error) => return Err(error.into()),
+            };
+            let mapping = Some(Box::new(mapping));
+            let name = mapping.as_ref().map_or("", |mapping| &mapping.name).to_owned();
+            Ok((name, Source::Table { table, mapping }))
+        }
+        Err(error) => Err(error.into()),
+    }
+}
+
+fn is_table(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    path.is_file() && matches!(extension, Some("csv" | "parquet"))
+}
+
+fn tables_in(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut tables = Vec::new();
+    let entries = std::fs::read_dir(folder);
+    for entry in entries.with_context(|| format!("cannot read {}", folder.display()))? {
+        tables.push(entry?.path());
+    }
+    tables.retain(|path| is_table(path));
+    tables.sort();
+    Ok(tables)
+}

@@ -3,6 +3,7 @@
 mod catalogue;
 mod claims;
 mod inputs;
+mod learning;
 mod mechanics;
 mod sketch;
 
@@ -17,7 +18,7 @@ use report::{Claim, Page, Plate, Provenance, Section};
 
 use crate::cargo::workspace_root;
 use catalogue::{ALL, Chapter, Entry};
-use inputs::Inputs;
+use inputs::{Inputs, Lacking};
 use sketch::Sketch;
 
 /// Draw the thesis' figures on one offline page.
@@ -26,6 +27,12 @@ pub(crate) struct Args {
     /// Draw only these figures, by number (2.9,5.7)
     #[arg(long, value_delimiter = ',', value_name = "NUMBER")]
     only: Vec<String>,
+    /// Recording set or table of steps to draw from [default: fixtures/pushes]
+    #[arg(long, value_name = "PATH")]
+    data: Option<PathBuf>,
+    /// Fewer repetitions, for a first look
+    #[arg(long)]
+    quick: bool,
     /// Folder for the page, the pictures and their numbers
     #[arg(long, value_name = "DIR", default_value = "target/figures")]
     out: PathBuf,
@@ -40,12 +47,13 @@ pub(crate) struct Args {
 /// An unknown number, data that cannot be read, or a figure that failed, by its number.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let entries = choose(&args.only)?;
-    let inputs = Inputs;
+    let inputs = Inputs::open(args.data.as_deref(), args.quick)?;
     let out = workspace_root().join(&args.out);
     fs::create_dir_all(&out).with_context(|| format!("cannot create {}", out.display()))?;
-    let plates = draw_all(&entries, &inputs, &out, args.jobs)?;
-    page(&entries, plates, args)?.write(&out)?;
-    println!("{} figures on {}", entries.len(), out.join("index.html").display());
+    let outcomes = draw_all(&entries, &inputs, &out, args.jobs)?;
+    let drawn = outcomes.iter().filter(|outcome| matches!(outcome, Outcome::Drawn(..))).count();
+    page(&entries, outcomes, &inputs, args)?.write(&out)?;
+    println!("{drawn} of {} figures on {}", entries.len(), out.join("index.html").display());
     Ok(())
 }
 
@@ -57,13 +65,16 @@ fn choose(only: &[String]) -> Result<Vec<&'static Entry>> {
     Ok(ALL.iter().filter(|e| only.is_empty() || only.iter().any(|id| id == e.id)).collect())
 }
 
-/// The plates and claims of all entries, in their order whatever the number of jobs.
-fn draw_all(
-    entries: &[&Entry],
-    inputs: &Inputs,
-    out: &Path,
-    jobs: usize,
-) -> Result<Vec<(Plate, Vec<Claim>)>> {
+/// What became of a figure.
+enum Outcome {
+    /// Its plate, and the claims that it settles.
+    Drawn(Box<Plate>, Vec<Claim>),
+    /// What the data lack for it.
+    Lacking(String),
+}
+
+/// The outcomes of all entries, in their order whatever the number of jobs.
+fn draw_all(entries: &[&Entry], inputs: &Inputs, out: &Path, jobs: usize) -> Result<Vec<Outcome>> {
     let pool = ThreadPoolBuilder::new().num_threads(jobs).build()?;
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} figures {msg}")?;
     let bar = ProgressBar::new(entries.len() as u64).with_style(style);
@@ -80,49 +91,72 @@ fn draw_all(
     Ok(drawn)
 }
 
-fn draw(entry: &Entry, inputs: &Inputs, out: &Path) -> Result<(Plate, Vec<Claim>)> {
-    let Sketch { figure, data, caption, alt, claims } = (entry.draw)(inputs)?;
+fn draw(entry: &Entry, inputs: &Inputs, out: &Path) -> Result<Outcome> {
+    let sketch = match (entry.draw)(inputs) {
+        Ok(sketch) => sketch,
+        Err(error) => return Ok(Outcome::Lacking(error.downcast::<Lacking>()?.to_string())),
+    };
+    let Sketch { figure, data, caption, alt, claims } = sketch;
     let figure = figure.title(&format!("Figure {}: {}", entry.id, entry.title));
     let name = format!("figure-{}", entry.id.replace('.', "-").to_lowercase());
     let drawn = figure.write(out, &name, &data)?;
     let command = format!("cargo xtask reproduce-figures --only {}", entry.id);
-    Ok((Plate::new(drawn, &caption, &command).alt(&alt), claims))
+    Ok(Outcome::Drawn(Box::new(Plate::new(drawn, &caption, &command).alt(&alt)), claims))
 }
 
-fn page(entries: &[&Entry], plates: Vec<(Plate, Vec<Claim>)>, args: &Args) -> Result<Page> {
-    ensure!(entries.len() == plates.len(), "a figure is missing");
+fn page(entries: &[&Entry], outcomes: Vec<Outcome>, inputs: &Inputs, args: &Args) -> Result<Page> {
+    ensure!(entries.len() == outcomes.len(), "a figure is missing");
     let provenance = Provenance {
         tool: format!("pushlab {}", env!("CARGO_PKG_VERSION")),
         arguments: arguments(args),
         seed: Some(inputs::SEED),
-        inputs: Vec::new(),
+        inputs: inputs.sources(),
     };
-    let lead = "The figures of the thesis on data-driven planar pushing, computed anew. Each stands \
-                beside the numbers it was drawn from and the command that draws it alone.";
-    let mut page = Page::new("Planar pushing: the figures", lead, provenance);
-    let mut all_claims = Vec::new();
-    let mut plates: Vec<_> = entries.iter().zip(plates).collect();
+    let lead = format!(
+        "The figures of the thesis on data-driven planar pushing, computed anew. Each stands \
+         beside the numbers it was drawn from and the command that draws it alone. Data: {}.",
+        inputs.name()
+    );
+    let mut page = Page::new("Planar pushing: the figures", &lead, provenance);
+    let (mut plates, mut claims, mut lacking) = (Vec::new(), Vec::new(), Vec::new());
+    for (entry, outcome) in entries.iter().zip(outcomes) {
+        match outcome {
+            Outcome::Drawn(plate, own) => {
+                plates.push((entry.chapter, plate));
+                claims.extend(own);
+            }
+            Outcome::Lacking(reason) => {
+                lacking.push(vec![format!("{}: {}", entry.id, entry.title), reason]);
+            }
+        }
+    }
     for chapter in Chapter::ALL {
-        let mut section = Section::new(chapter.anchor(), chapter.title());
-        let (own, rest): (Vec<_>, Vec<_>) =
-            plates.into_iter().partition(|(entry, _)| entry.chapter == chapter);
-        plates = rest;
+        let own: Vec<_> = plates.extract_if(.., |(of, _)| *of == chapter).collect();
         if own.is_empty() {
             continue;
         }
-        for (_, (plate, claims)) in own {
-            section = section.figure(plate);
-            all_claims.extend(claims);
-        }
-        page = page.with(section);
+        let section = Section::new(chapter.anchor(), chapter.title());
+        page = page.with(own.into_iter().fold(section, |to, (_, plate)| to.figure(*plate)));
     }
-    Ok(page.with(claims::section(all_claims)))
+    if !lacking.is_empty() {
+        page = page.with(
+            Section::new("not-drawn", "Not drawn from these data")
+                .table(&["figure", "reason"], lacking),
+        );
+    }
+    Ok(page.with(claims::section(claims)))
 }
 
 fn arguments(args: &Args) -> String {
     let mut words = vec!["reproduce-figures".to_owned()];
     if !args.only.is_empty() {
         words.push(format!("--only {}", args.only.join(",")));
+    }
+    if let Some(data) = &args.data {
+        words.push(format!("--data {}", data.display()));
+    }
+    if args.quick {
+        words.push("--quick".to_owned());
     }
     words.join(" ")
 }

@@ -151,3 +151,14 @@ fn messages_that_do_not_fit_are_set_aside_and_counted() {
         "{error}"
     );
 }
+
+#[test]
+fn messages_that_arrive_late_are_named() {
+    let mut early = pose(0.1);
+    early["header"]["stamp"]["sec"] = json!(5);
+    let log = Memory::new(&[("/tip", pose(0.0)), ("/vicon", pose(0.0)), ("/vicon", early)]);
+    let recording = log.read("").unwrap();
+    let [remark] = &recording.remarks[..] else { panic!("{:?}", recording.remarks) };
+    assert_eq!((remark.kind, remark.stream), (RemarkKind::Late, Some(StreamRole::Object)));
+    assert!(remark.text.contains("1 of 2 messages") && remark.text.contains("at most 1000 ms"));
+}

@@ -1,18 +1,16 @@
 //! Figure 2.11: the analytical push over contact position and direction.
 
 use anyhow::Result;
-use mechanics::{Ellipsoid, PathSettings, Pusher, Slider, StraightPath, push_along};
+use mechanics::{Ellipsoid, PathSettings, Slider, StraightPath, push_along};
 use nalgebra::Vector2;
 use planar::{Pose, Shape};
 use report::{ColorMap, Figure, Grid, HeatMap, Panel, Table};
 
+use super::top_view::{PUSHER, SIDE, SPEED};
 use crate::figures::inputs::Inputs;
 use crate::figures::sketch::Sketch;
 
-/// The thesis' square, pusher and step: m, m, dimensionless, m/s, s.
-const SIDE: f64 = 0.09;
-const PUSHER: Pusher = Pusher { radius: 0.00475, friction: 0.25 };
-const SPEED: f64 = 0.02;
+/// The thesis' time step, in s.
 const DURATION: f64 = 0.2;
 
 const COLUMNS: usize = 61;

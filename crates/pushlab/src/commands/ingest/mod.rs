@@ -1,0 +1,177 @@
+//! `pushlab ingest`: recordings, or a table of others, become a step table.
+
+mod ingested;
+mod source;
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, bail};
+use clap::ValueEnum;
+use dataset::{
+    Curve, EndCondition, IngestSettings, MANIFEST_NAME, Preset, RecordingSet, Table, TableMapping,
+    ingest_each, provenance,
+};
+
+use self::ingested::Ingested;
+use self::source::Source;
+use crate::command_line::preset_parser;
+use crate::destination::Destination;
+use crate::document::Document;
+use crate::failure::WrongUsage;
+use crate::file_ending;
+use crate::origin::{Input, Origin};
+use crate::step_size::StepSize;
+use crate::table_summary::TableSummary;
+use crate::terminal::{TITLE, Terminal};
+
+/// Turn recordings into a step table, with a report of every repair
+///
+/// Takes a recording set: a folder with dataset.toml, the manifest itself, or a folder that a preset
+/// knows. A step table of others (.csv) is converted by a mapping of its columns. Without -o nothing
+/// but the summary is made.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Args {
+    /// Recording set, or a foreign step table
+    set: PathBuf,
+    /// Where to write the step table: .csv or .parquet
+    #[arg(short, long, value_name = "TABLE", value_parser = file_ending::table)]
+    output: Option<PathBuf>,
+    /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm); else 200ms
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    step: Option<StepSize>,
+    /// The curve through the samples of a pose stream; else interpolate
+    #[arg(long)]
+    curve: Option<CurveName>,
+    /// Take what is known of a public data set, whatever dataset.toml says
+    #[arg(long, value_name = "NAME", value_parser = preset_parser())]
+    preset: Option<Preset>,
+    /// How the columns of a foreign step table become ours (see `init --preset mit-table --print`)
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["preset", "step", "curve"])]
+    mapping: Option<PathBuf>,
+    /// Where to write the full report: .txt for people, .json for programs
+    #[arg(long, value_name = "REPORT", value_parser = file_ending::report)]
+    report: Option<PathBuf>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  pushlab ingest pushes -o steps.csv
+  pushlab ingest pushes -o steps.parquet --step 4mm --report report.txt
+  pushlab ingest mit-push-table/table.csv --preset mit-table -o steps.csv";
+
+#[derive(Clone, Copy, ValueEnum)]
+enum CurveName {
+    /// A cubic spline through every sample
+    Interpolate,
+    /// A smoothing spline with the noise that each push shows
+    Smooth,
+}
+
+pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let output = args.output.as_deref().map(Destination::new).transpose()?;
+    let report = args.report.as_deref().map(Destination::new).transpose()?;
+    let (table, origin, result) = match Source::of(args)? {
+        Source::Recordings(set) => args.ingest(&set, terminal)?,
+        Source::Table { path, mapping, mapping_path } => {
+            args.convert(&path, &mapping, mapping_path.as_deref())?
+        }
+    };
+    for destination in output.iter().chain(&report) {
+        destination.spare(&origin.inputs)?;
+    }
+    if let Some(destination) = &report {
+        let is_json = destination.path().extension().is_some_and(|ending| ending == "json");
+        let text = if is_json {
+            Document { origin: &origin, result: &result }.to_json()?
+        } else {
+            anstream::adapter::strip_str(&(result.full_text() + &origin.comment())).to_string()
+        };
+        destination.write(text.as_bytes())?;
+    }
+    if let Some(destination) = &output {
+        table.write(destination.path())?;
+    }
+    let mut text = result.short_text();
+    for destination in output.iter().chain(&report) {
+        let _ = writeln!(text, "{TITLE}wrote {}{TITLE:#}", destination.path().display());
+    }
+    terminal.finish(&origin, &result, text)
+}
+
+impl Args {
+    fn convert(
+        &self,
+        path: &Path,
+        mapping: &TableMapping,
+        mapping_path: Option<&Path>,
+    ) -> Result<(Table, Origin, Ingested)> {
+        if self.step.is_some() || self.curve.is_some() {
+            bail!(WrongUsage("a table has its steps already: leave out --step and --curve"));
+        }
+        let mut table = mapping.read_table(path)?;
+        let mut origin = self.origin();
+        origin.inputs.push(Input::file(path)?);
+        if let Some(path) = mapping_path {
+            let input = Input::file(path)?;
+            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+            table.provenance.push("source", &format!("sha256 {} {name}", input.sha256));
+            origin.inputs.push(input);
+        }
+        origin.mark(&mut table.provenance);
+        let summary = TableSummary::of(&table);
+        Ok((table, origin, Ingested::Table(Box::new(summary))))
+    }
+
+    fn ingest(&self, set: &RecordingSet, terminal: &Terminal) -> Result<(Table, Origin, Ingested)> {
+        let mut settings = IngestSettings::default();
+        if let Some(StepSize(step)) = self.step {
+            settings.step = step;
+        }
+        settings.curve = match self.curve {
+            None => settings.curve,
+            Some(CurveName::Interpolate) => Curve::Interpolate(EndCondition::Natural),
+            Some(CurveName::Smooth) => Curve::Smooth,
+        };
+        let mut rows = Vec::new();
+        let mut progress = terminal.progress("recordings read:", set.recordings().len());
+        let report = ingest_each(set, &settings, |_, mut own| {
+            rows.append(&mut own);
+            progress.advance();
+            Ok(())
+        });
+        progress.finish();
+        let report = report?;
+        let mut origin = self.origin();
+        let mut provenance = provenance(set, &report);
+        for name in [MANIFEST_NAME, "sessions.csv"] {
+            let path = set.dir().join(name);
+            if path.exists() && (set.preset().is_none() || name != MANIFEST_NAME) {
+                let input = Input::file(&path)?;
+                provenance.push("source", &format!("sha256 {} {name}", input.sha256));
+                origin.inputs.push(input);
+            }
+        }
+        let read = report.recordings.iter().filter(|recording| !recording.sha256.is_empty());
+        origin
+            .inputs
+            .extend(read.map(|recording| Input::known(&recording.path, recording.sha256.clone())));
+        origin.mark(&mut provenance);
+        Ok((Table { rows, provenance }, origin, Ingested::Report(Box::new(report))))
+    }
+
+    /// What decides the result, with the defaults written out.
+    fn origin(&self) -> Origin {
+        let mut words = vec!["ingest".to_owned(), self.set.display().to_string()];
+        let mut option = |name: &str, value: Option<String>| {
+            words.extend(value.into_iter().flat_map(|value| [format!("--{name}"), value]));
+        };
+        option("step", self.step.map(|step| step.to_string()));
+        let curve = self.curve.and_then(|curve| curve.to_possible_value());
+        option("curve", curve.map(|curve| curve.get_name().to_owned()));
+        option("preset", self.preset.map(|preset| preset.name().to_owned()));
+        option("mapping", self.mapping.as_ref().map(|path| path.display().to_string()));
+        Origin::new(words)
+    }
+}

@@ -1,0 +1,42 @@
+//! The commands: one file each, with its arguments and its work, and one list.
+
+mod completions;
+mod describe;
+mod ingest;
+mod init;
+mod inspect;
+mod models;
+
+use anyhow::Result;
+use clap::Subcommand;
+
+use crate::terminal::Terminal;
+
+/// Every command, in the order of their first use.
+#[derive(Subcommand)]
+pub(crate) enum Command {
+    Init(init::Args),
+    Inspect(inspect::Args),
+    #[command(visible_alias = "table")]
+    Ingest(ingest::Args),
+    Describe(describe::Args),
+    Models(models::Args),
+    Completions(completions::Args),
+}
+
+impl Command {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// What the command says.
+    pub(crate) fn run(&self, terminal: &Terminal) -> Result<()> {
+        match self {
+            Self::Init(args) => init::run(args, terminal),
+            Self::Inspect(args) => inspect::run(args, terminal),
+            Self::Ingest(args) => ingest::run(args, terminal),
+            Self::Describe(args) => describe::run(args, terminal),
+            Self::Models(args) => models::run(args, terminal),
+            Self::Completions(args) => completions::run(args, terminal),
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! `pushlab models init`: the thesis' analytical model with a manifest's nominal values.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, bail};
+use dataset::{MANIFEST_NAME, Manifest, Preset, TableMapping};
+use models::{Analytical, Estimate, ModelFile, PushModel};
+
+use super::parameters::Parameters;
+use crate::command_line::preset_parser;
+use crate::destination::Destination;
+use crate::failure::WrongUsage;
+use crate::file_ending;
+use crate::origin::{Input, Origin, TOOL, readable};
+use crate::terminal::{TITLE, Terminal};
+
+/// Write the analytical model with the nominal values of a recording set
+///
+/// The quasi-static push on an ellipsoidal limit surface: the pusher's friction from the manifest,
+/// the characteristic length from uniform pressure. A file that is there is never overwritten.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Args {
+    /// Recording set, or its dataset.toml
+    #[arg(required_unless_present = "preset")]
+    set: Option<PathBuf>,
+    /// Take the nominal values of a public data set instead
+    #[arg(long, value_name = "NAME", value_parser = preset_parser(), conflicts_with = "set")]
+    preset: Option<Preset>,
+    /// Where to write the model
+    #[arg(short, long, value_name = "FILE", default_value = "model.toml",
+          value_parser = file_ending::model)]
+    output: PathBuf,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  pushlab models init pushes
+  pushlab models init pushes/dataset.toml -o nominal.toml
+  pushlab models init --preset mit-push -o mit.toml";
+
+pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let destination = Destination::unused(&args.output)?;
+    let mut origin = Origin::new(["models".to_owned(), "init".to_owned()]);
+    let nominal = match (&args.set, args.preset) {
+        (_, Some(preset)) => {
+            origin.arguments.extend(["--preset".to_owned(), preset.name().to_owned()]);
+            Nominal::of_preset(preset)?
+        }
+        (Some(set), None) => {
+            origin.arguments.push(set.display().to_string());
+            let path = if set.is_dir() { set.join(MANIFEST_NAME) } else { set.clone() };
+            readable(&path)?;
+            let nominal = Nominal::of_manifest(&path)?;
+            origin.inputs.push(Input::file(&path)?);
+            nominal
+        }
+        (None, None) => bail!(WrongUsage("name a recording set or a preset")),
+    };
+    let file = nominal.model(&origin)?;
+    file.write(destination.path())?;
+    let parameters = Parameters::of(&file);
+    let text = format!("{TITLE}wrote {}{TITLE:#}\n{parameters}", destination.path().display());
+    terminal.finish(&origin, &parameters, text)
+}
+
+/// What the model needs of a set.
+struct Nominal {
+    name: String,
+    pusher_friction: f64,
+    source: String,
+}
+
+impl Nominal {
+    fn of_manifest(path: &Path) -> Result<Self> {
+        let Manifest { name, pusher, .. } = Manifest::read(path)?;
+        let source = path.display().to_string();
+        Ok(Self { name, pusher_friction: pusher.friction, source })
+    }
+
+    fn of_preset(preset: Preset) -> Result<Self> {
+        let source = format!("preset {}", preset.name());
+        let (name, pusher) = match preset {
+            Preset::MitTable => {
+                let TableMapping { name, pusher, .. } = TableMapping::mit_table()?;
+                (name, pusher)
+            }
+            Preset::MitPush | Preset::MitRig2015 | Preset::MitEndpoints => {
+                let missing = WrongUsage("this preset has no nominal values; name another");
+                let Manifest { name, pusher, .. } = preset.manifest().ok_or(missing)??;
+                (name, pusher)
+            }
+        };
+        Ok(Self { name, pusher_friction: pusher.friction, source })
+    }
+
+    /// The analytical model, whose friction says where it comes from and what wrote it.
+    fn model(&self, origin: &Origin) -> Result<ModelFile> {
+        let hashes = origin.inputs.iter().map(|input| format!(" sha256:{}", input.sha256));
+        let source = format!("{}{}, by {TOOL}", self.source, hashes.collect::<String>());
+        let friction = Estimate::exact(self.pusher_friction, &source);
+        let model = Analytical::nominal(self.pusher_friction)?;
+        let model = Analytical::new(friction, model.length().clone(), *model.scatter())?;
+        let name = format!("nominal model of {}", self.name);
+        Ok(ModelFile { name, description: model.describe()? })
+    }
+}

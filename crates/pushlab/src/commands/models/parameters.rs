@@ -1,0 +1,97 @@
+//! What a model file says, in the order and the words of people.
+
+use std::fmt;
+
+use models::{Analytical, Base, CharacteristicLength, Estimate, ModelFile, OUTPUTS};
+use serde::Serialize;
+
+use crate::terminal::TITLE;
+
+/// A model's name, kind and parameters.
+#[derive(Serialize)]
+pub(crate) struct Parameters {
+    name: String,
+    kind: &'static str,
+    parameters: Vec<Parameter>,
+    /// Outputs with a Gaussian process, for the kinds that learn.
+    learned: Vec<&'static str>,
+}
+
+#[derive(Serialize)]
+struct Parameter {
+    name: String,
+    /// None where it follows from the object.
+    value: Option<f64>,
+    /// Standard error; 0 for a value taken as exact.
+    se: f64,
+    unit: &'static str,
+    source: String,
+}
+
+impl Parameters {
+    pub(crate) fn of(file: &ModelFile) -> Self {
+        let (kind, parameters) = match &file.description.base {
+            Base::Analytical(model) => ("analytical", analytical(model)),
+            Base::Hybrid(model) => ("hybrid", analytical(model)),
+            Base::Gp => ("gp", Vec::new()),
+            _ => ("unknown", Vec::new()),
+        };
+        let learned = match &file.description.weights {
+            Some(_) => OUTPUTS.to_vec(),
+            None => Vec::new(),
+        };
+        Self { name: file.name.clone(), kind, parameters, learned }
+    }
+}
+
+fn analytical(model: &Analytical) -> Vec<Parameter> {
+    let parameter = |name: &str, estimate: &Estimate, unit| Parameter {
+        name: name.to_owned(),
+        value: Some(estimate.value),
+        se: estimate.se,
+        unit,
+        source: estimate.source.clone(),
+    };
+    let length = "characteristic length";
+    let mut parameters = vec![
+        parameter("pusher friction", model.pusher_friction(), "1"),
+        match model.length() {
+            CharacteristicLength::Given(estimate) => parameter(length, estimate, "m"),
+            CharacteristicLength::UniformPressure => Parameter {
+                name: length.to_owned(),
+                value: None,
+                se: 0.0,
+                unit: "m",
+                source: "uniform pressure under the object".to_owned(),
+            },
+        },
+    ];
+    let units = ["m/m", "m/m", "rad/m"];
+    for ((output, unit), variance) in OUTPUTS.iter().zip(units).zip(&model.scatter().diagonal()) {
+        if *variance > 0.0 {
+            let estimate = Estimate::exact(variance.sqrt(), "fit");
+            parameters.push(parameter(&format!("scatter of {output}, sd"), &estimate, unit));
+        }
+    }
+    parameters
+}
+
+impl fmt::Display for Parameters {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{TITLE}{}{TITLE:#} ({})", self.name, self.kind)?;
+        for Parameter { name, value, se, unit, source } in &self.parameters {
+            let unit = if *unit == "1" { String::new() } else { format!(" {unit}") };
+            let value = match value {
+                Some(value) if *se > 0.0 => format!("{value} ± {se}{unit}"),
+                Some(value) => format!("{value}{unit}"),
+                None => "of the object".to_owned(),
+            };
+            let source = if source.is_empty() { String::new() } else { format!("  ({source})") };
+            writeln!(f, "  {name}: {value}{source}")?;
+        }
+        for output in &self.learned {
+            writeln!(f, "  {output}: Gaussian process of p and beta")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,99 @@
+//! How a run ends, and what is said when it fails.
+
+use std::fmt;
+use std::io::{self, ErrorKind};
+use std::process::ExitCode;
+
+use crate::terminal::{FAILURE, Terminal};
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Outcome {
+    /// Exit code 0.
+    Done,
+    /// The input or the computation failed: exit code 1.
+    Failed,
+    /// Exit code 2.
+    WrongUsage,
+}
+
+impl From<Outcome> for ExitCode {
+    fn from(outcome: Outcome) -> Self {
+        Self::from(outcome as u8)
+    }
+}
+
+/// Arguments that do not go together, as only the command itself can tell.
+#[derive(Debug)]
+pub(crate) struct WrongUsage(pub(crate) &'static str);
+
+impl fmt::Display for WrongUsage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+impl std::error::Error for WrongUsage {}
+
+/// Says what failed, why, and what may help; returns how the run ended.
+pub(crate) fn report(error: &anyhow::Error, terminal: &Terminal) -> Outcome {
+    // Nobody reads the result any more, as in `pushlab … | head`.
+    let gone = |error: &io::Error| error.kind() == ErrorKind::BrokenPipe;
+    if error.downcast_ref::<io::Error>().is_some_and(gone) {
+        return Outcome::Done;
+    }
+    terminal.tell(format_args!("{FAILURE}error:{FAILURE:#} {}", chain(error)));
+    if let Some(remedy) = remedy(error) {
+        terminal.tell(format_args!("  help: {remedy}"));
+    }
+    if error.is::<WrongUsage>() { Outcome::WrongUsage } else { Outcome::Failed }
+}
+
+/// The error and its causes, without those that an error's own message already names.
+fn chain(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text += &format!("\n  because: {cause}");
+        }
+    }
+    text
+}
+
+/// What to do about a draft that `init` wrote, or an error of the operating system; other messages
+/// say it themselves.
+fn remedy(error: &anyhow::Error) -> Option<&'static str> {
+    if chain(error).contains("TODO") {
+        return Some("fill in what is marked TODO in this file");
+    }
+    let system = error.chain().find_map(|cause| cause.downcast_ref::<io::Error>())?;
+    match system.kind() {
+        ErrorKind::NotFound => Some("check the path; a relative one begins at the current folder"),
+        ErrorKind::PermissionDenied => Some("check who may read and write there"),
+        ErrorKind::IsADirectory => Some("this is a folder; name a file"),
+        ErrorKind::NotADirectory => Some("a part of the path is a file; name a folder"),
+        ErrorKind::InvalidData => Some("this is no text in UTF-8; check that it is the right file"),
+        ErrorKind::StorageFull => Some("make room, or write elsewhere"),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Error, ErrorKind};
+
+    use anyhow::Context;
+
+    use super::{chain, remedy};
+
+    #[test]
+    fn causes_are_named_once_with_a_remedy() {
+        let cause = || Error::new(ErrorKind::NotFound, "no such file");
+        let error = Err::<(), _>(cause()).context("cannot read a").unwrap_err();
+        assert_eq!(chain(&error), "cannot read a\n  because: no such file");
+        let error = Err::<(), _>(cause()).context("cannot read a: no such file").unwrap_err();
+        assert_eq!(chain(&error), "cannot read a: no such file");
+        assert!(remedy(&error).is_some_and(|text| text.contains("check the path")));
+        assert_eq!(remedy(&anyhow::anyhow!("own")), None);
+    }
+}

@@ -1,0 +1,83 @@
+//! Progress of long work: a bar on a terminal, a few plain lines elsewhere.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Counts finished pieces of work.
+pub(crate) enum Progress {
+    /// On a terminal.
+    Bar(ProgressBar),
+    /// In a file or a pipe.
+    Lines {
+        /// What is done to the pieces.
+        what: &'static str,
+        /// Finished pieces.
+        done: usize,
+        /// All pieces.
+        total: usize,
+    },
+    /// Nobody wants to know.
+    Silent,
+}
+
+/// Lines for a whole run.
+const LINES: usize = 4;
+
+impl Progress {
+    pub(crate) fn new(what: &'static str, total: usize, target: ProgressDrawTarget) -> Self {
+        if target.is_hidden() {
+            return Self::Lines { what, done: 0, total };
+        }
+        let style = ProgressStyle::with_template("{msg} {bar:40} {pos} of {len}, {eta} left");
+        let bar = ProgressBar::with_draw_target(Some(total as u64), target).with_message(what);
+        Self::Bar(match style {
+            Ok(style) => bar.with_style(style),
+            Err(_) => bar,
+        })
+    }
+
+    pub(crate) fn silent() -> Self {
+        Self::Silent
+    }
+
+    /// One more piece is done.
+    pub(crate) fn advance(&mut self) {
+        match self {
+            Self::Bar(bar) => bar.inc(1),
+            Self::Lines { what, done, total } => {
+                *done += 1;
+                if is_line(*done, *total) {
+                    // Standard error may be closed: then nobody wants to know either.
+                    let line = format!("{what} {done} of {total}\n");
+                    let _ = std::io::Write::write_all(&mut std::io::stderr(), line.as_bytes());
+                }
+            }
+            Self::Silent => {}
+        }
+    }
+
+    /// Removes the bar.
+    pub(crate) fn finish(self) {
+        if let Self::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// Whether another share of the work is complete.
+fn is_line(done: usize, total: usize) -> bool {
+    let shares = |done: usize| done * LINES / total.max(1);
+    total > LINES && shares(done) > shares(done - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_line;
+
+    #[test]
+    fn a_run_prints_four_lines_and_the_last_at_its_end() {
+        let lines = |total| (1..=total).filter(|&done| is_line(done, total)).collect::<Vec<_>>();
+        assert_eq!(lines(32), [8, 16, 24, 32]);
+        assert_eq!(lines(5), [2, 3, 4, 5]);
+        assert!(lines(3).is_empty());
+    }
+}

@@ -1,0 +1,89 @@
+//! What is said to people and what is printed for programs.
+
+use std::fmt::Display;
+use std::io::{self, Write};
+
+use anstream::AutoStream;
+use anstyle::{AnsiColor, Style};
+use anyhow::Result;
+use clap::ColorChoice;
+use indicatif::ProgressDrawTarget;
+use serde::Serialize;
+
+use crate::command_line::Global;
+use crate::document::Document;
+use crate::origin::Origin;
+use crate::progress::Progress;
+
+/// Standard output and standard error, with what the user wants to see of them.
+pub(crate) struct Terminal {
+    json: bool,
+    quiet: bool,
+    color: ColorChoice,
+}
+
+/// Style of a title.
+pub(crate) const TITLE: Style = Style::new().bold();
+/// Style of what deserves a look.
+pub(crate) const WARNING: Style = AnsiColor::Yellow.on_default().bold();
+/// Style of what failed.
+pub(crate) const FAILURE: Style = AnsiColor::Red.on_default().bold();
+
+impl Terminal {
+    pub(crate) fn new(global: &Global) -> Self {
+        Self { json: global.json, quiet: global.quiet, color: global.color }
+    }
+
+    /// Ends a command: its result for people, or as a document for programs.
+    ///
+    /// # Errors
+    /// `io::Error` if standard output cannot be written, of kind `BrokenPipe` if nobody reads it.
+    pub(crate) fn finish(
+        &self,
+        origin: &Origin,
+        result: &impl Serialize,
+        text: impl Display,
+    ) -> Result<()> {
+        if self.json {
+            self.print(&Document { origin, result }.to_json()?)
+        } else if self.quiet {
+            Ok(())
+        } else {
+            self.print(&text.to_string())
+        }
+    }
+
+    /// Prints what the user asked for itself, whatever they want to see of the rest.
+    ///
+    /// # Errors
+    /// As [`Terminal::finish`].
+    pub(crate) fn print(&self, text: &str) -> Result<()> {
+        let mut stream = AutoStream::new(io::stdout().lock(), self.choice(&io::stdout()));
+        stream.write_all(text.as_bytes())?;
+        stream.flush()?;
+        Ok(())
+    }
+
+    /// Tells people on standard error; nothing is lost if nobody listens.
+    pub(crate) fn tell(&self, text: impl Display) {
+        let mut stream = AutoStream::new(io::stderr().lock(), self.choice(&io::stderr()));
+        let _ = writeln!(stream, "{text}");
+    }
+
+    /// Shows how far a long piece of work is, on standard error.
+    pub(crate) fn progress(&self, what: &'static str, total: usize) -> Progress {
+        if self.quiet {
+            Progress::silent()
+        } else {
+            Progress::new(what, total, ProgressDrawTarget::stderr())
+        }
+    }
+
+    fn choice<S: anstream::stream::RawStream>(&self, stream: &S) -> anstream::ColorChoice {
+        match self.color {
+            ColorChoice::Auto => AutoStream::choice(stream),
+            ColorChoice::Always => anstream::ColorChoice::Always,
+            ColorChoice::Never => anstream::ColorChoice::Never,
+        }
+    }
+}

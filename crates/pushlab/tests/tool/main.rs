@@ -1,0 +1,8 @@
+//! The command-line tool, run as its users run it.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+mod bad_input;
+mod commands;
+mod small_set;
+mod usage;

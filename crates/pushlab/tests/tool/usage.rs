@@ -1,0 +1,96 @@
+//! How the tool talks: help, wrong usage, colors, closed pipes.
+
+use std::process::Stdio;
+
+use crate::small_set::{Run, SmallSet};
+
+#[test]
+fn help_lists_every_command() {
+    let set = SmallSet::new();
+    let help = set.done(&["--help"]).stdout;
+    let list = help.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
+    assert_eq!(
+        list,
+        "  init         Write a commented dataset.toml from what a folder of recordings holds
+  inspect      Tell what recordings contain: topics, types, columns, samples, rates, frames
+  ingest       Turn recordings into a step table, with a report of every repair [alias: table]
+  describe     Tell what a step table holds: rows, shapes, flags, coverage, and what made it
+  models       Write, show and list models
+  completions  Print a completion script for a shell
+  help         Print this message or the help of the given subcommand(s)"
+    );
+    assert!(
+        help.ends_with(
+            "Exit codes: 0 done, 1 the input or the computation failed, 2 wrong usage.\n"
+        )
+    );
+    let version = set.done(&["--version"]).stdout;
+    assert_eq!(version, concat!("pushlab ", env!("CARGO_PKG_VERSION"), "\n"));
+}
+
+#[test]
+fn wrong_usage_names_what_is_allowed() {
+    let set = SmallSet::new();
+    for (arguments, part) in [
+        (&[][..], "Usage: pushlab"),
+        (&["ingset"], "'ingest'"),
+        (&["ingest"], "<SET>"),
+        (&["ingest", "set", "--step", "200"], "such as 200ms, 0.2s or 4mm"),
+        (&["ingest", "set", "--step", "-4mm"], "-0.004 m is not within 0.0001 to 10 m"),
+        (&["ingest", "set", "--curve", "straight"], "interpolate, smooth"),
+        (&["ingest", "set", "--preset", "mit"], "mit-push, mit-rig-2015, mit-table"),
+        (&["ingest", "set", "-o", "steps.xlsx"], ".csv or .parquet"),
+        (&["ingest", "set", "--report", "report.pdf"], ".txt or .json"),
+        (&["ingest", "set", "--jobs", "0"], "1..=1024"),
+        (&["ingest", "set", "--preset", "mit-endpoints"], "read_endpoints"),
+        (&["ingest", "set", "--mapping", "m.toml", "--step", "1s"], "cannot be used with"),
+        (&["describe", "steps.xlsx"], ".csv or .parquet"),
+        (&["--color", "sometimes", "inspect", "set"], "auto, always, never"),
+        (&["models", "init"], "<SET>"),
+        (&["models", "init", "--preset", "mit-endpoints"], "no nominal values"),
+        (&["completions", "cmd"], "bash"),
+    ] {
+        let message = set.wrong_usage(arguments);
+        assert!(message.contains(part), "{arguments:?}: no {part:?} in {message}");
+    }
+    set.write("theirs.csv", "c,phi_rad\n");
+    let message =
+        set.wrong_usage(&["ingest", "theirs.csv", "--preset", "mit-table", "--step", "1s"]);
+    assert!(message.contains("leave out --step"), "{message}");
+}
+
+#[test]
+fn colors_appear_on_demand_only() {
+    let set = SmallSet::new();
+    let plain = set.done(&["inspect", "set"]).stdout;
+    assert!(!plain.contains('\u{1b}'));
+    let colored = set.done(&["inspect", "set", "--color", "always"]).stdout;
+    assert!(colored.contains("\u{1b}[1mset/pushes/push-0\u{1b}[0m"), "{colored:?}");
+    let mut command = set.command(&["inspect", "set"]);
+    let run = Run::of(command.env("NO_COLOR", "1").env("CLICOLOR_FORCE", "1").output().unwrap());
+    assert_eq!(run.stdout, plain);
+    let failed = set.run(&["--color=always", "inspect", "nowhere"]).stderr;
+    assert!(failed.starts_with("\u{1b}[1m\u{1b}[31merror:\u{1b}[0m "), "{failed:?}");
+    assert!(set.done(&["--color=always", "--help"]).stdout.contains('\u{1b}'));
+}
+
+#[test]
+fn a_reader_that_leaves_is_no_failure() {
+    let set = SmallSet::new();
+    for arguments in [&["inspect", "set"][..], &["ingest", "set", "--json"], &["--help"]] {
+        let mut child =
+            set.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let run = Run::of(child.wait_with_output().unwrap());
+        assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{arguments:?}");
+    }
+}
+
+#[test]
+fn completions_know_the_commands() {
+    let set = SmallSet::new();
+    for shell in ["bash", "zsh", "fish"] {
+        let script = set.done(&["completions", shell]).stdout;
+        assert!(script.contains("ingest") && script.contains("mit-rig-2015"), "{shell}");
+    }
+}
