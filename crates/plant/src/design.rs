@@ -222,7 +222,7 @@ impl Planner<'_> {
         for _ in 0..MAX_DRAWS {
             let design = self.design;
             let angle = self.random.uniform(-design.steepest, design.steepest);
-            let p = self.random.uniform(0.05, 0.95);
+            let p = self.random.uniform(0.01, 0.99);
             let push = if let Layout::Narrow { edge } = design.layout {
                 self.push(edge, p, angle, design.speeds[0], [0.0; 3])
             } else {

@@ -3,6 +3,7 @@
 //! One file a benchmark; [`BENCHMARKS`] registers them.
 
 mod contact;
+mod plant;
 mod report;
 mod timing;
 
@@ -44,7 +45,7 @@ struct Benchmark {
     rows: fn() -> Result<Vec<Row>>,
 }
 
-const BENCHMARKS: &[Benchmark] = &[contact::BENCHMARK];
+const BENCHMARKS: &[Benchmark] = &[contact::BENCHMARK, plant::BENCHMARK];
 
 #[cfg(test)]
 mod tests {
