@@ -16,9 +16,8 @@ const SHORTEST_STEP: f64 = 1e-9;
 /// jumps.
 pub(crate) fn integrate(rig: &Rig, start: &State) -> Result<Trajectory, PlantError> {
     let numerics = &rig.plant.numerics;
-    let mut trajectory = Trajectory::new(rig.path, rig.pose(&start.place));
+    let mut trajectory = Trajectory::new(rig, start);
     let (mut state, mut time, mut trial) = (*start, 0.0, FIRST_STEP);
-    trajectory.record(rig, time, &state);
     for end in rig.path.breaks() {
         while time < end {
             let left = end - time;
@@ -35,7 +34,7 @@ pub(crate) fn integrate(rig: &Rig, start: &State) -> Result<Trajectory, PlantErr
                     }
                     state = next;
                     time = if step == left { end } else { time + step };
-                    trajectory.record(rig, time, &state);
+                    trajectory.record(time, &state);
                 }
                 Err(why) if step <= SHORTEST_STEP => {
                     return Err(PlantError::NotConverged { time, step, why });

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod balance;
 mod design;
 mod energy;
 mod error;
@@ -21,6 +22,7 @@ mod scatter;
 mod sealed_truth;
 mod sensors;
 mod state;
+mod surroundings;
 mod tip_contact;
 mod tip_path;
 mod trajectory;

@@ -5,7 +5,7 @@ use std::path::Path;
 use dataset::{Manifest, ObjectSpec};
 use serde::{Deserialize, Serialize};
 
-use crate::PlantError;
+use crate::{PlantError, Truth};
 
 /// An object for a recording set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -80,6 +80,18 @@ impl Default for Nominal {
     }
 }
 
+impl Nominal {
+    /// A plain rig that is just as the manifest claims.
+    #[must_use]
+    pub fn truth(&self) -> Truth {
+        let mut truth = Truth::default();
+        truth.tip.radius = self.pusher_radius;
+        truth.tip_friction.coefficient = self.pusher_friction;
+        truth.support_friction.coefficient = self.support_friction;
+        truth
+    }
+}
+
 impl PushedObject {
     /// The object's part of `dataset.toml`.
     fn lines(&self) -> String {
@@ -144,7 +156,13 @@ fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::{Nominal, PushedObject, manifest_text, object_of};
+    use crate::Truth;
     use std::path::Path;
+
+    #[test]
+    fn the_usual_claims_are_true_of_the_usual_rig() {
+        assert_eq!(Nominal::default().truth(), Truth::default());
+    }
 
     #[test]
     fn every_object_is_told_in_a_manifest_that_is_read_back() {

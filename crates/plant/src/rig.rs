@@ -1,17 +1,17 @@
 //! The rig during one push, and one implicit step of its motion.
 
 use libm::{sincos, sqrt};
-use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
-use planar::{Pose, cross};
+use nalgebra::{Matrix2, Vector2, Vector3};
+use planar::{Pose, perpendicular};
 
+use crate::balance::{Balance, Solved};
 use crate::resistance::Footing;
 use crate::state::State;
-use crate::tip_contact::{Holder, Response, TipContact};
+use crate::surroundings::Surroundings;
+use crate::tip_contact::{Holder, TipContact};
 use crate::truth::TipFriction;
 use crate::{Plant, PlantError, TipPath, Variation};
 
-const MAX_ITERATIONS: usize = 40;
-const MAX_HALVINGS: usize = 14;
 /// Force left over after Newton's method, as a share of the object's weight.
 const RESIDUAL: f64 = 1e-9;
 
@@ -19,33 +19,16 @@ const RESIDUAL: f64 = 1e-9;
 pub(crate) struct Rig<'a> {
     pub(crate) plant: &'a Plant,
     pub(crate) path: &'a TipPath,
-    footing: Footing,
+    pub(crate) footing: Footing,
     /// Load of each pad, in N, and its largest friction on the plain table, in N.
-    loads: Vec<f64>,
-    frictions: Vec<f64>,
+    pub(crate) loads: Vec<f64>,
+    pub(crate) frictions: Vec<f64>,
     tip_friction: TipFriction,
     contact_shift: f64,
     stiffness: f64,
     damping: f64,
     /// Center of the load, in m, from the center of mass.
-    load_center: Vector2<f64>,
-}
-
-/// The motion at the end of a step, in the body's axes, and what goes with it.
-struct Solution {
-    motion: Vector3<f64>,
-    response: Response,
-    /// Heat under the object and work of the surroundings over the step, in J.
-    support_heat: f64,
-    external_work: f64,
-}
-
-/// Forces at the beginning of a step that do not depend on the motion, in the body's axes.
-struct Surroundings {
-    /// Largest friction of each pad, in N; none if it is that of the plain table.
-    frictions: Option<Vec<f64>>,
-    /// Force and moment about the center of mass, in N and N·m.
-    external: Vector3<f64>,
+    pub(crate) load_center: Vector2<f64>,
 }
 
 impl<'a> Rig<'a> {
@@ -122,59 +105,27 @@ impl<'a> Rig<'a> {
     pub(crate) fn step(&self, time: f64, step: f64, state: &State) -> Result<State, &'static str> {
         let turn = rotation(state.place.z);
         let to_body = turn.transpose();
-        let surroundings = self.surroundings(state, &turn);
-        let metric = self.metric(state.place.z);
-        let contact = self.contact(time, step, state, &to_body);
-        let start = in_axes(&to_body, &state.motion);
         let plant = self.plant;
-        let mass = Vector3::new(plant.mass, plant.mass, plant.moment_of_inertia) / step;
-        let frictions = surroundings.frictions.as_deref().unwrap_or(&self.frictions);
-        let rate = &plant.truth.support_friction.rate;
-        let balance = |motion: &Vector3<f64>| {
-            let support =
-                self.footing.resistance(frictions, motion, &metric, plant.numerics.creep, rate);
-            let response = contact.response(motion);
-            let left_over = mass.component_mul(&(motion - start)) + support.load
-                - response.load
-                - surroundings.external;
-            (left_over, support, response)
+        let surroundings = Surroundings::of(self, state, &turn);
+        let balance = Balance {
+            footing: &self.footing,
+            frictions: surroundings.frictions.as_deref().unwrap_or(&self.frictions),
+            metric: self.metric(state.place.z),
+            creep: plant.numerics.creep,
+            rate: &plant.truth.support_friction.rate,
+            contact: self.contact(time, step, state, &to_body),
+            external: surroundings.external,
+            start: in_axes(&to_body, &state.motion),
+            inertia: Vector3::new(plant.mass, plant.mass, plant.moment_of_inertia) / step,
+            arm: self.radius(),
+            goal: RESIDUAL * plant.mass * plant.gravity,
         };
-        let size = |left_over: &Vector3<f64>| {
-            let arm = left_over.z / self.radius();
-            sqrt(left_over.x * left_over.x + left_over.y * left_over.y + arm * arm)
-        };
-        let goal = RESIDUAL * plant.mass * plant.gravity;
-        let mut motion = start;
-        let mut now = balance(&motion);
-        for _ in 0..MAX_ITERATIONS {
-            let error = size(&now.0);
-            if error <= goal {
-                let (_, support, response) = now;
-                let support_heat = step * support.load.dot(&motion);
-                let external_work = step * surroundings.external.dot(&motion);
-                let solution = Solution { motion, response, support_heat, external_work };
-                return Ok(self.advance(time, step, state, &turn, &solution));
-            }
-            let slope = Matrix3::from_diagonal(&mass) + now.1.slope + now.2.slope;
-            let inverse = slope.try_inverse().ok_or("a singular balance of forces")?;
-            let direction = inverse * now.0;
-            let mut share = 1.0;
-            let mut halvings = 0;
-            now = loop {
-                let trial = motion - share * direction;
-                let candidate = balance(&trial);
-                if size(&candidate.0) < (1.0 - 1e-4 * share) * error {
-                    motion = trial;
-                    break candidate;
-                }
-                share *= 0.5;
-                halvings += 1;
-                if halvings > MAX_HALVINGS {
-                    return Err("the balance of forces does not get better");
-                }
-            };
-        }
-        Err("the balance of forces takes too many iterations")
+        let solved = balance.solve()?;
+        let mut next = self.advanced(step, state, &turn, &solved);
+        let base_way = self.path.position(time + step) - self.path.position(time);
+        next.energy.pusher_work += next.force.dot(&base_way);
+        next.energy.external_work += step * surroundings.external.dot(&solved.motion);
+        Ok(next)
     }
 
     /// The contact during a step, in the body's axes.
@@ -185,7 +136,7 @@ impl<'a> Rig<'a> {
         let center_b =
             to_body * (here + state.deflection - state.place.xy()) + plant.center_of_mass;
         let touch = plant.outline.touch(&center_b, plant.truth.tip.radius);
-        let tangent = planar::perpendicular(&touch.normal);
+        let tangent = perpendicular(&touch.normal);
         let arm = touch.point + self.contact_shift * tangent - plant.center_of_mass;
         let second = hysteresis.stiffness * (state.deflection - state.grip);
         let holder = Holder {
@@ -204,82 +155,28 @@ impl<'a> Rig<'a> {
         table * (body * body) * table
     }
 
-    fn surroundings(&self, state: &State, turn: &Matrix2<f64>) -> Surroundings {
-        let truth = &self.plant.truth;
-        let to_body = turn.transpose();
-        let center_w = state.place.xy();
-        let mut external = Vector3::zeros();
-        let downhill = self.plant.mass * (to_body * Vector2::from(truth.height_map.downhill));
-        external += Vector3::new(downhill.x, downhill.y, 0.0);
-        if !truth.cable.is_off() {
-            let arm = Vector2::from(truth.cable.attachment) - self.plant.center_of_mass;
-            let pull = to_body * truth.cable.pull(&(center_w + turn * arm));
-            external += Vector3::new(pull.x, pull.y, cross(&arm, &pull));
-        }
-        let (map, groove, magnet) = (&truth.friction_map, &truth.height_map.groove, &truth.magnet);
-        let wobbles = truth.wobble.share != 0.0;
-        if map.is_off() && groove.is_off() && magnet.pull == 0.0 && !wobbles {
-            return Surroundings { frictions: None, external };
-        }
-        let lean = truth.wobble.slope(&(to_body * state.force)) / self.radius();
-        let weight = self.plant.mass * self.plant.gravity;
-        let mut frictions = self.frictions.clone();
-        for (index, friction) in frictions.iter_mut().enumerate() {
-            let arm = self.footing.place(index);
-            let place_w = center_w + turn * arm;
-            *friction *= map.factor(&place_w);
-            if wobbles {
-                *friction *= (1.0 + lean.dot(&(arm - self.load_center))).max(0.0);
-            }
-            if !groove.is_off() {
-                let (slope_w, factor) = groove.at(&place_w);
-                let force = -self.loads[index] * (to_body * slope_w);
-                external += Vector3::new(force.x, force.y, cross(&arm, &force));
-                *friction *= factor;
-            }
-            if magnet.pull != 0.0 {
-                let (down, side_w) = magnet.pulls(&place_w);
-                let side = self.loads[index] / weight * (to_body * side_w);
-                external += Vector3::new(side.x, side.y, cross(&arm, &side));
-                *friction *= 1.0 + down / weight;
-            }
-        }
-        Surroundings { frictions: Some(frictions), external }
-    }
-
     /// The state after a step whose motion is known.
-    fn advance(
-        &self,
-        time: f64,
-        step: f64,
-        state: &State,
-        turn: &Matrix2<f64>,
-        solution: &Solution,
-    ) -> State {
-        let response = &solution.response;
+    fn advanced(&self, step: f64, state: &State, turn: &Matrix2<f64>, solved: &Solved) -> State {
+        let (plant, response) = (self.plant, &solved.response);
+        let hysteresis = &plant.truth.tip.hysteresis;
         let mut next = *state;
-        next.motion = in_axes(turn, &solution.motion);
+        next.motion = in_axes(turn, &solved.motion);
         next.place += step * next.motion;
         next.force = turn * response.force;
         next.impulse += step * next.force;
         next.slip_speed = response.slip.abs();
         let rate = turn * response.deflection_rate;
         next.deflection += step * rate;
-        let plant = self.plant;
-        let hysteresis = &plant.truth.tip.hysteresis;
+        let energy = &mut next.energy;
         let held = hysteresis.stiffness * (next.deflection - next.grip);
         let held_size = sqrt(held.dot(&held));
-        let energy = &mut next.energy;
         if held_size > hysteresis.yield_force {
             let share = hysteresis.yield_force / held_size;
             let slip = (1.0 - share) * (next.deflection - next.grip);
             energy.tip_heat += share * held.dot(&slip);
             next.grip += slip;
         }
-        let base_way = self.path.position(time + step) - self.path.position(time);
-        energy.pusher_work += next.force.dot(&base_way);
-        energy.external_work += solution.external_work;
-        energy.support_heat += solution.support_heat;
+        energy.support_heat += step * solved.support.dot(&solved.motion);
         energy.slip_heat += step * response.slip_power;
         energy.tip_heat += step * self.damping * rate.dot(&rate);
         let v = &next.motion;

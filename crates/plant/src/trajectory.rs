@@ -25,12 +25,17 @@ struct Knot {
 }
 
 impl Trajectory {
-    pub(crate) fn new(path: &TipPath, start: Pose) -> Self {
-        Self { path: *path, start, center_of_mass: Vector2::zeros(), knots: Vec::new() }
+    /// A push that begins with a state.
+    pub(crate) fn new(rig: &Rig, start: &State) -> Self {
+        Self {
+            path: *rig.path,
+            start: rig.pose(&start.place),
+            center_of_mass: rig.plant.center_of_mass,
+            knots: vec![Knot { time: 0.0, state: *start }],
+        }
     }
 
-    pub(crate) fn record(&mut self, rig: &Rig, time: f64, state: &State) {
-        self.center_of_mass = rig.plant.center_of_mass;
+    pub(crate) fn record(&mut self, time: f64, state: &State) {
         self.knots.push(Knot { time, state: *state });
     }
 

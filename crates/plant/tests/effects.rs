@@ -17,7 +17,7 @@ struct Differences {
     motion: f64,
     /// Force toward the end of the way, in N.
     force: f64,
-    /// Distance of the nominal tip from the nominal outline at like samples, in m.
+    /// Distance of the nominal tip from the nominal outline while both touch, in m.
     gap: f64,
     /// Stamps of the object's stream, in s.
     stamp: f64,
@@ -67,7 +67,11 @@ fn differences(plain: &[SimulatedPush], other: &[SimulatedPush]) -> Differences 
             };
             let ((pa, ta), (pb, tb)) = (moved(a), moved(b));
             largest.motion = largest.motion.max((pa - pb).norm() + 0.045 * (ta - tb).abs());
-            largest.gap = largest.gap.max((gap(a, &square, k) - gap(b, &square, k)).abs());
+            let touches =
+                |push: &SimulatedPush| push.trajectory.touches_at(a.recording.object.t[k].max(0.0));
+            if touches(a) && touches(b) {
+                largest.gap = largest.gap.max((gap(a, &square, k) - gap(b, &square, k)).abs());
+            }
             let stamps = a.recording.object.t[k] - b.recording.object.t[k];
             largest.stamp = largest.stamp.max(stamps.abs());
         }
@@ -162,6 +166,8 @@ fn fast_pushes_let_the_object_slide_on_after_the_stop() {
         };
         pushes.iter().map(slide).fold(0.0, f64::max)
     };
-    assert!(slide(None) < 5e-5);
-    assert!(slide(Some(HiddenEffect::typical("inertia").unwrap())) > 0.01);
+    let (slow, fast) = (slide(None), slide(Some(HiddenEffect::typical("inertia").unwrap())));
+    // What a slow tip still moves the object is its spring's 20 µm/N.
+    assert!(slow < 1e-4, "{slow}");
+    assert!(fast > 0.01, "{fast}");
 }

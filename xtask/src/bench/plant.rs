@@ -47,7 +47,8 @@ fn row(name: &str, object: &ObjectSpec, speed: f64, threads: usize) -> Result<Ro
     let paths = paths(object, speed);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let case = Case { name, size: N_PUSHES, threads, rounds: 5, calls: 1 };
-    Ok(case.compare(|| pool.install(|| run(&plant, &paths)), || pool.install(|| run(&fine, &paths))))
+    Ok(case
+        .compare(|| pool.install(|| run(&plant, &paths)), || pool.install(|| run(&fine, &paths))))
 }
 
 fn run(plant: &Plant, paths: &[TipPath]) -> Result<Vec<Pose>> {

@@ -128,7 +128,8 @@ impl Belief {
     fn coverage(&self, truth: &[f64]) -> f64 {
         let (low, high) = self.bounds();
         let bounds = low.iter().zip(&high);
-        let inside = truth.iter().zip(bounds).filter(|(f, (l, h))| (**l..=**h).contains(*f)).count();
+        let inside =
+            truth.iter().zip(bounds).filter(|(f, (l, h))| (**l..=**h).contains(*f)).count();
         inside as f64 / truth.len() as f64
     }
 
