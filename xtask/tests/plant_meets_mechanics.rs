@@ -13,6 +13,8 @@ const GRAVITY: f64 = 9.81;
 const RADIUS: f64 = 0.00475;
 /// Slow enough for the slide by v²/2μg to be 1 µm.
 const SPEED: f64 = 0.002;
+/// Largest difference allowed, of a push; the worst of these is 0.0018.
+const MOST: f64 = 0.003;
 const PLACE: [f64; 3] = [0.1, -0.2, 0.4];
 
 /// What a slow push does, dynamically against quasi-statically.
@@ -29,16 +31,16 @@ fn compare(
     patch_share: f64,
     surface: impl Fn(&Shape) -> Box<dyn LimitSurface>,
 ) -> Vec<Comparison> {
-    let object = ObjectSpec::mit(name).unwrap();
+    let object = ObjectSpec::mit(name).expect("a known object");
     let mut truth = Truth::default();
     // Stiff, so that the tip gives way by 2 µm at most.
     truth.tip.compliance = 1e-6;
     truth.pressure.patch_share = patch_share;
-    let plant = Plant::new(&object, &truth, GRAVITY, &Numerics::default()).unwrap();
+    let plant = Plant::new(&object, &truth, GRAVITY, &Numerics::default()).expect("a rig");
     let surface = surface(&centered(&object.shape));
     let start = Pose::new(PLACE[0], PLACE[1], PLACE[2]);
     let pushes = paths(&object.shape).into_iter().map(|path| {
-        let dynamic = plant.push(&start, &path, &Variation::default()).unwrap().end_pose();
+        let dynamic = plant.push(&start, &path, &Variation::default()).expect("a push").end_pose();
         let slow = quasi_static(&object.shape, &*surface, &path, &start);
         let moved = (slow.position - start.position).norm();
         let turned = (slow.angle - start.angle).abs();
@@ -59,7 +61,9 @@ fn quasi_static(shape: &Shape, surface: &dyn LimitSurface, path: &TipPath, start
         velocity_w: SPEED * Vector2::from(path.direction),
         duration: path.length / SPEED,
     };
-    push_along(&slider, &pusher, &straight, start, &PathSettings::default()).unwrap().pose_wb
+    push_along(&slider, &pusher, &straight, start, &PathSettings::default())
+        .expect("a push")
+        .pose_wb
 }
 
 /// Sticking and sliding pushes of 25 mm.
@@ -86,7 +90,7 @@ fn centered(shape: &Shape) -> Shape {
     let Shape::Polygon(polygon) = shape else { return shape.clone() };
     let centroid = shape.centroid();
     let vertices = polygon.vertices().iter().map(|vertex| vertex - centroid).collect();
-    Shape::Polygon(Polygon::new(vertices).unwrap())
+    Shape::Polygon(Polygon::new(vertices).expect("the same polygon"))
 }
 
 fn worst(name: &str, comparisons: &[Comparison]) -> f64 {
@@ -97,25 +101,25 @@ fn worst(name: &str, comparisons: &[Comparison]) -> f64 {
 }
 
 #[test]
-fn a_slow_push_is_that_of_the_exact_patch_within_one_percent() {
+fn a_slow_push_is_that_of_the_exact_patch() {
     for name in ["rect1", "tri2", "ellip3", "hex"] {
         let patch = |shape: &Shape| -> Box<dyn LimitSurface> {
             Box::new(Patch::uniform(shape, 2.0).unwrap())
         };
         let share = worst(name, &compare(name, 1.0, patch));
-        assert!(share < 0.01, "{name}: {share}");
+        assert!(share < MOST, "{name}: {share}");
     }
 }
 
 fn ellipsoid(shape: &Shape) -> Box<dyn LimitSurface> {
-    Box::new(Ellipsoid::uniform(shape, 2.0).unwrap())
+    Box::new(Ellipsoid::uniform(shape, 2.0).expect("an ellipsoid"))
 }
 
 #[test]
 fn on_a_plate_that_dissipates_like_an_ellipsoid_it_is_the_ellipsoids_push() {
     for name in ["rect1", "rect3", "ellip3"] {
         let share = worst(name, &compare(name, 0.0, ellipsoid));
-        assert!(share < 0.01, "{name}: {share}");
+        assert!(share < MOST, "{name}: {share}");
     }
 }
 

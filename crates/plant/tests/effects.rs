@@ -34,7 +34,7 @@ fn set(hidden: Option<HiddenEffect>, n_pushes: usize) -> Vec<SimulatedPush> {
         sensors: Sensors { robot: even, object: even, force: even },
         ..GenerateSettings::default()
     };
-    simulate(&settings).unwrap()
+    simulate(&settings).expect("a set")
 }
 
 fn pose(push: &SimulatedPush, k: usize) -> Pose {
@@ -50,13 +50,13 @@ fn gap(push: &SimulatedPush, square: &Shape, k: usize) -> f64 {
 }
 
 fn late_force(push: &SimulatedPush) -> Vector2<f64> {
-    let wrench = push.recording.wrench.as_ref().unwrap();
+    let wrench = push.recording.wrench.as_ref().expect("forces");
     let k = wrench.len() - 50;
     Vector2::new(wrench.fx[k], wrench.fy[k])
 }
 
 fn differences(plain: &[SimulatedPush], other: &[SimulatedPush]) -> Differences {
-    let square = ObjectSpec::mit("rect1").unwrap().shape;
+    let square = ObjectSpec::mit("rect1").expect("a known object").shape;
     let mut largest = Differences::default();
     for (a, b) in plain.iter().zip(other) {
         let n = a.recording.object.len().min(b.recording.object.len());
@@ -81,8 +81,9 @@ fn differences(plain: &[SimulatedPush], other: &[SimulatedPush]) -> Differences 
 }
 
 /// For motion, force, gap and stamp: whether an effect of typical size must change it by more than
-/// 0.3 mm, 0.03 N, 0.3 mm, 1 ms (`y`), must leave it within 0.07 mm, 0.02 N, 0.07 mm, 0 ms (`n`), or
-/// may do either (`-`). A change of the force moves the tip on its spring by 20 µm/N.
+/// 0.3 mm, 0.03 N, 0.3 mm, 1 ms (`y`), must leave it within 0.07 mm, 0.02 N, 0.15 mm, 0 ms (`n`), or
+/// may do either (`-`). A change of the force moves the tip on its spring by 20 µm/N, also at the
+/// first touch, which has a peak of several N.
 const CHANNELS: &[(&str, &str)] = &[
     ("support-friction", "nynn"),
     ("pressure-radius", "yynn"),
@@ -126,7 +127,7 @@ fn each_effect_changes_the_channels_that_it_should_and_no_other() {
         let changes = [
             (found.motion, 3e-4, 7e-5),
             (found.force, 0.03, 0.02),
-            (found.gap, 3e-4, 7e-5),
+            (found.gap, 3e-4, 1.5e-4),
             (found.stamp, 1e-3, 0.0),
         ];
         let is_right = |(rule, (change, least, most)): (char, (f64, f64, f64))| match rule {

@@ -31,13 +31,14 @@ fn files(dir: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut open = vec![dir.to_owned()];
     while let Some(folder) = open.pop() {
-        for entry in fs::read_dir(&folder).unwrap() {
-            let path = entry.unwrap().path();
+        for entry in fs::read_dir(&folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
             if path.is_dir() {
                 open.push(path);
             } else {
-                let name = path.strip_prefix(dir).unwrap().to_string_lossy().into_owned();
-                found.insert(name, fs::read(&path).unwrap());
+                let name =
+                    path.strip_prefix(dir).expect("a path below").to_string_lossy().into_owned();
+                found.insert(name, fs::read(&path).expect("a file"));
             }
         }
     }
@@ -45,8 +46,8 @@ fn files(dir: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 fn table(dir: &Path) -> Table {
-    let set = RecordingSet::open(&dir.join("set")).unwrap();
-    ingest(&set, &IngestSettings::default()).unwrap().0
+    let set = RecordingSet::open(&dir.join("set")).expect("a set");
+    ingest(&set, &IngestSettings::default()).expect("a table").0
 }
 
 #[test]
