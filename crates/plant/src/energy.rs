@@ -5,7 +5,7 @@
 pub struct Energy {
     /// Work of the robot on the tip.
     pub pusher_work: f64,
-    /// Work of tilt, cable, magnet and grooves on the object.
+    /// Work of tilt, cable, magnet, grooves and of a couple at a biased contact on the object.
     pub external_work: f64,
     /// Heat between object and table.
     pub support_heat: f64,

@@ -11,8 +11,8 @@ use crate::random::{Purpose, Random};
 use crate::sealed_truth::{SealedPush, SealedTruth};
 use crate::sensors::Streams;
 use crate::{
-    Design, Hidden, Nominal, Numerics, PlannedPush, Plant, PlantError, PushedObject, Scatter,
-    Sensors, TipPath, Trajectory, Truth, Variation,
+    Design, Hidden, HiddenEffect, Nominal, Numerics, PlannedPush, Plant, PlantError, PushedObject,
+    Scatter, Sensors, TipPath, Trajectory, Truth, Variation,
 };
 
 /// Stamp of the first push, in s.
@@ -154,7 +154,7 @@ pub fn simulate(settings: &GenerateSettings) -> Result<Vec<SimulatedPush>, Plant
 /// A set about to be simulated.
 pub(crate) struct Set<'a> {
     settings: &'a GenerateSettings,
-    pub(crate) hidden: Vec<crate::HiddenEffect>,
+    pub(crate) hidden: Vec<HiddenEffect>,
     plant: Plant,
     shape: planar::Shape,
     pub(crate) design: Design,
@@ -170,14 +170,16 @@ impl<'a> Set<'a> {
         let manifest = manifest_text(&settings.name, &settings.object, nominal, "csv");
         let object = object_of(&manifest, Path::new(dataset::MANIFEST_NAME))?;
         let (mut truth, mut design) = (settings.truth.clone(), settings.design.clone());
-        let hidden: Vec<_> = settings
-            .hidden
-            .iter()
-            .enumerate()
-            .map(|(number, hidden)| hidden.resolved(settings.seed, number))
-            .collect();
-        for effect in &hidden {
+        let mut hidden = Vec::new();
+        for (number, asked) in settings.hidden.iter().enumerate() {
+            let is_possible = |effect: &HiddenEffect| {
+                let (mut truth, mut design) = (truth.clone(), design.clone());
+                effect.apply(&mut truth, &mut design).is_ok()
+                    && Plant::new(&object, &truth, nominal.gravity, &settings.numerics).is_ok()
+            };
+            let effect = asked.resolved((settings.seed, number), is_possible)?;
             effect.apply(&mut truth, &mut design)?;
+            hidden.push(effect);
         }
         let plant = Plant::new(&object, &truth, nominal.gravity, &settings.numerics)?;
         let plan = design.plan(&object.shape, nominal.pusher_radius, settings.seed)?;

@@ -8,6 +8,7 @@ use crate::{PlantError, Trajectory};
 
 const FIRST_STEP: f64 = 1e-3;
 const SHORTEST_STEP: f64 = 1e-9;
+const MOST_STEPS: usize = 400_000;
 
 /// Follows the rig from a state to the end of its path.
 ///
@@ -35,6 +36,10 @@ pub(crate) fn integrate(rig: &Rig, start: &State) -> Result<Trajectory, PlantErr
                     state = next;
                     time = if step == left { end } else { time + step };
                     trajectory.record(time, &state);
+                    if trajectory.n_steps() > MOST_STEPS {
+                        let why = "the push takes too many steps";
+                        return Err(PlantError::NotConverged { time, step, why });
+                    }
                 }
                 Err(why) if step <= SHORTEST_STEP => {
                     return Err(PlantError::NotConverged { time, step, why });

@@ -2,7 +2,7 @@
 
 use libm::{sincos, sqrt};
 use nalgebra::{Matrix2, Vector2, Vector3};
-use planar::{Pose, perpendicular};
+use planar::Pose;
 
 use crate::balance::{Balance, Solved};
 use crate::resistance::Footing;
@@ -124,7 +124,8 @@ impl<'a> Rig<'a> {
         let mut next = self.advanced(step, state, &turn, &solved);
         let base_way = self.path.position(time + step) - self.path.position(time);
         next.energy.pusher_work += next.force.dot(&base_way);
-        next.energy.external_work += step * surroundings.external.dot(&solved.motion);
+        next.energy.external_work +=
+            step * (surroundings.external.dot(&solved.motion) + solved.response.couple_power);
         Ok(next)
     }
 
@@ -136,15 +137,15 @@ impl<'a> Rig<'a> {
         let center_b =
             to_body * (here + state.deflection - state.place.xy()) + plant.center_of_mass;
         let touch = plant.outline.touch(&center_b, plant.truth.tip.radius);
-        let tangent = perpendicular(&touch.normal);
-        let arm = touch.point + self.contact_shift * tangent - plant.center_of_mass;
+        let arm = touch.point - plant.center_of_mass;
         let second = hysteresis.stiffness * (state.deflection - state.grip);
         let holder = Holder {
             spring: to_body * (self.stiffness * state.deflection + second),
             resistance: self.damping + step * (self.stiffness + hysteresis.stiffness),
             velocity: to_body * ((there - here) / step),
         };
-        TipContact::new(&touch, &arm, &holder, step, self.tip_friction, state.slip_speed)
+        let place = (&arm, self.contact_shift);
+        TipContact::new(&touch, place, &holder, step, self.tip_friction, state.slip_speed)
     }
 
     /// G of the table's and the body's grain together, in the body's axes.

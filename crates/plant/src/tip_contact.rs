@@ -16,6 +16,9 @@ pub(crate) struct TipContact {
     /// Rows that give the contact point's velocity along normal and tangent.
     normal_row: Vector3<f64>,
     tangent_row: Vector3<f64>,
+    /// Force and moment of a unit force along normal and tangent.
+    normal_load: Vector3<f64>,
+    tangent_load: Vector3<f64>,
     /// Force on a contact point at rest, in N.
     normal_offset: f64,
     tangent_offset: f64,
@@ -47,6 +50,8 @@ pub(crate) struct Response {
     pub(crate) slip: f64,
     /// Heat of that sliding, in W.
     pub(crate) slip_power: f64,
+    /// Power of the couple by which the force acts beside the contact point, in W.
+    pub(crate) couple_power: f64,
 }
 
 /// Springs and damper of the tip over one step.
@@ -61,10 +66,11 @@ pub(crate) struct Holder {
 }
 
 impl TipContact {
-    /// - `arm`: point where the force acts, from the center of mass, in m; - `step`: in s.
+    /// - `arm`: the contact point from the center of mass, in m; - `shift`: how far beside it, along
+    ///   the tangent, the force acts, in m; - `step`: in s.
     pub(crate) fn new(
         touch: &Touch,
-        arm: &Vector2<f64>,
+        (arm, shift): (&Vector2<f64>, f64),
         holder: &Holder,
         step: f64,
         friction: TipFriction,
@@ -73,12 +79,16 @@ impl TipContact {
         let normal = touch.normal;
         let tangent = perpendicular(&normal);
         let row = |axis: &Vector2<f64>| Vector3::new(axis.x, axis.y, cross(arm, axis));
+        let beside = arm + shift * tangent;
+        let load = |axis: &Vector2<f64>| Vector3::new(axis.x, axis.y, cross(&beside, axis));
         let base_normal = normal.dot(&holder.velocity);
         let base_tangent = tangent.dot(&holder.velocity);
         let closing = touch.gap / step;
         Self {
             normal_row: row(&normal),
             tangent_row: row(&tangent),
+            normal_load: load(&normal),
+            tangent_load: load(&tangent),
             normal_offset: holder.resistance * (base_normal - closing) - normal.dot(&holder.spring),
             tangent_offset: holder.resistance * base_tangent - tangent.dot(&holder.spring),
             base_normal,
@@ -104,6 +114,7 @@ impl TipContact {
                 deflection_rate: -self.spring / self.resistance,
                 slip: 0.0,
                 slip_power: 0.0,
+                couple_power: 0.0,
             };
         }
         let tangent_speed = self.tangent_row.dot(motion);
@@ -125,14 +136,15 @@ impl TipContact {
         };
         let slip = if sticks { 0.0 } else { self.base_tangent + tangent_rate - tangent_speed };
         Response {
-            load: normal_force * self.normal_row + tangent_force * self.tangent_row,
+            load: normal_force * self.normal_load + tangent_force * self.tangent_load,
             slope: self.resistance
-                * (self.normal_row * self.normal_row.transpose()
-                    + self.tangent_row * tangent_slope.transpose()),
+                * (self.normal_load * self.normal_row.transpose()
+                    + self.tangent_load * tangent_slope.transpose()),
             force: normal_force * self.normal + tangent_force * tangent,
             deflection_rate: normal_rate * self.normal + tangent_rate * tangent,
             slip,
             slip_power: tangent_force * slip,
+            couple_power: normal_force * (self.normal_load - self.normal_row).z * motion.z,
         }
     }
 }
@@ -150,7 +162,7 @@ mod tests {
         let touch =
             Touch { point: Vector2::new(-0.045, 0.01), normal: Vector2::new(1.0, 0.0), gap };
         let holder = Holder { spring, resistance: 200.0, velocity };
-        TipContact::new(&touch, &touch.point, &holder, 1e-3, TipFriction::default(), 0.0)
+        TipContact::new(&touch, (&touch.point, 1e-3), &holder, 1e-3, TipFriction::default(), 0.0)
     }
 
     #[test]

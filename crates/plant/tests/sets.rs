@@ -129,6 +129,18 @@ fn the_truth_is_sealed_beside_the_set_and_a_surprise_is_only_there() {
 }
 
 #[test]
+fn a_surprise_is_possible_on_any_object() {
+    let object = PushedObject::Mit { name: "ellip1".into() };
+    for seed in 0..60 {
+        let design = Design { n_pushes: 1, repeat_share: 0.0, travel: 0.001, ..Design::default() };
+        let hidden = vec![Hidden::Surprise, Hidden::Surprise];
+        let object = object.clone();
+        let settings = GenerateSettings { object, hidden, design, seed, ..small() };
+        plant::simulate(&settings).unwrap();
+    }
+}
+
+#[test]
 fn logs_with_faults_are_still_read() {
     let dir = tempfile::tempdir().unwrap();
     made(&GenerateSettings { sensors: Sensors::dirty(), ..small() }, dir.path());

@@ -9,6 +9,7 @@ use super::{EffectKind, Parameter, effect_kind, effect_kinds, surprise::draw};
 use crate::{Design, PlantError, Truth};
 
 const SURPRISE: &str = "surprise";
+const MAX_DRAWS: usize = 1000;
 
 /// What is to be hidden.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,12 +30,21 @@ pub struct HiddenEffect {
 }
 
 impl Hidden {
-    /// The effect, drawn if it is a surprise; `number` tells the surprises of a set apart.
-    pub(crate) fn resolved(&self, seed: u64, number: usize) -> HiddenEffect {
-        match self {
-            Self::Effect(effect) => effect.clone(),
-            Self::Surprise => draw(seed, number),
-        }
+    /// The effect, drawn if it is a surprise until one is possible; `number` tells the surprises of
+    /// a set apart.
+    pub(crate) fn resolved(
+        &self,
+        (seed, number): (u64, usize),
+        is_possible: impl Fn(&HiddenEffect) -> bool,
+    ) -> Result<HiddenEffect, PlantError> {
+        let Self::Effect(effect) = self else {
+            let mut draws = (0..MAX_DRAWS).map(|attempt| draw(seed, MAX_DRAWS * number + attempt));
+            let what = "no effect is possible on this object with this design".to_owned();
+            return draws
+                .find(is_possible)
+                .ok_or(PlantError::Hidden { text: SURPRISE.into(), what });
+        };
+        Ok(effect.clone())
     }
 }
 
