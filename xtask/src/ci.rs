@@ -7,7 +7,7 @@ use cargo_metadata::MetadataCommand;
 use clap::ValueEnum;
 
 use crate::cargo::{cargo, run as run_command, workspace_root};
-use crate::{test, tidy};
+use crate::{fixtures, test, tidy};
 
 /// Run every check that a change has to pass; stops at the first that fails.
 #[derive(clap::Args)]
@@ -43,6 +43,8 @@ enum Stage {
     Doc,
     /// Each crate builds without the features that others turn on
     Alone,
+    /// Committed recordings are what the task that makes them writes
+    Fixtures,
     /// All tests and doctests
     Test,
 }
@@ -55,6 +57,7 @@ impl Stage {
             Stage::Clippy => "clippy",
             Stage::Doc => "doc",
             Stage::Alone => "alone",
+            Stage::Fixtures => "fixtures",
             Stage::Test => "test",
         }
     }
@@ -75,6 +78,7 @@ impl Stage {
                 cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"),
             ),
             Stage::Alone => check_each_crate(),
+            Stage::Fixtures => fixtures::run(&fixtures::Args { check: true }),
             Stage::Test => test::run(&test::Args {}),
         }
     }

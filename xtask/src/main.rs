@@ -6,6 +6,8 @@ mod bench;
 mod cargo;
 mod ci;
 mod figures;
+mod fixtures;
+mod held_out;
 mod real_data;
 mod test;
 mod tidy;
@@ -26,6 +28,7 @@ struct CommandLine {
 enum Task {
     Bench(bench::Args),
     Ci(ci::Args),
+    Fixtures(fixtures::Args),
     RealData(real_data::Args),
     ReproduceFigures(figures::Args),
     Test(test::Args),
@@ -36,6 +39,7 @@ fn main() -> ExitCode {
     let result = match CommandLine::parse().task {
         Task::Bench(args) => bench::run(&args),
         Task::Ci(args) => ci::run(&args),
+        Task::Fixtures(args) => fixtures::run(&args),
         Task::RealData(args) => real_data::run(&args),
         Task::ReproduceFigures(args) => figures::run(&args),
         Task::Test(args) => test::run(&args),

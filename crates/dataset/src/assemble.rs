@@ -95,7 +95,8 @@ impl Assembly<'_> {
             .transpose()?;
         let stamps = robot_stamps.iter().chain(&object_stamps);
         let first = stamps.chain(wrench.iter().flat_map(|(stamps, _)| stamps)).min();
-        let epoch_ns = first.map_or(0, |first| first.div_euclid(1_000_000_000) * 1_000_000_000);
+        let whole_second = |ns: &i64| ns.saturating_sub(ns.rem_euclid(1_000_000_000));
+        let epoch_ns = first.map_or(0, whole_second);
         robot.t = seconds_since(epoch_ns, &robot_stamps);
         object.t = seconds_since(epoch_ns, &object_stamps);
         if let Some((stamps, stream)) = &mut wrench {

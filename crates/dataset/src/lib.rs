@@ -2,6 +2,7 @@
 #![deny(unsafe_code)]
 
 mod assemble;
+mod banded;
 mod decode;
 mod error;
 mod format;

@@ -114,26 +114,7 @@ impl ObjectTable {
                 return Err(source.missing(self.shape.span(), "object.mass_kg", "a mass in kg"));
             }
         };
-        let center_of_mass = match &self.center_of_mass_m {
-            Some(center) => {
-                let [x, y] = *center.get_ref();
-                let center_of_mass = Vector2::new(x, y);
-                if !shape.contains(&center_of_mass) {
-                    let value = format!("[{x}, {y}]");
-                    let allowed = "a point inside the outline";
-                    let span = center.span();
-                    return Err(source.refuse(
-                        span,
-                        "object.center_of_mass_m",
-                        value,
-                        " m",
-                        allowed,
-                    ));
-                }
-                center_of_mass
-            }
-            None => shape.centroid(),
-        };
+        let center_of_mass = self.center_of_mass(&shape, source)?;
         let moment_of_inertia = match (&self.moment_of_inertia_kg_m2, &known) {
             (Some(moment), _) => {
                 source.positive("object.moment_of_inertia_kg_m2", moment, " kg·m²")?
@@ -149,6 +130,21 @@ impl ObjectTable {
             moment_of_inertia,
             center_of_mass,
         })))
+    }
+
+    /// The stated center of mass, or the outline's centroid.
+    fn center_of_mass(
+        &self,
+        shape: &Shape,
+        source: &Source<'_>,
+    ) -> Result<Vector2<f64>, DatasetError> {
+        let Some(center) = &self.center_of_mass_m else { return Ok(shape.centroid()) };
+        let [x, y] = *center.get_ref();
+        if shape.contains(&Vector2::new(x, y)) {
+            return Ok(Vector2::new(x, y));
+        }
+        let (key, value) = ("object.center_of_mass_m", format!("[{x}, {y}]"));
+        Err(source.refuse(center.span(), key, value, " m", "a point inside the outline"))
     }
 
     fn by_file_name(&self, source: &Source<'_>) -> Result<ObjectChoice, DatasetError> {

@@ -208,13 +208,21 @@ fn phase_track(
             PoseNoise { position: position_sd, angle: angle_sd }
         }
     };
-    PoseTrack::new(stream, stream.range(from, to), settings.curve, noise)
+    PoseTrack::new(stream, inner_samples(stream, from, to), settings.curve, noise)
+}
+
+/// The samples of a phase for a smooth curve.
+///
+/// First touch and stop are known to a sample only: the one next to a kink may lie beyond it.
+fn inner_samples(stream: &CleanStream, from: f64, to: f64) -> std::ops::Range<usize> {
+    let within = stream.range(from, to);
+    if within.len() < 4 { within } else { within.start + 1..within.end - 1 }
 }
 
 /// The part of a phase that lies between samples of both streams.
 fn common_span(scene: &Scene<'_>, from: f64, to: f64) -> (f64, f64) {
     let inside = |stream: &CleanStream| {
-        let samples = &stream.t[stream.range(from, to)];
+        let samples = &stream.t[inner_samples(stream, from, to)];
         (samples.first().copied().unwrap_or(to), samples.last().copied().unwrap_or(from))
     };
     let ((robot_from, robot_to), (object_from, object_to)) =

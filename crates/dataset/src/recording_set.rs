@@ -73,6 +73,23 @@ impl RecordingSet {
         Ok(Self { dir, manifest, preset, format, recordings, sessions })
     }
 
+    /// The same set with its recordings in another format, where they lie in more than one.
+    ///
+    /// # Errors
+    /// `UnknownFormat`, `FeatureOff`, `Io` or `NoRecordings`.
+    pub fn in_format(&self, id: &str) -> Result<Self, DatasetError> {
+        let format = format_by_id(id)?;
+        let recordings = format.find(&self.dir.join(&self.manifest.recordings.path))?;
+        Ok(Self {
+            dir: self.dir.clone(),
+            manifest: self.manifest.clone(),
+            preset: self.preset,
+            format,
+            recordings,
+            sessions: self.sessions.clone(),
+        })
+    }
+
     /// The set's folder.
     #[must_use]
     pub fn dir(&self) -> &Path {

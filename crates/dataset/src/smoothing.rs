@@ -1,13 +1,13 @@
-//! Cubic smoothing splines: the smoothest curve that misses the samples by their noise.
+//! Cubic smoothing splines: the likeliest smooth curve through samples of known noise.
 
 use crate::{
+    banded::Banded,
     error::DatasetError,
     spline::{CubicSpline, check_knots, divided_difference},
 };
 
-/// Bisections of the penalty; noise far below the samples' rounding needs the most.
-const LARGEST_STEPS: usize = 200;
-const RELATIVE_TOLERANCE: f64 = 1e-6;
+/// Precision of the penalty's logarithm: the curve hardly depends on it.
+const LOG_TOLERANCE: f64 = 1e-3;
 
 /// The linear map from samples to the natural spline that minimises
 /// Σ (yᵢ − f(tᵢ))² + λ ∫ f″² dt, for fixed times and penalty.
@@ -89,6 +89,62 @@ impl Smoother {
         Some(squared.sqrt())
     }
 
+    /// Standard deviation of the fitted value at time t, in units of the samples' noise, when the
+    /// smoothed curve is as rough as the penalty supposes: its bias counts as well as the noise.
+    ///
+    /// It is √Hᵢᵢ at the knots, H the hat matrix, and on a line between them; none outside. For
+    /// penalty 0 it is 1. Cost O(N).
+    ///
+    /// # Source
+    /// Wahba (1983), "Bayesian 'confidence intervals' for the cross-validated smoothing spline".
+    #[must_use]
+    pub fn error_gain(&self, t: f64) -> Option<f64> {
+        let n = self.t.len();
+        if !(self.t[0]..=self.t[n - 1]).contains(&t) {
+            return None;
+        }
+        let bands = self.system.inverse_bands();
+        let i = self.t.partition_point(|&knot| knot <= t).clamp(1, n - 1) - 1;
+        let b = (t - self.t[i]) / (self.t[i + 1] - self.t[i]);
+        let variance = (1.0 - b) * self.leverage(&bands, i) + b * self.leverage(&bands, i + 1);
+        Some(variance.max(0.0).sqrt())
+    }
+
+    /// Hᵢᵢ = 1 − λ (Q B⁻¹ Qᵀ)ᵢᵢ, with the central diagonals of B⁻¹.
+    fn leverage(&self, bands: &[Vec<f64>; 3], i: usize) -> f64 {
+        let n_inner = self.t.len() - 2;
+        let h = |k: usize| self.t[k + 1] - self.t[k];
+        // Row i of Q: its columns are the inner knots i − 1, i and i + 1, counted from −1.
+        let weight = |column: usize| match i + 1 - column {
+            0 => 0.0,
+            1 => 1.0 / h(i),
+            2 => -1.0 / h(i - 1) - 1.0 / h(i),
+            _ => 1.0 / h(i - 1),
+        };
+        let columns = i.saturating_sub(2)..(i + 1).min(n_inner);
+        let mut sum = 0.0;
+        for a in columns.clone() {
+            for b in columns.clone() {
+                sum += weight(a) * weight(b) * bands[a.abs_diff(b)][a.min(b)];
+            }
+        }
+        1.0 - self.penalty * sum
+    }
+
+    /// −2 log of the restricted likelihood of the samples, up to a constant.
+    ///
+    /// Under the prior of the spline the changes of slope Qᵀy are normal with variance (σ²/λ) B.
+    fn misfit(&self, y: &[f64], noise_sd: f64) -> f64 {
+        let right: Vec<_> = (1..self.t.len() - 1)
+            .map(|i| divided_difference(&self.t, y, i) * (self.t[i + 1] - self.t[i - 1]))
+            .collect();
+        let mut solved = right.clone();
+        self.system.solve(&mut solved);
+        let squares: f64 = right.iter().zip(&solved).map(|(a, b)| a * b).sum();
+        let scale = self.penalty / (noise_sd * noise_sd);
+        scale * squares + self.system.log_determinant() - right.len() as f64 * self.penalty.ln()
+    }
+
     /// Q γ, with γ at the inner knots.
     fn spread(&self, inner: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; self.t.len()];
@@ -103,13 +159,17 @@ impl Smoother {
     }
 }
 
-/// The smoothing spline whose mean squared miss is the square of `noise_sd`, with its smoother.
+/// The smoothing spline with the penalty under which the samples are likeliest, with its smoother.
 ///
-/// The penalty is found by bisection. Where even a straight line misses by less, the spline is the
-/// limit of a large penalty, a line; with `noise_sd` 0 it interpolates.
+/// The curve is taken for an integrated Wiener process of unknown strength plus white noise; the
+/// strength is the one of largest restricted likelihood. With `noise_sd` 0 the spline interpolates;
+/// where the samples show no bend at all it is the limit of a large penalty, a line.
 ///
 /// # Errors
 /// `SplineKnots` as in [`Smoother::new`], or for a noise that is negative or not finite.
+///
+/// # Source
+/// Wahba (1985), "A comparison of GCV and GML for choosing the smoothing parameter".
 pub fn smooth(
     t: &[f64],
     y: &[f64],
@@ -119,103 +179,59 @@ pub fn smooth(
         let what = format!("noise_sd must be finite and not negative, got {noise_sd}");
         return Err(DatasetError::SplineKnots { what });
     }
-    let fit = |penalty: f64| {
-        let smoother = Smoother::new(t, penalty)?;
-        let spline = smoother.fit(y)?;
-        let misses = spline.knot_values().iter().zip(y).map(|(f, y)| (f - y).powi(2));
-        let mean_square = misses.sum::<f64>() / y.len() as f64;
-        Ok::<_, DatasetError>((spline, smoother, mean_square))
-    };
-    let target = noise_sd * noise_sd;
-    let (spline, smoother, _) = fit(0.0)?;
+    check_knots(t, y)?;
     if noise_sd == 0.0 || t.len() == 2 {
-        return Ok((spline, smoother));
+        let smoother = Smoother::new(t, 0.0)?;
+        return Ok((smoother.fit(y)?, smoother));
     }
-    let spacing = (t[t.len() - 1] - t[0]) / (t.len() - 1) as f64;
-    let largest = (t[t.len() - 1] - t[0]).powi(3) * 1e6;
-    let (mut low, mut high) = (0.0, spacing.powi(3));
-    while fit(high)?.2 < target {
-        if high >= largest {
-            let (line, smoother, _) = fit(high)?;
-            return Ok((line, smoother));
+    let misfit = |log_penalty: f64| {
+        Smoother::new(t, log_penalty.exp()).map(|smoother| smoother.misfit(y, noise_sd))
+    };
+    let span = t[t.len() - 1] - t[0];
+    let spacing = span / (t.len() - 1) as f64;
+    let (lowest, highest) = ((1e-6 * spacing.powi(3)).ln(), (1e6 * span.powi(3)).ln());
+    let log_penalty = minimum(&misfit, lowest, highest)?;
+    let smoother = Smoother::new(t, log_penalty.exp())?;
+    Ok((smoother.fit(y)?, smoother))
+}
+
+/// Where a function is smallest: the best of a scan, refined by golden sections. Of equals the
+/// largest argument counts.
+fn minimum(
+    function: &impl Fn(f64) -> Result<f64, DatasetError>,
+    low: f64,
+    high: f64,
+) -> Result<f64, DatasetError> {
+    const N_SCAN: usize = 24;
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let spacing = (high - low) / N_SCAN as f64;
+    let (mut best, mut least) = (high, function(high)?);
+    for k in (0..N_SCAN).rev() {
+        let at = low + k as f64 * spacing;
+        let value = function(at)?;
+        // A flat end is flat to rounding only.
+        if value < least - 1e-9 * least.abs() {
+            (best, least) = (at, value);
         }
-        (low, high) = (high, high * 8.0);
     }
-    for _ in 0..LARGEST_STEPS {
-        if high - low <= RELATIVE_TOLERANCE * high {
-            break;
-        }
-        let middle = if low > 0.0 { (low * high).sqrt() } else { high / 8.0 };
-        if fit(middle)?.2 < target {
-            low = middle;
+    if best == high {
+        return Ok(high);
+    }
+    let (mut a, mut b) = ((best - spacing).max(low), (best + spacing).min(high));
+    let (mut x1, mut x2) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
+    let (mut f1, mut f2) = (function(x1)?, function(x2)?);
+    while b - a > LOG_TOLERANCE {
+        if f1 < f2 {
+            (b, x2, f2) = (x2, x1, f1);
+            x1 = b - GOLDEN * (b - a);
+            f1 = function(x1)?;
         } else {
-            high = middle;
+            (a, x1, f1) = (x1, x2, f2);
+            x2 = a + GOLDEN * (b - a);
+            f2 = function(x2)?;
         }
     }
-    let (spline, smoother, _) = fit(high)?;
-    Ok((spline, smoother))
-}
-
-/// LDLᵀ of the positive definite five-diagonal matrix R + λ QᵀQ.
-#[derive(Clone, Debug)]
-struct Banded {
-    diagonal: Vec<f64>,
-    first: Vec<f64>,
-    second: Vec<f64>,
-}
-
-impl Banded {
-    fn new(t: &[f64], penalty: f64) -> Self {
-        let n = t.len().saturating_sub(2);
-        let h = |k: usize| t[k + 1] - t[k];
-        let q = |k: usize| (1.0 / h(k), -1.0 / h(k) - 1.0 / h(k + 1), 1.0 / h(k + 1));
-        let mut diagonal = vec![0.0; n];
-        let mut first = vec![0.0; n];
-        let mut second = vec![0.0; n];
-        for k in 0..n {
-            let (a, b, c) = q(k);
-            let mut d = (h(k) + h(k + 1)) / 3.0 + penalty * (a * a + b * b + c * c);
-            let mut e = if k + 1 < n {
-                let (next_a, next_b, _) = q(k + 1);
-                h(k + 1) / 6.0 + penalty * (b * next_a + c * next_b)
-            } else {
-                0.0
-            };
-            let f = if k + 2 < n { penalty * c / h(k + 2) } else { 0.0 };
-            if k >= 1 {
-                d -= first[k - 1] * first[k - 1] * diagonal[k - 1];
-                e -= first[k - 1] * second[k - 1] * diagonal[k - 1];
-            }
-            if k >= 2 {
-                d -= second[k - 2] * second[k - 2] * diagonal[k - 2];
-            }
-            diagonal[k] = d;
-            first[k] = e / d;
-            second[k] = f / d;
-        }
-        Self { diagonal, first, second }
-    }
-
-    fn solve(&self, x: &mut [f64]) {
-        let n = x.len();
-        for i in 0..n {
-            if i >= 1 {
-                x[i] -= self.first[i - 1] * x[i - 1];
-            }
-            if i >= 2 {
-                x[i] -= self.second[i - 2] * x[i - 2];
-            }
-        }
-        for i in (0..n).rev() {
-            x[i] /= self.diagonal[i];
-            if i + 1 < n {
-                x[i] -= self.first[i] * x[i + 1];
-            }
-            if i + 2 < n {
-                x[i] -= self.second[i] * x[i + 2];
-            }
-        }
-    }
+    Ok(f64::midpoint(a, b))
 }
 
 #[cfg(test)]
@@ -266,13 +282,60 @@ mod tests {
         }
     }
 
+    /// White uniform noise of standard deviation 1, from mixed bits.
+    fn noise(seed: u64) -> f64 {
+        let mixed = (seed + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        12f64.sqrt() * ((mixed ^ (mixed >> 32)) as f64 / 2f64.powi(64) - 0.5)
+    }
+
     #[test]
-    fn the_mean_square_miss_is_the_noise() {
-        for noise_sd in [0.01, 0.2, 0.6] {
-            let (spline, _) = smooth(&T, &Y, noise_sd).unwrap();
-            let misses = spline.knot_values().iter().zip(Y).map(|(f, y)| (f - y).powi(2));
-            let sd = (misses.sum::<f64>() / 8.0).sqrt();
-            assert!((sd - noise_sd).abs() < 1e-5 * noise_sd, "{sd} {noise_sd}");
+    fn the_penalty_is_the_likeliest() {
+        for noise_sd in [0.05, 0.3, 0.6] {
+            let (_, best) = smooth(&T, &Y, noise_sd).unwrap();
+            let least = best.misfit(&Y, noise_sd);
+            for factor in [0.25, 0.8, 1.25, 4.0] {
+                let other = Smoother::new(&T, factor * best.penalty).unwrap();
+                assert!(other.misfit(&Y, noise_sd) > least, "{noise_sd} {factor}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_stated_error_is_the_actual_one() {
+        let t: Vec<f64> = (0..80).map(|i| i as f64 * 0.02).collect();
+        // A bend that hardly rises above the noise is taken for a line now and then.
+        for (bend, largest) in [(0.3, 1.5), (2.0, 1.2), (8.0, 1.2)] {
+            let truth = |t: f64| (bend * t).sin();
+            let mut squares = 0.0;
+            for seed in 0..60 {
+                let y: Vec<f64> = t
+                    .iter()
+                    .enumerate()
+                    .map(|(i, &t)| truth(t) + 0.01 * noise(seed * 80 + i as u64))
+                    .collect();
+                let (spline, smoother) = smooth(&t, &y, 0.01).unwrap();
+                for at in [0.0, 0.11, 0.4, 0.8, 1.23, 1.58] {
+                    let sd = 0.01 * smoother.error_gain(at).unwrap();
+                    squares += ((spline.value(at).unwrap() - truth(at)) / sd).powi(2) / 360.0;
+                }
+            }
+            assert!((0.8..largest).contains(&squares.sqrt()), "{bend}: {}", squares.sqrt());
+        }
+    }
+
+    #[test]
+    fn error_gain_at_the_knots_is_the_response_to_their_own_sample() {
+        for penalty in [0.0, 0.03, 2.0] {
+            let smoother = Smoother::new(&T, penalty).unwrap();
+            for k in 0..8 {
+                let mut unit = [0.0; 8];
+                unit[k] = 1.0;
+                let own = smoother.fit(&unit).unwrap().value(T[k]).unwrap();
+                let gain = smoother.error_gain(T[k]).unwrap();
+                assert!((gain - own.sqrt()).abs() < 1e-12, "{penalty} {k}: {gain} {own}");
+            }
+            assert_eq!(smoother.error_gain(5.6), None);
         }
     }
 

@@ -19,6 +19,8 @@ use crate::{
 pub(crate) struct PoseTrack {
     pieces: Arc<[Piece]>,
     noise: PoseNoise,
+    /// Whether the curve leaves its samples, so that its bias counts.
+    smooths: bool,
 }
 
 /// Standard deviations of a pose stream's samples.
@@ -56,7 +58,8 @@ impl PoseTrack {
         for pair in edges.windows(2).filter(|pair| pair[1] >= pair[0] + 2) {
             pieces.push(Piece::new(stream, pair[0]..pair[1], curve, noise)?);
         }
-        Ok(Self { pieces: pieces.into(), noise })
+        let smooths = !matches!(curve, Curve::Interpolate(_));
+        Ok(Self { pieces: pieces.into(), noise, smooths })
     }
 
     /// The same curve with another estimate of its samples' noise, if there is one.
@@ -87,10 +90,14 @@ impl PoseTrack {
     /// Standard deviations of position (per axis) and yaw at a time, from the samples' noise.
     pub(crate) fn sd(&self, t: f64) -> Option<PoseNoise> {
         let [x, y, angle] = &self.piece(t)?.smoothers;
-        let mean_square = 0.5 * (x.noise_gain(t)?.powi(2) + y.noise_gain(t)?.powi(2));
+        let gain = |smoother: &Smoother| match self.smooths {
+            true => smoother.error_gain(t),
+            false => smoother.noise_gain(t),
+        };
+        let mean_square = 0.5 * (gain(x)?.powi(2) + gain(y)?.powi(2));
         Some(PoseNoise {
             position: self.noise.position * mean_square.sqrt(),
-            angle: self.noise.angle * angle.noise_gain(t)?,
+            angle: self.noise.angle * gain(angle)?,
         })
     }
 

@@ -5,6 +5,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
+#[cfg(feature = "bag")]
+use crate::writers::BagWriter;
+#[cfg(feature = "hdf5")]
+use crate::writers::MitHdf5Writer;
 use crate::{
     error::DatasetError,
     recording::Recording,
@@ -33,7 +37,19 @@ pub trait RecordingWriter: Sync {
 /// Every writer of this build.
 #[must_use]
 pub fn all_writers() -> &'static [&'static dyn RecordingWriter] {
-    &[&CsvWriter, &McapWriter::ROS2, &McapWriter::ROS1, &McapWriter::JSON, &MitJsonWriter]
+    &[
+        &CsvWriter,
+        &McapWriter::ROS2,
+        &McapWriter::ROS1,
+        &McapWriter::JSON,
+        #[cfg(feature = "protobuf")]
+        &McapWriter::PROTOBUF,
+        &MitJsonWriter,
+        #[cfg(feature = "hdf5")]
+        &MitHdf5Writer,
+        #[cfg(feature = "bag")]
+        &BagWriter,
+    ]
 }
 
 /// Writes a file under a temporary name first, so that a killed run leaves no half file.

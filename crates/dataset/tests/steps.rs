@@ -5,8 +5,8 @@
 mod made;
 
 use dataset::{
-    Flags, ForceZero, IngestReport, IngestSettings, Phase, Recording, RecordingSet, StepLength,
-    StepRow, Table, ingest, ingest_each, provenance,
+    Curve, Flags, ForceZero, IngestReport, IngestSettings, Phase, Recording, RecordingSet,
+    RecordingWriter, StepLength, StepRow, Table, all_writers, ingest, ingest_each, provenance,
 };
 use made::{HALF_SIDE, Made, write_set};
 use nalgebra::Vector2;
@@ -151,12 +151,16 @@ fn each_contact_of_a_recording_is_a_push() {
 #[test]
 fn the_same_push_through_every_format_gives_the_same_table() {
     let recording = Made::default().recording("push-0000");
-    let tables = ["csv", "mcap-ros2", "mcap-ros1", "mcap-json", "mit-json"].map(|writer| {
+    let through = |writer: &&dyn RecordingWriter| {
         let dir = tempfile::tempdir().unwrap();
-        write_set(dir.path(), writer, std::slice::from_ref(&recording));
+        write_set(dir.path(), writer.id(), std::slice::from_ref(&recording));
         let set = RecordingSet::open(dir.path()).unwrap();
         ingest(&set, &IngestSettings::default()).unwrap().0
-    });
+    };
+    let tables: Vec<_> = all_writers().iter().map(through).collect();
+    // CSV, MIT JSON and HDF5, MCAP with ROS 1, ROS 2, JSON and protobuf messages, ROS 1 bag.
+    #[cfg(all(feature = "protobuf", feature = "hdf5", feature = "bag"))]
+    assert_eq!(tables.len(), 8);
     for table in &tables[1..] {
         assert_eq!(table.len(), tables[0].len());
         for (a, b) in tables[0].rows.iter().zip(&table.rows) {
@@ -228,4 +232,50 @@ fn steps_may_be_lengths_of_the_pusher_s_way() {
         assert_near((row.pusher_end - row.pusher_start).norm(), 0.004, 1e-6, "way");
         assert_near(row.dt, 0.2, 1e-4, "time");
     }
+}
+
+/// Noise of known spread, white, from mixed bits.
+fn noise(seed: u64, sd: f64) -> f64 {
+    let mixed = (seed + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let uniform = (mixed ^ (mixed >> 32)) as f64 / 2f64.powi(64);
+    sd * 3f64.sqrt() * (2.0 * uniform - 1.0)
+}
+
+#[test]
+fn stated_uncertainties_are_those_of_the_steps_and_smoothing_lowers_them() {
+    // Each push touches and stops elsewhere between the samples.
+    let made = |push: u64| Made { speed: 0.02 + 0.0003 * push as f64, ..Made::default() };
+    let recordings: Vec<_> = (0..12)
+        .map(|push| {
+            let mut recording = made(push).recording(&format!("push-{push:04}"));
+            let object = &mut recording.object;
+            for (i, x) in object.x.iter_mut().chain(&mut object.y).enumerate() {
+                *x += noise(push * 1000 + i as u64, 1e-4);
+            }
+            recording
+        })
+        .collect();
+    let rms = |curve: Curve| {
+        let settings = IngestSettings { curve, ..IngestSettings::default() };
+        let (table, _) = run_set(&recordings, &settings);
+        let rows: Vec<_> =
+            table.rows.iter().filter(|r| r.phase == Phase::Contact && r.dt > 0.15).collect();
+        let misses = rows.iter().map(|row| {
+            let t0 = row.t - 1000.0;
+            let made = made(row.recording[5..].parse().unwrap());
+            let (start, end) = (made.object(t0), made.object(t0 + row.dt));
+            let along = row.pusher_velocity / row.speed;
+            (row.dx - (end.position - start.position).dot(&along)).powi(2)
+        });
+        let stated = rows.iter().map(|r| r.start_position_sd.powi(2) + r.end_position_sd.powi(2));
+        let n = rows.len() as f64;
+        assert!(n > 50.0);
+        ((misses.sum::<f64>() / n).sqrt(), (stated.sum::<f64>() / n).sqrt())
+    };
+    let (rough, rough_sd) = rms(IngestSettings::default().curve);
+    let (smooth, smooth_sd) = rms(Curve::Smooth);
+    assert!((0.75..1.25).contains(&(rough / rough_sd)), "{rough} {rough_sd}");
+    assert!((0.75..1.25).contains(&(smooth / smooth_sd)), "{smooth} {smooth_sd}");
+    assert!(smooth < 0.6 * rough, "{smooth} {rough}");
 }

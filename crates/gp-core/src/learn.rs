@@ -25,6 +25,29 @@ pub struct LearnOptions {
     pub gradient_tolerance: f64,
     /// The constant mean.
     pub mean: Mean,
+    /// What is known of the hyperparameters before the data.
+    pub prior: HyperPrior,
+}
+
+/// What is known of the hyperparameters before the data.
+///
+/// The likelihood of a few noisy rows often has its maximum where a short lengthscale explains the
+/// noise away, and intervals are too small by far; a weak prior moves it from there, and fades as
+/// rows are added.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum HyperPrior {
+    /// Nothing: the marginal likelihood alone is maximised.
+    #[default]
+    Flat,
+    /// Hyperparameters are log-normal and independent. The medians are the usual start (see
+    /// [`Gp::learn`]) but for the noise variance, whose median is half of the outputs' variance.
+    LogNormal {
+        /// Standard deviation of ln θ for a lengthscale, a period or a shape.
+        lengthscale_sd: f64,
+        /// Standard deviation of ln s for the standard deviations s of signal and noise.
+        scale_sd: f64,
+    },
 }
 
 impl Default for LearnOptions {
@@ -35,6 +58,7 @@ impl Default for LearnOptions {
             max_iterations: 200,
             gradient_tolerance: 1e-3,
             mean: Mean::Estimated,
+            prior: HyperPrior::Flat,
         }
     }
 }
@@ -44,7 +68,7 @@ impl Default for LearnOptions {
 pub struct LearnReport {
     /// Every start in order; an error where the likelihood does not exist at the start itself.
     pub starts: Vec<Result<StartReport, GpError>>,
-    /// The start that was taken: the most likely of those that converged.
+    /// The start that was taken: of those that converged, the most likely (with the prior).
     pub best: StartReport,
     /// Names of the parameters that ended at a wall, such as the lengthscale of an input without
     /// influence.
@@ -78,7 +102,7 @@ impl Gp {
     /// The optimiser works on standardised log-parameters, between wide walls that stop a runaway:
     /// lengthscales 0.01 to 100 √D times the input's spread, signal and noise variance 1e-6 to 1e6
     /// and 1e-8 to 10 times the output's, the others a factor of 1000 about their start. Between
-    /// the walls nothing is added to the likelihood.
+    /// the walls nothing but the log prior is added to the likelihood; under a flat one, nothing.
     /// The starts run in parallel; the result does not depend on the number of threads.
     ///
     /// # Errors
@@ -95,7 +119,7 @@ impl Gp {
     ) -> Result<(Self, LearnReport), GpError> {
         check_learnable(&kernel, x, y, options)?;
         let x = x.to_owned();
-        let space = SearchSpace::new(&kernel, x.as_ref(), y);
+        let space = SearchSpace::new(&kernel, x.as_ref(), y, options.prior);
         let search = Search { kernel: &kernel, x: x.as_ref(), y, space: &space, options };
         let ends: Vec<_> = (0..options.n_starts).into_par_iter().map(|i| search.run(i)).collect();
         let (best, minimum) = most_likely(&ends)?;
@@ -169,6 +193,10 @@ fn check_learnable(
     check_outputs("outputs", y, x.nrows())?;
     check_positive("n_starts", options.n_starts as f64)?;
     check_positive("gradient_tolerance", options.gradient_tolerance)?;
+    if let HyperPrior::LogNormal { lengthscale_sd, scale_sd } = options.prior {
+        check_positive("lengthscale_sd of the prior", lengthscale_sd)?;
+        check_positive("scale_sd of the prior", scale_sd)?;
+    }
     if let Mean::Fixed(value) = options.mean {
         check_outputs("mean", &[value], 1)?;
     }

@@ -26,7 +26,7 @@ pub use kernel::{
     Kernel, KernelSpec, Matern32, Matern32Profile, Matern52, Matern52Profile, Parameter, Periodic,
     Product, Profile, Radial, Role, SquaredExponential, SquaredExponentialProfile, cross, gram,
 };
-pub use learn::{LearnOptions, LearnReport, StartReport};
+pub use learn::{HyperPrior, LearnOptions, LearnReport, StartReport};
 pub use leave_one_out::LeaveOneOut;
 pub use model::GpModel;
 pub use posterior::Posterior;

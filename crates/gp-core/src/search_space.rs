@@ -4,7 +4,7 @@ use faer::MatRef;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::{Kernel, Role};
+use crate::{HyperPrior, Kernel, Role};
 
 /// Standardised log-parameters: u = ln(θ/scale), with the scale of each from the data's spread.
 ///
@@ -16,11 +16,17 @@ pub(crate) struct SearchSpace {
     log_scales: Vec<f64>,
     ranges: Vec<Range>,
     stiffness: f64,
+    prior: HyperPrior,
 }
 
 impl SearchSpace {
     /// The space for a kernel and data with outputs that are not all equal.
-    pub(crate) fn new(kernel: &dyn Kernel, x: MatRef<'_, f64>, y: &[f64]) -> Self {
+    pub(crate) fn new(
+        kernel: &dyn Kernel,
+        x: MatRef<'_, f64>,
+        y: &[f64],
+        prior: HyperPrior,
+    ) -> Self {
         let log_spread = |input: usize| {
             let values: Vec<f64> = x.col(input).iter().copied().collect();
             0.5 * log_variance(&values).unwrap_or(0.0)
@@ -44,7 +50,7 @@ impl SearchSpace {
         }
         log_scales.push(output);
         ranges.push(Range::noise());
-        Self { log_scales, ranges, stiffness: STIFFNESS * y.len() as f64 }
+        Self { log_scales, ranges, stiffness: STIFFNESS * y.len() as f64, prior }
     }
 
     /// Start number `index`: the first in the usual place, the others a low-discrepancy set.
@@ -63,13 +69,19 @@ impl SearchSpace {
         point.iter().zip(&self.log_scales).map(|(u, log_scale)| (u + log_scale).exp()).collect()
     }
 
-    /// The penalty of standing behind a wall, its gradient added to `gradient`; 0 between the walls.
+    /// The penalty of standing behind a wall, less the log prior up to its constant; its gradient
+    /// is added to `gradient`. 0 between the walls under a flat prior.
     pub(crate) fn penalty(&self, point: &[f64], gradient: &mut [f64]) -> f64 {
         let mut penalty = 0.0;
         for ((u, range), slope) in point.iter().zip(&self.ranges).zip(gradient) {
             let excess = u - u.clamp(range.lowest, range.highest);
             penalty += 0.5 * self.stiffness * excess * excess;
             *slope += self.stiffness * excess;
+            if let Some(sd) = range.prior_sd(self.prior) {
+                let deviation = (u - range.center) / sd;
+                penalty += 0.5 * deviation * deviation;
+                *slope += deviation / sd;
+            }
         }
         penalty
     }
@@ -89,6 +101,9 @@ const STIFFNESS: f64 = 10.0;
 /// Values of one standardised log-parameter.
 struct Range {
     start: f64,
+    /// The median of a log-normal prior.
+    center: f64,
+    is_variance: bool,
     low: f64,
     high: f64,
     lowest: f64,
@@ -99,13 +114,23 @@ impl Range {
     /// Signal variance over output variance: start at 1, walls at 1e-6 and 1e6.
     fn signal() -> Self {
         let far = 1e6_f64.ln();
-        Self { start: 0.0, low: -1.0, high: 1.5, lowest: -far, highest: far }
+        Self {
+            start: 0.0,
+            center: 0.0,
+            is_variance: true,
+            low: -1.0,
+            high: 1.5,
+            lowest: -far,
+            highest: far,
+        }
     }
 
     /// Noise variance over output variance: start at 0.1, walls at 1e-8 and 10.
     fn noise() -> Self {
         Self {
             start: 0.1_f64.ln(),
+            center: 0.5_f64.ln(),
+            is_variance: true,
             low: 1e-4_f64.ln(),
             high: 0.5_f64.ln(),
             lowest: 1e-8_f64.ln(),
@@ -117,10 +142,21 @@ impl Range {
     fn lengthscale(center: f64) -> Self {
         Self {
             start: center,
+            center,
+            is_variance: false,
             low: center - 10f64.ln(),
             high: center + 3f64.ln(),
             lowest: -(100f64.ln()),
             highest: center + 100f64.ln(),
+        }
+    }
+
+    /// The standard deviation of the log-parameter; none under a flat prior.
+    fn prior_sd(&self, prior: HyperPrior) -> Option<f64> {
+        match prior {
+            HyperPrior::Flat => None,
+            HyperPrior::LogNormal { scale_sd, .. } if self.is_variance => Some(2.0 * scale_sd),
+            HyperPrior::LogNormal { lengthscale_sd, .. } => Some(lengthscale_sd),
         }
     }
 
@@ -129,6 +165,8 @@ impl Range {
         let (near, far) = (2f64.ln(), 1000f64.ln());
         Self {
             start: value,
+            center: value,
+            is_variance: false,
             low: value - near,
             high: value + near,
             lowest: value - far,

@@ -4,8 +4,8 @@
 
 use faer::Mat;
 use gp_core::{
-    BayesianLinear, Gp, GpError, GpModel, JointGaussian, LearnOptions, Matern32, Mean, Periodic,
-    Posterior, Product, SquaredExponential,
+    BayesianLinear, Gp, GpError, GpModel, HyperPrior, JointGaussian, LearnOptions, Matern32, Mean,
+    Periodic, Posterior, Product, SquaredExponential,
 };
 
 fn kernel() -> SquaredExponential {
@@ -96,6 +96,14 @@ fn parameters_that_are_not_positive() {
     );
     let options = LearnOptions { n_starts: 0, ..LearnOptions::default() };
     assert!(matches!(learn(&line(3), &[1.0, 2.0, 0.0], &options), GpError::NotPositive { .. }));
+    for (lengthscale_sd, scale_sd, name) in
+        [(0.0, 1.0, "lengthscale_sd of the prior"), (1.0, f64::NAN, "scale_sd of the prior")]
+    {
+        let prior = HyperPrior::LogNormal { lengthscale_sd, scale_sd };
+        let options = LearnOptions { prior, ..LearnOptions::default() };
+        let error = learn(&line(3), &[1.0, 2.0, 0.0], &options);
+        assert!(matches!(error, GpError::NotPositive { name: named, .. } if named == name));
+    }
     let gp = Gp::fit(kernel(), line(2).as_ref(), &[1.0, 2.0], 0.0).unwrap();
     assert!(matches!(gp.log_marginal_likelihood_gradient(), Err(GpError::NotPositive { .. })));
 }

@@ -4,8 +4,8 @@
 
 use faer::{Mat, MatRef};
 use gp_core::{
-    Gp, GpError, JointGaussian, LearnOptions, LearnReport, Matern52, Mean, Periodic, Posterior,
-    Product, SquaredExponential, scores,
+    Gp, GpError, HyperPrior, JointGaussian, LearnOptions, LearnReport, Matern52, Mean, Periodic,
+    Posterior, Product, SquaredExponential, scores,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -179,4 +179,75 @@ fn too_few_iterations_are_an_error() {
         matches!(result, Err(GpError::NotConverged { n_starts: 2, iterations: 1, .. })),
         "{result:?}"
     );
+}
+
+/// The first `n` rows of pure noise over two inputs.
+fn noise_alone(n: usize) -> (Mat<f64>, Vec<f64>) {
+    (uniform(n, 2, 11), noisy(vec![0.0; n], 1.0, 12))
+}
+
+fn learn_with(prior: HyperPrior, x: &Mat<f64>, y: &[f64]) -> (Gp, LearnReport) {
+    let kernel = SquaredExponential::unit(2).unwrap();
+    let options = LearnOptions { prior, mean: Mean::Fixed(0.0), ..LearnOptions::default() };
+    Gp::learn(kernel, x.as_ref(), y, &options).unwrap()
+}
+
+fn log_normal(sd: f64) -> HyperPrior {
+    HyperPrior::LogNormal { lengthscale_sd: sd, scale_sd: 2.0 * sd }
+}
+
+/// Where a prior is centered: the usual start, with noise that makes half of the outputs' variance.
+fn medians(report: &LearnReport, y: &[f64]) -> Vec<f64> {
+    let mean = y.iter().sum::<f64>() / y.len() as f64;
+    let variance = y.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / y.len() as f64;
+    let mut medians = report.starts[0].as_ref().unwrap().start.clone();
+    *medians.last_mut().unwrap() = 0.5 * variance;
+    medians
+}
+
+#[test]
+fn a_prior_weaker_than_anything_changes_nothing_and_a_strong_one_wins() {
+    let (x, y) = noise_alone(30);
+    let flat = learn_with(HyperPrior::Flat, &x, &y).1.best;
+    let weak = learn_with(log_normal(1e6), &x, &y).1.best;
+    for (flat, weak) in flat.parameters.iter().zip(&weak.parameters) {
+        assert!((flat / weak - 1.0).abs() < 1e-6, "{flat} {weak}");
+    }
+    let strong = learn_with(log_normal(1e-4), &x, &y).1;
+    for start in strong.starts.iter().flatten() {
+        for (median, end) in medians(&strong, &y).iter().zip(&start.parameters) {
+            assert!((end / median - 1.0).abs() < 1e-3, "{median} {end}");
+        }
+    }
+}
+
+#[test]
+fn under_a_prior_the_slope_of_the_likelihood_is_that_of_the_prior() {
+    let (x, y) = noise_alone(30);
+    let (gp, report) = learn_with(log_normal(0.5), &x, &y);
+    let slope = gp.log_marginal_likelihood_gradient().unwrap();
+    let median = medians(&report, &y);
+    // A variance is a square: its logarithm has twice the standard deviation.
+    for (i, sd) in [0.5, 0.5, 2.0, 2.0].into_iter().enumerate() {
+        let expected = (report.best.parameters[i] / median[i]).ln() / (sd * sd);
+        assert!((slope[i] - expected).abs() < 2e-3, "{i}: {} {expected}", slope[i]);
+    }
+    let difference = report.best.log_marginal_likelihood - gp.log_marginal_likelihood();
+    assert!(difference.abs() < 1e-9, "the prior is no part of what is reported");
+}
+
+/// What the prior is for: twelve rows of noise look like a function to some likelihood maximum.
+#[test]
+fn a_weak_prior_keeps_few_noisy_rows_from_being_explained_away() {
+    let noise_of = |prior: HyperPrior| -> Vec<f64> {
+        let sd = |seed: u64| {
+            let (x, y) = (uniform(12, 2, seed), noisy(vec![0.0; 12], 1.0, seed + 100));
+            learn_with(prior, &x, &y).0.noise_variance().sqrt()
+        };
+        (0..10).map(sd).collect()
+    };
+    let vanished = |sds: &[f64]| sds.iter().filter(|sd| **sd < 0.1).count();
+    let (flat, weak) = (noise_of(HyperPrior::Flat), noise_of(log_normal(0.5)));
+    assert!(vanished(&flat) >= 2, "{flat:?}");
+    assert_eq!(vanished(&weak), 0, "{weak:?}");
 }

@@ -62,6 +62,9 @@ pub enum MechanicsError {
         /// The load's level on the limit surface, 1 at most for rest.
         level: f64,
     },
+    /// Contacts of one pusher that do not move together.
+    #[error("all contacts of a rigid pusher move with one velocity; give each the same v_wp_s")]
+    PushersDiffer,
     /// A pusher's path is not usable.
     #[error("point {index} of the pusher's path: {reason}")]
     BadPath {

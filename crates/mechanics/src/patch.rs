@@ -2,8 +2,8 @@
 
 use crate::limit_surface::{direction_of_twist, direction_of_wrench};
 use crate::polar::{Homogeneous, Polar, polar};
+use crate::quadratic_patch::{QuadraticPatch, QuadraticTraction};
 use crate::quadrature::Cells;
-use crate::uniform_patch::UniformPatch;
 use crate::{LimitSurface, MechanicsError, WrenchSet};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Shape, Twist, Wrench, perpendicular};
@@ -12,8 +12,8 @@ use std::sync::Arc;
 /// Friction spread over a shape: each element dA bears a force of at most (traction) dA.
 ///
 /// The dissipation is ∫ traction |v| dA. Uniform traction is in closed form on polygons (about a
-/// microsecond a wrench) and in line integrals on ellipses; any other field is integrated
-/// adaptively, to an error of 1e-11 of the largest force and moment. The surface is smooth and
+/// microsecond a wrench), quadratic traction and ellipses are integrals along the outline; any other
+/// field is integrated adaptively, to an error of 1e-11 of the largest force and moment. The surface is smooth and
 /// strictly convex: it has neither facets nor vertices.
 #[derive(Clone)]
 pub struct Patch {
@@ -28,7 +28,7 @@ type Field = Arc<dyn Fn(&Vector2<f64>) -> f64 + Send + Sync>;
 
 #[derive(Clone)]
 enum Traction {
-    Uniform(UniformPatch),
+    Quadratic(QuadraticPatch),
     Field { cells: Cells, field: Field, radius: f64 },
 }
 
@@ -43,10 +43,27 @@ impl Patch {
         if !(f_max > 0.0 && f_max.is_finite()) {
             return Err(MechanicsError::NotPositive { name: "f_max", value: f_max, unit: "N" });
         }
-        let center = shape.centroid();
-        let length = shape.mean_distance(&Vector2::zeros());
-        let traction = Traction::Uniform(UniformPatch::new(shape, f_max));
-        Ok(Self { traction, f_max, center, length })
+        Self::quadratic(shape, QuadraticTraction([f_max / shape.area(), 0.0, 0.0, 0.0]))
+    }
+
+    /// A traction that is a polynomial of degree two, over `shape`, in the shape's frame.
+    ///
+    /// # Errors
+    /// `BadTraction` where it is negative or not finite, `NotPositive` if it is zero everywhere.
+    pub fn quadratic(shape: &Shape, traction: QuadraticTraction) -> Result<Self, MechanicsError> {
+        let lowest = traction.lowest(shape);
+        let value = traction.at(&lowest);
+        if !(value >= 0.0 && value.is_finite()) {
+            return Err(MechanicsError::BadTraction { value, x: lowest.x, y: lowest.y });
+        }
+        let quadratic = QuadraticPatch::new(shape, traction);
+        let (f_max, center) = quadratic.total();
+        if !(f_max > 0.0 && f_max.is_finite()) {
+            let name = "total friction";
+            return Err(MechanicsError::NotPositive { name, value: f_max, unit: "N" });
+        }
+        let length = quadratic.load(&Vector3::z()).z / f_max;
+        Ok(Self { traction: Traction::Quadratic(quadratic), f_max, center, length })
     }
 
     /// Any field of traction (friction coefficient times pressure), in N/m², over `shape`.
@@ -97,7 +114,7 @@ impl Patch {
     fn load(&self, twist: &Vector3<f64>) -> Result<Vector3<f64>, MechanicsError> {
         let (linear, angular) = (twist.xy(), twist.z);
         match &self.traction {
-            Traction::Uniform(uniform) => Ok(uniform.load(twist)),
+            Traction::Quadratic(patch) => Ok(patch.load(twist)),
             Traction::Field { cells, field, radius } => {
                 let kink = (angular != 0.0).then(|| perpendicular(&linear) / angular);
                 let kink = kink.filter(|point| point.norm() < 2.0 * radius);
@@ -184,7 +201,7 @@ impl Homogeneous for Patch {
 
     fn noise(&self) -> f64 {
         match self.traction {
-            Traction::Uniform(_) => 1e-13,
+            Traction::Quadratic(_) => 1e-13,
             Traction::Field { .. } => TOLERANCE,
         }
     }
@@ -193,7 +210,7 @@ impl Homogeneous for Patch {
 impl std::fmt::Debug for Patch {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let kind = match &self.traction {
-            Traction::Uniform(_) => "uniform",
+            Traction::Quadratic(_) => "quadratic",
             Traction::Field { .. } => "field",
         };
         let Self { f_max, center, length, .. } = self;

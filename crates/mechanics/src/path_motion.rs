@@ -10,15 +10,18 @@ pub struct PathMotion {
     pub pose_wb: Pose,
     /// The nearest point of the outline at the end, frame B.
     pub contact: Contact,
-    /// The contact's history in order of time; empty if they never touch. Gaps in time are free motion.
+    /// The contact's history in order of its beginnings; empty if they never touch. Gaps in time are
+    /// free motion; where the pusher presses on two walls of a notch, two phases overlap.
     pub phases: Vec<ContactPhase>,
     /// Time in contact, in s.
     pub contact_time: f64,
-    /// Mean force along the inward normal over the time in contact, in N; 0 without contact.
+    /// Mean force along the inward normal over the time in contact, in N; 0 without contact, summed
+    /// over the walls of a notch.
     pub mean_normal_force: f64,
     /// Mean force along the tangent (the normal turned by +90°), in N; 0 without contact.
     pub mean_tangential_force: f64,
-    /// How far the pusher slid over the object, in m: positive along the tangent.
+    /// How far the pusher slid over the object, in m: positive along the tangent; of several contacts
+    /// at the one that presses hardest.
     pub slip: f64,
     /// How deep the pusher overlapped the object when they touched first, in m.
     ///
@@ -31,12 +34,13 @@ pub struct PathMotion {
 impl PathMotion {
     /// When the pusher first touched and last let go, in s.
     pub fn contact_span(&self) -> Option<(f64, f64)> {
-        Some((self.phases.first()?.start, self.phases.last()?.end))
+        let end = self.phases.iter().map(|phase| phase.end).fold(f64::NEG_INFINITY, f64::max);
+        Some((self.phases.first()?.start, end))
     }
 }
 
 /// What part of the outline the pusher touches, 0-based.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Place {
     /// Along an edge.
     Edge(usize),

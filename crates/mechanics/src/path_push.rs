@@ -3,11 +3,11 @@
 use crate::root::root_bracket;
 use crate::runge_kutta::{Step, step};
 use crate::{
-    ContactMode, ContactPhase, MechanicsError, PathMotion, PathSample, PathSettings, Place,
-    PushMotion, Pusher, PusherPath, Slider,
+    ContactMode, ContactPhase, MechanicsError, PathMotion, PathSample, PathSettings, Place, Push,
+    Pusher, PusherPath, Slider, predict_joint,
 };
-use nalgebra::{SVector, Vector2};
-use planar::{Contact, Feature, Pose};
+use nalgebra::{Matrix2, SVector, Vector2};
+use planar::{Contact, Feature, Pose, Wrench};
 
 /// Gap below which pusher and object touch, in m.
 const TOUCH: f64 = 1e-9;
@@ -15,6 +15,8 @@ const TOUCH: f64 = 1e-9;
 const CREEP: f64 = 1e-6;
 /// Travel within which a change of the contact is located, in m.
 const SWITCH: f64 = 1e-8;
+/// Another wall that is this much further away than the nearest is touched too, in m.
+const NEAR: f64 = 3e-8;
 const MAX_STEPS: usize = 100_000;
 
 /// Pose of B (x, y, θ) and the integrals of normal force, tangential force and slip.
@@ -23,11 +25,11 @@ type State = SVector<f64, 6>;
 /// Moves `slider` from `pose_wb` by a pusher that follows `path`, until the path's end.
 ///
 /// The object rests until it is touched and after the pusher has left. In contact, its velocity is
-/// that of [`crate::predict`] at the contact of the moment; the round pusher rolls over the outline
-/// as the object turns, and passes vertices. Runge–Kutta of orders 5 and 4 with adaptive steps that
-/// end at each change of mode, edge or vertex (to 10 nm of travel); after each step the object is
-/// moved along the normal so that the gap stays closed. One contact at a time: a pusher wedged in a
-/// notch ends in `NotConverged`.
+/// that of [`crate::predict`] at the contact of the moment, or of [`predict_joint`] at several; the
+/// round pusher rolls over the outline as the object turns, passes vertices and wedges in notches.
+/// Runge–Kutta of orders 5 and 4 with adaptive steps that end at each change of mode, edge or vertex
+/// (to 10 nm of travel); after each step the object is moved so that the gaps stay closed. A pusher
+/// of radius 0 has no two walls to touch and ends in `NotConverged` at the bottom of a notch.
 ///
 /// # Errors
 /// A pusher, path or setting out of range, errors of the surface, or `NotConverged`.
@@ -38,7 +40,25 @@ pub fn push_along(
     pose_wb: &Pose,
     settings: &PathSettings,
 ) -> Result<PathMotion, MechanicsError> {
-    let mut run = Run::new(slider, pusher, path, pose_wb, settings)?;
+    push_along_under(slider, pusher, path, pose_wb, settings, &|_, _| Wrench::default())
+}
+
+/// [`push_along`] under an external load besides the pusher's, such as gravity on a tilted table.
+///
+/// - `external_s`: the load on the slider, in N and N·m, frame S, at a time in s and a pose of B.
+///
+/// # Errors
+/// As [`push_along`], and `SlidesByItself` if the limit surface cannot bear the load at some time
+/// that is looked at.
+pub fn push_along_under(
+    slider: &Slider,
+    pusher: &Pusher,
+    path: &dyn PusherPath,
+    pose_wb: &Pose,
+    settings: &PathSettings,
+    external_s: &dyn Fn(f64, &Pose) -> Wrench,
+) -> Result<PathMotion, MechanicsError> {
+    let mut run = Run::new(slider, pusher, path, pose_wb, settings, external_s)?;
     let mut n_steps = 0;
     for piece in 0..path.n_pieces() {
         let end = path.piece_end(piece);
@@ -68,31 +88,31 @@ struct Run<'a> {
     pusher: &'a Pusher,
     path: &'a dyn PusherPath,
     settings: &'a PathSettings,
+    external_s: &'a dyn Fn(f64, &Pose) -> Wrench,
     time: f64,
     state: State,
     touching: bool,
     /// Step length to try next, in s.
     trial: f64,
+    contact_time: f64,
     overlap: f64,
     phases: Vec<ContactPhase>,
     samples: Vec<PathSample>,
 }
 
-/// The contact of a moment and what it does.
+/// The contacts of a moment and what they do.
 struct Look {
-    contact: Contact,
-    motion: PushMotion,
+    kind: Kind,
     derivative: State,
 }
 
-impl Look {
-    fn place(&self, n_edges: usize) -> Place {
-        match self.contact.feature {
-            Feature::Edge => Place::Edge(self.contact.edge),
-            Feature::Vertex => {
-                Place::Vertex((self.contact.edge + usize::from(self.contact.p > 0.5)) % n_edges)
-            }
-        }
+/// Mode and place of each contact, sorted; [`ContactMode::Separated`] where it does not press.
+type Kind = Vec<(ContactMode, Place)>;
+
+fn place_of(contact: &Contact, n_edges: usize) -> Place {
+    match contact.feature {
+        Feature::Edge => Place::Edge(contact.edge),
+        Feature::Vertex => Place::Vertex((contact.edge + usize::from(contact.p > 0.5)) % n_edges),
     }
 }
 
@@ -103,6 +123,7 @@ impl<'a> Run<'a> {
         path: &'a dyn PusherPath,
         pose_wb: &Pose,
         settings: &'a PathSettings,
+        external_s: &'a dyn Fn(f64, &Pose) -> Wrench,
     ) -> Result<Self, MechanicsError> {
         for (name, value, unit) in
             [("tolerance", settings.tolerance, "m"), ("max_travel", settings.max_travel, "m")]
@@ -135,10 +156,12 @@ impl<'a> Run<'a> {
             pusher,
             path,
             settings,
+            external_s,
             time,
             state,
             touching: false,
             trial,
+            contact_time: 0.0,
             overlap,
             phases,
             samples,
@@ -191,23 +214,22 @@ impl<'a> Run<'a> {
     /// One accepted step in contact, up to the next change of mode or place at most.
     fn press(&mut self, piece: usize, end: f64) -> Result<(), MechanicsError> {
         let here = self.look(piece, self.time, &self.state)?;
-        if here.motion.mode == ContactMode::Separated {
+        if here.kind.iter().all(|(mode, _)| *mode == ContactMode::Separated) {
             self.touching = false;
             return Ok(());
         }
-        let kind = self.kind(&here);
         let speed = self.path.velocity(piece, self.time).norm();
         let remaining = end - self.time;
         let mut h = self.trial.min(remaining).min(self.settings.max_travel / speed);
         let mut rejected = false;
         let (h, after, growth) = loop {
             let (mut taken, mut step) = (h, self.step(piece, h, &here)?);
-            if !self.keeps(piece, h, &step, kind)? {
+            if !self.keeps(piece, h, &step, &here.kind)? {
                 let mut low = 0.0;
                 while taken - low > SWITCH / speed {
                     let middle = 0.5 * (low + taken);
                     let candidate = self.step(piece, middle, &here)?;
-                    if self.keeps(piece, middle, &candidate, kind)? {
+                    if self.keeps(piece, middle, &candidate, &here.kind)? {
                         low = middle;
                     } else {
                         (taken, step) = (middle, candidate);
@@ -233,7 +255,8 @@ impl<'a> Run<'a> {
             }
         };
         let next = if h >= remaining { end } else { self.time + h };
-        self.log(kind, next);
+        self.log(&here.kind, next);
+        self.contact_time += next - self.time;
         self.time = next;
         self.trial = if rejected { h * growth } else { self.trial.max(h * growth) };
         self.state = self.closed(piece, self.time, after);
@@ -247,23 +270,39 @@ impl<'a> Run<'a> {
 
     fn look(&self, piece: usize, time: f64, state: &State) -> Result<Look, MechanicsError> {
         let pose = pose_of(state);
-        let contact = self.contact(piece, time, state);
+        let contacts = self.contacts(piece, time, state);
         let velocity = self.path.velocity(piece, time);
-        let push = self.slider.push_at(self.pusher, &pose, &contact, &velocity);
-        let (motion, twist) = self.slider.velocity(&push, &pose)?;
-        let derivative = State::from([
-            twist.linear.x,
-            twist.linear.y,
-            twist.angular,
-            push.normal_s.dot(&motion.force_s),
-            push.tangent_s().dot(&motion.force_s),
-            if motion.mode == ContactMode::Separated { 0.0 } else { motion.slip },
-        ]);
-        Ok(Look { contact, motion, derivative })
+        let push_at = |contact| self.slider.push_at(self.pusher, &pose, contact, &velocity);
+        let pushes: Vec<Push> = contacts.iter().map(push_at).collect();
+        let external = (self.external_s)(time, &pose);
+        let motions = predict_joint(self.slider.surface, &pushes, &external)?;
+        let twist = self.slider.velocity_of(&motions[0].twist_ws_s, &pose);
+        let mut derivative =
+            State::from([twist.linear.x, twist.linear.y, twist.angular, 0.0, 0.0, 0.0]);
+        let mut hardest = 0.0;
+        for (push, motion) in pushes.iter().zip(&motions) {
+            let normal_force = push.normal_s.dot(&motion.force_s);
+            derivative[3] += normal_force;
+            derivative[4] += push.tangent_s().dot(&motion.force_s);
+            if normal_force > hardest {
+                (hardest, derivative[5]) = (normal_force, motion.slip);
+            }
+        }
+        let n_edges = self.slider.shape.n_edges();
+        let mut kind: Kind = motions
+            .iter()
+            .zip(&contacts)
+            .map(|(motion, contact)| (motion.mode, place_of(contact, n_edges)))
+            .collect();
+        kind.sort_unstable_by_key(|(_, place)| *place);
+        Ok(Look { kind, derivative })
     }
 
-    fn kind(&self, look: &Look) -> (ContactMode, Place) {
-        (look.motion.mode, look.place(self.slider.shape.n_edges()))
+    /// All places that the pusher touches, the nearest first.
+    fn contacts(&self, piece: usize, time: f64, state: &State) -> Vec<Contact> {
+        let center = self.path.position(piece, time);
+        let center_b = pose_of(state).inverse_transform_point(&center);
+        self.slider.shape.contacts(&center_b, self.pusher.radius, NEAR)
     }
 
     fn step(&self, piece: usize, h: f64, here: &Look) -> Result<Step<6>, MechanicsError> {
@@ -278,9 +317,9 @@ impl<'a> Run<'a> {
         piece: usize,
         h: f64,
         step: &Step<6>,
-        kind: (ContactMode, Place),
+        kind: &Kind,
     ) -> Result<bool, MechanicsError> {
-        Ok(self.kind(&self.look(piece, self.time + h, &step.end)?) == kind)
+        Ok(self.look(piece, self.time + h, &step.end)?.kind == *kind)
     }
 
     fn error_of(&self, step: &Step<6>) -> f64 {
@@ -288,23 +327,40 @@ impl<'a> Run<'a> {
         Vector2::new(step.error[0], step.error[1]).norm().hypot(c * step.error[2])
     }
 
-    /// The state with the object moved along the normal until the gap is closed.
+    /// The state with the object moved until the gaps are closed, along the normals.
     fn closed(&self, piece: usize, time: f64, mut state: State) -> State {
-        let contact = self.contact(piece, time, &state);
-        let shift = -contact.gap * pose_of(&state).rotate(&contact.normal);
+        let pose = pose_of(&state);
+        let contacts = self.contacts(piece, time, &state);
+        let shift_b = match contacts[..] {
+            [first, second, ..] => {
+                let normals =
+                    Matrix2::from_rows(&[first.normal.transpose(), second.normal.transpose()]);
+                let gaps = Vector2::new(first.gap, second.gap);
+                let both = normals.try_inverse().map(|inverse| -inverse * gaps);
+                // Walls that are nearly parallel would move the object far along them.
+                both.filter(|shift| shift.norm() <= 10.0 * gaps.norm())
+            }
+            _ => None,
+        };
+        let nearest = &contacts[0];
+        let shift = pose.rotate(&shift_b.unwrap_or(-nearest.gap * nearest.normal));
         state[0] += shift.x;
         state[1] += shift.y;
         state
     }
 
-    /// Adds a step to the contact's history.
-    fn log(&mut self, (mode, place): (ContactMode, Place), end: f64) {
+    /// Adds a step to the history of the contacts that press.
+    fn log(&mut self, kind: &Kind, end: f64) {
         let start = self.time;
-        match self.phases.last_mut() {
-            Some(last) if (last.mode, last.place, last.end) == (mode, place, start) => {
-                last.end = end
+        for &(mode, place) in kind.iter().filter(|(mode, _)| *mode != ContactMode::Separated) {
+            let mut latest = self.phases.iter_mut().rev().take(2 * kind.len());
+            let same = |phase: &&mut ContactPhase| {
+                (phase.mode, phase.place, phase.end) == (mode, place, start)
+            };
+            match latest.find(same) {
+                Some(phase) => phase.end = end,
+                None => self.phases.push(ContactPhase { mode, place, start, end }),
             }
-            _ => self.phases.push(ContactPhase { mode, place, start, end }),
         }
     }
 
@@ -315,7 +371,7 @@ impl<'a> Run<'a> {
 
     fn finish(self, last_piece: usize) -> PathMotion {
         let contact = self.contact(last_piece, self.time, &self.state);
-        let contact_time = self.phases.iter().map(|phase| phase.end - phase.start).sum();
+        let contact_time = self.contact_time;
         let mean = |integral: f64| if contact_time > 0.0 { integral / contact_time } else { 0.0 };
         PathMotion {
             pose_wb: pose_of(&self.state),

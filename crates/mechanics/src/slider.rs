@@ -57,8 +57,14 @@ impl Slider<'_> {
         pose_wb: &Pose,
     ) -> Result<(PushMotion, Twist), MechanicsError> {
         let motion = self.surface.push(push)?;
-        let at_body = motion.twist_ws_s.shifted(&self.pose_bs.inverse().position);
+        let twist = self.velocity_of(&motion.twist_ws_s, pose_wb);
+        Ok((motion, twist))
+    }
+
+    /// The velocity of B's origin, frame W, that belongs to a twist in S.
+    pub(crate) fn velocity_of(&self, twist_ws_s: &Twist, pose_wb: &Pose) -> Twist {
+        let at_body = twist_ws_s.shifted(&self.pose_bs.inverse().position);
         let linear = pose_wb.rotate(&self.pose_bs.rotate(&at_body.linear));
-        Ok((motion, Twist { linear, angular: at_body.angular }))
+        Twist { linear, angular: at_body.angular }
     }
 }

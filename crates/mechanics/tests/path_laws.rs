@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use mechanics::{
-    Ellipsoid, PathMotion, PathSettings, Place, Polyline, Pusher, PusherPath, Slider, SmoothPath,
-    StraightPath, push_along,
+    ContactMode, Ellipsoid, MechanicsError, PathMotion, PathSettings, Place, Polyline, Pusher,
+    PusherPath, Slider, SmoothPath, StraightPath, push_along, push_along_under,
 };
 use nalgebra::Vector2;
-use planar::{Pose, Shape};
+use planar::{Polygon, Pose, Shape, Wrench, mit_object};
 
 const SIDE: f64 = 0.09;
 const PUSHER: Pusher = Pusher { radius: 0.00475, friction: 0.25 };
@@ -208,4 +208,109 @@ fn paths_and_pushers_out_of_range_are_refused() {
         error.to_string(),
         "the pusher's radius must be finite and not negative, got -0.001 m"
     );
+}
+
+/// Objects with a center of friction away from the body's origin: polygons, ellipses, a notch.
+fn objects() -> Vec<(&'static str, Shape)> {
+    let notch = [[0.05, 0.05], [-0.05, 0.05], [-0.03, 0.0], [-0.05, -0.05], [0.05, -0.05]];
+    let notch = notch.iter().map(|p| Vector2::new(p[0], p[1])).collect();
+    let mut objects: Vec<_> = ["rect1", "tri1", "tri3", "ellip1", "ellip3", "hex", "butter"]
+        .map(|name| (name, mit_object(name).unwrap().shape))
+        .into();
+    objects.push(("notch", Shape::Polygon(Polygon::new(notch).unwrap())));
+    objects
+}
+
+/// A push from the left, 1 mm away at first, at height `y` and an angle.
+fn approach(shape: &Shape, radius: f64, y: f64, angle: f64) -> StraightPath {
+    let direction = Vector2::new(angle.cos(), angle.sin());
+    let mut start = Vector2::new(-0.2, y);
+    while shape.contact(&start, radius).gap > 1e-3 {
+        start.x += shape.contact(&start, radius).gap.min(1e-3);
+        if start.x > 0.2 {
+            break;
+        }
+    }
+    StraightPath { start_w: start, velocity_w: 0.02 * direction, duration: 0.6 }
+}
+
+#[test]
+fn halving_the_step_changes_less_than_a_micrometer_and_ten_microradians() {
+    let default = PathSettings::default();
+    let halved =
+        PathSettings { tolerance: default.tolerance / 64.0, max_travel: default.max_travel / 2.0 };
+    let (mut modes, mut places, mut n_wedged) = (Vec::new(), Vec::new(), 0);
+    for (name, shape) in objects() {
+        let center = shape.centroid();
+        let surface = Ellipsoid::new(2.0, 2.0 * shape.mean_distance(&center)).unwrap();
+        let pose_bs = Pose::new(center.x + 0.004, center.y - 0.003, 0.7);
+        let slider = Slider { shape: &shape, surface: &surface, pose_bs };
+        // A point is held by no notch: see push_along.
+        let smallest = if matches!(name, "butter" | "notch") { 5e-4 } else { 0.0 };
+        for radius in [smallest, PUSHER.radius] {
+            let pusher = Pusher { radius, friction: 0.25 };
+            for (y, angle) in [(0.0, 0.1), (0.02, -0.4), (-0.03, 0.9), (0.038, 0.5), (0.004, -0.9)]
+            {
+                let path = approach(&shape, radius, y, angle);
+                let push = |settings| {
+                    push_along(&slider, &pusher, &path, &ORIGIN, settings)
+                        .unwrap_or_else(|e| panic!("{name} {radius} {y} {angle} {e}"))
+                };
+                let (coarse, fine) = (push(&default), push(&halved));
+                let shift = (coarse.pose_wb.position - fine.pose_wb.position).norm();
+                let turn = (coarse.pose_wb.angle - fine.pose_wb.angle).abs();
+                let case = format!("{name}, radius {radius}, y {y}, angle {angle}");
+                assert!(shift < 1e-6 && turn < 1e-5, "{case}: {shift:e} m, {turn:e} rad");
+                modes.extend(fine.phases.iter().map(|phase| phase.mode));
+                places.extend(fine.phases.iter().map(|phase| phase.place));
+                n_wedged += fine.phases.windows(2).filter(|w| w[0].end > w[1].start).count();
+            }
+        }
+    }
+    // The pushes are worth the name: all modes, vertices and wedging occur.
+    for mode in [ContactMode::Sticking, ContactMode::SlidingLeft, ContactMode::SlidingRight] {
+        assert!(modes.contains(&mode));
+    }
+    assert!(places.iter().any(|place| matches!(place, Place::Vertex(_))));
+    assert!(n_wedged > 0);
+}
+
+#[test]
+fn a_pusher_wedged_in_a_notch_carries_the_object_along() {
+    let (_, shape) = objects().pop().unwrap();
+    let surface = Ellipsoid::new(2.0, 0.07).unwrap();
+    let slider = Slider { shape: &shape, surface: &surface, pose_bs: Pose::default() };
+    let path = approach(&shape, PUSHER.radius, 0.0, 0.0);
+    let motion = push_along(&slider, &PUSHER, &path, &ORIGIN, &PathSettings::default()).unwrap();
+    assert_eq!(motion.phases.len(), 2, "{:?}", motion.phases);
+    assert!(motion.phases.iter().all(|phase| phase.mode == ContactMode::Sticking));
+    assert!(motion.pose_wb.angle.abs() < 1e-12);
+    let (start, end) = motion.contact_span().unwrap();
+    assert!((motion.contact_time - (end - start)).abs() < 1e-12);
+}
+
+#[test]
+fn a_load_that_helps_the_pusher_lowers_its_force_along_the_path() {
+    let shape = Shape::square(SIDE).unwrap();
+    let surface = Ellipsoid::new(2.0, 2.0 * 0.3826 * SIDE).unwrap();
+    let slider = Slider { shape: &shape, surface: &surface, pose_bs: Pose::default() };
+    let push = |path: &StraightPath, load: Wrench| {
+        let external = move |_: f64, pose: &Pose| Wrench {
+            force: pose.inverse_rotate(&load.force),
+            torque: load.torque,
+        };
+        push_along_under(&slider, &PUSHER, path, &ORIGIN, &PathSettings::default(), &external)
+    };
+    let central = push(&straight(0.0, 0.0, 0.02, 0.2), Wrench::new(0.5, 0.0, 0.0)).unwrap();
+    assert!((central.mean_normal_force - 1.5).abs() < 1e-9);
+    // Gravity down the table's slope drags the far side of a turning object along.
+    let path = straight(0.02, 0.2, 0.02, 0.5);
+    let (level, tilted) = (
+        push(&path, Wrench::default()).unwrap(),
+        push(&path, Wrench::new(0.0, -0.6, 0.0)).unwrap(),
+    );
+    assert_eq!(level, default_run(&path));
+    assert!(tilted.pose_wb.position.y < level.pose_wb.position.y - 1e-4);
+    let error = push(&path, Wrench::new(2.5, 0.0, 0.0)).unwrap_err();
+    assert_eq!(error, MechanicsError::SlidesByItself { level: 1.25 });
 }

@@ -1,19 +1,30 @@
-//! The analytical model: the quasi-static push on an ellipsoidal limit surface.
+//! The analytical model: the quasi-static push on a limit surface.
 
-use mechanics::{Ellipsoid, PathSettings, Pusher, Slider, StraightPath, push_along};
-use nalgebra::Matrix3;
-use planar::Pose;
+use std::sync::Arc;
+
+use mechanics::{PathSettings, Pusher, Slider, StraightPath, push_along};
+use nalgebra::{Matrix3, Vector3};
+use planar::{Pose, Shape};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{not_negative, positive};
-use crate::{Base, Description, Estimate, ModelError, Noise, PushModel, StepInput, StepPrediction};
+use crate::surface_kind::Support;
+use crate::{
+    Base, Description, Estimate, ModelError, Noise, PushModel, StepInput, StepPrediction,
+    SurfaceKind,
+};
 
-/// The quasi-static push of an object on an ellipsoid about its centroid, integrated over the step.
+/// The quasi-static push of an object under uniform pressure, integrated over the step.
 ///
-/// Two parameters: the pusher's friction μp, and the characteristic length c = Mmax/Fmax, which
-/// follows from uniform pressure unless it is given.
+/// Two parameters: the pusher's friction μp, and for an ellipsoid (the usual limit surface) the
+/// characteristic length c = Mmax/Fmax, which follows from uniform pressure unless it is given.
+/// What their standard errors leave open is part of a prediction, without their correlation.
+///
+/// The ellipsoid stands at the centroid, as in the thesis' section 2.4. The exact surface does so
+/// for point-symmetric outlines alone: under a triangle the other kinds see the difference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analytical {
+    surface: SurfaceKind,
     pusher_friction: Estimate,
     length: CharacteristicLength,
     scatter: Matrix3<f64>,
@@ -41,7 +52,7 @@ impl Analytical {
         )
     }
 
-    /// A model with the given parameters.
+    /// A model on an ellipsoid with the given parameters.
     ///
     /// `scatter` is the covariance of an observed step about the prediction, per meter of the
     /// pusher's way squared: for a way d the predicted covariance is d² · scatter.
@@ -54,13 +65,39 @@ impl Analytical {
         scatter: Matrix3<f64>,
     ) -> Result<Self, ModelError> {
         not_negative("pusher friction", pusher_friction.value, "(dimensionless)")?;
+        not_negative("se of the pusher friction", pusher_friction.se, "(dimensionless)")?;
         if let CharacteristicLength::Given(length) = &length {
             positive("characteristic length", length.value, "m")?;
+            not_negative("se of the characteristic length", length.se, "m")?;
         }
         for variance in scatter.diagonal().iter() {
             not_negative("variance of the scatter", *variance, "(m or rad per m)²")?;
         }
-        Ok(Self { pusher_friction, length, scatter })
+        Ok(Self { surface: SurfaceKind::Ellipsoid, pusher_friction, length, scatter })
+    }
+
+    /// The same model on another limit surface.
+    ///
+    /// # Errors
+    /// `LengthOfAnotherSurface` if c is given and the surface is no ellipsoid: its c follows from
+    /// the pressure; `InvalidValue` for fewer than four points.
+    pub fn with_surface(self, surface: SurfaceKind) -> Result<Self, ModelError> {
+        if let (SurfaceKind::Points { n_points }, name) = (surface, "number of points")
+            && n_points < 4
+        {
+            let (expected, value, unit) = ("at least 4", n_points as f64, "points");
+            return Err(ModelError::InvalidValue { name, expected, value, unit });
+        }
+        let given = self.length != CharacteristicLength::UniformPressure;
+        if given && surface != SurfaceKind::Ellipsoid {
+            return Err(ModelError::LengthOfAnotherSurface { surface: surface.name() });
+        }
+        Ok(Self { surface, ..self })
+    }
+
+    /// The limit surface.
+    pub fn surface(&self) -> SurfaceKind {
+        self.surface
     }
 
     /// The coefficient of friction between pusher and object.
@@ -93,13 +130,25 @@ impl Analytical {
     /// # Errors
     /// `Mechanics` for what the mechanics refuse.
     pub fn motion(&self, step: &StepInput) -> Result<Pose, ModelError> {
-        let surface = Ellipsoid::new(1.0, self.characteristic_length(step))?;
-        let center = step.shape().centroid();
-        let slider = Slider {
-            shape: step.shape(),
-            surface: &surface,
-            pose_bs: Pose::new(center.x, center.y, 0.0),
-        };
+        self.motion_on(&self.support(step)?, step)
+    }
+
+    /// (Δx, Δy, Δθ) of each step, on surfaces that steps of one shape share.
+    pub(crate) fn outputs<'a>(
+        &self,
+        steps: impl IntoIterator<Item = &'a StepInput>,
+    ) -> Result<Vec<Vector3<f64>>, ModelError> {
+        let mut supports = Supports::default();
+        steps.into_iter().map(|step| self.outputs_on(supports.of(self, step)?, step)).collect()
+    }
+
+    fn support(&self, step: &StepInput) -> Result<Support, ModelError> {
+        self.surface.under(step.shape(), self.characteristic_length(step))
+    }
+
+    fn motion_on(&self, support: &Support, step: &StepInput) -> Result<Pose, ModelError> {
+        let Support { surface, pose_bs } = support;
+        let slider = Slider { shape: step.shape(), surface: &**surface, pose_bs: *pose_bs };
         let pusher = Pusher { radius: step.pusher_radius(), friction: self.pusher_friction.value };
         // Quasi-static motion does not know time: the pusher moves at 1 m/s.
         let path = StraightPath {
@@ -107,8 +156,63 @@ impl Analytical {
             velocity_w: step.direction_b(),
             duration: step.distance(),
         };
-        let origin = Pose::new(0.0, 0.0, 0.0);
+        let origin = Pose::default();
         Ok(push_along(&slider, &pusher, &path, &origin, &PathSettings::default())?.pose_wb)
+    }
+
+    fn outputs_on(&self, support: &Support, step: &StepInput) -> Result<Vector3<f64>, ModelError> {
+        Ok(step.outputs(&self.motion_on(support, step)?))
+    }
+
+    /// Σₖ (∂f/∂θₖ seₖ)(∂f/∂θₖ seₖ)ᵀ by secants over ± one standard error, since the derivative
+    /// jumps where sticking turns into sliding.
+    fn parameter_covariance(
+        &self,
+        support: &Support,
+        step: &StepInput,
+    ) -> Result<Matrix3<f64>, ModelError> {
+        let mut covariance = Matrix3::zeros();
+        let mut add = |se: f64, [low, high]: [f64; 2], change: Vector3<f64>| {
+            let influence = se / (high - low) * change;
+            covariance += influence * influence.transpose();
+        };
+        let Estimate { value, se, .. } = self.pusher_friction;
+        if se > 0.0 {
+            let ends = [(value - se).max(0.0), value + se];
+            let [low, high] = ends.map(|friction| {
+                let moved = Self { pusher_friction: Estimate::exact(friction, ""), ..self.clone() };
+                moved.outputs_on(support, step)
+            });
+            add(se, ends, high? - low?);
+        }
+        if let CharacteristicLength::Given(Estimate { value, se, .. }) = self.length
+            && se > 0.0
+        {
+            let ends = [(value - se).max(0.1 * value), value + se];
+            let [low, high] =
+                ends.map(|c| self.outputs_on(&self.surface.under(step.shape(), c)?, step));
+            add(se, ends, high? - low?);
+        }
+        Ok(covariance)
+    }
+}
+
+/// Limit surfaces by shape, each made once.
+#[derive(Default)]
+struct Supports(Vec<(Arc<Shape>, Support)>);
+
+impl Supports {
+    fn of(&mut self, model: &Analytical, step: &StepInput) -> Result<&Support, ModelError> {
+        let shape = step.shared_shape();
+        let same = |known: &Arc<Shape>| Arc::ptr_eq(known, shape) || known == shape;
+        let index = match self.0.iter().position(|(known, _)| same(known)) {
+            Some(index) => index,
+            None => {
+                self.0.push((shape.clone(), model.support(step)?));
+                self.0.len() - 1
+            }
+        };
+        Ok(&self.0[index].1)
     }
 }
 
@@ -122,14 +226,16 @@ impl PushModel for Analytical {
         steps: &[StepInput],
         noise: Noise,
     ) -> Result<Vec<StepPrediction>, ModelError> {
-        let predict = |step: &StepInput| {
-            let covariance = match noise {
-                Noise::Included => self.scatter * step.distance().powi(2),
-                Noise::Excluded => Matrix3::zeros(),
-            };
-            Ok(StepPrediction { mean: step.outputs(&self.motion(step)?), covariance })
+        let mut supports = Supports::default();
+        let mut predict = |step: &StepInput| {
+            let support = supports.of(self, step)?;
+            let mut covariance = self.parameter_covariance(support, step)?;
+            if noise == Noise::Included {
+                covariance += self.scatter * step.distance().powi(2);
+            }
+            Ok(StepPrediction { mean: self.outputs_on(support, step)?, covariance })
         };
-        steps.iter().map(predict).collect()
+        steps.iter().map(&mut predict).collect()
     }
 
     fn describe(&self) -> Result<Description, ModelError> {

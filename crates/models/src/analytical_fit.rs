@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use crate::least_squares::least_squares;
 use crate::{
-    Analytical, CharacteristicLength, Estimate, ModelError, OUTPUTS, StepInput, StepObservation,
+    Analytical, CharacteristicLength, Estimate, ModelError, OUTPUTS, StepObservation, SurfaceKind,
 };
 
 /// A fitted analytical model and how the fit ended.
@@ -12,7 +12,7 @@ use crate::{
 pub struct AnalyticalFit {
     /// The model with μp and c, their standard errors, and the scatter of the residuals.
     pub model: Analytical,
-    /// Correlation of the estimates of μp and c.
+    /// Correlation of the estimates of μp and c; 0 where μp alone was fitted.
     pub correlation: f64,
     /// Iterations of the least-squares solver.
     pub iterations: usize,
@@ -21,7 +21,7 @@ pub struct AnalyticalFit {
 }
 
 impl Analytical {
-    /// Fits μp and c to observed steps of one object, starting from this model.
+    /// Fits μp, and on an ellipsoid c, to observed steps of one object, starting from this model.
     ///
     /// Minimises the sum over the outputs of squared error over that output's variance. Standard
     /// errors come from the curvature there and take the errors for independent.
@@ -36,27 +36,29 @@ impl Analytical {
             return Err(ModelError::TooFewSteps { what, needed, actual });
         }
         let scale = output_sd(steps)?;
-        let start_friction = self.pusher_friction().value.max(1e-3);
-        let start = vec![start_friction.ln(), self.characteristic_length(&steps[0].input).ln()];
-        let fit = least_squares(&["mu_p", "c"], start, |x| {
-            let model = candidate(x)?;
-            let mut r = DVector::zeros(3 * steps.len());
-            for (i, step) in steps.iter().enumerate() {
-                let error = model.error(step)?.component_div(&scale);
-                r.fixed_rows_mut::<3>(3 * i).copy_from(&error);
-            }
-            Ok(r)
+        let mut names = vec!["mu_p"];
+        let mut start = vec![self.pusher_friction().value.max(1e-3).ln()];
+        if self.surface() == SurfaceKind::Ellipsoid {
+            names.push("c");
+            start.push(self.characteristic_length(&steps[0].input).ln());
+        }
+        let fit = least_squares(&names, start, |x| {
+            let errors = self.candidate(x)?.errors(steps)?;
+            let scaled = errors.iter().flat_map(|error| error.component_div(&scale).data.0[0]);
+            Ok(DVector::from_iterator(3 * steps.len(), scaled))
         })?;
-        let bare = candidate(&fit.parameters)?;
-        let scatter = bare.scatter_of(steps)?;
         let estimate = |k: usize| {
             let value = f64::exp(fit.parameters[k]);
             let source = format!("least squares on {} steps", steps.len());
             Estimate { value, se: value * fit.covariance[(k, k)].sqrt(), source }
         };
-        let length = CharacteristicLength::Given(estimate(1));
+        let length = match names.len() {
+            2 => CharacteristicLength::Given(estimate(1)),
+            _ => CharacteristicLength::UniformPressure,
+        };
+        let scatter = self.candidate(&fit.parameters)?.scatter_of(steps, names.len())?;
         Ok(AnalyticalFit {
-            model: Self::new(estimate(0), length, scatter)?,
+            model: Self::new(estimate(0), length, scatter)?.with_surface(self.surface())?,
             correlation: correlation(&fit.covariance),
             iterations: fit.iterations,
             gradient: fit.gradient,
@@ -64,31 +66,37 @@ impl Analytical {
     }
 
     /// Observed less predicted outputs.
-    pub(crate) fn error(&self, step: &StepObservation) -> Result<Vector3<f64>, ModelError> {
-        Ok(step.outputs - self.outputs(&step.input)?)
+    pub(crate) fn errors(
+        &self,
+        steps: &[StepObservation],
+    ) -> Result<Vec<Vector3<f64>>, ModelError> {
+        let predicted = self.outputs(steps.iter().map(|step| &step.input))?;
+        Ok(steps.iter().zip(predicted).map(|(step, predicted)| step.outputs - predicted).collect())
     }
 
-    /// (Δx, Δy, Δθ) of a step.
-    pub(crate) fn outputs(&self, step: &StepInput) -> Result<Vector3<f64>, ModelError> {
-        Ok(step.outputs(&self.motion(step)?))
+    /// The model with parameters (ln μp, ln c), or ln μp alone.
+    fn candidate(&self, x: &[f64]) -> Result<Self, ModelError> {
+        let exact = |x: f64| Estimate::exact(x.exp(), "trial");
+        let length = match x.get(1) {
+            Some(&c) => CharacteristicLength::Given(exact(c)),
+            None => CharacteristicLength::UniformPressure,
+        };
+        Self::new(exact(x[0]), length, Matrix3::zeros())?.with_surface(self.surface())
     }
 
-    /// Mean of e eᵀ/d² over the steps, with two degrees of freedom taken by the parameters.
-    fn scatter_of(&self, steps: &[StepObservation]) -> Result<Matrix3<f64>, ModelError> {
+    /// Mean of e eᵀ/d² over the steps, with the degrees of freedom that the parameters took.
+    fn scatter_of(
+        &self,
+        steps: &[StepObservation],
+        n_parameters: usize,
+    ) -> Result<Matrix3<f64>, ModelError> {
         let mut sum = Matrix3::zeros();
-        for step in steps {
-            let error = self.error(step)? / step.input.distance();
+        for (step, error) in steps.iter().zip(self.errors(steps)?) {
+            let error = error / step.input.distance();
             sum += error * error.transpose();
         }
-        Ok(sum / (steps.len() - 2) as f64)
+        Ok(sum / (steps.len() - n_parameters) as f64)
     }
-}
-
-/// The model with parameters (ln μp, ln c).
-fn candidate(x: &[f64]) -> Result<Analytical, ModelError> {
-    let exact = |x: f64| Estimate::exact(x.exp(), "trial");
-    let length = CharacteristicLength::Given(exact(x[1]));
-    Analytical::new(exact(x[0]), length, Matrix3::zeros())
 }
 
 /// The standard deviation of each output over the steps.
@@ -104,5 +112,8 @@ fn output_sd(steps: &[StepObservation]) -> Result<Vector3<f64>, ModelError> {
 }
 
 fn correlation(covariance: &DMatrix<f64>) -> f64 {
-    covariance[(0, 1)] / (covariance[(0, 0)] * covariance[(1, 1)]).sqrt()
+    match covariance.nrows() {
+        2 => covariance[(0, 1)] / (covariance[(0, 0)] * covariance[(1, 1)]).sqrt(),
+        _ => 0.0,
+    }
 }

@@ -26,6 +26,27 @@ pub enum ModelError {
         /// How many there are.
         n_edges: usize,
     },
+    /// A row of a table is no step of a push.
+    #[error("row {row} of the table ({recording})")]
+    Row {
+        /// Its number, from 0.
+        row: usize,
+        /// The recording that it is of.
+        recording: String,
+        /// Why.
+        source: Box<ModelError>,
+    },
+    /// A row is about another shape than the object given.
+    #[error("the row's shape is {found}, the object is {expected}; give the object of the table")]
+    OtherShape {
+        /// The row's.
+        found: String,
+        /// The object's.
+        expected: String,
+    },
+    /// An object that nobody knows.
+    #[error(transparent)]
+    Object(#[from] planar::PlanarError),
     /// Fewer steps than a fit needs.
     #[error("{what} needs at least {needed} steps, got {actual}; record more pushes")]
     TooFewSteps {
@@ -43,6 +64,14 @@ pub enum ModelError {
         output: &'static str,
         /// Number of steps.
         n_steps: usize,
+    },
+    /// A characteristic length was given for a surface that has its own.
+    #[error(
+        "a given characteristic length is for an ellipsoid; on {surface} it follows from the pressure"
+    )]
+    LengthOfAnotherSurface {
+        /// The limit surface.
+        surface: &'static str,
     },
     /// The data do not determine a parameter.
     #[error("the steps do not determine {parameter}; fix it, or add pushes that slide and turn")]

@@ -11,7 +11,8 @@ use crate::{
 /// An analytical model plus three independent Gaussian processes on its residuals.
 ///
 /// The processes have mean zero: far from the training steps the analytical model alone speaks. The
-/// scatter is that which the processes have learnt.
+/// scatter is that which the processes have learnt; what the standard errors of the analytical
+/// parameters leave open is added.
 #[derive(Clone, Debug)]
 pub struct Hybrid {
     analytical: Analytical,
@@ -30,10 +31,9 @@ impl Hybrid {
         options: &LearnOptions,
     ) -> Result<(Self, [LearnReport; 3]), ModelError> {
         let inputs: Vec<_> = steps.iter().map(|step| &step.input).collect();
-        let residuals: Result<Vec<_>, _> =
-            steps.iter().map(|step| analytical.error(step)).collect();
+        let residuals = analytical.errors(steps)?;
         let options = LearnOptions { mean: Mean::Fixed(0.0), ..options.clone() };
-        let (gps, reports) = StepGps::learn(&inputs, &residuals?, &options)?;
+        let (gps, reports) = StepGps::learn(&inputs, &residuals, &options)?;
         Ok((Self { analytical, gps }, reports))
     }
 
@@ -61,8 +61,11 @@ impl PushModel for Hybrid {
         noise: Noise,
     ) -> Result<Vec<StepPrediction>, ModelError> {
         let mut predictions = self.gps.predict(steps, noise)?;
-        for (prediction, step) in predictions.iter_mut().zip(steps) {
-            prediction.mean += self.analytical.outputs(step)?;
+        // The scatter of the base is in the residuals, from which the processes learnt theirs.
+        let base = self.analytical.predict(steps, Noise::Excluded)?;
+        for (prediction, base) in predictions.iter_mut().zip(base) {
+            prediction.mean += base.mean;
+            prediction.covariance += base.covariance;
         }
         Ok(predictions)
     }

@@ -10,8 +10,8 @@ use crate::error::{not_negative, positive};
 
 /// A straight motion of a round pusher at an object, in the body frame B at the start of the step.
 ///
-/// β is the angle from the inward normal of the contact to the pusher's motion, counter-clockwise
-/// positive; p runs from 0 to 1 along the edge.
+/// β is the angle from the edge's inward normal to the pusher's motion, counter-clockwise positive
+/// (at a vertex too, as in the table); p runs from 0 to 1 along the edge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepInput {
     shape: Arc<Shape>,
@@ -81,15 +81,19 @@ impl StepInput {
             return Err(ModelError::InvalidValue { name, expected, value, unit: "m" });
         }
         let contact = shape.contact(&start_b, pusher_radius);
-        let direction_b = motion / distance;
-        let (sine, cosine) =
-            (cross(&contact.normal, &direction_b), contact.normal.dot(&direction_b));
-        let (edge, p, beta) = (contact.edge, contact.p, sine.atan2(cosine));
+        let (edge, p, direction_b) = (contact.edge, contact.p, motion / distance);
+        let normal = shape.inward_normal_at(edge, p);
+        let beta = cross(&normal, &direction_b).atan2(normal.dot(&direction_b));
         Ok(Self { shape, pusher_radius, edge, p, beta, start_b, direction_b, distance })
     }
 
     /// The object's outline, in B.
     pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// The outline as it is shared between steps.
+    pub fn shared_shape(&self) -> &Arc<Shape> {
         &self.shape
     }
 
@@ -130,6 +134,9 @@ impl StepInput {
 
     /// (Δx, Δy, Δθ) of the body frame's motion `pose_bb` (end seen from start): along the pusher's
     /// motion and along its left normal, in m, and counter-clockwise, in rad.
+    ///
+    /// The thesis calls Δy parallel to the contact's normal (section 4.3) and Δθ negative for
+    /// counter-clockwise turns (section 5.1); its figure 4.6 and the measurements say what is here.
     pub fn outputs(&self, pose_bb: &Pose) -> Vector3<f64> {
         let left = perpendicular(&self.direction_b);
         let moved = &pose_bb.position;

@@ -56,6 +56,40 @@ impl Contact {
         nearest
     }
 
+    /// The other places of a polygon that are nearest to a center among their neighbors, and at most
+    /// `reach` further away than `nearest`.
+    pub(crate) fn others(
+        polygon: &Polygon,
+        nearest: &Self,
+        center: &Vector2<f64>,
+        radius: f64,
+        reach: f64,
+    ) -> impl Iterator<Item = Self> {
+        let n = polygon.vertices().len();
+        let limit = nearest.gap + radius + reach;
+        (0..n).filter_map(move |edge| {
+            let mut contact = Self::with_edge(polygon, edge, center);
+            let outward = center - contact.point;
+            let distance = outward.norm();
+            // A vertex counts once, with the edge that it begins, and only if both edges end there.
+            let is_nearest_around = match contact.feature {
+                Feature::Edge => outward.dot(&contact.normal) < 0.0,
+                Feature::Vertex => {
+                    contact.p == 0.0
+                        && Self::with_edge(polygon, (edge + n - 1) % n, center).p == 1.0
+                }
+            };
+            if distance > limit || !is_nearest_around || contact.point == nearest.point {
+                return None;
+            }
+            if contact.feature == Feature::Vertex {
+                contact.normal = -outward / distance;
+            }
+            contact.gap = distance - radius;
+            Some(contact)
+        })
+    }
+
     pub(crate) fn with_ellipse(ellipse: &Ellipse, center: &Vector2<f64>, radius: f64) -> Self {
         let psi = ellipse.nearest_parameter(center);
         let point = ellipse.at_parameter(psi);
@@ -149,6 +183,28 @@ mod tests {
         let contact = shape.contact(&Vector2::new(2.2, 2.0), 0.1);
         assert_eq!((contact.edge, contact.feature), (2, Feature::Edge));
         assert!((contact.gap - (0.8 / 2.0_f64.sqrt() - 0.1)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_pusher_wedged_in_a_notch_touches_both_walls() {
+        let points = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [2.0, 1.0], [0.0, 3.0]];
+        let notch = points.iter().map(|p| Vector2::new(p[0], p[1])).collect();
+        let shape = Shape::Polygon(Polygon::new(notch).unwrap());
+        let center = Vector2::new(2.0, 1.0 + 0.3 * 2.0_f64.sqrt());
+        let edges = |center, reach| -> Vec<usize> {
+            shape.contacts(center, 0.3, reach).iter().map(|contact| contact.edge).collect()
+        };
+        let mut both = edges(&center, 1e-9);
+        both.sort_unstable();
+        assert_eq!(both, [2, 3]);
+        for contact in shape.contacts(&center, 0.3, 1e-9) {
+            assert!(contact.gap.abs() < 1e-15);
+            assert!((contact.normal.y + 0.5_f64.sqrt()).abs() < 1e-15);
+        }
+        assert_eq!(edges(&(center + Vector2::new(0.01, 0.0)), 1e-9), [2]);
+        // Between the two tips each of them is nearest among its neighbors.
+        let above = shape.contacts(&Vector2::new(2.0, 6.0), 0.3, 1e-9);
+        assert!(above.iter().all(|contact| contact.feature == Feature::Vertex) && above.len() == 2);
     }
 
     proptest! {

@@ -98,24 +98,37 @@ impl Ellipse {
 
     /// Outline parameter ψ of the point that is nearest to `point` (m), in (−π, π].
     ///
-    /// Bisection on the one quadrant that holds it: exact for every point, inside and on the axes.
+    /// Newton's method from the parameter of the point itself, kept within the one quadrant that
+    /// holds it by bisection: exact for every point, inside and on the axes.
     pub fn nearest_parameter(&self, point: &Vector2<f64>) -> f64 {
-        let (x, y) = (point.x.abs(), point.y.abs());
-        let slope = |psi: f64| {
+        let (ax, by) = (self.semi_x * point.x.abs(), self.semi_y * point.y.abs());
+        let gap = self.semi_y.powi(2) - self.semi_x.powi(2);
+        // Half the derivative of the squared distance, and its own derivative.
+        let slopes = |psi: f64| {
             let (sin, cos) = psi.sin_cos();
-            (self.semi_x * cos - x) * (-self.semi_x * sin)
-                + (self.semi_y * sin - y) * self.semi_y * cos
+            let slope = ax * sin - by * cos + gap * sin * cos;
+            (slope, ax * cos + by * sin + gap * (cos * cos - sin * sin))
         };
         let (mut low, mut high) = (0.0, 0.5 * PI);
-        // Where the slope starts positive or ends negative, the nearest point is on an axis.
-        if slope(f64::EPSILON) > 0.0 {
+        // Where the slope starts positive, the nearest point is on an axis.
+        if slopes(f64::EPSILON).0 > 0.0 {
             high = 0.0;
         }
+        let mut psi = (by * self.semi_x.powi(2)).atan2(ax * self.semi_y.powi(2)).min(high);
         while high - low > f64::EPSILON {
-            let middle = 0.5 * (low + high);
-            if slope(middle) > 0.0 { high = middle } else { low = middle }
+            let (slope, bend) = slopes(psi);
+            if slope > 0.0 {
+                high = psi
+            } else {
+                low = psi
+            }
+            let newton = psi - slope / bend;
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            if (next - psi).abs() <= f64::EPSILON {
+                break;
+            }
+            psi = next;
         }
-        let psi = 0.5 * (low + high);
         let psi = if point.x < 0.0 { PI - psi } else { psi };
         if point.y < 0.0 { -psi } else { psi }
     }
@@ -144,7 +157,9 @@ impl Ellipse {
 
     fn arc_between(&self, from: f64, to: f64) -> f64 {
         let speed = |psi: f64| (self.semi_x * psi.sin()).hypot(self.semi_y * psi.cos());
-        let panels = 8;
+        // The speed bends within about 1/aspect of an axis.
+        let aspect = self.semi_x.max(self.semi_y) / self.semi_x.min(self.semi_y);
+        let panels = (2.0 * aspect).ceil().clamp(3.0, 64.0) as u32;
         let width = (to - from) / f64::from(panels);
         (0..panels).map(|k| gauss_legendre(&speed, from + f64::from(k) * width, width)).sum()
     }

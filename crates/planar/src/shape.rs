@@ -161,7 +161,8 @@ impl Shape {
     ///
     /// - `pusher_center_b`: its center in the body frame, in m; - `pusher_radius`: in m.
     ///
-    /// A non-convex outline may be touched at two places at once: the nearer one is returned.
+    /// A non-convex outline may be touched at several places at once: the nearest one is returned,
+    /// [`Shape::contacts`] returns all.
     pub fn contact(&self, pusher_center_b: &Vector2<f64>, pusher_radius: f64) -> Contact {
         match self {
             Self::Polygon(polygon) => {
@@ -171,6 +172,27 @@ impl Shape {
                 Contact::with_ellipse(ellipse, pusher_center_b, pusher_radius)
             }
         }
+    }
+
+    /// All places that a round pusher touches at once: the nearest, then those that are nearest among
+    /// their neighbors with a gap at most `reach` (m) larger.
+    ///
+    /// One for a convex outline, or for a pusher whose center is inside.
+    pub fn contacts(
+        &self,
+        pusher_center_b: &Vector2<f64>,
+        pusher_radius: f64,
+        reach: f64,
+    ) -> Vec<Contact> {
+        let nearest = self.contact(pusher_center_b, pusher_radius);
+        let mut all = vec![nearest];
+        if let Self::Polygon(polygon) = self
+            && nearest.gap > -pusher_radius
+        {
+            let center = pusher_center_b;
+            all.extend(Contact::others(polygon, &nearest, center, pusher_radius, reach));
+        }
+        all
     }
 }
 

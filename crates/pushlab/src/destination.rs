@@ -5,8 +5,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::origin::Input;
-
 /// A path at which a file can be written.
 pub(crate) struct Destination {
     path: PathBuf,
@@ -35,7 +33,7 @@ impl Destination {
     /// # Errors
     /// Also if the path exists.
     pub(crate) fn unused(path: &Path) -> Result<Self> {
-        ensure!(!path.exists(), "{} exists; remove it first, or name another", path.display());
+        ensure!(!path.exists(), "{} exists; remove or rename it first", path.display());
         Self::new(path)
     }
 
@@ -48,16 +46,16 @@ impl Destination {
     ///
     /// # Errors
     /// If the path is an input, or lies in one.
-    pub(crate) fn spare<'a>(&self, inputs: impl IntoIterator<Item = &'a Input>) -> Result<()> {
+    pub(crate) fn spare(&self, inputs: &[PathBuf]) -> Result<()> {
         let Ok(folder) = folder_of(&self.path).canonicalize() else { return Ok(()) };
         let own = folder.join(self.path.file_name().unwrap_or_default());
         for input in inputs {
-            let is_input = input.path.canonicalize().is_ok_and(|path| own.starts_with(path));
+            let is_input = input.canonicalize().is_ok_and(|path| own.starts_with(path));
             ensure!(
                 !is_input,
                 "cannot write {}: it belongs to the input {}; name another file",
                 self.path.display(),
-                input.path.display()
+                input.display()
             );
         }
         Ok(())
@@ -87,7 +85,6 @@ fn folder_of(path: &Path) -> &Path {
 #[cfg(test)]
 mod tests {
     use super::Destination;
-    use crate::origin::Input;
 
     #[test]
     fn a_file_is_written_whole_and_leaves_nothing_beside_it() {
@@ -108,10 +105,9 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let recording = dir.path().join("push-0");
         std::fs::create_dir(&recording).unwrap();
-        let input = Input { path: recording.clone(), sha256: String::new() };
         let inside = Destination::new(&recording.join("../push-0/steps.csv")).unwrap();
-        assert!(inside.spare([&input]).is_err());
+        assert!(inside.spare(std::slice::from_ref(&recording)).is_err());
         let beside = Destination::new(&dir.path().join("push-0.csv")).unwrap();
-        beside.spare([&input]).unwrap();
+        beside.spare(&[recording]).unwrap();
     }
 }

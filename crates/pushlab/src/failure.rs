@@ -6,15 +6,15 @@ use std::process::ExitCode;
 
 use crate::terminal::{FAILURE, Terminal};
 
-/// How a run ended.
+/// How a run ended, as exit codes tell it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Outcome {
-    /// Exit code 0.
-    Done,
-    /// The input or the computation failed: exit code 1.
-    Failed,
-    /// Exit code 2.
-    WrongUsage,
+    /// As asked.
+    Done = 0,
+    /// The input or the computation failed.
+    Failed = 1,
+    /// The arguments make no sense.
+    WrongUsage = 2,
 }
 
 impl From<Outcome> for ExitCode {

@@ -2,7 +2,7 @@
 #![forbid(unsafe_code)]
 
 #[cfg(doctest)]
-mod root_readme;
+mod pages;
 
 pub use dataset;
 pub use gp_core;

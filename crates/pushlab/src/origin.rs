@@ -51,7 +51,8 @@ impl Origin {
         provenance.push("arguments", &self.command_line());
     }
 
-    fn command_line(&self) -> String {
+    /// The arguments as one would type them.
+    pub(crate) fn command_line(&self) -> String {
         let quoted = |word: &String| {
             if word.contains(char::is_whitespace) { format!("{word:?}") } else { word.clone() }
         };

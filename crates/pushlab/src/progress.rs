@@ -21,6 +21,8 @@ pub(crate) enum Progress {
 
 /// Lines for a whole run.
 const LINES: usize = 4;
+/// Less work than this is done before anyone wonders.
+const WORTH_A_LINE: usize = 20;
 
 impl Progress {
     pub(crate) fn new(what: &'static str, total: usize, target: ProgressDrawTarget) -> Self {
@@ -65,8 +67,11 @@ impl Progress {
 
 /// Whether another share of the work is complete.
 fn is_line(done: usize, total: usize) -> bool {
-    let shares = |done: usize| done * LINES / total.max(1);
-    total > LINES && shares(done) > shares(done - 1)
+    if total < WORTH_A_LINE {
+        return false;
+    }
+    let shares = |done: usize| done * LINES / total;
+    shares(done) > shares(done - 1)
 }
 
 #[cfg(test)]
@@ -77,7 +82,7 @@ mod tests {
     fn a_run_prints_four_lines_and_the_last_at_its_end() {
         let lines = |total| (1..=total).filter(|&done| is_line(done, total)).collect::<Vec<_>>();
         assert_eq!(lines(32), [8, 16, 24, 32]);
-        assert_eq!(lines(5), [2, 3, 4, 5]);
-        assert!(lines(3).is_empty());
+        assert_eq!(lines(21), [6, 11, 16, 21]);
+        assert!(lines(19).is_empty());
     }
 }

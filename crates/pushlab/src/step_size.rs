@@ -14,8 +14,11 @@ pub(crate) struct StepSize(pub(crate) StepLength);
 const TIMES: RangeInclusive<f64> = 1e-3..=100.0;
 const WAYS: RangeInclusive<f64> = 1e-4..=10.0;
 
+/// Makes a step length of SI units.
+type Kind = fn(f64) -> StepLength;
+
 /// Units with their number in an SI unit; those that end like another one come first.
-const UNITS: [(&str, f64, fn(f64) -> StepLength); 5] = [
+const UNITS: [(&str, f64, Kind); 5] = [
     ("ms", 1e3, StepLength::Time),
     ("s", 1.0, StepLength::Time),
     ("mm", 1e3, StepLength::Distance),
@@ -30,12 +33,12 @@ impl FromStr for StepSize {
         let unit = UNITS.iter().find_map(|unit| Some((text.strip_suffix(unit.0)?, unit)));
         let number =
             unit.and_then(|(number, unit)| Some((number.trim().parse::<f64>().ok()?, unit)));
-        let Some((number, (_, per_unit, length))) = number else {
+        let Some((number, (_, per_unit, kind))) = number else {
             return Err("expected a time in s or ms, or a way of the pusher in m, cm or mm, \
                         such as 200ms, 0.2s or 4mm"
                 .to_owned());
         };
-        let step = length(number / per_unit);
+        let step = kind(number / per_unit);
         let (value, range, unit) = match step {
             StepLength::Time(time) => (time, TIMES, "s"),
             StepLength::Distance(way) => (way, WAYS, "m"),

@@ -95,17 +95,16 @@ impl fmt::Display for TableSummary {
         }
         write!(f, "{}", self.coverage)?;
         writeln!(f, "{TITLE}made by{TITLE:#}")?;
-        let (sources, settings): (Vec<_>, Vec<_>) =
-            self.provenance.iter().partition(|(key, _)| key == "source");
-        for (key, value) in settings {
+        // The settings are a line of JSON that nobody reads here, the sources one line a recording.
+        let is_short = |key: &str| !["settings", "source"].contains(&key);
+        for (key, value) in self.provenance.iter().filter(|(key, _)| is_short(key)) {
             writeln!(f, "  {key}: {value}")?;
         }
+        let sources: Vec<_> = self.provenance.iter().filter(|(key, _)| key == "source").collect();
         match sources[..] {
             [] => Ok(()),
             [(_, only)] => writeln!(f, "  source: {only}"),
-            [(_, first), .., (_, last)] => {
-                writeln!(f, "  sources: {}, from {first} to {last}", sources.len())
-            }
+            _ => writeln!(f, "  sources: {}, with their SHA-256 in the table", sources.len()),
         }
     }
 }

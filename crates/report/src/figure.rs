@@ -6,7 +6,8 @@ use crate::data::Data;
 use crate::error::ReportError;
 use crate::files::{Drawn, write_atomically};
 use crate::frame::Margins;
-use crate::legend::LegendPlace;
+use crate::legend::{LegendPlace, draw_below, height_below};
+use crate::mark::LegendKey;
 use crate::panel::Panel;
 use crate::raster::to_png;
 use crate::scene::{Rect, Scene, Text};
@@ -19,7 +20,9 @@ pub struct Figure {
     rows: usize,
     columns: usize,
     title: String,
+    name: String,
     panel_size: [f64; 2],
+    one_legend: bool,
     panels: Vec<Cell>,
 }
 
@@ -36,15 +39,18 @@ pub enum Cell {
 /// Pixels of the PNG across, at least.
 const PNG_WIDTH: f64 = 1400.0;
 /// Bytes of SVG above which the panels' marks become pictures.
-const SVG_LIMIT: usize = 280_000;
+const SVG_LIMIT: usize = 190_000;
+/// Room left at both sides of the one legend, in px.
+const EDGE: f64 = 12.0;
 /// Bytes that those pictures may take together.
-const SVG_BUDGET: usize = 240_000;
+const SVG_BUDGET: usize = 160_000;
 
 impl Figure {
     /// An empty grid, filled row by row with [`Figure::with`]; a cell is 360 × 290 px.
     pub fn new(rows: usize, columns: usize) -> Self {
         let panel_size = [360.0, 290.0];
-        Self { rows, columns, title: String::new(), panel_size, panels: Vec::new() }
+        let (title, name, panels) = (String::new(), String::new(), Vec::new());
+        Self { rows, columns, title, name, panel_size, one_legend: false, panels }
     }
 
     /// A figure of one panel of 560 × 380 px.
@@ -59,10 +65,24 @@ impl Figure {
         self
     }
 
+    /// Gives the figure a name for pages and screen readers that is not written in the picture.
+    #[must_use]
+    pub fn named(mut self, name: &str) -> Self {
+        name.clone_into(&mut self.name);
+        self
+    }
+
     /// Makes each panel this large with its labels, in px (1 px = 0.75 pt).
     #[must_use]
     pub fn panel_size(mut self, width: f64, height: f64) -> Self {
         self.panel_size = [width, height];
+        self
+    }
+
+    /// Shows what the panels' legends say once, below all of them.
+    #[must_use]
+    pub fn one_legend(mut self) -> Self {
+        self.one_legend = true;
         self
     }
 
@@ -107,8 +127,8 @@ impl Figure {
     }
 
     fn name(&self) -> &str {
-        if !self.title.is_empty() {
-            return &self.title;
+        if let Some(own) = [&self.name, &self.title].into_iter().find(|name| !name.is_empty()) {
+            return own;
         }
         self.panels.iter().map(Cell::title).find(|title| !title.is_empty()).unwrap_or("figure")
     }
@@ -131,8 +151,8 @@ impl Figure {
         }
         let [width, height] = self.panel_size;
         let head = if self.title.is_empty() { 0.0 } else { 30.0 };
-        let mut scene =
-            Scene::new(width * self.columns as f64, height * self.rows as f64 + head + 4.0);
+        let body = head + height * self.rows as f64;
+        let mut scene = Scene::new(width * self.columns as f64, body + 4.0);
         if !self.title.is_empty() {
             let text = Text::new([0.5 * scene.width, 21.0], &self.title, 15.0);
             scene.text(Text { bold: true, ..text });
@@ -149,27 +169,54 @@ impl Figure {
             }
             panel.draw(&mut scene, area, &self.lettered(i), places[i], budget)?;
         }
+        let keys = self.shared_keys();
+        if !keys.is_empty() {
+            let (center, right, room) =
+                (0.5 * scene.width, scene.width - EDGE, scene.width - 2.0 * EDGE);
+            draw_below(&mut scene, [center, body], right, &keys, room);
+            scene.height += height_below(&keys, room);
+        }
         Ok(scene)
     }
 
-    /// Margins and legend places: once for a guessed area, then for the area that follows.
+    /// The keys of the one legend, each label once.
+    fn shared_keys(&self) -> Vec<LegendKey> {
+        let mut keys: Vec<LegendKey> = Vec::new();
+        for key in self.panels.iter().filter(|_| self.one_legend).flat_map(Cell::keys) {
+            if keys.iter().all(|known| known.label != key.label) {
+                keys.push(key);
+            }
+        }
+        keys
+    }
+
+    /// Margins and legend places: once for a guessed area, then for the areas that follow, as a
+    /// legend below one panel makes all panels of its row lower.
     fn plan(&self, head: f64) -> Result<(Vec<Margins>, Vec<LegendPlace>), ReportError> {
         let guess = [self.panel_size[0] - 90.0, self.panel_size[1] - 80.0];
         let panels = || self.panels.iter().enumerate();
         panels().try_for_each(|(i, panel)| panel.check(i))?;
-        let first: Vec<Margins> = panels()
-            .map(|(i, panel)| panel.margins(&self.lettered(i), guess, LegendPlace::Auto))
-            .collect::<Result<_, _>>()?;
-        let areas: Vec<Rect> = panels().map(|(i, _)| self.area(&first, i, head)).collect();
-        let places: Vec<LegendPlace> =
-            panels().map(|(i, panel)| panel.settle_legend(areas[i])).collect::<Result<_, _>>()?;
-        let margins = panels()
-            .map(|(i, panel)| {
-                let size = [areas[i].width, areas[i].height];
-                panel.margins(&self.lettered(i), size, places[i])
-            })
-            .collect::<Result<_, _>>()?;
-        Ok((margins, places))
+        let measure = |sizes: &[[f64; 2]], places: &[LegendPlace]| {
+            panels()
+                .map(|(i, panel)| panel.margins(&self.lettered(i), sizes[i], places[i]))
+                .collect::<Result<Vec<Margins>, _>>()
+        };
+        let start = if self.one_legend { LegendPlace::Hidden } else { LegendPlace::Auto };
+        let mut places = vec![start; self.panels.len()];
+        let mut margins = measure(&vec![guess; self.panels.len()], &places)?;
+        loop {
+            let areas: Vec<Rect> = panels().map(|(i, _)| self.area(&margins, i, head)).collect();
+            let before = places.clone();
+            for (i, panel) in panels().filter(|(i, _)| before[*i] == LegendPlace::Auto) {
+                places[i] = panel.settle_legend(areas[i])?;
+            }
+            let sizes: Vec<_> = areas.iter().map(|area| [area.width, area.height]).collect();
+            margins = measure(&sizes, &places)?;
+            // Only `Auto` changes, and only once, so that this ends.
+            if places == before {
+                return Ok((margins, places));
+            }
+        }
     }
 
     /// The data area of a panel.
@@ -220,6 +267,13 @@ impl Cell {
         match self {
             Self::Flat(panel) => panel.title_text(),
             Self::Spatial(space) => space.title_text(),
+        }
+    }
+
+    fn keys(&self) -> Vec<LegendKey> {
+        match self {
+            Self::Flat(panel) => panel.keys(),
+            Self::Spatial(space) => space.keys(),
         }
     }
 

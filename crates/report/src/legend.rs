@@ -24,6 +24,8 @@ pub enum LegendPlace {
     Outside,
     /// Below the panel, in rows.
     Below,
+    /// Nowhere.
+    Hidden,
 }
 
 const SWATCH: f64 = 24.0;
@@ -54,7 +56,9 @@ pub(crate) fn legend_box(
         LegendPlace::BottomLeft => at(left, bottom),
         LegendPlace::BottomRight => at(right, bottom),
         LegendPlace::Outside => at(area.right() + 8.0, area.y),
-        LegendPlace::Auto | LegendPlace::Below => best_spot(scene, first, area, keys).1,
+        LegendPlace::Auto | LegendPlace::Below | LegendPlace::Hidden => {
+            best_spot(scene, first, area, keys).1
+        }
     }
 }
 
@@ -110,12 +114,19 @@ pub(crate) fn height_below(keys: &[LegendKey], width: f64) -> f64 {
     LEADING * rows(keys, width).len() as f64 + 6.0
 }
 
-/// Draws the keys in rows centered about `x`, the first below `y`.
-pub(crate) fn draw_below(scene: &mut Scene, [x, y]: [f64; 2], keys: &[LegendKey], width: f64) {
+/// Draws the keys in rows centered about `x` but ending at `right`, the first below `y`.
+pub(crate) fn draw_below(
+    scene: &mut Scene,
+    [x, y]: [f64; 2],
+    right: f64,
+    keys: &[LegendKey],
+    width: f64,
+) {
     for (i, (used, row)) in rows(keys, width).into_iter().enumerate() {
         let middle = y + LEADING * (i as f64 + 0.5);
+        let left = (x - 0.5 * used).min(right - used);
         for (offset, key) in row {
-            draw_key(scene, key, [x - 0.5 * used + offset, middle]);
+            draw_key(scene, key, [left + offset, middle]);
         }
     }
 }

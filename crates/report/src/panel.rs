@@ -162,8 +162,8 @@ impl Panel {
         if place == LegendPlace::Below {
             let foot = axis_margins(&x, &y, title, [area.width, area.height]).bottom;
             let at = [area.center()[0], area.bottom() + foot];
-            draw_below(scene, at, &keys, width + OVERHANG);
-        } else if !keys.is_empty() {
+            draw_below(scene, at, area.right() + 8.0, &keys, width + OVERHANG);
+        } else if !keys.is_empty() && place != LegendPlace::Hidden {
             draw_legend(scene, &spot, &keys);
         }
         Ok(())
@@ -197,7 +197,7 @@ impl Panel {
         Ok([x, y])
     }
 
-    fn keys(&self) -> Vec<LegendKey> {
+    pub(crate) fn keys(&self) -> Vec<LegendKey> {
         self.marks.iter().filter_map(|mark| mark.legend()).collect()
     }
 

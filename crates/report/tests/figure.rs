@@ -12,8 +12,8 @@ fn line() -> Panel {
 }
 
 fn heavy() -> Figure {
-    let walk: Vec<f64> = (0..60_000).map(|i| (f64::from(i) * 12.9898).sin() * 43.7).collect();
-    let index: Vec<f64> = (0..60_000).map(f64::from).collect();
+    let walk: Vec<f64> = (0..5_000).map(|i| (f64::from(i) * 12.9898).sin() * 43.7).collect();
+    let index: Vec<f64> = (0..5_000).map(f64::from).collect();
     let bowl = |u: f64, v: f64| [u, v, (u - 0.5).powi(2) + (v - 0.5).powi(2)];
     let grid = Grid::sample((0.0, 1.0), (0.0, 1.0), 200, 200, |x, y| x * y);
     Figure::new(2, 2)
@@ -35,6 +35,36 @@ fn svg_is_valid_xml_and_stays_light_whatever_is_in_it() {
             assert!(!value.contains("NaN") && !value.contains("inf"), "{value}");
         }
     }
+}
+
+#[test]
+fn one_legend_says_each_thing_once() {
+    let two = || Figure::new(1, 2).with(line()).with(line());
+    let count = |figure: Figure| figure.svg().unwrap().matches("a &amp; &lt;b&gt;").count();
+    assert_eq!((count(two()), count(two().one_legend())), (2, 1));
+}
+
+#[test]
+fn a_name_is_for_readers_and_not_in_the_picture() {
+    let svg = Figure::single(line()).named("force profile").svg().unwrap();
+    assert_eq!(svg.matches("force profile").count(), 1);
+    assert!(svg.contains("<title>force profile</title>"));
+}
+
+#[test]
+fn a_convex_body_is_drawn_without_the_half_that_it_hides() {
+    let ball = |u: f64, v: f64| {
+        let ((a, b), (c, d)) =
+            ((std::f64::consts::TAU * u).sin_cos(), (std::f64::consts::PI * (v - 0.5)).sin_cos());
+        [b * d, a * d, c]
+    };
+    let paths = |surface: Surface| {
+        let space = Space::new("x in m", "y in m", "z in m").with(surface);
+        Figure::single(space).svg().unwrap().matches("<path").count()
+    };
+    let whole = Surface::parametric(40, 20, ball);
+    let (all, seen) = (paths(whole.clone()), paths(whole.convex()));
+    assert!(all > 800 && (350..450).contains(&(all - seen)), "{all} {seen}");
 }
 
 #[test]

@@ -3,7 +3,9 @@
 //! One file a benchmark; [`BENCHMARKS`] registers them.
 
 mod contact;
+mod gp;
 mod plant;
+mod push;
 mod report;
 mod timing;
 
@@ -28,6 +30,9 @@ pub(crate) struct Args {
 /// The first benchmark that fails, by name.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let folder = workspace_root().join("target/bench");
+    if cfg!(debug_assertions) {
+        println!("built with checks; without: cargo run --release -p xtask -- bench");
+    }
     let is_chosen = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
     for benchmark in BENCHMARKS.iter().filter(|benchmark| is_chosen(benchmark.name)) {
         println!("{}: {}", benchmark.name, benchmark.about);
@@ -45,7 +50,8 @@ struct Benchmark {
     rows: fn() -> Result<Vec<Row>>,
 }
 
-const BENCHMARKS: &[Benchmark] = &[contact::BENCHMARK, plant::BENCHMARK];
+const BENCHMARKS: &[Benchmark] =
+    &[contact::BENCHMARK, gp::BENCHMARK, plant::BENCHMARK, push::BENCHMARK];
 
 #[cfg(test)]
 mod tests {

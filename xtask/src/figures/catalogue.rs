@@ -3,9 +3,8 @@
 use anyhow::Result;
 
 use super::inputs::Inputs;
-use super::learning;
-use super::mechanics;
 use super::sketch::Sketch;
+use super::{learning, mechanics, models, recordings};
 
 /// A figure: its number in the thesis, its title and the function that draws it.
 #[derive(Debug)]
@@ -14,6 +13,8 @@ pub(crate) struct Entry {
     pub(crate) chapter: Chapter,
     pub(crate) title: &'static str,
     pub(crate) draw: fn(&Inputs) -> Result<Sketch>,
+    /// The claims that it settles, for data from which it cannot be drawn.
+    pub(crate) claims: &'static [&'static str],
 }
 
 /// A chapter of the thesis.
@@ -54,7 +55,14 @@ const fn entry(
     title: &'static str,
     draw: fn(&Inputs) -> Result<Sketch>,
 ) -> Entry {
-    Entry { id, chapter, title, draw }
+    Entry { id, chapter, title, draw, claims: &[] }
+}
+
+impl Entry {
+    const fn settles(mut self, claims: &'static [&'static str]) -> Self {
+        self.claims = claims;
+        self
+    }
 }
 
 /// All figures, in the order of the thesis.
@@ -77,4 +85,21 @@ pub(crate) const ALL: &[Entry] = &[
     entry("2.11", Chapter::Mechanics, "the analytical push", mechanics::analytical::draw),
     entry("3.1", Chapter::Learning, "functions from three priors", learning::prior::draw),
     entry("3.2", Chapter::Learning, "posterior and density of data", learning::posterior::draw),
+    entry("4.3", Chapter::Recordings, "two recorded pushes", recordings::two_pushes::draw),
+    entry("4.4", Chapter::Recordings, "force and contact", recordings::force_profile::draw)
+        .settles(&recordings::force_profile::CLAIMS),
+    entry("4.5", Chapter::Recordings, "notation of the inputs", recordings::inputs_notation::draw),
+    entry(
+        "4.6",
+        Chapter::Recordings,
+        "notation of the outputs",
+        recordings::outputs_notation::draw,
+    ),
+    entry("4.7", Chapter::Recordings, "outputs over inputs", recordings::outputs::draw)
+        .settles(&recordings::outputs::CLAIMS),
+    entry("5.1", Chapter::Models, "noise of the sensors", recordings::noise::draw),
+    entry("5.2", Chapter::Models, "the learned push", models::gp_maps::draw)
+        .settles(&models::gp_maps::CLAIMS),
+    entry("5.7", Chapter::Models, "learning curves", models::learning_curves::draw)
+        .settles(&models::learning_curves::CLAIMS),
 ];

@@ -19,3 +19,9 @@ pub(crate) fn judged(claim: &str, value: String, holds: bool, reason: &str) -> C
     let verdict = if holds { Verdict::Holds } else { Verdict::DoesNotHold };
     Claim { claim: claim.to_owned(), value, verdict, reason: reason.to_owned() }
 }
+
+/// A claim that the data cannot settle.
+pub(crate) fn untestable(claim: &str, reason: &str) -> Claim {
+    let (claim, reason) = (claim.to_owned(), reason.to_owned());
+    Claim { claim, value: String::new(), verdict: Verdict::NotTestable, reason }
+}

@@ -254,3 +254,51 @@ fn tables_in(folder: &Path) -> Result<Vec<PathBuf>> {
     tables.sort();
     Ok(tables)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::{Inputs, Lacking};
+
+    const MIT_TABLE: &str = "c,phi_rad,dx_c_m,dy_c_m_sign_flipped,dtheta_rad\n\
+                             0.2,0.0,0.003,0.0,-0.03\n0.5,0.5,0.003,0.001,0.0\n";
+
+    #[test]
+    fn the_fixtures_give_recordings_and_a_table() {
+        let inputs = Inputs::open(None, false).unwrap();
+        assert!(inputs.sources().is_empty(), "nothing is read before it is asked for");
+        let rows = &inputs.table().unwrap().rows;
+        let name = &rows[0].recording;
+        assert!(rows.len() > 500 && inputs.recording(name).unwrap().wrench.is_some());
+        assert!(std::ptr::eq(&inputs.table().unwrap().rows[0], &rows[0]), "ingested once");
+        assert!((inputs.object(name).unwrap().mass - 0.8374).abs() < 1e-12);
+        let sources = inputs.sources();
+        assert_eq!((sources.len(), sources[0].1.len()), (1, 64));
+        assert!(sources[0].0.ends_with("60 recordings"), "{}", sources[0].0);
+    }
+
+    #[test]
+    fn a_table_is_found_in_its_folder_and_lacks_recordings() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("steps.csv"), MIT_TABLE).unwrap();
+        let inputs = Inputs::open(Some(folder.path()), true).unwrap();
+        assert_eq!(inputs.table().unwrap().len(), 2);
+        assert!(inputs.quick() && (inputs.pusher().unwrap().radius - 0.00475).abs() < 1e-12);
+        assert_eq!(inputs.sources().len(), 1);
+        let lacking = inputs.recordings().err().unwrap().downcast::<Lacking>().unwrap();
+        let message = lacking.to_string();
+        assert!(message.starts_with("needs recordings") && message.contains("a table of steps"));
+    }
+
+    #[test]
+    fn what_is_neither_set_nor_table_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = |path: &std::path::Path| Inputs::open(Some(path), false).err().unwrap();
+        assert!(error(folder.path()).to_string().contains("dataset.toml"));
+        let table = folder.path().join("other.csv");
+        fs::write(&table, "a,b\n1,2\n").unwrap();
+        assert!(error(&table).to_string().contains("no column"));
+        assert!(error(&folder.path().join("missing")).downcast_ref::<Lacking>().is_none());
+    }
+}

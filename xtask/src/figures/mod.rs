@@ -5,6 +5,8 @@ mod claims;
 mod inputs;
 mod learning;
 mod mechanics;
+mod models;
+mod recordings;
 mod sketch;
 
 use std::fs;
@@ -97,7 +99,7 @@ fn draw(entry: &Entry, inputs: &Inputs, out: &Path) -> Result<Outcome> {
         Err(error) => return Ok(Outcome::Lacking(error.downcast::<Lacking>()?.to_string())),
     };
     let Sketch { figure, data, caption, alt, claims } = sketch;
-    let figure = figure.title(&format!("Figure {}: {}", entry.id, entry.title));
+    let figure = figure.named(&format!("Figure {}: {}", entry.id, entry.title));
     let name = format!("figure-{}", entry.id.replace('.', "-").to_lowercase());
     let drawn = figure.write(out, &name, &data)?;
     let command = format!("cargo xtask reproduce-figures --only {}", entry.id);
@@ -118,14 +120,15 @@ fn page(entries: &[&Entry], outcomes: Vec<Outcome>, inputs: &Inputs, args: &Args
         inputs.name()
     );
     let mut page = Page::new("Planar pushing: the figures", &lead, provenance);
-    let (mut plates, mut claims, mut lacking) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut plates, mut settled, mut lacking) = (Vec::new(), Vec::new(), Vec::new());
     for (entry, outcome) in entries.iter().zip(outcomes) {
         match outcome {
             Outcome::Drawn(plate, own) => {
                 plates.push((entry.chapter, plate));
-                claims.extend(own);
+                settled.extend(own);
             }
             Outcome::Lacking(reason) => {
+                settled.extend(entry.claims.iter().map(|claim| claims::untestable(claim, &reason)));
                 lacking.push(vec![format!("{}: {}", entry.id, entry.title), reason]);
             }
         }
@@ -144,7 +147,7 @@ fn page(entries: &[&Entry], outcomes: Vec<Outcome>, inputs: &Inputs, args: &Args
                 .table(&["figure", "reason"], lacking),
         );
     }
-    Ok(page.with(claims::section(claims)))
+    Ok(page.with(claims::section(settled)))
 }
 
 fn arguments(args: &Args) -> String {
@@ -163,7 +166,65 @@ fn arguments(args: &Args) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{ALL, choose};
+    use std::fs;
+    use std::path::Path;
+
+    use clap::Parser;
+
+    use super::{ALL, Args, choose, run};
+
+    #[derive(Parser)]
+    struct CommandLine {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    /// Runs the task as from the command line; its files by name.
+    fn drawn(words: &[&str], out: &Path) -> Vec<(String, Vec<u8>)> {
+        let out = out.to_str().expect("a temporary folder has a plain name");
+        let line = CommandLine::try_parse_from([&["figures", "--out", out], words].concat());
+        run(&line.unwrap().args).unwrap();
+        let mut files: Vec<_> = fs::read_dir(out)
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .map(|path| (path.file_name().unwrap().display().to_string(), fs::read(path).unwrap()))
+            .collect();
+        files.sort();
+        files
+    }
+
+    #[test]
+    fn every_figure_leaves_a_light_picture_its_numbers_and_its_place_on_the_page() {
+        let folder = tempfile::tempdir().unwrap();
+        let files = drawn(&["--quick"], folder.path());
+        let page = fs::read_to_string(folder.path().join("index.html")).unwrap();
+        for entry in ALL {
+            let name = format!("figure-{}", entry.id.replace('.', "-").to_lowercase());
+            let size = |extension: &str| {
+                let file = format!("{name}.{extension}");
+                files.iter().find(|(name, _)| *name == file).map_or(0, |(_, bytes)| bytes.len())
+            };
+            assert!((1..200_000).contains(&size("svg")), "{name}.svg: {} bytes", size("svg"));
+            assert!(size("png") > 10_000, "{name}.png: {} bytes", size("png"));
+            assert!(size("csv") + size("json") > 100, "{name}: no numbers");
+            assert!(page.contains(&format!("<figure id=\"{name}\">")), "{name} is not on the page");
+            assert!(page.contains(&format!("--only {}</code>", entry.id)), "{name}: no command");
+        }
+        assert!(page.contains("3. c of the uniform square"));
+    }
+
+    #[test]
+    fn chosen_figures_have_the_same_bytes_for_any_number_of_jobs() {
+        let (one, two) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let chosen = ["--only", "2.10,2.5,3.2", "--jobs"];
+        let alone = drawn(&[&chosen[..], &["1"]].concat(), one.path());
+        let names: Vec<_> = alone.iter().map(|(name, _)| name.as_str()).collect();
+        let drawn_names = ["figure-2-10", "figure-2-5", "figure-3-2"];
+        let expected = drawn_names.map(|name| [format!("{name}.png"), format!("{name}.svg")]);
+        assert!(expected.iter().flatten().all(|name| names.contains(&name.as_str())), "{names:?}");
+        assert_eq!(names.len(), 3 * 3 + 1, "{names:?}");
+        assert!(alone == drawn(&[&chosen[..], &["2"]].concat(), two.path()));
+    }
 
     #[test]
     fn an_unknown_number_is_refused_with_the_known_ones() {

@@ -1,117 +1,150 @@
-//! Long pushes of eleven shapes: where the object ends up.
+//! Long pushes of eleven shapes: where the object ends up, by kind of limit surface.
 
-use std::{collections::BTreeMap, path::Path, sync::Arc};
+use std::{collections::BTreeMap, path::Path};
 
 use anyhow::{Context, Result};
-use models::{Analytical, StepInput};
+use dataset::{EndPoint, read_endpoints};
+use mechanics::{
+    Ellipsoid, LimitSurface, Patch, PathSettings, Pusher, Slider, StraightPath, push_along,
+};
 use nalgebra::Vector2;
 use planar::{Pose, Shape, mit_object, wrap_angle};
-use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
-use serde::Deserialize;
-use serde_json::{Map, json};
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+use serde_json::{Map, Value, json};
 
 use super::Section;
+use super::limit_surface_fits::ObjectFits;
 use super::row::{Reference, Row};
 
-const PUSHER_FRICTION: f64 = 0.25;
-const PUSHER_RADIUS: f64 = 0.00475;
-/// Of a published toolbox with an ellipsoid, averaged over shapes.
-const PUBLISHED_MM: f64 = 3.73;
-const PUBLISHED_DEG: f64 = 4.12;
+const PUSHER: Pusher = Pusher { radius: 0.00475, friction: 0.25 };
+/// A tenth of a micrometer in a step: far below the scatter of the pushes.
+const SETTINGS: PathSettings = PathSettings { tolerance: 1e-7, max_travel: 5e-3 };
+/// Patches are slow; they are asked for every tenth push.
+const PATCH_STRIDE: usize = 10;
 
-/// One push, as published: poses in m and rad, world frame.
-#[derive(Deserialize)]
-struct EndPoint {
-    shape: String,
-    obj_x0: f64,
-    obj_y0: f64,
-    obj_th0: f64,
-    obj_x1: f64,
-    obj_y1: f64,
-    obj_th1: f64,
-    tip_x0: f64,
-    tip_y0: f64,
-    tip_x1: f64,
-    tip_y1: f64,
+/// The kinds of surface, whether they come from measured pairs, every how many pushes they are asked
+/// for, and a published toolbox's errors in mm and degrees, averaged over shapes.
+const KINDS: [Kind; 6] = [
+    Kind { name: "uniform ellipsoid", stride: 1, published: None },
+    Kind { name: "ellipsoid through loads", stride: 1, published: None },
+    Kind { name: "uniform patch", stride: PATCH_STRIDE, published: None },
+    Kind { name: "fitted ellipsoid", stride: 1, published: Some((3.73, 4.12)) },
+    Kind { name: "fitted quartic", stride: 1, published: Some((3.36, 3.54)) },
+    Kind { name: "fitted patch", stride: PATCH_STRIDE, published: None },
+];
+
+#[derive(Clone, Copy)]
+struct Kind {
+    name: &'static str,
+    stride: usize,
+    published: Option<(f64, f64)>,
 }
 
-/// Sums over the pushes of one shape.
+/// Mean errors over the pushes of one shape, or over the shapes.
 #[derive(Clone, Copy, Default)]
 struct Errors {
-    n: usize,
-    position: f64,
-    angle: f64,
+    pushes: usize,
+    mm: f64,
+    degrees: f64,
 }
 
-pub(super) fn run(path: &Path) -> Result<Section> {
-    let context = || format!("cannot read {}", path.display());
-    let mut reader = csv::Reader::from_path(path).with_context(context)?;
-    let pushes: Vec<EndPoint> =
-        reader.deserialize().collect::<csv::Result<_>>().with_context(context)?;
-    let mut shapes = BTreeMap::new();
-    for push in &pushes {
-        if !shapes.contains_key(&push.shape) {
-            shapes.insert(push.shape.clone(), Arc::new(mit_object(&push.shape)?.shape));
+/// Predicts the end points in the file with surfaces of each kind; the last three from `fits`.
+pub(super) fn run(path: &Path, fits: &[ObjectFits]) -> Result<Section> {
+    let mut by_shape: BTreeMap<String, Vec<EndPoint>> = BTreeMap::new();
+    for push in read_endpoints(path)? {
+        by_shape.entry(push.shape.clone()).or_default().push(push);
+    }
+    let mut errors: BTreeMap<&str, Vec<Errors>> = BTreeMap::new();
+    for (name, pushes) in &by_shape {
+        let fit = fits.iter().find(|fit| fit.name == *name);
+        let fit = fit.with_context(|| format!("no wrench-twist pairs of `{name}`"))?;
+        let shape = mit_object(name)?.shape;
+        let uniform_patch = Patch::uniform(&shape, 1.0)?;
+        let surfaces: [&dyn LimitSurface; 6] = [
+            &Ellipsoid::uniform(&shape, 1.0)?,
+            &Ellipsoid::through_loads(&uniform_patch)?,
+            &uniform_patch,
+            &fit.ellipsoid.surface,
+            &fit.quartic.surface,
+            &fit.patch.surface,
+        ];
+        let row = surfaces.iter().zip(KINDS).map(|(surface, kind)| {
+            mean_errors(&shape, *surface, pushes, kind.stride)
+                .with_context(|| format!("{}: {name}, {}", path.display(), kind.name))
+        });
+        errors.insert(name, row.collect::<Result<_>>()?);
+    }
+    Ok(summary(&errors))
+}
+
+fn mean_errors(
+    shape: &Shape,
+    surface: &dyn LimitSurface,
+    pushes: &[EndPoint],
+    stride: usize,
+) -> Result<Errors> {
+    let chosen: Vec<&EndPoint> = pushes.iter().step_by(stride).collect();
+    let each = chosen.par_iter().map(|push| error(shape, surface, push));
+    let each: Vec<(f64, f64)> = each.collect::<Result<_>>()?;
+    let n = each.len() as f64;
+    let (position, angle) = each.iter().fold((0.0, 0.0), |sum, e| (sum.0 + e.0, sum.1 + e.1));
+    Ok(Errors { pushes: each.len(), mm: 1e3 * position / n, degrees: (angle / n).to_degrees() })
+}
+
+/// Distance in m and angle in rad between the predicted and the measured end.
+fn error(shape: &Shape, surface: &dyn LimitSurface, push: &EndPoint) -> Result<(f64, f64)> {
+    // All surfaces are in the frame of the tracked body.
+    let slider = Slider { shape, surface, pose_bs: Pose::default() };
+    let travel: Vector2<f64> = push.tip_end - push.tip_start;
+    // Quasi-static motion does not know time: the pusher moves at 1 m/s.
+    let path = StraightPath {
+        start_w: push.tip_start,
+        velocity_w: travel.try_normalize(0.0).context("the pusher does not move")?,
+        duration: travel.norm(),
+    };
+    let end = push_along(&slider, &PUSHER, &path, &push.object_start, &SETTINGS)
+        .with_context(|| format!("push {}", push.push))?
+        .pose_wb;
+    let position = (end.position - push.object_end.position).norm();
+    Ok((position, wrap_angle(end.angle - push.object_end.angle).abs()))
+}
+
+fn summary(errors: &BTreeMap<&str, Vec<Errors>>) -> Section {
+    let (mut rows, mut kinds) = (Vec::new(), Map::new());
+    for (index, kind) in KINDS.iter().enumerate() {
+        let (mut mean, mut by_shape) = (Errors::default(), Map::new());
+        for (shape, errors) in errors {
+            let Errors { pushes, mm, degrees } = errors[index];
+            let name = format!("end points, {shape}, {}", kind.name);
+            rows.push(Row::new(format!("{name}: error in mm"), mm, Reference::None));
+            rows.push(Row::new(format!("{name}: error in deg"), degrees, Reference::None));
+            by_shape.insert((*shape).to_owned(), errors[index].json());
+            mean.pushes += pushes;
+            mean.mm += mm;
+            mean.degrees += degrees;
         }
+        let n = errors.len().max(1) as f64;
+        let mean = Errors { mm: mean.mm / n, degrees: mean.degrees / n, ..mean };
+        let name = format!("end points, mean of shapes, {}", kind.name);
+        let reference = |value: Option<f64>| value.map_or(Reference::None, Reference::Published);
+        let (mm, degrees) = kind.published.unzip();
+        rows.push(Row::new(format!("{name}: error in mm"), mean.mm, reference(mm)));
+        rows.push(Row::new(format!("{name}: error in deg"), mean.degrees, reference(degrees)));
+        let Value::Object(mut entry) = mean.json() else { continue };
+        entry.insert("by_shape".to_owned(), Value::Object(by_shape));
+        if let Some((mm, degrees)) = kind.published {
+            entry.insert("published_mean_error_mm".to_owned(), json!(mm));
+            entry.insert("published_mean_error_deg".to_owned(), json!(degrees));
+        }
+        kinds.insert(kind.name.replace(' ', "_"), Value::Object(entry));
     }
-    let model = Analytical::nominal(PUSHER_FRICTION)?;
-    let errors: Vec<(f64, f64)> = pushes
-        .par_iter()
-        .enumerate()
-        .map(|(i, push)| {
-            push.error(&model, &shapes[&push.shape])
-                .with_context(|| format!("{}:{}", path.display(), i + 2))
-        })
-        .collect::<Result<_>>()?;
-    let mut by_shape: BTreeMap<&str, Errors> = BTreeMap::new();
-    for (push, (position, angle)) in pushes.iter().zip(errors) {
-        let sums = by_shape.entry(&push.shape).or_default();
-        *sums =
-            Errors { n: sums.n + 1, position: sums.position + position, angle: sums.angle + angle };
-    }
-    Ok(summary(&by_shape))
+    Section { json: Map::from_iter([("endpoints".to_owned(), Value::Object(kinds))]), rows }
 }
 
-impl EndPoint {
-    /// Distance in m and angle in rad between the predicted and the measured end.
-    fn error(&self, model: &Analytical, shape: &Arc<Shape>) -> Result<(f64, f64)> {
-        let start = Pose::new(self.obj_x0, self.obj_y0, self.obj_th0);
-        let tip_start = Vector2::new(self.tip_x0, self.tip_y0);
-        let tip_end = Vector2::new(self.tip_x1, self.tip_y1);
-        let step = StepInput::between(shape.clone(), PUSHER_RADIUS, &start, &tip_start, &tip_end)?;
-        let end = start * model.motion(&step)?;
-        let position = (end.position - Vector2::new(self.obj_x1, self.obj_y1)).norm();
-        Ok((position, wrap_angle(end.angle - self.obj_th1).abs()))
-    }
-}
-
-fn summary(by_shape: &BTreeMap<&str, Errors>) -> Section {
-    let (mut rows, mut json_shapes) = (Vec::new(), Map::new());
-    let (mut mean_mm, mut mean_deg, mut n_pushes) = (0.0, 0.0, 0);
-    for (shape, sums) in by_shape {
-        let mm = 1e3 * sums.position / sums.n as f64;
-        let deg = (sums.angle / sums.n as f64).to_degrees();
-        rows.push(Row::new(format!("end points, {shape}: error in mm"), mm, Reference::None));
-        rows.push(Row::new(format!("end points, {shape}: error in deg"), deg, Reference::None));
-        let entry = json!({ "pushes": sums.n, "mean_error_mm": mm, "mean_error_deg": deg });
-        json_shapes.insert((*shape).to_owned(), entry);
-        mean_mm += mm / by_shape.len() as f64;
-        mean_deg += deg / by_shape.len() as f64;
-        n_pushes += sums.n;
-    }
-    for (name, mean, published) in [
-        ("end points, mean of shapes: error in mm", mean_mm, PUBLISHED_MM),
-        ("end points, mean of shapes: error in deg", mean_deg, PUBLISHED_DEG),
-    ] {
-        rows.push(Row::new(name, mean, Reference::Published(published)));
-    }
-    let json = Map::from_iter([(
-        "endpoints".to_owned(),
+impl Errors {
+    fn json(&self) -> Value {
         json!({
-            "pushes": n_pushes, "by_shape": json_shapes,
-            "mean_error_mm": mean_mm, "mean_error_deg": mean_deg,
-            "published_mean_error_mm": PUBLISHED_MM, "published_mean_error_deg": PUBLISHED_DEG,
-        }),
-    )]);
-    Section { json, rows }
+            "pushes": self.pushes, "mean_error_mm": self.mm, "mean_error_deg": self.degrees,
+        })
+    }
 }

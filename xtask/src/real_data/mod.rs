@@ -1,8 +1,12 @@
 //! `cargo xtask real-data`: the models against published measurements, beside published numbers.
 
 mod end_points;
+mod limit_surface_fits;
 mod one_step;
+mod raw_pushes;
+mod recordings;
 mod row;
+mod samples;
 
 use std::path::{Path, PathBuf};
 
@@ -38,9 +42,15 @@ struct Section {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let mut json = Map::new();
     let mut rows = Vec::new();
+    let end_points = args.data.join("mit-push-endpoints");
+    let fits = limit_surface_fits::fits(&end_points.join("wrench_twist_plywood.csv"))?;
     for section in [
         one_step::run(&args.data.join("mit-push-table/table.csv"), args.splits, args.seed)?,
-        end_points::run(&args.data.join("mit-push-endpoints/plywood.csv"))?,
+        limit_surface_fits::section(&fits),
+        end_points::run(&end_points.join("plywood.csv"), &fits)?,
+        raw_pushes::run(&args.data.join("mit-push-raw"))?,
+        recordings::run(&args.data.join("mit-recordings"))?,
+        samples::run(&args.data.join("../samples"))?,
     ] {
         json.extend(section.json);
         rows.extend(section.rows);

@@ -1,45 +1,47 @@
-//! One-step pushes: the errors of every model over random splits.
+//! One-step pushes: the errors of every model over random splits, and how honest its intervals are.
 
-use std::{path::Path, sync::Arc};
+use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
-use gp_core::{LearnOptions, scores::nmse};
+use dataset::{ObjectChoice, TableMapping};
 use models::{
-    Analytical, CharacteristicLength, GpPushModel, Hybrid, Noise, OUTPUTS, PushModel, StepInput,
-    StepObservation,
+    Analytical, CharacteristicLength, GpPushModel, Hybrid, OUTPUTS, StepObservation, StepSelection,
+    learn_options,
 };
-use nalgebra::Vector3;
-use planar::mit_object;
-use rand::SeedableRng;
-use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
-use serde_json::{Map, json};
+use serde_json::{Map, Value, json};
 
 use super::Section;
 use super::row::{Reference, Row};
+use crate::held_out::{HeldOut, LEVELS, Scores, quantile, shuffled};
 
 const NOMINAL_PUSHER_FRICTION: f64 = 0.30;
-/// Of the rig's tip, in m.
-const PUSHER_RADIUS: f64 = 0.00475;
-/// 20 mm/s for 0.2 s.
-const DISTANCE: f64 = 0.004;
-/// The face at −x of the square.
-const PUSHED_EDGE: usize = 1;
-const GP_POINTS: [(usize, f64); 5] =
-    [(20, 0.116), (50, 0.062), (100, 0.052), (200, 0.046), (500, 0.038)];
-const HYBRID_POINTS: [(usize, f64); 3] = [(10, 0.070), (50, 0.056), (500, 0.038)];
+/// Training steps, with the error to expect where it is known.
+const GP_POINTS: [(usize, Reference); 5] = [
+    (20, Reference::Expected(0.116)),
+    (50, Reference::Expected(0.062)),
+    (100, Reference::Expected(0.052)),
+    (200, Reference::Expected(0.046)),
+    (500, Reference::Expected(0.038)),
+];
+const HYBRID_POINTS: [(usize, Reference); 5] = [
+    (10, Reference::Expected(0.070)),
+    (20, Reference::None),
+    (50, Reference::Expected(0.056)),
+    (100, Reference::None),
+    (500, Reference::Expected(0.038)),
+];
 /// Steps set apart for training; every model of a split is tested on all the others.
 const N_TRAIN: usize = 500;
 
 /// The scores of one split.
 struct Split {
-    nominal: f64,
-    fitted: f64,
+    nominal_nmse: f64,
+    fitted: Scores,
     mu_p: f64,
     c: f64,
-    gp: Vec<f64>,
-    hybrid: Vec<f64>,
+    gp: Vec<Scores>,
+    hybrid: Vec<Scores>,
 }
 
 pub(super) fn run(path: &Path, n_splits: u64, seed: u64) -> Result<Section> {
@@ -68,47 +70,40 @@ pub(super) fn run(path: &Path, n_splits: u64, seed: u64) -> Result<Section> {
     Ok(section)
 }
 
-/// Reads the one-step table: c is p of the face at −x, φ is β, and Δy has the other sign.
+/// The steps of the one-step table, read as the preset `mit-table` says.
 fn read(path: &Path) -> Result<Vec<StepObservation>> {
-    let object = mit_object("rect1")?;
-    let shape = Arc::new(object.shape);
-    let context = || format!("cannot read {}", path.display());
-    let mut reader = csv::Reader::from_path(path).with_context(context)?;
-    let expected = ["c", "phi_rad", "dx_c_m", "dy_c_m_sign_flipped", "dtheta_rad"];
-    let header = reader.headers().with_context(context)?;
-    ensure!(*header == expected[..], "{}:1: columns must be {expected:?}", path.display());
-    let step = |(i, row): (usize, csv::Result<[f64; 5]>)| {
-        let line = || format!("{}:{}", path.display(), i + 2);
-        let [c, phi, dx, dy_flipped, dtheta] = row.with_context(line)?;
-        let input = StepInput::on_edge(shape.clone(), PUSHER_RADIUS, PUSHED_EDGE, c, phi, DISTANCE)
-            .with_context(line)?;
-        Ok(StepObservation { input, outputs: Vector3::new(dx, -dy_flipped, dtheta) })
-    };
-    reader.deserialize().enumerate().map(step).collect()
+    let mapping = TableMapping::mit_table()?;
+    let table = mapping.read_table(path)?;
+    let radius = mapping.pusher.radius;
+    let objects = ObjectChoice::Fixed(Box::new(mapping.object));
+    let found = StepSelection::default()
+        .observations(&table, &objects, radius)
+        .with_context(|| format!("cannot use {}", path.display()))?;
+    if !found.set_aside.is_empty() {
+        println!("{}: set aside {}", path.display(), found.set_aside_text());
+    }
+    Ok(found.steps)
 }
 
 fn score(steps: &[StepObservation], seed: u64, split: u64) -> Result<Split> {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    rng.set_stream(split);
-    let mut shuffled = steps.to_vec();
-    shuffled.shuffle(&mut rng);
+    let shuffled = shuffled(steps, seed, split);
     let (train, test) = shuffled.split_at(N_TRAIN);
-    let test = Test::new(test);
-    let options = LearnOptions::default();
+    let test = HeldOut::new(test);
+    let options = learn_options();
     let nominal = Analytical::nominal(NOMINAL_PUSHER_FRICTION)?;
     let fitted = nominal.fit(train)?.model;
-    let gp = |&(n, _): &(usize, f64)| {
+    let gp = |&(n, _): &(usize, Reference)| {
         let model = GpPushModel::learn(&train[..n], &options);
-        test.nmse(&model.with_context(|| format!("GP, split {split}, {n} points"))?.0)
+        test.scores(&model.with_context(|| format!("GP, split {split}, {n} points"))?.0)
     };
-    let hybrid = |&(n, _): &(usize, f64)| {
+    let hybrid = |&(n, _): &(usize, Reference)| {
         let base = nominal.fit(&train[..n])?.model;
         let model = Hybrid::learn(base, &train[..n], &options);
-        test.nmse(&model.with_context(|| format!("hybrid, split {split}, {n} points"))?.0)
+        test.scores(&model.with_context(|| format!("hybrid, split {split}, {n} points"))?.0)
     };
     Ok(Split {
-        nominal: test.nmse(&nominal)?,
-        fitted: test.nmse(&fitted)?,
+        nominal_nmse: test.nmse(&nominal)?,
+        fitted: test.scores(&fitted)?,
         mu_p: fitted.pusher_friction().value,
         c: fitted.characteristic_length(&steps[0].input),
         gp: GP_POINTS.iter().map(gp).collect::<Result<_>>()?,
@@ -116,82 +111,67 @@ fn score(steps: &[StepObservation], seed: u64, split: u64) -> Result<Split> {
     })
 }
 
-/// The held-out steps.
-struct Test {
-    inputs: Vec<StepInput>,
-    outputs: [Vec<f64>; 3],
-}
-
-impl Test {
-    fn new(steps: &[StepObservation]) -> Self {
-        let output = |k: usize| steps.iter().map(|step| step.outputs[k]).collect();
-        Self {
-            inputs: steps.iter().map(|step| step.input.clone()).collect(),
-            outputs: [output(0), output(1), output(2)],
-        }
-    }
-
-    /// Mean over the outputs of squared error over variance.
-    fn nmse(&self, model: &dyn PushModel) -> Result<f64> {
-        let predictions = model.predict(&self.inputs, Noise::Excluded)?;
-        let mut sum = 0.0;
-        for (k, observed) in self.outputs.iter().enumerate() {
-            let mean: Vec<f64> = predictions.iter().map(|prediction| prediction.mean[k]).collect();
-            sum += nmse(observed, &mean)?;
-        }
-        Ok(sum / OUTPUTS.len() as f64)
-    }
-}
-
 fn summary(splits: &[Split]) -> Section {
-    let median_of = |value: &dyn Fn(&Split) -> f64| median(splits.iter().map(value).collect());
-    let nominal = median_of(&|split| split.nominal);
-    let fitted = median_of(&|split| split.fitted);
+    let median_of =
+        |value: &dyn Fn(&Split) -> f64| quantile(splits.iter().map(value).collect(), 0.5);
+    let nominal = median_of(&|split| split.nominal_nmse);
+    let fitted = median_of(&|split| split.fitted.nmse);
     let (mu_p, c) = (median_of(&|split| split.mu_p), median_of(&|split| split.c));
-    let mut rows = vec![
+    let rows = vec![
         Row::new("analytical, nominal: NMSE", nominal, Reference::Expected(0.074)),
         Row::new("analytical, fitted: NMSE", fitted, Reference::Expected(0.062)),
         Row::new("analytical, fitted: pusher friction", mu_p, Reference::Expected(0.231)),
         Row::new("analytical, fitted: c in m", c, Reference::Expected(0.0350)),
     ];
-    let mut curve = |name: &str, points: &[(usize, f64)], scores: fn(&Split) -> &[f64]| {
-        let mut curve = Map::new();
-        for (k, (n, expected)) in points.iter().enumerate() {
-            let nmse = median_of(&|split| scores(split)[k]);
-            curve.insert(n.to_string(), nmse.into());
-            let name = format!("{name}, {n} points: NMSE");
-            rows.push(Row::new(name, nmse, Reference::Expected(*expected)));
+    let mut section = Section { json: Map::new(), rows };
+    let mut insert = |key: &str, value: Value| section.json.insert(key.to_owned(), value);
+    insert("analytical_nominal_nmse", nominal.into());
+    insert("analytical_fitted_nmse", fitted.into());
+    insert("analytical_fitted", json!({ "mu_p": mu_p, "c_m": c }));
+    insert("coverage_levels", json!(LEVELS));
+    curve(&mut section, "GP", "gp", &GP_POINTS, splits, |split| &split.gp);
+    curve(&mut section, "hybrid", "hybrid", &HYBRID_POINTS, splits, |split| &split.hybrid);
+    section
+}
+
+/// Adds the medians over the splits of all scores of a learnt model, by number of training steps.
+fn curve(
+    section: &mut Section,
+    title: &str,
+    key: &str,
+    points: &[(usize, Reference)],
+    splits: &[Split],
+    scores: fn(&Split) -> &[Scores],
+) {
+    let mut json = [Map::new(), Map::new(), Map::new()];
+    for (i, &(n, reference)) in points.iter().enumerate() {
+        let median = |value: &dyn Fn(&Scores) -> f64| {
+            quantile(splits.iter().map(|split| value(&scores(split)[i])).collect(), 0.5)
+        };
+        let nmse = median(&|scores| scores.nmse);
+        let by_output = |value: &dyn Fn(usize) -> Value| {
+            Value::from_iter(OUTPUTS.iter().enumerate().map(|(k, name)| (*name, value(k))))
+        };
+        let coverage = by_output(&|k| {
+            json!([0, 1, 2].map(|level| median(&|scores| scores.coverage[k][level])))
+        });
+        let nlpd = by_output(&|k| median(&|scores| scores.nlpd[k]).into());
+        for (json, value) in json.iter_mut().zip([nmse.into(), coverage, nlpd]) {
+            json.insert(n.to_string(), value);
         }
-        curve
-    };
-    let gp = curve("GP", &GP_POINTS, |split| &split.gp);
-    let hybrid = curve("hybrid", &HYBRID_POINTS, |split| &split.hybrid);
-    let mut json = Map::new();
-    json.insert("analytical_nominal_nmse".to_owned(), nominal.into());
-    json.insert("analytical_fitted_nmse".to_owned(), fitted.into());
-    json.insert("analytical_fitted".to_owned(), json!({ "mu_p": mu_p, "c_m": c }));
-    json.insert("gp_nmse".to_owned(), gp.into());
-    json.insert("hybrid_nmse".to_owned(), hybrid.into());
-    Section { json, rows }
-}
-
-/// The middle value, or the mean of the two middle ones; NaN of nothing.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    match values.len() {
-        0 => f64::NAN,
-        n if n % 2 == 1 => values[n / 2],
-        n => 0.5 * (values[n / 2 - 1] + values[n / 2]),
+        let mean_of = |values: &[f64; 3]| values.iter().sum::<f64>() / 3.0;
+        let covered =
+            |level: usize| median(&|scores| mean_of(&scores.coverage.map(|output| output[level])));
+        section.rows.push(Row::new(format!("{title}, {n} points: NMSE"), nmse, reference));
+        for (level, share) in LEVELS.iter().enumerate() {
+            let name = format!("{title}, {n} points: share in {:.0} %", 100.0 * share);
+            section.rows.push(Row::new(name, covered(level), Reference::None));
+        }
+        let density = median(&|scores| mean_of(&scores.nlpd));
+        let name = format!("{title}, {n} points: NLPD in nats");
+        section.rows.push(Row::new(name, density, Reference::None));
     }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::median;
-
-    #[test]
-    fn the_median_is_the_middle() {
-        assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
-        assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]), 2.5);
+    for (name, json) in ["nmse", "coverage", "nlpd"].iter().zip(json) {
+        section.json.insert(format!("{key}_{name}"), json.into());
     }
 }

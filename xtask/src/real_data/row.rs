@@ -17,6 +17,10 @@ pub(super) struct Row {
 pub(super) enum Reference {
     /// It has to lie within the band about this.
     Expected(f64),
+    /// It must not be larger.
+    AtMost(f64),
+    /// It has to be this.
+    Exactly(f64),
     /// Published by others with another method: for the reader only.
     Published(f64),
     /// Nothing is known.
@@ -37,6 +41,12 @@ impl Row {
                 let percent = 100.0 * BAND;
                 Some(format!("{name}: {measured:.4}, expected {expected:.4} ± {percent} %"))
             }
+            Reference::AtMost(limit) if measured.is_nan() || *measured > limit => {
+                Some(format!("{name}: {measured:.4}, allowed is at most {limit:.4}"))
+            }
+            Reference::Exactly(expected) if *measured != expected => {
+                Some(format!("{name}: {measured:.4}, expected exactly {expected:.4}"))
+            }
             _ => None,
         }
     }
@@ -52,6 +62,8 @@ pub(super) fn table(rows: &[Row]) -> String {
             Reference::Published(x) => {
                 (format!("published {x:.2}"), format!("{:.2}", row.measured / x))
             }
+            Reference::AtMost(x) => (format!("at most {x:.4}"), format!("{:.2}", row.measured / x)),
+            Reference::Exactly(x) => (format!("exactly {x}"), String::new()),
             Reference::None => (String::new(), String::new()),
         };
         let mark = if row.complaint().is_some() { "  <-- out of band" } else { "" };
@@ -72,6 +84,11 @@ mod tests {
             (0.84, Reference::Expected(1.0), true),
             (f64::NAN, Reference::Expected(1.0), true),
             (9.0, Reference::Published(1.0), false),
+            (0.5, Reference::AtMost(0.5), false),
+            (0.51, Reference::AtMost(0.5), true),
+            (f64::NAN, Reference::AtMost(0.5), true),
+            (32.0, Reference::Exactly(32.0), false),
+            (31.0, Reference::Exactly(32.0), true),
         ] {
             let row = Row::new("x", measured, reference);
             assert_eq!(row.complaint().is_some(), complains, "{row:?}");

@@ -1,4 +1,4 @@
-//! MCAP logs with messages in ROS 2 CDR, ROS 1 or JSON.
+//! MCAP logs with messages in ROS 2 CDR, ROS 1, JSON or protobuf.
 
 use std::{
     collections::BTreeMap,
@@ -9,6 +9,8 @@ use std::{
 use mcap::{McapResult, WriteOptions, records::MessageHeader};
 use serde_json::{Map, Value, json};
 
+#[cfg(feature = "protobuf")]
+use super::protobuf;
 use super::{
     cdr::{FRAME, definition, encode, numbers},
     sample::{Sample, samples},
@@ -30,6 +32,8 @@ enum Encoding {
     Ros2,
     Ros1,
     Json,
+    #[cfg(feature = "protobuf")]
+    Protobuf,
 }
 
 impl McapWriter {
@@ -39,6 +43,9 @@ impl McapWriter {
     pub(crate) const ROS1: Self = Self { encoding: Encoding::Ros1 };
     /// Messages in JSON.
     pub(crate) const JSON: Self = Self { encoding: Encoding::Json };
+    /// Messages in protobuf.
+    #[cfg(feature = "protobuf")]
+    pub(crate) const PROTOBUF: Self = Self { encoding: Encoding::Protobuf };
 }
 
 impl RecordingWriter for McapWriter {
@@ -47,6 +54,8 @@ impl RecordingWriter for McapWriter {
             Encoding::Ros2 => "mcap-ros2",
             Encoding::Ros1 => "mcap-ros1",
             Encoding::Json => "mcap-json",
+            #[cfg(feature = "protobuf")]
+            Encoding::Protobuf => "mcap-protobuf",
         }
     }
 
@@ -57,14 +66,7 @@ impl RecordingWriter for McapWriter {
     fn write(&self, recording: &Recording, dir: &Path) -> Result<PathBuf, DatasetError> {
         let path = dir.join(format!("{}.mcap", recording.name));
         let streams = samples(recording, &path, self.id())?;
-        let all = || streams.iter().flat_map(|(_, samples)| samples);
-        if let Some(sample) = all().find(|sample| !(0..1 << 31).contains(&sample.stamp().0)) {
-            return Err(DatasetError::Unwritable {
-                path,
-                format: self.id(),
-                what: format!("a stamp of {} s does not fit messages of ROS", sample.seconds()),
-            });
-        }
+        check_stamps(&streams, &path, self.id())?;
         let bytes = self.encode(&streams).map_err(|error| DatasetError::Unwritable {
             path: path.clone(),
             format: self.id(),
@@ -82,6 +84,8 @@ impl McapWriter {
             Encoding::Ros2 => "ros2",
             Encoding::Ros1 => "ros1",
             Encoding::Json => "",
+            #[cfg(feature = "protobuf")]
+            Encoding::Protobuf => "",
         };
         // Threads of the compressor would change the bytes from machine to machine.
         let options =
@@ -90,11 +94,13 @@ impl McapWriter {
         let mut channels = Vec::new();
         for (role, _) in streams {
             let (name, schema_encoding, schema) = self.schema(*role);
-            let schema = writer.add_schema(name, schema_encoding, schema.as_bytes())?;
+            let schema = writer.add_schema(name, schema_encoding, &schema)?;
             let message_encoding = match self.encoding {
                 Encoding::Ros2 => "cdr",
                 Encoding::Ros1 => "ros1",
                 Encoding::Json => "json",
+                #[cfg(feature = "protobuf")]
+                Encoding::Protobuf => "protobuf",
             };
             let none = BTreeMap::new();
             channels.push(writer.add_channel(schema, topic(*role), message_encoding, &none)?);
@@ -111,6 +117,8 @@ impl McapWriter {
                 Encoding::Ros2 => encode(*role, sample, sequence, true),
                 Encoding::Ros1 => encode(*role, sample, sequence, false),
                 Encoding::Json => json_message(*role, sample).to_string().into_bytes(),
+                #[cfg(feature = "protobuf")]
+                Encoding::Protobuf => protobuf::encode(*role, sample),
             };
             writer.write_to_known_channel(&header, &message)?;
             next[i] += 1;
@@ -119,28 +127,52 @@ impl McapWriter {
         Ok(writer.into_inner().into_inner())
     }
 
-    /// Name, encoding and text of a stream's schema.
-    fn schema(&self, role: StreamRole) -> (&'static str, &'static str, String) {
+    /// Name, encoding and bytes of a stream's schema.
+    fn schema(&self, role: StreamRole) -> (&'static str, &'static str, Vec<u8>) {
         let wrench = role == StreamRole::Wrench;
         match self.encoding {
             Encoding::Ros2 if wrench => {
-                ("geometry_msgs/msg/WrenchStamped", "ros2msg", definition(role, true))
+                ("geometry_msgs/msg/WrenchStamped", "ros2msg", definition(role, true).into_bytes())
             }
-            Encoding::Ros2 => ("geometry_msgs/msg/PoseStamped", "ros2msg", definition(role, true)),
+            Encoding::Ros2 => {
+                ("geometry_msgs/msg/PoseStamped", "ros2msg", definition(role, true).into_bytes())
+            }
             Encoding::Ros1 if wrench => {
-                ("geometry_msgs/WrenchStamped", "ros1msg", definition(role, false))
+                ("geometry_msgs/WrenchStamped", "ros1msg", definition(role, false).into_bytes())
             }
-            Encoding::Ros1 => ("geometry_msgs/PoseStamped", "ros1msg", definition(role, false)),
+            Encoding::Ros1 => {
+                ("geometry_msgs/PoseStamped", "ros1msg", definition(role, false).into_bytes())
+            }
+            #[cfg(feature = "protobuf")]
+            Encoding::Protobuf => (protobuf::type_name(role), "protobuf", protobuf::schema(role)),
             Encoding::Json => {
                 let name = if wrench { "WrenchStamped" } else { "PoseStamped" };
-                (name, "jsonschema", json!({ "title": name, "type": "object" }).to_string())
+                let schema = json!({ "title": name, "type": "object" }).to_string();
+                (name, "jsonschema", schema.into_bytes())
             }
         }
     }
 }
 
+/// Refuses stamps that the messages of ROS cannot hold.
+pub(super) fn check_stamps(
+    streams: &[(StreamRole, Vec<Sample>)],
+    path: &Path,
+    format: &'static str,
+) -> Result<(), DatasetError> {
+    let mut all = streams.iter().flat_map(|(_, samples)| samples);
+    match all.find(|sample| !(0..1 << 31).contains(&sample.stamp().0)) {
+        None => Ok(()),
+        Some(sample) => Err(DatasetError::Unwritable {
+            path: path.into(),
+            format,
+            what: format!("a stamp of {} s does not fit messages of ROS", sample.seconds()),
+        }),
+    }
+}
+
 /// The topic of a stream, as in the documentation's example.
-fn topic(role: StreamRole) -> &'static str {
+pub(super) fn topic(role: StreamRole) -> &'static str {
     match role {
         StreamRole::Robot => "/robot/tip_pose",
         StreamRole::Object => "/vicon/object_pose",
@@ -149,7 +181,7 @@ fn topic(role: StreamRole) -> &'static str {
 }
 
 /// The stream whose next sample is the earliest; each keeps its own order.
-fn earliest(streams: &[(StreamRole, Vec<Sample>)], next: &[usize]) -> Option<usize> {
+pub(super) fn earliest(streams: &[(StreamRole, Vec<Sample>)], next: &[usize]) -> Option<usize> {
     let open = |i: &usize| next[*i] < streams[*i].1.len();
     (0..streams.len()).filter(open).min_by_key(|i| streams[*i].1[next[*i]].time_us)
 }

@@ -4,11 +4,12 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use dataset::Preset;
+use dataset::{MANIFEST_NAME, Preset, draft_manifest, find_recordings};
 use serde::Serialize;
 
 use crate::command_line::preset_parser;
-use crate::origin::Origin;
+use crate::destination::Destination;
+use crate::origin::{Input, Origin, plain, readable};
 use crate::terminal::{TITLE, Terminal, WARNING};
 
 /// Write a commented dataset.toml from what a folder of recordings holds
@@ -44,36 +45,40 @@ struct Initialized<'a> {
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    let mut arguments = vec!["init".to_owned(), args.dir.display().to_string()];
-    if let Some(preset) = args.preset {
-        arguments.extend(["--preset".to_owned(), preset.name().to_owned()]);
-    }
-    let (path, text) = if args.print {
-        let text = match args.preset {
-            Some(preset) => preset.text().to_owned(),
-            None => dataset::draft_manifest(&args.dir)?,
-        };
-        (None, text)
-    } else {
-        let path = dataset::init(&args.dir, args.preset)?;
-        let text = std::fs::read_to_string(&path)?;
-        (Some(path), text)
+    readable(&args.dir)?;
+    let path = plain(&args.dir.join(MANIFEST_NAME));
+    let destination = if args.print { None } else { Some(Destination::unused(&path)?) };
+    let mut origin = Origin::new(["init".to_owned(), args.dir.display().to_string()]);
+    let text = match args.preset {
+        Some(preset) => {
+            origin.arguments.extend(["--preset".to_owned(), preset.name().to_owned()]);
+            preset.text().to_owned()
+        }
+        None => {
+            let (_, _, recordings) = find_recordings(&args.dir)?;
+            origin.inputs = Input::all(&recordings[0])?;
+            draft_manifest(&args.dir)?
+        }
     };
+    let text = format!("{}\n\n{}", text.trim_end(), origin.comment());
+    if let Some(destination) = &destination {
+        destination.write(text.as_bytes())?;
+    }
     let open_lines = text.lines().enumerate().filter(|(_, line)| line.contains("\"TODO\""));
     let result = Initialized {
-        path: path.as_deref(),
+        path: destination.as_ref().map(Destination::path),
         text: &text,
         open_lines: open_lines.map(|(index, _)| index + 1).collect(),
     };
-    let words = match &path {
-        Some(path) => next_steps(path, &result),
+    let words = match result.path {
+        Some(path) => next_steps(args, path, &result),
         None => text.clone(),
     };
-    terminal.finish(&Origin::new(arguments), &result, words)
+    terminal.finish(&origin, &result, words)
 }
 
 /// What was written and what to do now.
-fn next_steps(path: &Path, result: &Initialized<'_>) -> String {
+fn next_steps(args: &Args, path: &Path, result: &Initialized<'_>) -> String {
     let mut out = format!("{TITLE}wrote {}{TITLE:#}\n", path.display());
     let lines: Vec<_> = result.text.lines().collect();
     if !result.open_lines.is_empty() {
@@ -82,7 +87,20 @@ fn next_steps(path: &Path, result: &Initialized<'_>) -> String {
     for &line in &result.open_lines {
         let _ = writeln!(out, "  {}:{line}: {}", path.display(), lines[line - 1]);
     }
-    let set = path.parent().filter(|dir| *dir != Path::new("")).unwrap_or(Path::new("."));
-    let _ = writeln!(out, "then: pushlab ingest {} -o steps.csv", set.display());
+    let set = args.dir.display();
+    let _ = match (args.preset, Preset::of_recordings(&args.dir)) {
+        (Some(Preset::MitTable), _) => {
+            writeln!(out, "then: pushlab ingest {set}/TABLE.csv -o steps.csv")
+        }
+        (Some(Preset::MitEndpoints), _) => Ok(()),
+        (None, Some(known)) => {
+            let name = known.name();
+            writeln!(
+                out,
+                "or, as these look like public data: pushlab ingest {set} --preset {name}"
+            )
+        }
+        _ => writeln!(out, "then: pushlab ingest {set} -o steps.csv"),
+    };
     out
 }

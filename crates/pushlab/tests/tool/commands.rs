@@ -67,12 +67,13 @@ fn a_table_carries_what_made_it() {
 #[test]
 fn threads_change_no_byte() {
     let set = SmallSet::new();
+    let pushes = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/pushes");
     let outputs = ["1", "2"].map(|jobs| {
         let (table, report) = (format!("{jobs}.csv"), format!("{jobs}.json"));
-        let arguments =
-            ["ingest", "set", "--jobs", jobs, "-o", &table, "--report", &report, "--json"];
-        let stdout = set.done(&arguments).stdout;
-        [set.read(&table), set.read(&report), stdout]
+        let files = ["-o", &table, "--report", &report];
+        let stdout =
+            set.done(&[&["ingest", pushes, "--json", "--jobs", jobs], &files[..]].concat());
+        [set.read(&table), set.read(&report), stdout.stdout]
     });
     assert_eq!(outputs[0], outputs[1]);
     // The report in JSON is the document that `--json` prints.
@@ -120,8 +121,9 @@ fn a_draft_is_written_once_and_says_what_is_open() {
     assert!(!set.exists("set/dataset.toml"));
     let run = set.done(&["init", "set"]);
     assert_eq!(set.read("set/dataset.toml"), printed);
+    assert!(printed.contains("\n# arguments: init set\n# source: sha256 "), "{printed}");
     assert!(run.stdout.contains("set/dataset.toml:5: shape = \"TODO\""), "{}", run.stdout);
-    assert!(set.error(&["init", "set"]).contains("it exists; remove or rename it first"));
+    assert!(set.error(&["init", "set"]).contains("exists; remove or rename it first"));
     assert_eq!(set.read("set/dataset.toml"), printed);
     let message = set.error(&["ingest", "set"]);
     assert!(message.contains("help: fill in what is marked TODO"), "{message}");
@@ -171,7 +173,9 @@ fn models_begin_with_the_nominal_values_of_a_set() {
     let shown = set.done(&["models", "show"]).stdout;
     assert!(shown.starts_with("nominal model of small (analytical)\n"), "{shown}");
     assert!(shown.contains("pusher friction: 0.25  (set/dataset.toml sha256:"), "{shown}");
-    assert!(set.error(&["models", "init", "set"]).contains("model.toml exists; remove it first"));
+    assert!(
+        set.error(&["models", "init", "set"]).contains("model.toml exists; remove or rename it")
+    );
     let shown = document(&set.done(&["models", "show", "--json"]).stdout);
     assert_eq!(shown["result"]["parameters"][0]["value"], 0.25);
     assert_eq!(shown["result"]["parameters"][1]["value"], Value::Null);

@@ -4,5 +4,6 @@
 
 mod bad_input;
 mod commands;
+mod documentation;
 mod small_set;
 mod usage;

@@ -68,7 +68,10 @@ impl SmallSet {
     /// The tool, to be run in the folder.
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_pushlab"));
-        command.args(arguments).current_dir(self.dir.path()).env_remove("NO_COLOR");
+        command.args(arguments).current_dir(self.dir.path());
+        for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS"] {
+            command.env_remove(name);
+        }
         command
     }
 

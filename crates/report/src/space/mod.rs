@@ -32,6 +32,7 @@ pub struct Space {
     azimuth: f64,
     elevation: f64,
     equal_aspect: bool,
+    legend: LegendPlace,
     bodies: Vec<Box<dyn Body>>,
 }
 
@@ -74,6 +75,7 @@ impl Space {
             azimuth: 35f64.to_radians(),
             elevation: 24f64.to_radians(),
             equal_aspect: false,
+            legend: LegendPlace::Auto,
             bodies: Vec::new(),
         }
     }
@@ -96,6 +98,13 @@ impl Space {
     #[must_use]
     pub fn equal_aspect(mut self) -> Self {
         self.equal_aspect = true;
+        self
+    }
+
+    /// Puts the legend in a place of its own, inside or below.
+    #[must_use]
+    pub fn legend(mut self, place: LegendPlace) -> Self {
+        self.legend = place;
         self
     }
 
@@ -126,6 +135,9 @@ impl Space {
 
     /// Where the legend goes if the box is drawn in `area`.
     pub(crate) fn settle_legend(&self, area: Rect) -> Result<LegendPlace, ReportError> {
+        if self.legend != LegendPlace::Auto {
+            return Ok(self.legend);
+        }
         let mut trial = Scene::new(0.0, 0.0);
         self.draw_bodies(&mut trial, &self.view_in(area)?);
         let crowded = is_crowded(&trial, 0, &area, &self.keys());
@@ -163,12 +175,12 @@ impl Space {
         let first = scene.shapes.len();
         self.draw_bodies(scene, &view);
         let keys = self.keys();
-        let spot = legend_box(scene, first, &area, &keys, LegendPlace::Auto);
+        let spot = legend_box(scene, first, &area, &keys, place);
         lighten(scene, first, area, budget)?;
         if place == LegendPlace::Below {
             let at = [area.center()[0], area.bottom() + AXES];
-            draw_below(scene, at, &keys, area.width);
-        } else if !keys.is_empty() {
+            draw_below(scene, at, area.right() + 40.0, &keys, area.width);
+        } else if !keys.is_empty() && place != LegendPlace::Hidden {
             draw_legend(scene, &spot, &keys);
         }
         Ok(())
@@ -179,7 +191,7 @@ impl Space {
         Ok(View::new(self.ranges()?, self.equal_aspect, angles, area))
     }
 
-    fn keys(&self) -> Vec<LegendKey> {
+    pub(crate) fn keys(&self) -> Vec<LegendKey> {
         self.bodies.iter().filter_map(|body| body.legend()).collect()
     }
 

@@ -18,6 +18,7 @@ pub struct Surface {
     opacity: f64,
     wireframe: bool,
     edges: bool,
+    convex: bool,
     label: Option<String>,
 }
 
@@ -31,6 +32,7 @@ impl Surface {
             opacity: 1.0,
             wireframe: false,
             edges: false,
+            convex: false,
             label: None,
         }
     }
@@ -71,6 +73,13 @@ impl Surface {
     #[must_use]
     pub fn edges(mut self) -> Self {
         self.edges = true;
+        self
+    }
+
+    /// Leaves out the facets that the body hides if it is convex and opaque: half the bytes.
+    #[must_use]
+    pub fn convex(mut self) -> Self {
+        self.convex = true;
         self
     }
 
@@ -144,11 +153,18 @@ impl Body for Surface {
         }
         let piece = |facet: &Vec<usize>| {
             let corners: Vec<[f64; 3]> = facet.iter().map(|i| self.points[*i]).collect();
-            let depth = corners.iter().map(|corner| view.depth(*corner)).sum::<f64>();
+            // By its farthest corner, so that what lies on a facet is drawn over it.
+            let depth = corners.iter().map(|c| view.depth(*c)).fold(f64::INFINITY, f64::min);
             let shapes = vec![self.facet(view, &corners)];
-            Piece { depth: depth / corners.len() as f64, shapes }
+            Piece { depth, shapes }
         };
-        self.facets.iter().map(piece).collect()
+        let n = self.points.len() as f64;
+        let inside = [0, 1, 2].map(|i| self.points.iter().map(|p| p[i]).sum::<f64>() / n);
+        let seen = |facet: &&Vec<usize>| {
+            let corners: Vec<[f64; 3]> = facet.iter().map(|i| self.points[*i]).collect();
+            !self.convex || view.sees(&corners, inside)
+        };
+        self.facets.iter().filter(seen).map(piece).collect()
     }
 
     fn legend(&self) -> Option<LegendKey> {

@@ -59,8 +59,28 @@ impl View {
     pub(crate) fn light(&self, corners: &[[f64; 3]]) -> f64 {
         let light =
             [0, 1, 2].map(|i| self.toward[i] * 0.75 - 0.45 * self.right[i] + 0.5 * self.up[i]);
+        let normal = self.normal(corners);
+        let length = dot(normal, normal).sqrt() * dot(light, light).sqrt();
+        if length == 0.0 {
+            return 1.0;
+        }
+        // The side that is seen counts, whichever way the corners run.
+        (dot(normal, light) * dot(normal, self.toward).signum() / length).max(0.0)
+    }
+
+    /// Whether a facet of a convex body about `inside` is turned to the viewer.
+    pub(crate) fn sees(&self, corners: &[[f64; 3]], inside: [f64; 3]) -> bool {
+        let normal = self.normal(corners);
+        let (corner, inside) = (self.normalized(corners[0]), self.normalized(inside));
+        let outward = [0, 1, 2].map(|i| corner[i] - inside[i]);
+        // Facets on the rim stay, as rounding may turn them either way.
+        dot(normal, outward) * dot(normal, self.toward) > -1e-9
+    }
+
+    /// A normal of a facet in the box, by Newell's method: right for any planar polygon and well
+    /// behaved for nearly planar ones.
+    fn normal(&self, corners: &[[f64; 3]]) -> [f64; 3] {
         let points: Vec<[f64; 3]> = corners.iter().map(|corner| self.normalized(*corner)).collect();
-        // Newell's normal is right for any planar polygon and well behaved for nearly planar ones.
         let mut normal = [0.0; 3];
         for (i, a) in points.iter().enumerate() {
             let b = points[(i + 1) % points.len()];
@@ -69,12 +89,7 @@ impl View {
                 *n += (a[u] - b[u]) * (a[v] + b[v]);
             }
         }
-        let length = dot(normal, normal).sqrt() * dot(light, light).sqrt();
-        if length == 0.0 {
-            return 1.0;
-        }
-        // The side that is seen counts, whichever way the corners run.
-        (dot(normal, light) * dot(normal, self.toward).signum() / length).max(0.0)
+        normal
     }
 
     /// The coordinate of the wall of constant `axis` behind the box's content.

@@ -6,7 +6,7 @@ use gp_core::{Gp, JointGaussian, Mean, Posterior, SquaredExponential};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
-use report::{Axis, Band, Color, Figure, LegendPlace, Line, Panel, Points};
+use report::{Axis, Band, Color, Figure, Line, Panel, Points};
 use serde_json::{Value, json};
 
 use crate::figures::inputs::{Inputs, SEED};
@@ -65,7 +65,7 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
         let x = indices.iter().map(|&i| at(i)).collect();
         beliefs.push(Belief { x, y, mean, sd });
     }
-    let mut figure = Figure::new(2, 2).panel_size(430.0, 270.0);
+    let mut figure = Figure::new(2, 2).panel_size(430.0, 250.0).one_legend();
     for (design, belief) in DESIGNS.iter().zip(&beliefs) {
         figure = figure.with(belief.panel(design.title, &truth));
     }
@@ -105,15 +105,19 @@ impl Belief {
         let x: Vec<f64> = (0..POINTS).map(at).collect();
         let (low, high) = self.bounds();
         // Marks on the axis show where data are, as in the thesis.
-        let foot = vec![FLOOR; self.x.len()];
+        let foot = vec![FLOOR + 0.2; self.x.len()];
         Panel::new(Axis::new("input x").range(0.0, REACH), Axis::new("f(x)").range(FLOOR, -FLOOR))
             .title(title)
-            .legend(LegendPlace::Below)
             .with(Band::new(&x, &low, &high).color(Color::BLUE).label("±2 standard deviations"))
             .with(Line::new(&x, truth).color(Color::INK).width(1.3).dashed().label("function"))
             .with(Line::new(&x, &self.mean).color(Color::BLUE).label("mean"))
             .with(Points::new(&self.x, &self.y).color(Color::VERMILION).label("data"))
-            .with(Points::new(&self.x, &foot).color(Color::GREEN).radius(3.5))
+            .with(
+                Points::new(&self.x, &foot)
+                    .color(Color::GREEN)
+                    .radius(3.0)
+                    .label("inputs of the data"),
+            )
     }
 
     fn bounds(&self) -> (Vec<f64>, Vec<f64>) {

@@ -16,11 +16,11 @@ const REACH: f64 = 12.0;
 /// Lengthscales of the slow, the fast and the periodic functions, and the latter's period.
 const SLOW: f64 = 2.0;
 const FAST: f64 = 0.5;
-const FADING: f64 = 6.0;
+const FADING: f64 = 10.0;
 const PERIOD: f64 = 3.0;
 /// Functions drawn, and functions in which zeros are counted.
-const DRAWN: usize = 4;
-const COUNTED: usize = 400;
+const DRAWN: usize = 3;
+const COUNTED: usize = 2000;
 
 pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
     let smooth = |lengthscale: f64| SquaredExponential::new(&[lengthscale], 1.0);
@@ -41,9 +41,10 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
         crossings.push((0..COUNTED).map(|j| sign_changes(&sample(j))).sum::<usize>());
         let two_sd = 2.0 * kernel.value(&[0.0], &[0.0]).sqrt();
         let band = [-two_sd, two_sd].map(|edge| vec![edge; POINTS]);
-        let mut panel = Panel::new("input x", Axis::new("f(x)").range(-3.4, 3.4))
-            .title(title)
-            .with(Band::new(&inputs, &band[0], &band[1]).color(Color::GRAY));
+        let mut panel =
+            Panel::new(Axis::new("input x").range(0.0, REACH), Axis::new("f(x)").range(-3.4, 3.4))
+                .title(title)
+                .with(Band::new(&inputs, &band[0], &band[1]).color(Color::GRAY));
         for j in 0..DRAWN {
             panel = panel.with(Line::new(&inputs, &sample(j)).color(Color::cycle(j)));
             table = table.column(&format!("{name}_{j}"), &sample(j));
@@ -55,7 +56,7 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
     let caption = format!(
         "{DRAWN} functions from each of three priors, and their ±2 standard deviations. The \
          lengthscale sets how fast they change: over {COUNTED} draws they cross zero {:.3} and {:.3} \
-         times a unit of x; 1/(πl) is {:.3} and {:.3}. The periodic kernel times a slow one gives \
+         times a unit of x, where 1/(πl) is {:.3} and {:.3}. The periodic kernel times a slow one gives \
          functions that nearly repeat: values one period apart have a correlation of {:.2}, two \
          periods apart of {:.2}, half a period apart of {:.2}.",
         rate(0),
@@ -66,7 +67,7 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
         near.value(&[0.0], &[far]),
         near.value(&[0.0], &[0.5 * PERIOD]),
     );
-    let alt = "Three panels with four random functions each: slow waves, quick waves, and waves that \
+    let alt = "Three panels with three random functions each: slow waves, quick waves, and waves that \
                repeat with a slowly changing form.";
     Ok(Sketch::new(figure, table, &caption, alt))
 }

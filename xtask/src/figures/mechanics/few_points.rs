@@ -6,7 +6,7 @@ use anyhow::Result;
 use mechanics::{Facet, PointSet};
 use nalgebra::Vector2;
 use planar::Wrench;
-use report::{Color, Curve, Figure, Space, Surface, Table};
+use report::{Axis, Color, Curve, Figure, Space, Surface, Table};
 
 use super::rays::Rays;
 use crate::figures::inputs::Inputs;
@@ -16,8 +16,9 @@ use crate::figures::sketch::Sketch;
 const DISTANCE: f64 = 0.5;
 
 pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
-    let mut figure = Figure::new(1, 2).panel_size(420.0, 380.0);
+    let mut figure = Figure::new(1, 2).panel_size(420.0, 325.0);
     let mut table = Table::new();
+    let axis = |label: &str, reach: f64| Axis::new(label).range(-reach, reach);
     for (n, title) in [(2, "two points"), (3, "three points")] {
         let at = |k: u32| {
             let angle = TAU * f64::from(k) / f64::from(n) + 0.5 * PI;
@@ -28,8 +29,11 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
         for (k, name) in ["fx", "fy", "m"].into_iter().enumerate() {
             table = table.column(&format!("{name}_{n}_points"), &rays.column(k));
         }
-        let body = Surface::facets(&rays.points, &rays.facets).color(Color::SKY).opacity(0.75);
-        let mut space = Space::new("Fx / N", "Fy / N", "M / (N·m)").title(title).with(body);
+        let body = Surface::facets(&rays.points, &rays.facets).convex();
+        let mut space =
+            Space::new(axis("Fx / N", 1.3), axis("Fy / N", 1.3), axis("M / (N·m)", 0.6))
+                .title(title)
+                .with(body);
         for facet in surface.facets() {
             space = space.with(Curve::new(&rim(&facet)).color(Color::VERMILION).width(1.4));
         }

@@ -6,8 +6,8 @@ use anyhow::Result;
 use mechanics::FrictionCone;
 use nalgebra::{Vector2, Vector3};
 use report::{
-    Anchor, Arrows, Axis, Color, Curve, Figure, Guide, LegendPlace, Note, Panel, Points, Polygon,
-    Space, SpatialArrows, Surface,
+    Anchor, Arrows, Axis, Color, Curve, Figure, Guide, Note, Panel, Points, Polygon, Space,
+    SpatialArrows, Surface,
 };
 use serde_json::json;
 
@@ -36,9 +36,13 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
         "nearest_in_cone_n": nearest.as_slice(),
         "contained": [round.contains(&INSIDE), round.contains(&OUTSIDE)],
     });
-    let figure = Figure::new(1, 2).panel_size(400.0, 370.0).with(plane(&flat)).with(space(&round));
+    let figure = Figure::new(1, 2)
+        .panel_size(400.0, 330.0)
+        .one_legend()
+        .with(plane(&flat))
+        .with(space(&round));
     let caption = format!(
-        "(a) A particle that slides to the right: the normal force fn and the friction μ fn, which \
+        "(a) A particle that slides to the right: the normal force fₙ and the friction μ fₙ, which \
          opposes the slip, add up to a force on the edge of the cone. For μ = {FRICTION} the edge is \
          α = atan μ = {:.2}° from the normal. (b) The same in space: a force within the cone leaves \
          the particle at rest; one outside, {:.1}° from the normal, cannot be passed, and the nearest \
@@ -67,20 +71,19 @@ fn plane(cone: &FrictionCone<2>) -> Panel {
     )
     .title("in the plane")
     .equal_aspect()
-    .legend(LegendPlace::Below)
     .with(
         Polygon::new(&[[0.0, 0.0], [left.x, left.y], [right.x, right.y]])
             .color(Color::SKY)
-            .fill(Color::SKY, 0.25)
-            .label("friction cone"),
+            .fill(Color::SKY, 0.25),
     )
     .with(Guide::horizontal(0.0).color(Color::INK).width(2.0))
     .with(report::Line::through(&arc).color(Color::GRAY).width(1.2))
+    .with(note(0.0, 1.2, "friction cone").anchor(Anchor::Middle))
     .with(note(0.09, 0.5, "α"))
     .with(arrow(0.0, NORMAL_FORCE).color(Color::GREEN))
-    .with(note(0.03, 0.86, "fn"))
+    .with(note(0.03, 0.86, "fₙ"))
     .with(arrow(-friction, 0.0).color(Color::VERMILION))
-    .with(note(-0.42, -0.12, "μ fn").anchor(Anchor::Middle))
+    .with(note(-0.42, -0.12, "μ fₙ").anchor(Anchor::Middle))
     .with(arrow(-friction, NORMAL_FORCE).color(Color::BLUE))
     .with(note(-0.55, 0.94, "f").anchor(Anchor::End))
     .with(arrow(0.5, 0.0).color(Color::INK))
@@ -98,7 +101,7 @@ fn space(cone: &FrictionCone<3>) -> Space {
     let nearest = cone.project(&OUTSIDE);
     let force = |tip: Vector3<f64>| SpatialArrows::new(&[[0.0; 3]], &[tip.into()]).width(2.2);
     let axis = |label: &str, low: f64, high: f64| Axis::new(label).range(low, high);
-    Space::new(axis("fx / N", -0.8, 0.8), axis("fy / N", -0.8, 0.8), axis("fn / N", 0.0, 1.25))
+    Space::new(axis("fx / N", -0.8, 0.8), axis("fy / N", -0.8, 0.8), axis("fₙ / N", 0.0, 1.25))
         .title("in space")
         .equal_aspect()
         .view(-0.9, 0.3)

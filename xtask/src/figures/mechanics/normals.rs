@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use anyhow::Result;
-use report::{Color, Figure, Space, SpatialArrows, Surface, Table};
+use report::{Color, Figure, LegendPlace, Space, SpatialArrows, Surface, Table};
 
 use crate::figures::inputs::Inputs;
 use crate::figures::sketch::Sketch;
@@ -28,7 +28,10 @@ const PARTS: [Part; 3] = [
 ];
 
 pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
-    let mut space = Space::new("Fx / N", "Fy / N", "M / (N·m)").view(0.6, 0.3);
+    let mut space = Space::new("Fx / N", "Fy / N", "M / (N·m)")
+        .view(0.6, 0.3)
+        .equal_aspect()
+        .legend(LegendPlace::Below);
     let mut rows: Vec<[f64; 6]> = Vec::new();
     for part in &PARTS {
         let at: Vec<_> =
@@ -51,9 +54,10 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
     let table = (0..6).fold(Table::new(), |table, k| table.column(names[k], &column(k)));
     let caption = "A smooth limit surface made of half an ellipsoid, a cylinder and half a sphere. \
                    The motion under a load is along the outward normal; on the cylinder a whole \
-                   line of loads belongs to one motion.";
+                   line of loads belongs to one motion. The shape is assembled to show this: a \
+                   surface made by friction alone is also symmetric about the origin.";
     let alt = "A capsule in the space of forces and moments with arrows standing on it.";
-    Ok(Sketch::new(Figure::single(space), table, caption, alt))
+    Ok(Sketch::new(Figure::new(1, 1).panel_size(560.0, 470.0).with(space), table, caption, alt))
 }
 
 fn on_ellipsoid(s: f64, t: f64) -> [f64; 3] {

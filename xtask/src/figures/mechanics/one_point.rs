@@ -11,11 +11,14 @@ use report::{Color, Curve, Figure, Space, Surface, Table};
 use crate::figures::inputs::Inputs;
 use crate::figures::sketch::Sketch;
 
+/// Reach of the axis of moments, in N·m.
+const MOMENT: f64 = 0.6;
+
 const PLACES: [(&str, [f64; 2]); 2] =
     [("support point at the origin", [0.0, 0.0]), ("support point at (0, 0.5) m", [0.0, 0.5])];
 
 pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
-    let mut figure = Figure::new(1, 2).panel_size(400.0, 360.0);
+    let mut figure = Figure::new(1, 2).panel_size(400.0, 315.0).one_legend();
     let mut table = Table::new();
     for (index, (title, [x, y])) in PLACES.into_iter().enumerate() {
         let point = SinglePoint::new(Vector2::new(x, y), 1.0)?;
@@ -29,18 +32,22 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
             let column: Vec<_> = rim.iter().map(|load| load[k]).collect();
             table = table.column(&format!("{name}_{index}"), &column);
         }
-        let axes = [("Fx / N", 1.2), ("Fy / N", 1.2), ("M / (N·m)", 0.6)];
+        let shadow: Vec<_> = rim.iter().map(|load| [load[0], load[1], -MOMENT]).collect();
+        let axes = [("Fx / N", 1.3), ("Fy / N", 1.3), ("M / (N·m)", MOMENT)];
         let [fx, fy, m] = axes.map(|(label, reach)| report::Axis::new(label).range(-reach, reach));
         figure = figure.with(
             Space::new(fx, fy, m)
                 .title(title)
-                .with(Surface::parametric(60, 6, |s, t| load(t, TAU * s)).opacity(0.6))
-                .with(Curve::new(&rim).color(Color::BLUE)),
+                .with(
+                    Curve::new(&shadow).color(Color::GRAY).width(1.4).dashed().label("limit curve"),
+                )
+                .with(Surface::facets(&rim, &[(0..rim.len()).collect()]).opacity(0.6))
+                .with(Curve::new(&rim).color(Color::BLUE).label("limit surface")),
         );
     }
     let caption = "One support point bears a disc of forces, so its loads form a flat ellipse: \
                    level if the point is the origin, tilted along (−y, x) if it is not. Its \
-                   projection on the plane of forces is the limit curve.";
+                   projection on the plane of forces is the limit curve (dashed), a circle for both.";
     let alt = "Two flat discs in the space of forces and moments, the second one tilted.";
     Ok(Sketch::new(figure, table, caption, alt))
 }

@@ -1,10 +1,10 @@
 //! Figure 2.3: the pusher's friction cone and the friction of each element of the support.
 
-use anyhow::Result;
-use mechanics::{FrictionCone, Patch, Push, PushMotion, predict};
+use anyhow::{Result, bail};
+use mechanics::{CenterOfRotation, FrictionCone, Patch, Push, PushMotion, predict};
 use nalgebra::Vector2;
 use planar::{Twist, Wrench, mit_object};
-use report::{Arrows, Color, Figure, LegendPlace, Note, Panel, Points, Table};
+use report::{Arrows, Color, Figure, Note, Panel, Points, Table};
 
 use super::top_view::{PUSHER, SIDE, arrow, cone, in_mm, panel, push, pusher};
 use crate::figures::inputs::Inputs;
@@ -37,9 +37,10 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
         .column("fx_mn", &column(|(_, force)| 1e3 * force.x))
         .column("fy_mn", &column(|(_, force)| 1e3 * force.y));
     let figure = Figure::new(1, 2)
-        .panel_size(430.0, 430.0)
+        .panel_size(430.0, 400.0)
+        .one_legend()
         .with(pusher_panel(&push, &motion)?)
-        .with(support_panel(&push, &elements)?);
+        .with(support_panel(&push, &motion, &elements)?);
     let pushed = push.wrench_of(&motion.force_s);
     let caption = format!(
         "(a) The pusher's force is within its friction cone, {:.1}° to either side of the normal: \
@@ -74,29 +75,35 @@ fn elements(twist: &Twist, f_max: f64) -> Vec<(Vector2<f64>, Vector2<f64>)> {
 fn pusher_panel(push: &Push, motion: &PushMotion) -> Result<Panel> {
     let edges = FrictionCone::new(push.normal_s, push.friction)?.edges();
     let normal = push.normal_s.into_inner();
-    Ok(panel("pusher on object", (-75.0, 55.0), (-55.0, 55.0))?
-        .legend(LegendPlace::Below)
+    Ok(panel("pusher on object", (-62.0, 3.0), (2.0, 57.0))?
         .with(
-            cone(&push.p_sc, &edges, 50.0)
+            cone(&push.p_sc, &edges, 34.0)
                 .color(Color::ORANGE)
                 .fill(Color::ORANGE, 0.3)
                 .label("friction cone"),
         )
-        .with(arrow(&push.p_sc, &normal, 58.0).color(Color::GRAY).width(1.2).label("normal"))
+        .with(arrow(&push.p_sc, &normal, 40.0).color(Color::GRAY).width(1.2).label("normal"))
         .with(pusher(push))
         .with(
-            arrow(&push.p_sc, &motion.force_s, 20.0)
+            arrow(&push.p_sc, &motion.force_s, 15.0)
                 .color(Color::VERMILION)
                 .label("force on the object"),
         ))
 }
 
-fn support_panel(push: &Push, elements: &[(Vector2<f64>, Vector2<f64>)]) -> Result<Panel> {
+fn support_panel(
+    push: &Push,
+    motion: &PushMotion,
+    elements: &[(Vector2<f64>, Vector2<f64>)],
+) -> Result<Panel> {
+    let CenterOfRotation::Point { at: center, .. } = CenterOfRotation::of(&motion.twist_ws_s)
+    else {
+        bail!("the square does not turn");
+    };
     let tails: Vec<_> = elements.iter().map(|(at, _)| in_mm(at)).collect();
     let forces: Vec<_> = elements.iter().map(|(_, force)| [force.x, force.y]).collect();
     let length = elements[0].1.norm();
     Ok(panel("support on object", (-75.0, 55.0), (-55.0, 55.0))?
-        .legend(LegendPlace::Below)
         .with(pusher(push))
         .with(Points::at(&tails).color(Color::BLUE).radius(1.5))
         .with(
@@ -106,5 +113,7 @@ fn support_panel(push: &Push, elements: &[(Vector2<f64>, Vector2<f64>)]) -> Resu
                 .label("friction on an element"),
         )
         .with(Points::at(&[[0.0, 0.0]]).color(Color::INK).radius(3.0))
-        .with(Note::new([0.0, 0.0], "COM")))
+        .with(Note::new([0.0, 0.0], "COM"))
+        .with(Points::at(&[in_mm(&center)]).color(Color::VERMILION).radius(3.0))
+        .with(Note::new(in_mm(&center), "COR").offset(8.0, -3.0)))
 }

@@ -27,17 +27,7 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
     let mut points = shape.outline(1);
     points.extend([Vector2::zeros(), push.p_sc, marked]);
     let velocities: Vec<_> = points.iter().map(|point| twist.velocity_at(point)).collect();
-    let columns = |of: &[Vector2<f64>]| -> [Vec<f64>; 2] {
-        [of.iter().map(|v| 1e3 * v.x).collect(), of.iter().map(|v| 1e3 * v.y).collect()]
-    };
-    let ([x, y], [vx, vy]) = (columns(&points), columns(&velocities));
-    let distance: Vec<_> = points.iter().map(|point| 1e3 * (point - center).norm()).collect();
-    let table = Table::new()
-        .column("x_mm", &x)
-        .column("y_mm", &y)
-        .column("vx_mm_s", &vx)
-        .column("vy_mm_s", &vy)
-        .column("distance_to_cor_mm", &distance);
+    let table = table(&points, &velocities, &center);
     let tails: Vec<_> = points.iter().map(in_mm).collect();
     let vectors: Vec<_> = velocities.iter().map(|v| [v.x, v.y]).collect();
     let circle = |point: &Vector2<f64>| {
@@ -47,8 +37,8 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
         Line::through(&[in_mm(&center), in_mm(point)]).color(Color::GRAY).width(1.2)
     };
     let note = |at: &Vector2<f64>, text: &str| Note::new(in_mm(at), text);
-    let panel = panel("", (-90.0, 100.0), (-70.0, 80.0))?
-        .legend(LegendPlace::Outside)
+    let panel = panel("", (-92.0, 92.0), (-70.0, 70.0))?
+        .legend(LegendPlace::Below)
         .with(circle(&push.p_sc).width(0.9))
         .with(circle(&marked).width(0.9))
         .with(radius(&push.p_sc))
@@ -85,6 +75,20 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
     );
     let alt = "A square from above with a pusher at its left edge; arrows at its corners, center and \
                contact run along circles about a point below.";
-    let figure = Figure::new(1, 1).panel_size(700.0, 420.0).with(panel);
+    let figure = Figure::new(1, 1).panel_size(560.0, 470.0).with(panel);
     Ok(Sketch::new(figure, table, &caption, alt))
+}
+
+fn table(points: &[Vector2<f64>], velocities: &[Vector2<f64>], center: &Vector2<f64>) -> Table {
+    let columns = |of: &[Vector2<f64>]| -> [Vec<f64>; 2] {
+        [of.iter().map(|v| 1e3 * v.x).collect(), of.iter().map(|v| 1e3 * v.y).collect()]
+    };
+    let ([x, y], [vx, vy]) = (columns(points), columns(velocities));
+    let distance: Vec<_> = points.iter().map(|point| 1e3 * (point - center).norm()).collect();
+    Table::new()
+        .column("x_mm", &x)
+        .column("y_mm", &y)
+        .column("vx_mm_s", &vx)
+        .column("vy_mm_s", &vy)
+        .column("distance_to_cor_mm", &distance)
 }

@@ -6,7 +6,7 @@ use mechanics::{
     predict, push_along,
 };
 use planar::{Pose, Shape};
-use report::{Color, Figure, LegendPlace, Panel};
+use report::{Color, Ellipse, Figure, Panel};
 use serde_json::{Value, json};
 
 use super::top_view::{
@@ -59,8 +59,11 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
         sticking.end_ws.angle.to_degrees(),
         sliding.end_ws.angle.to_degrees(),
     );
-    let figure =
-        Figure::new(1, 2).panel_size(450.0, 460.0).with(sticking.panel()?).with(sliding.panel()?);
+    let figure = Figure::new(1, 2)
+        .panel_size(440.0, 430.0)
+        .one_legend()
+        .with(sticking.panel()?)
+        .with(sliding.panel()?);
     let alt = "A square from above, twice, with a pusher at its left edge and the motion cone: the \
                pusher's velocity is inside the cone on the left and outside on the right.";
     Ok(Sketch::new(figure, data, &caption, alt))
@@ -100,9 +103,15 @@ impl Case {
         let push = &self.push;
         let at_contact = self.motion.twist_ws_s.velocity_at(&push.p_sc);
         let edges = [self.cone.left, self.cone.right];
+        let end = pusher_center(push) + DURATION * push.v_wp_s;
         Ok(panel(self.title()?, (-70.0, 85.0), (-70.0, 85.0))?
-            .legend(LegendPlace::Below)
-            .with(outline(&self.end_ws)?.color(Color::GRAY).dashed())
+            .with(
+                outline(&self.end_ws)?
+                    .color(Color::GRAY)
+                    .dashed()
+                    .label(&format!("after {DURATION} s")),
+            )
+            .with(Ellipse::circle(in_mm(&end), 1e3 * PUSHER.radius).color(Color::GRAY).dashed())
             .with(
                 cone(&push.p_sc, &edges, LENGTH)
                     .color(Color::BLUE)

@@ -59,9 +59,8 @@ pub(crate) fn cone(
     const STEPS: i32 = 24;
     let opening = left.angle(right);
     let on_rim = |k: i32| {
-        let direction = right.into_inner();
         let turned = nalgebra::Rotation2::new(opening * f64::from(k) / f64::from(STEPS));
-        in_mm(&(apex + 1e-3 * length * (turned * direction)))
+        in_mm(&(apex + 1e-3 * length * (turned * right.into_inner())))
     };
     Polygon::new(&[vec![in_mm(apex)], (0..=STEPS).map(on_rim).collect()].concat())
 }

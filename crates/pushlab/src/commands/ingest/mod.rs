@@ -14,7 +14,7 @@ use dataset::{
 };
 
 use self::ingested::Ingested;
-use self::source::Source;
+use self::source::{SET_FILES, Source};
 use crate::command_line::preset_parser;
 use crate::destination::Destination;
 use crate::document::Document;
@@ -72,15 +72,16 @@ enum CurveName {
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let output = args.output.as_deref().map(Destination::new).transpose()?;
     let report = args.report.as_deref().map(Destination::new).transpose()?;
-    let (table, origin, result) = match Source::of(args)? {
+    let source = Source::of(args)?;
+    for destination in output.iter().chain(&report) {
+        destination.spare(&source.paths())?;
+    }
+    let (table, origin, result) = match source {
         Source::Recordings(set) => args.ingest(&set, terminal)?,
         Source::Table { path, mapping, mapping_path } => {
             args.convert(&path, &mapping, mapping_path.as_deref())?
         }
     };
-    for destination in output.iter().chain(&report) {
-        destination.spare(&origin.inputs)?;
-    }
     if let Some(destination) = &report {
         let is_json = destination.path().extension().is_some_and(|ending| ending == "json");
         let text = if is_json {
@@ -145,7 +146,7 @@ impl Args {
         let report = report?;
         let mut origin = self.origin();
         let mut provenance = provenance(set, &report);
-        for name in [MANIFEST_NAME, "sessions.csv"] {
+        for name in SET_FILES {
             let path = set.dir().join(name);
             if path.exists() && (set.preset().is_none() || name != MANIFEST_NAME) {
                 let input = Input::file(&path)?;

@@ -10,6 +10,9 @@ use super::Args;
 use crate::failure::WrongUsage;
 use crate::origin::readable;
 
+/// Files of a set beside its recordings.
+pub(super) const SET_FILES: [&str; 2] = [MANIFEST_NAME, "sessions.csv"];
+
 /// The input as it was recognized.
 pub(super) enum Source {
     /// A recording set.
@@ -43,6 +46,19 @@ impl Source {
                 Ok(Self::Recordings(Box::new(RecordingSet::open_with_preset(set, preset)?)))
             }
             (None, None) => Self::recognize(set),
+        }
+    }
+
+    /// What is read, so that it is not overwritten.
+    pub(super) fn paths(&self) -> Vec<PathBuf> {
+        match self {
+            Self::Recordings(set) => {
+                let files = SET_FILES.map(|name| set.dir().join(name));
+                set.recordings().iter().cloned().chain(files).collect()
+            }
+            Self::Table { path, mapping_path, .. } => {
+                std::iter::once(path).chain(mapping_path).cloned().collect()
+            }
         }
     }
 

@@ -97,7 +97,8 @@ impl Nominal {
     /// The analytical model, whose friction says where it comes from and what wrote it.
     fn model(&self, origin: &Origin) -> Result<ModelFile> {
         let hashes = origin.inputs.iter().map(|input| format!(" sha256:{}", input.sha256));
-        let source = format!("{}{}, by {TOOL}", self.source, hashes.collect::<String>());
+        let hashes = hashes.collect::<String>();
+        let source = format!("{}{hashes}, by {TOOL} {}", self.source, origin.command_line());
         let friction = Estimate::exact(self.pusher_friction, &source);
         let model = Analytical::nominal(self.pusher_friction)?;
         let model = Analytical::new(friction, model.length().clone(), *model.scatter())?;

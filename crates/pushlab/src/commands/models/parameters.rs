@@ -12,6 +12,8 @@ use crate::terminal::TITLE;
 pub(crate) struct Parameters {
     name: String,
     kind: &'static str,
+    /// Of the kinds with mechanics.
+    limit_surface: Option<&'static str>,
     parameters: Vec<Parameter>,
     /// Outputs with a Gaussian process, for the kinds that learn.
     learned: Vec<&'static str>,
@@ -30,17 +32,19 @@ struct Parameter {
 
 impl Parameters {
     pub(crate) fn of(file: &ModelFile) -> Self {
-        let (kind, parameters) = match &file.description.base {
-            Base::Analytical(model) => ("analytical", analytical(model)),
-            Base::Hybrid(model) => ("hybrid", analytical(model)),
-            Base::Gp => ("gp", Vec::new()),
-            _ => ("unknown", Vec::new()),
+        let (kind, mechanics) = match &file.description.base {
+            Base::Analytical(model) => ("analytical", Some(model)),
+            Base::Hybrid(model) => ("hybrid", Some(model)),
+            Base::Gp => ("gp", None),
+            _ => ("unknown", None),
         };
+        let limit_surface = mechanics.map(|model| model.surface().name());
+        let parameters = mechanics.map(analytical).unwrap_or_default();
         let learned = match &file.description.weights {
             Some(_) => OUTPUTS.to_vec(),
             None => Vec::new(),
         };
-        Self { name: file.name.clone(), kind, parameters, learned }
+        Self { name: file.name.clone(), kind, limit_surface, parameters, learned }
     }
 }
 
@@ -79,6 +83,9 @@ fn analytical(model: &Analytical) -> Vec<Parameter> {
 impl fmt::Display for Parameters {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{TITLE}{}{TITLE:#} ({})", self.name, self.kind)?;
+        if let Some(surface) = self.limit_surface {
+            writeln!(f, "  limit surface: {surface}")?;
+        }
         for Parameter { name, value, se, unit, source } in &self.parameters {
             let unit = if *unit == "1" { String::new() } else { format!(" {unit}") };
             let value = match value {

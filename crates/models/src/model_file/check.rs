@@ -1,0 +1,161 @@
+//! From the tables of `model.toml` to a base that can be built, or to what is wrong with them.
+
+use nalgebra::Matrix3;
+use serde_spanned::Spanned;
+
+use super::ModelFile;
+use super::raw::{Raw, RawBase, RawEstimate};
+use super::source::Source;
+use crate::{
+    Analytical, Base, CharacteristicLength, Estimate, ModelError, SurfaceKind, model_kinds,
+};
+
+const PRESSURES: [&str; 1] = ["uniform"];
+const MOST_POINTS: i64 = 10_000;
+
+impl Source<'_> {
+    /// The base, after a check of everything but the weights file.
+    pub(super) fn base(&self, raw: &Raw) -> Result<Base, ModelError> {
+        self.expect(&raw.schema, "schema", &[ModelFile::SCHEMA])?;
+        if let Some(effect) = raw.effects.first() {
+            let id = effect.get_ref().get("id").and_then(toml::Value::as_str);
+            let id = id.unwrap_or("without id");
+            let problem = format!("effect {id}: this release has no effects; remove the block");
+            return Err(self.invalid(effect.span().start, "effects", problem));
+        }
+        let kinds: Vec<&str> = model_kinds().iter().map(|kind| kind.id).collect();
+        self.expect(&raw.base.get_ref().kind, "base.kind", &kinds)?;
+        let kind = raw.base.get_ref().kind.get_ref().as_str();
+        match &raw.learned {
+            None if kind != "analytical" => {
+                let problem = "this kind needs the table; train the model, or use kind analytical";
+                return Err(self.invalid(raw.base.span().start, "learned", problem));
+            }
+            Some(learned) if kind == "analytical" => {
+                let problem = "an analytical model has no weights; remove the table";
+                return Err(self.invalid(learned.span().start, "learned", problem));
+            }
+            _ => {}
+        }
+        match kind {
+            "analytical" => Ok(Base::Analytical(self.analytical(&raw.base)?)),
+            "hybrid" => Ok(Base::Hybrid(self.analytical(&raw.base)?)),
+            _ => self.without_mechanics(raw.base.get_ref()).map(|()| Base::Gp),
+        }
+    }
+
+    /// Refuses the keys of an analytical model.
+    fn without_mechanics(&self, base: &RawBase) -> Result<(), ModelError> {
+        let spans = [
+            base.limit_surface.as_ref().map(Spanned::span),
+            base.n_points.as_ref().map(Spanned::span),
+            base.pressure.as_ref().map(Spanned::span),
+            base.scatter_per_m.as_ref().map(Spanned::span),
+            base.pusher_friction.as_ref().map(Spanned::span),
+            base.characteristic_length.as_ref().map(Spanned::span),
+        ];
+        match spans.into_iter().flatten().min_by_key(|span| span.start) {
+            Some(span) => {
+                let problem = "a gp has no mechanics; remove its keys, or use kind hybrid";
+                Err(self.invalid(span.start, "base", problem))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn analytical(&self, base: &Spanned<RawBase>) -> Result<Analytical, ModelError> {
+        let (raw, start) = (base.get_ref(), base.span().start);
+        let surface = self.surface(raw)?;
+        let key = "base.pusher_friction";
+        let friction = match &raw.pusher_friction {
+            Some(friction) => self.estimate(friction, key, 0.0)?,
+            None => return Err(self.invalid(start, key, "is missing; give a value")),
+        };
+        let length = self.length(raw, start, surface)?;
+        Analytical::new(friction, length, self.scatter(raw)?)?.with_surface(surface)
+    }
+
+    fn surface(&self, raw: &RawBase) -> Result<SurfaceKind, ModelError> {
+        let name = match &raw.limit_surface {
+            Some(name) => {
+                self.expect(name, "base.limit_surface", &SurfaceKind::NAMES)?;
+                name.get_ref().as_str()
+            }
+            None => SurfaceKind::default().name(),
+        };
+        let key = "base.n_points";
+        match (name, &raw.n_points) {
+            ("points", None) => Ok(SurfaceKind::Points { n_points: SurfaceKind::DEFAULT_POINTS }),
+            ("points", Some(number)) => match *number.get_ref() {
+                n @ 4..=MOST_POINTS => Ok(SurfaceKind::Points { n_points: n as usize }),
+                n => {
+                    let problem = format!("must be from 4 to {MOST_POINTS}, got {n}");
+                    Err(self.invalid(number.span().start, key, problem))
+                }
+            },
+            (_, Some(number)) => {
+                let problem = "is for limit_surface = \"points\" alone; remove it";
+                Err(self.invalid(number.span().start, key, problem))
+            }
+            ("uniform-patch", None) => Ok(SurfaceKind::UniformPatch),
+            ("quartic", None) => Ok(SurfaceKind::Quartic),
+            _ => Ok(SurfaceKind::Ellipsoid),
+        }
+    }
+
+    fn length(
+        &self,
+        raw: &RawBase,
+        start: usize,
+        surface: SurfaceKind,
+    ) -> Result<CharacteristicLength, ModelError> {
+        if let Some(pressure) = &raw.pressure {
+            self.expect(pressure, "base.pressure", &PRESSURES)?;
+        }
+        match (&raw.characteristic_length, &raw.pressure) {
+            (None, Some(_)) => Ok(CharacteristicLength::UniformPressure),
+            (Some(length), None) if surface == SurfaceKind::Ellipsoid => {
+                let key = "base.characteristic_length";
+                Ok(CharacteristicLength::Given(self.estimate(length, key, f64::MIN_POSITIVE)?))
+            }
+            (Some(length), None) => {
+                let name = surface.name();
+                let problem = format!("is for an ellipsoid; on {name} give pressure = \"uniform\"");
+                Err(self.invalid(length.span().start, "base.characteristic_length", problem))
+            }
+            _ => {
+                let problem = "give either pressure = \"uniform\" or [base.characteristic_length]";
+                Err(self.invalid(start, "base.pressure", problem))
+            }
+        }
+    }
+
+    fn scatter(&self, raw: &RawBase) -> Result<Matrix3<f64>, ModelError> {
+        let Some(rows) = &raw.scatter_per_m else { return Ok(Matrix3::zeros()) };
+        let matrix = Matrix3::from_fn(|i, j| rows.get_ref()[i][j]);
+        let eigenvalues = matrix.symmetric_eigenvalues();
+        // An eigenvalue of zero may come back from the file's digits as a rounding below it.
+        if matrix == matrix.transpose() && eigenvalues.min() >= -1e-12 * eigenvalues.max() {
+            return Ok(matrix);
+        }
+        let problem = "must be symmetric and positive semi-definite";
+        Err(self.invalid(rows.span().start, "base.scatter_per_m", problem))
+    }
+
+    fn estimate(
+        &self,
+        raw: &Spanned<RawEstimate>,
+        key: &str,
+        least: f64,
+    ) -> Result<Estimate, ModelError> {
+        let RawEstimate { value, se, source } = raw.get_ref();
+        for (name, value, least) in [("value", *value, least), ("se", *se, 0.0)] {
+            if !(value >= least && value.is_finite()) {
+                let sign = if least > 0.0 { "positive" } else { "not negative" };
+                let problem = format!("must be finite and {sign}, got {value}");
+                return Err(self.invalid(raw.span().start, &format!("{key}.{name}"), problem));
+            }
+        }
+        Ok(Estimate { value: *value, se: *se, source: source.clone() })
+    }
+}

@@ -1,0 +1,114 @@
+//! The tables of `model.toml` as they stand in the text.
+
+use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
+use serde_spanned::Spanned;
+
+use crate::{Analytical, Base, CharacteristicLength, Estimate, SurfaceKind};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Raw {
+    pub schema: Spanned<String>,
+    pub name: String,
+    pub base: Spanned<RawBase>,
+    #[serde(default)]
+    pub effects: Vec<Spanned<toml::Table>>,
+    pub learned: Option<Spanned<RawLearned>>,
+}
+
+#[derive(Serialize)]
+pub(super) struct RawOut<'a> {
+    pub schema: &'a str,
+    pub name: &'a str,
+    pub base: RawBase,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub learned: Option<RawLearned>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawBase {
+    pub kind: Spanned<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit_surface: Option<Spanned<String>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub n_points: Option<Spanned<i64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<Spanned<String>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scatter_per_m: Option<Spanned<[[f64; 3]; 3]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pusher_friction: Option<Spanned<RawEstimate>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub characteristic_length: Option<Spanned<RawEstimate>>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawEstimate {
+    pub value: f64,
+    #[serde(default)]
+    pub se: f64,
+    #[serde(default)]
+    pub source: String,
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawLearned {
+    pub weights: String,
+    pub sha256: String,
+    pub inputs: Vec<String>,
+}
+
+impl RawBase {
+    pub(super) fn of(base: &Base) -> Self {
+        match base {
+            Base::Analytical(model) => Self::of_analytical("analytical", model),
+            Base::Hybrid(model) => Self::of_analytical("hybrid", model),
+            Base::Gp => Self {
+                kind: new("gp".to_owned()),
+                limit_surface: None,
+                n_points: None,
+                pressure: None,
+                scatter_per_m: None,
+                pusher_friction: None,
+                characteristic_length: None,
+            },
+        }
+    }
+
+    fn of_analytical(kind: &str, model: &Analytical) -> Self {
+        let n_points = match model.surface() {
+            SurfaceKind::Points { n_points } => i64::try_from(n_points).ok(),
+            _ => None,
+        };
+        let (pressure, length) = match model.length() {
+            CharacteristicLength::UniformPressure => (Some(new("uniform".to_owned())), None),
+            CharacteristicLength::Given(length) => (None, Some(new(RawEstimate::of(length)))),
+        };
+        let scatter = *model.scatter();
+        Self {
+            kind: new(kind.to_owned()),
+            limit_surface: Some(new(model.surface().name().to_owned())),
+            n_points: n_points.map(new),
+            pressure,
+            scatter_per_m: (scatter != Matrix3::zeros()).then(|| new(scatter.transpose().into())),
+            pusher_friction: Some(new(RawEstimate::of(model.pusher_friction()))),
+            characteristic_length: length,
+        }
+    }
+}
+
+impl RawEstimate {
+    fn of(estimate: &Estimate) -> Self {
+        let Estimate { value, se, source } = estimate.clone();
+        Self { value, se, source }
+    }
+}
+
+/// A value that stands nowhere in a text yet.
+fn new<T>(value: T) -> Spanned<T> {
+    Spanned::new(0..0, value)
+}

@@ -1,0 +1,120 @@
+//! The limit surfaces that an analytical model may stand on.
+
+use mechanics::{Ellipsoid, LimitSurface, Patch, PointSet, WrenchTwist, fit_quartic, mesh};
+use planar::{Pose, Shape};
+
+use crate::ModelError;
+
+/// Which limit surface stands for uniform pressure over the outline.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SurfaceKind {
+    /// The ellipsoid about the centroid with the exact ratio c of largest moment to largest force,
+    /// or with a given one; its push is a closed form.
+    #[default]
+    Ellipsoid,
+    /// The exact surface.
+    UniformPatch,
+    /// The exact surface of the pressure lumped at points.
+    Points {
+        /// About how many.
+        n_points: usize,
+    },
+    /// The convex quartic that fits loads and motions of the exact surface best.
+    Quartic,
+}
+
+impl SurfaceKind {
+    /// The names in `model.toml`.
+    pub const NAMES: [&str; 4] = ["ellipsoid", "uniform-patch", "points", "quartic"];
+    /// Lumps the pressure of a square within 1 % of its exact c.
+    pub const DEFAULT_POINTS: usize = 100;
+
+    /// Its name in `model.toml`.
+    pub fn name(self) -> &'static str {
+        let [ellipsoid, uniform_patch, points, quartic] = Self::NAMES;
+        match self {
+            Self::Ellipsoid => ellipsoid,
+            Self::UniformPatch => uniform_patch,
+            Self::Points { .. } => points,
+            Self::Quartic => quartic,
+        }
+    }
+
+    /// The surface under a shape that bears 1 N, with an ellipsoid's c in m.
+    ///
+    /// The size of the force does not matter to a quasi-static motion on a level table.
+    pub(crate) fn under(self, shape: &Shape, length: f64) -> Result<Support, ModelError> {
+        let in_body = Pose::default();
+        Ok(match self {
+            Self::Ellipsoid => {
+                let center = shape.centroid();
+                let surface = Box::new(Ellipsoid::new(1.0, length)?);
+                Support { surface, pose_bs: Pose::new(center.x, center.y, 0.0) }
+            }
+            Self::UniformPatch => {
+                Support { surface: Box::new(Patch::uniform(shape, 1.0)?), pose_bs: in_body }
+            }
+            Self::Points { n_points } => {
+                let surface = PointSet::sampling(shape, 1.0, n_points)?;
+                Support { surface: Box::new(surface), pose_bs: in_body }
+            }
+            Self::Quartic => {
+                let exact = Patch::uniform(shape, 1.0)?;
+                let length = exact.characteristic_length();
+                let mesh = mesh(&exact, length, MESH)?;
+                let rows = mesh.wrenches.iter().zip(&mesh.normals);
+                let pairs: Vec<_> = rows
+                    .flat_map(|(wrenches, twists)| wrenches.iter().zip(twists))
+                    .map(|(&wrench, &twist)| WrenchTwist { wrench, twist })
+                    .collect();
+                let surface = fit_quartic(&pairs, length)?.surface;
+                Support { surface: Box::new(surface), pose_bs: in_body }
+            }
+        })
+    }
+}
+
+/// Latitudes of each hemisphere at which a quartic meets the exact surface.
+const MESH: usize = 4;
+
+/// A limit surface and where its frame S is in the body.
+#[derive(Debug)]
+pub(crate) struct Support {
+    pub surface: Box<dyn LimitSurface>,
+    pub pose_bs: Pose,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SurfaceKind;
+    use mechanics::{LimitSurface, Patch};
+    use planar::{Shape, Twist, mit_object};
+
+    /// Every surface stands for the same pressure, so their largest forces and moments are alike.
+    #[test]
+    fn every_kind_bears_what_the_exact_surface_bears() {
+        for shape in [Shape::square(0.09).unwrap(), mit_object("tri1").unwrap().shape] {
+            let exact = Patch::uniform(&shape, 1.0).unwrap();
+            let center = shape.centroid();
+            let c = shape.mean_distance(&center);
+            for kind in [
+                SurfaceKind::Ellipsoid,
+                SurfaceKind::UniformPatch,
+                SurfaceKind::Points { n_points: 400 },
+                SurfaceKind::Quartic,
+            ] {
+                let support = kind.under(&shape, c).unwrap();
+                for twist_b in [
+                    Twist::new(1.0, 0.0, 0.0),
+                    Twist::new(0.3, -0.8, 0.0),
+                    Twist::new(center.y, -center.x, 1.0),
+                ] {
+                    let twist_s = twist_b.shifted(&support.pose_bs.position);
+                    let power = support.surface.dissipation(&twist_s).unwrap();
+                    let expected = exact.dissipation(&twist_b).unwrap();
+                    assert!((power / expected - 1.0).abs() < 0.03, "{kind:?} {power} {expected}");
+                }
+            }
+        }
+    }
+}

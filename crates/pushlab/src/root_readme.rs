@@ -1,3 +1,0 @@
-//! The workspace's README, whose example is a test.
-
-#![doc = include_str!("../../../README.md")]

@@ -1,0 +1,131 @@
+//! The pages show what the tool prints, and name what its results hold.
+
+use std::fs;
+use std::path::Path;
+
+use dataset::{Column, Flags, columns};
+use serde_json::Value;
+
+use crate::small_set::SmallSet;
+
+const PROJECT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
+const COMMAND_LINE: &str = "command-line.md";
+const TUTORIAL: &str = "tutorial-recordings.md";
+
+fn page(name: &str) -> String {
+    fs::read_to_string(Path::new(PROJECT).join("docs").join(name)).unwrap()
+}
+
+fn copy(from: &Path, to: &Path) {
+    if from.is_dir() {
+        fs::create_dir_all(to).unwrap();
+        for entry in fs::read_dir(from).unwrap() {
+            let name = entry.unwrap().file_name();
+            copy(&from.join(&name), &to.join(&name));
+        }
+    } else {
+        fs::copy(from, to).unwrap();
+    }
+}
+
+/// The page with the output of each `$ pushlab` line in place of what stands below it.
+fn with_true_output(page: &str, set: &SmallSet) -> String {
+    let (mut text, mut in_session) = (String::new(), false);
+    for line in page.lines() {
+        let ends = in_session && line == "```";
+        in_session = line == "```console" || (in_session && !ends);
+        let command = line.strip_prefix("$ pushlab ").filter(|_| in_session);
+        if !in_session || line == "```console" || command.is_some() {
+            text += &format!("{line}\n");
+        }
+        if let Some(command) = command {
+            let arguments: Vec<_> = command.split(' ').collect();
+            let run = set.run(&arguments);
+            text += if run.code == Some(0) { &run.stdout } else { &run.stderr };
+        }
+    }
+    text
+}
+
+#[test]
+fn the_sessions_on_the_pages_are_what_the_tool_prints() {
+    let set = SmallSet::new();
+    for name in ["pushes", "formats/mcap-ros2"] {
+        copy(&Path::new(PROJECT).join("fixtures").join(name), &set.path(name));
+    }
+    for name in [COMMAND_LINE, TUTORIAL] {
+        let page = page(name);
+        let printed = with_true_output(&page, &set);
+        if page != printed {
+            let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+            fs::write(&path, &printed).unwrap();
+            let differ =
+                page.lines().zip(printed.lines()).find(|(shown, printed)| shown != printed);
+            panic!("{differ:?}; {name} as it should be: {}", path.display());
+        }
+    }
+}
+
+#[test]
+fn every_column_and_flag_is_on_the_page() {
+    let page = page(TUTORIAL);
+    for Column { name, unit, meaning, .. } in columns() {
+        let row = format!("| `{name}` | {unit} | {meaning} |\n");
+        assert!(page.contains(&row), "no line {row}");
+    }
+    for (_, flag) in Flags::ALL {
+        assert!(page.contains(&format!("`{flag}`")), "no `{flag}`");
+    }
+}
+
+/// Names of the fields; keys of maps by reason, stream, shape or flag are data.
+fn keys(value: &Value, found: &mut Vec<String>) {
+    const MAPS: [&str; 8] =
+        ["set_aside", "rates_hz", "repairs", "untared", "phases", "shapes", "flags", "settings"];
+    match value {
+        Value::Object(fields) => {
+            for (key, value) in fields {
+                found.push(key.clone());
+                if !MAPS.contains(&key.as_str()) {
+                    keys(value, found);
+                }
+            }
+        }
+        Value::Array(values) => values.iter().for_each(|value| keys(value, found)),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_key_of_the_results_is_on_the_page() {
+    let set = SmallSet::new();
+    set.done(&["ingest", "set", "-o", "steps.csv"]);
+    set.done(&["models", "init", "set"]);
+    let page = page(COMMAND_LINE);
+    for arguments in [
+        &["init", "set", "--print"][..],
+        &["inspect", "set"],
+        &["ingest", "set"],
+        &["describe", "steps.csv"],
+        &["models", "show"],
+        &["models", "list"],
+    ] {
+        let run = set.done(&[arguments, &["--json"]].concat());
+        let mut document: Value = serde_json::from_str(&run.stdout).unwrap();
+        // Recordings of a report and histograms have their keys in the crate's documentation.
+        for pointer in ["/result/report/recordings", "/result/report/summary/coverage"] {
+            if let Some(value) = document.pointer_mut(pointer) {
+                value.take();
+            }
+        }
+        if let Some(coverage) = document.pointer_mut("/result/coverage") {
+            coverage.take();
+        }
+        let mut found = Vec::new();
+        keys(&document, &mut found);
+        for key in found {
+            assert!(page.contains(&format!("`{key}`")), "{arguments:?}: no `{key}` on the page");
+        }
+    }
+}

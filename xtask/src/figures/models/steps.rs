@@ -1,0 +1,41 @@
+//! The steps of the data's first object, to train on and to be tested on.
+
+use std::sync::Arc;
+
+use anyhow::Result;
+use dataset::{ObjectChoice, Table};
+use models::{StepObservation, StepSelection};
+use planar::Shape;
+
+use crate::figures::inputs::Inputs;
+
+/// Fewer steps are too few to train on a half and be tested on the other.
+const FEWEST: usize = 80;
+
+/// Whole steps in contact of one object.
+pub(super) struct Steps {
+    pub steps: Vec<StepObservation>,
+    pub shape: Arc<Shape>,
+    pub pusher_radius: f64,
+    /// Between pusher and object, nominal.
+    pub friction: f64,
+}
+
+impl Steps {
+    /// Of the object of the first row; those of others would need models of their own.
+    pub(super) fn of(inputs: &Inputs) -> Result<Self> {
+        let (table, pusher) = (inputs.table()?, inputs.pusher()?);
+        let too_few = || inputs.lacking("at least 80 whole steps of one object");
+        let first = table.rows.first().ok_or_else(too_few)?;
+        let object = inputs.object(&first.recording)?;
+        let rows = table.rows.iter().filter(|row| row.shape == first.shape).cloned().collect();
+        let table = Table { rows, provenance: table.provenance.clone() };
+        let shape = Arc::new(object.shape.clone());
+        let objects = ObjectChoice::Fixed(Box::new(object));
+        let steps = StepSelection::default().observations(&table, &objects, pusher.radius)?.steps;
+        if steps.len() < FEWEST {
+            return Err(too_few());
+        }
+        Ok(Self { steps, shape, pusher_radius: pusher.radius, friction: pusher.friction })
+    }
+}
