@@ -230,27 +230,16 @@ impl<'a> Set<'a> {
         start.position.y += random.normal(scatter.placing_sd);
         start.angle += random.normal(scatter.turning_sd);
         let trajectory = plant.push(&start, &self.path(plan), &variation)?;
-        let streams = settings.sensors.read(plant, &trajectory, &variation, (seed, index));
-        let recording = recording(push_name(index), self.epochs[index], streams);
+        let Streams { robot, object, wrench } =
+            settings.sensors.read(plant, &trajectory, &variation, (seed, index));
+        let recording =
+            Recording::made(push_name(index), self.epochs[index], robot, object, wrench);
         Ok(SimulatedPush { plan: plan.clone(), variation, start, trajectory, recording })
     }
 }
 
 fn push_name(index: usize) -> String {
     format!("push-{index:04}")
-}
-
-fn recording(name: String, epoch: i64, streams: Streams) -> Recording {
-    Recording {
-        name,
-        path: PathBuf::new(),
-        sha256: String::new(),
-        epoch_ns: epoch * 1_000_000_000,
-        robot: streams.robot,
-        object: streams.object,
-        wrench: streams.wrench,
-        remarks: Vec::new(),
-    }
 }
 
 fn writer(name: &str) -> Result<&'static dyn RecordingWriter, PlantError> {

@@ -122,7 +122,7 @@ fn an_object_that_is_not_touched_stays_where_it_is_to_the_last_bit() {
 }
 
 #[test]
-fn after_a_sudden_stop_the_object_slides_on_by_v_squared_over_2_mu_g() {
+fn after_a_sudden_stop_the_object_slides_on_as_friction_alone_brakes_it() {
     for speed in [0.2, 0.4] {
         let mut path = push(0.0, 0.0, speed, 0.2);
         path.acceleration = 50.0;
