@@ -5,14 +5,15 @@ pub(crate) const NORMAL_SD_OVER_MAD: f64 = 1.482_602_218_505_602;
 
 /// The median; none of an empty list. For an even number, the mean of the middle two.
 pub(crate) fn median(values: &[f64]) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let middle = sorted.len() / 2;
-    match sorted.len() {
-        0 => None,
-        n if n % 2 == 1 => Some(sorted[middle]),
-        _ => Some(0.5 * (sorted[middle - 1] + sorted[middle])),
+    if values.is_empty() {
+        return None;
     }
+    let mut values = values.to_vec();
+    let is_odd = values.len() % 2 == 1;
+    let middle = values.len() / 2;
+    let (below, upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    let lower = below.iter().copied().max_by(f64::total_cmp);
+    Some(lower.filter(|_| !is_odd).map_or(*upper, |lower| 0.5 * (lower + *upper)))
 }
 
 /// The mean; none of an empty list.

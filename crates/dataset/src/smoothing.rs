@@ -59,14 +59,20 @@ impl Smoother {
     /// Standard deviation of the fitted value at time t, in units of the samples' noise.
     ///
     /// It is the norm of the row of the spline's hat matrix that belongs to t; none outside the
-    /// knots. Cost O(N).
+    /// knots. Cost O(N), for penalty 0 O(1): there a sample's influence at least halves from knot to
+    /// knot, and far ones are left out.
     #[must_use]
     pub fn noise_gain(&self, t: f64) -> Option<f64> {
+        const REACH: usize = 40;
         let n = self.t.len();
         if !(self.t[0]..=self.t[n - 1]).contains(&t) {
             return None;
         }
         let i = self.t.partition_point(|&knot| knot <= t).clamp(1, n - 1) - 1;
+        if self.penalty == 0.0 && n > 2 * REACH + 2 {
+            let near = i.saturating_sub(REACH)..(i + REACH + 2).min(n);
+            return Self::new(&self.t[near], 0.0).ok()?.noise_gain(t);
+        }
         let h = self.t[i + 1] - self.t[i];
         let b = (t - self.t[i]) / h;
         let a = 1.0 - b;
@@ -379,6 +385,22 @@ mod tests {
             }
             assert_eq!(smoother.noise_gain(-0.1), None);
         }
+    }
+
+    #[test]
+    fn far_samples_do_not_count_without_penalty() {
+        let t: Vec<f64> = (0..200).map(|i| f64::from(i) + 0.3 * f64::from(i % 3)).collect();
+        let smoother = Smoother::new(&t, 0.0).unwrap();
+        let at = 100.4;
+        let squared: f64 = (0..200)
+            .map(|k| {
+                let mut unit = [0.0; 200];
+                unit[k] = 1.0;
+                smoother.fit(&unit).unwrap().value(at).unwrap().powi(2)
+            })
+            .sum();
+        let gain = smoother.noise_gain(at).unwrap();
+        assert!((gain - squared.sqrt()).abs() < 1e-12, "{gain} {}", squared.sqrt());
     }
 
     #[test]

@@ -101,6 +101,19 @@ impl StepSelection {
 }
 
 impl TableSteps {
+    /// What a model is asked for each step.
+    pub fn inputs(&self) -> Vec<StepInput> {
+        self.steps.iter().map(|step| step.input.clone()).collect()
+    }
+
+    /// One output of every step as it was observed: 0 for Δx in m, 1 for Δy in m, 2 for Δθ in rad.
+    ///
+    /// # Panics
+    /// If there is no such output.
+    pub fn observed(&self, output: usize) -> Vec<f64> {
+        self.steps.iter().map(|step| step.outputs[output]).collect()
+    }
+
     /// How many rows were set aside and why, such as `12 short, 3 after contact`; empty for none.
     pub fn set_aside_text(&self) -> String {
         let count =

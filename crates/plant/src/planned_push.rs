@@ -9,8 +9,10 @@ use std::f64::consts::TAU;
 use crate::rig::rotation;
 use crate::{PlantError, TipPath};
 
-/// Shortest distance of the tip from the object at the start, in m.
+/// Shortest way to the touch, in m, and shortest distance of the tip from the edge at the start:
+/// enough for the force sensor's zero to be seen.
 const APPROACH: f64 = 0.004;
+const CLEARANCE: f64 = 0.0025;
 /// Way at full speed before the touch, in m.
 const RUN_UP: f64 = 0.002;
 const N_CHORDS: usize = 4096;
@@ -85,7 +87,8 @@ impl PlannedPush {
     ) -> TipPath {
         let (point, inward) = contact_place(shape, self.edge, self.p);
         let direction_b = rotation(self.angle) * inward;
-        let approach = APPROACH.max(0.5 * self.speed * self.speed / acceleration + RUN_UP);
+        let run_up = 0.5 * self.speed * self.speed / acceleration + RUN_UP;
+        let approach = APPROACH.max(run_up).max(CLEARANCE / cos(self.angle));
         let start_b = point - radius * inward - approach * direction_b;
         let turn = rotation(self.place[2]);
         let start = Vector2::new(self.place[0], self.place[1]) + turn * start_b;
@@ -166,6 +169,13 @@ mod tests {
         let touch = Vector2::new(0.1, -0.045 - RADIUS);
         assert!((path.position(0.0) - touch - Vector2::new(0.0, -0.004)).norm() < 1e-12);
         assert!((path.position(9.0) - touch - Vector2::new(0.0, 0.05)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn a_steep_tip_starts_clear_of_the_edge() {
+        let square = Shape::square(0.09).unwrap();
+        let steep = PlannedPush { angle: 1.4, ..push() }.path(&square, RADIUS, 10.0, [0.1, 0.2]);
+        assert!((-0.045 - RADIUS - steep.start[1] - 0.0025).abs() < 1e-12);
     }
 
     #[test]

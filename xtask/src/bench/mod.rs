@@ -4,6 +4,7 @@
 
 mod contact;
 mod gp;
+mod ingest;
 mod plant;
 mod push;
 mod report;
@@ -51,7 +52,13 @@ struct Benchmark {
 }
 
 const BENCHMARKS: &[Benchmark] =
-    &[contact::BENCHMARK, gp::BENCHMARK, plant::BENCHMARK, push::BENCHMARK];
+const BENCHMARKS: &[Benchmark] = &[
+    contact::BENCHMARK,
+    gp::BENCHMARK,
+    ingest::BENCHMARK,
+    plant::BENCHMARK,
+    push::BENCHMARK,
+];
 
 #[cfg(test)]
 mod tests {

@@ -19,18 +19,16 @@ use super::row::{Reference, Row};
 const PUSHER: Pusher = Pusher { radius: 0.00475, friction: 0.25 };
 /// A tenth of a micrometer in a step: far below the scatter of the pushes.
 const SETTINGS: PathSettings = PathSettings { tolerance: 1e-7, max_travel: 5e-3 };
-/// Patches are slow; they are asked for every tenth push.
-const PATCH_STRIDE: usize = 10;
+/// The general solver is slow: it is asked for every fifth push.
+const QUARTIC_STRIDE: usize = 5;
 
-/// The kinds of surface, whether they come from measured pairs, every how many pushes they are asked
-/// for, and a published toolbox's errors in mm and degrees, averaged over shapes.
-const KINDS: [Kind; 6] = [
+/// The kinds of surface, every how many pushes they are asked for, and a published toolbox's errors in
+/// mm and degrees, averaged over shapes.
+const KINDS: [Kind; 4] = [
     Kind { name: "uniform ellipsoid", stride: 1, published: None },
     Kind { name: "ellipsoid through loads", stride: 1, published: None },
-    Kind { name: "uniform patch", stride: PATCH_STRIDE, published: None },
     Kind { name: "fitted ellipsoid", stride: 1, published: Some((3.73, 4.12)) },
-    Kind { name: "fitted quartic", stride: 1, published: Some((3.36, 3.54)) },
-    Kind { name: "fitted patch", stride: PATCH_STRIDE, published: None },
+    Kind { name: "fitted quartic", stride: QUARTIC_STRIDE, published: Some((3.36, 3.54)) },
 ];
 
 #[derive(Clone, Copy)]
@@ -48,7 +46,7 @@ struct Errors {
     degrees: f64,
 }
 
-/// Predicts the end points in the file with surfaces of each kind; the last three from `fits`.
+/// Predicts the end points in the file with surfaces of each kind; the last two from `fits`.
 pub(super) fn run(path: &Path, fits: &[ObjectFits]) -> Result<Section> {
     let mut by_shape: BTreeMap<String, Vec<EndPoint>> = BTreeMap::new();
     for push in read_endpoints(path)? {
@@ -59,14 +57,11 @@ pub(super) fn run(path: &Path, fits: &[ObjectFits]) -> Result<Section> {
         let fit = fits.iter().find(|fit| fit.name == *name);
         let fit = fit.with_context(|| format!("no wrench-twist pairs of `{name}`"))?;
         let shape = mit_object(name)?.shape;
-        let uniform_patch = Patch::uniform(&shape, 1.0)?;
-        let surfaces: [&dyn LimitSurface; 6] = [
+        let surfaces: [&dyn LimitSurface; 4] = [
             &Ellipsoid::uniform(&shape, 1.0)?,
-            &Ellipsoid::through_loads(&uniform_patch)?,
-            &uniform_patch,
+            &Ellipsoid::through_loads(&Patch::uniform(&shape, 1.0)?)?,
             &fit.ellipsoid.surface,
             &fit.quartic.surface,
-            &fit.patch.surface,
         ];
         let row = surfaces.iter().zip(KINDS).map(|(surface, kind)| {
             mean_errors(&shape, *surface, pushes, kind.stride)

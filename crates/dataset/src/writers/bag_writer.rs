@@ -1,6 +1,9 @@
-//! ROS 1 bags of version 2.0, uncompressed and with their index.
+//! ROS 1 bags of version 2.0, compressed and with their index.
 
-use std::path::{Path, PathBuf};
+use std::{
+    io::{self, Write},
+    path::{Path, PathBuf},
+};
 
 use super::{
     cdr::{definition, encode},
@@ -14,7 +17,7 @@ use crate::{
     writer::{RecordingWriter, make_dir, write_whole},
 };
 
-/// Writes a bag a recording, all of its messages in one chunk.
+/// Writes a bag a recording, all of its messages in one chunk compressed by bzip2.
 pub(crate) struct BagWriter;
 
 /// Kinds of records.
@@ -40,13 +43,18 @@ impl RecordingWriter for BagWriter {
         let path = dir.join(format!("{}.bag", recording.name));
         let streams = samples(recording, &path, self.id())?;
         check_stamps(&streams, &path, self.id())?;
+        let bytes = bag(&streams).map_err(|error| DatasetError::Unwritable {
+            path: path.clone(),
+            format: self.id(),
+            what: error.to_string(),
+        })?;
         make_dir(dir)?;
-        write_whole(&path, &bag(&streams))?;
+        write_whole(&path, &bytes)?;
         Ok(path)
     }
 }
 
-fn bag(streams: &[(StreamRole, Vec<Sample>)]) -> Vec<u8> {
+fn bag(streams: &[(StreamRole, Vec<Sample>)]) -> io::Result<Vec<u8>> {
     let connections: Vec<u8> =
         streams.iter().enumerate().flat_map(|(i, (role, _))| connection(i as u32, *role)).collect();
     let mut chunk = connections.clone();
@@ -68,8 +76,8 @@ fn bag(streams: &[(StreamRole, Vec<Sample>)]) -> Vec<u8> {
     const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
     let chunk_at = (MAGIC.len() + HEADER_SIZE) as u64;
     let size = (chunk.len() as u32).to_le_bytes();
-    let header = [("op", &[op::CHUNK][..]), ("compression", b"none"), ("size", &size)];
-    let mut body = record(&header, &chunk);
+    let header = [("op", &[op::CHUNK][..]), ("compression", b"bz2"), ("size", &size)];
+    let mut body = record(&header, &compressed(&chunk)?);
     let mut counts = Vec::new();
     for (i, entries) in index.iter().enumerate() {
         let (conn, count) = ((i as u32).to_le_bytes(), (entries.len() as u32 / 12).to_le_bytes());
@@ -92,7 +100,13 @@ fn bag(streams: &[(StreamRole, Vec<Sample>)]) -> Vec<u8> {
         ("count", &n_streams),
     ];
     body.extend(record(&header, &counts));
-    [MAGIC, &bag_header(index_at, n_streams), &body].concat()
+    Ok([MAGIC, &bag_header(index_at, n_streams), &body].concat())
+}
+
+fn compressed(chunk: &[u8]) -> io::Result<Vec<u8>> {
+    let mut encoder = bzip2::write::BzEncoder::new(Vec::new(), bzip2::Compression::best());
+    encoder.write_all(chunk)?;
+    encoder.finish()
 }
 
 const ONE: [u8; 4] = 1_u32.to_le_bytes();

@@ -28,7 +28,7 @@ impl RecordingWriter for MitHdf5Writer {
         for (role, samples) in samples(recording, &path, self.id())? {
             let rows = samples.iter().flat_map(|sample| {
                 let [a, b, c] = sample.values;
-                [sample.time_us as f64 * 1e-6, a, b, c]
+                [sample.time_us as f64 / 1e6, a, b, c]
             });
             let set = builder.create_dataset(default_data_set(role));
             set.with_f64_data(&rows.collect::<Vec<_>>()).with_shape(&[samples.len() as u64, 4]);

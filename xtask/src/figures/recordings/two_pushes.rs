@@ -13,7 +13,7 @@ use crate::figures::sketch::Sketch;
 /// Contact position and direction of the thesis' two pushes.
 const WANTED: [(f64, f64); 2] = [(0.5, 0.0), (0.3, -1.047_197_551_196_597_6)];
 /// Outlines drawn of each push.
-const N_OUTLINES: usize = 6;
+const N_OUTLINES: usize = 5;
 const MM: f64 = 1e3;
 
 /// A push as it is drawn: the object's and the pusher's way, one moment a step.
