@@ -6,7 +6,6 @@ mod contact;
 mod effects;
 mod gp;
 mod ingest;
-mod plant;
 mod push;
 mod report;
 mod timing;
@@ -57,7 +56,6 @@ const BENCHMARKS: &[Benchmark] = &[
     effects::BENCHMARK,
     gp::BENCHMARK,
     ingest::BENCHMARK,
-    plant::BENCHMARK,
     push::BENCHMARK,
 ];
 
