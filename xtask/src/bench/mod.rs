@@ -52,13 +52,7 @@ struct Benchmark {
 }
 
 const BENCHMARKS: &[Benchmark] =
-const BENCHMARKS: &[Benchmark] = &[
-    contact::BENCHMARK,
-    gp::BENCHMARK,
-    ingest::BENCHMARK,
-    plant::BENCHMARK,
-    push::BENCHMARK,
-];
+    &[contact::BENCHMARK, gp::BENCHMARK, ingest::BENCHMARK, plant::BENCHMARK, push::BENCHMARK];
 
 #[cfg(test)]
 mod tests {
