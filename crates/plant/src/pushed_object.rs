@@ -121,7 +121,7 @@ pub(crate) fn manifest_text(
     nominal: &Nominal,
     format: &str,
 ) -> String {
-    let topics = if format == "mcap" {
+    let topics = if ["mcap", "ros1-bag"].contains(&format) {
         "\n[streams.robot]\ntopic = \"/robot/tip_pose\"\n\n[streams.object]\n\
          topic = \"/vicon/object_pose\"\n\n[streams.wrench]\ntopic = \"/ft_sensor/wrench\"\n"
     } else {

@@ -6,6 +6,7 @@ mod contact;
 mod effects;
 mod gp;
 mod ingest;
+mod plant;
 mod push;
 mod report;
 mod timing;
@@ -56,6 +57,7 @@ const BENCHMARKS: &[Benchmark] = &[
     effects::BENCHMARK,
     gp::BENCHMARK,
     ingest::BENCHMARK,
+    plant::BENCHMARK,
     push::BENCHMARK,
 ];
 
