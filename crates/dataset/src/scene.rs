@@ -52,9 +52,9 @@ impl<'a> Scene<'a> {
             Curve::Interpolate(ends) => Curve::Interpolate(ends),
             Curve::Smooth | Curve::SmoothKnown { .. } => Curve::Interpolate(EndCondition::Natural),
         };
+        // The noise belongs to a phase of a push and is estimated with it.
         let track = |stream: &CleanStream| {
-            let noise = pose_noise(stream, f64::NEG_INFINITY, f64::INFINITY).unwrap_or_default();
-            PoseTrack::new(stream, 0..stream.t.len(), curve, noise)
+            PoseTrack::new(stream, 0..stream.t.len(), curve, PoseNoise::default())
         };
         let (robot_track, object_track) = (track(&robot)?, track(&object)?);
         Ok(Self { robot, object, wrench, robot_track, object_track, outline })

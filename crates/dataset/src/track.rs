@@ -68,10 +68,9 @@ impl PoseTrack {
         Ok(Self { pieces: pieces.into(), noise, smooths })
     }
 
-    /// The same curve with another estimate of its samples' noise, if there is one.
-    pub(crate) fn with_noise(mut self, noise: Option<PoseNoise>) -> Self {
-        self.noise = noise.unwrap_or(self.noise);
-        self
+    /// The same curve with an estimate of its samples' noise.
+    pub(crate) fn with_noise(self, noise: PoseNoise) -> Self {
+        Self { noise, ..self }
     }
 
     /// The pose at a time; none outside the samples and in gaps.
