@@ -24,7 +24,7 @@ pub struct TableWriter {
 
 enum Rows {
     Csv {
-        rows: RowsFile,
+        rows: Box<RowsFile>,
         part: File,
     },
     #[cfg(feature = "parquet")]
@@ -43,7 +43,7 @@ impl TableWriter {
         let rows = match kind {
             Kind::Csv => {
                 let rows = RowsFile::create(path.with_added_extension("rows"))?;
-                Rows::Csv { rows, part: file }
+                Rows::Csv { rows: Box::new(rows), part: file }
             }
             Kind::Parquet => parquet_rows(part.path(), file)?,
         };
