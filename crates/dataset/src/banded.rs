@@ -57,25 +57,25 @@ impl Banded {
         };
         let n = x.len();
         let [mut before, mut two_before] = [[0.0; K]; 2];
-        for i in 0..n {
+        for (i, x) in x.iter_mut().enumerate() {
             if i >= 1 {
-                subtract(&mut x[i], self.first[i - 1], before);
+                subtract(x, self.first[i - 1], before);
             }
             if i >= 2 {
-                subtract(&mut x[i], self.second[i - 2], two_before);
+                subtract(x, self.second[i - 2], two_before);
             }
-            (before, two_before) = (x[i], before);
+            (before, two_before) = (*x, before);
         }
         let [mut after, mut two_after] = [[0.0; K]; 2];
-        for i in (0..n).rev() {
-            x[i] = x[i].map(|x| x / self.diagonal[i]);
+        for (i, x) in x.iter_mut().enumerate().rev() {
+            *x = x.map(|x| x / self.diagonal[i]);
             if i + 1 < n {
-                subtract(&mut x[i], self.first[i], after);
+                subtract(x, self.first[i], after);
             }
             if i + 2 < n {
-                subtract(&mut x[i], self.second[i], two_after);
+                subtract(x, self.second[i], two_after);
             }
-            (after, two_after) = (x[i], after);
+            (after, two_after) = (*x, after);
         }
     }
 
