@@ -5,6 +5,7 @@
 mod bench;
 mod cargo;
 mod ci;
+mod effects_atlas;
 mod figures;
 mod fixtures;
 mod held_out;
@@ -28,6 +29,7 @@ struct CommandLine {
 enum Task {
     Bench(bench::Args),
     Ci(ci::Args),
+    EffectsAtlas(effects_atlas::Args),
     Fixtures(fixtures::Args),
     RealData(real_data::Args),
     ReproduceFigures(figures::Args),
@@ -39,6 +41,7 @@ fn main() -> ExitCode {
     let result = match CommandLine::parse().task {
         Task::Bench(args) => bench::run(&args),
         Task::Ci(args) => ci::run(&args),
+        Task::EffectsAtlas(args) => effects_atlas::run(&args),
         Task::Fixtures(args) => fixtures::run(&args),
         Task::RealData(args) => real_data::run(&args),
         Task::ReproduceFigures(args) => figures::run(&args),

@@ -29,6 +29,31 @@ pub struct Recording {
     pub remarks: Vec<Remark>,
 }
 
+impl Recording {
+    /// Streams that were made, not read: a recording without a source, to be written.
+    ///
+    /// - `epoch`: zero of the streams' times since the clock's own zero, in s.
+    #[must_use]
+    pub fn made(
+        name: String,
+        epoch: i64,
+        robot: PoseStream,
+        object: PoseStream,
+        wrench: Option<WrenchStream>,
+    ) -> Self {
+        Self {
+            name,
+            path: PathBuf::new(),
+            sha256: String::new(),
+            epoch_ns: epoch.saturating_mul(1_000_000_000),
+            robot,
+            object,
+            wrench,
+            remarks: Vec::new(),
+        }
+    }
+}
+
 /// Poses over time in the world frame W.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PoseStream {

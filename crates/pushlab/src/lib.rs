@@ -5,8 +5,10 @@
 mod pages;
 
 pub use dataset;
+pub use effects;
 pub use gp_core;
 pub use mechanics;
 pub use models;
 pub use planar;
+pub use plant;
 pub use report;

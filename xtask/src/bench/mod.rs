@@ -3,8 +3,10 @@
 //! One file a benchmark; [`BENCHMARKS`] registers them.
 
 mod contact;
+mod effects;
 mod gp;
 mod ingest;
+mod plant;
 mod push;
 mod report;
 mod timing;
@@ -50,8 +52,14 @@ struct Benchmark {
     rows: fn() -> Result<Vec<Row>>,
 }
 
-const BENCHMARKS: &[Benchmark] =
-    &[contact::BENCHMARK, gp::BENCHMARK, ingest::BENCHMARK, push::BENCHMARK];
+const BENCHMARKS: &[Benchmark] = &[
+    contact::BENCHMARK,
+    effects::BENCHMARK,
+    gp::BENCHMARK,
+    ingest::BENCHMARK,
+    plant::BENCHMARK,
+    push::BENCHMARK,
+];
 
 #[cfg(test)]
 mod tests {

@@ -5,5 +5,6 @@
 mod bad_input;
 mod commands;
 mod documentation;
+mod generated;
 mod small_set;
 mod usage;

@@ -1,0 +1,43 @@
+//! A force that acts beside the nearest point.
+
+use crate::{About, Channel, Effect, Geometry, LookAlike, Off, Parameter, Role, Stage, StepInput};
+
+/// Bias of the contact point: see [`About`] for its physics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ContactBias;
+
+static ABOUT: About = About {
+    id: "contact-bias",
+    title: "Bias of the contact point",
+    physics: "The pusher leans, or its tip is worn on one side: the force does not act where \
+        pusher and outline are nearest but beside it, along the edge.",
+    equation: "p_contact = p_nearest + b e, with e the direction of increasing p along the edge.",
+    source: "Geometry of a leaning pin; for the sensitivity of the turn to the contact point see \
+        Mason (1986), Int. J. Robotics Research 5(3).",
+    stages: &[Stage::Geometry],
+    reaches: &[Channel::Motion, Channel::Force],
+    parameters: &[Parameter {
+        name: "shift",
+        unit: "m",
+        meaning: "Along the edge, towards larger p",
+        off: Off::At(0.0),
+        typical: 1e-3,
+        range: (-0.02, 0.02),
+        role: Role::Odd,
+    }],
+    look_alikes: &[
+        LookAlike { id: "friction-center-offset", when: "with one edge and one orientation only" },
+        LookAlike { id: "pose-offset", when: "with one edge and one orientation only" },
+        LookAlike { id: "friction-gradient", when: "with one edge and one orientation only" },
+    ],
+};
+
+impl Effect for ContactBias {
+    fn about(&self) -> &About {
+        &ABOUT
+    }
+
+    fn geometry(&self, values: &[f64], _: &StepInput, geometry: &mut Geometry) {
+        geometry.contact_shift += values[0];
+    }
+}

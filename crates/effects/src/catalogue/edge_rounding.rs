@@ -1,0 +1,40 @@
+//! Corners that are round.
+
+use crate::{About, Channel, Effect, Geometry, Off, Parameter, Role, Stage, StepInput};
+
+/// Rounded corners: see [`About`] for its physics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EdgeRounding;
+
+static ABOUT: About = About {
+    id: "edge-rounding",
+    title: "Rounded corners",
+    physics: "Corners of real objects are round. Near them the contact normal turns before the \
+        corner of the drawing is reached, and the outline lies inside the drawing, which shows in \
+        the gap. Smooth outlines have no corners and do not change.",
+    equation: "outline = (polygon moved inwards by ρ) ⊕ disc of radius ρ, in m.",
+    source: "de Berg, Cheong, van Kreveld & Overmars (2008), Computational Geometry, chapter 13, \
+        for Minkowski sums.",
+    stages: &[Stage::Geometry],
+    reaches: &[Channel::Motion, Channel::Force, Channel::Gap],
+    parameters: &[Parameter {
+        name: "radius",
+        unit: "m",
+        meaning: "Radius of the corners",
+        off: Off::At(0.0),
+        typical: 3e-3,
+        range: (0.0, 0.02),
+        role: Role::Even,
+    }],
+    look_alikes: &[],
+};
+
+impl Effect for EdgeRounding {
+    fn about(&self) -> &About {
+        &ABOUT
+    }
+
+    fn geometry(&self, values: &[f64], _: &StepInput, geometry: &mut Geometry) {
+        geometry.corner_radius += values[0];
+    }
+}

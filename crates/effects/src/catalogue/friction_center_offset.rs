@@ -1,0 +1,58 @@
+//! A center of friction beside the centroid.
+
+use nalgebra::Vector2;
+
+use crate::{
+    About, Channel, Effect, Frame, LookAlike, Moment, Off, Parameter, Role, Stage, Support,
+};
+
+/// Offset of the center of friction: see [`About`] for its physics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrictionCenterOffset;
+
+static ABOUT: About = About {
+    id: "friction-center-offset",
+    title: "Offset of the center of friction",
+    physics: "The object presses harder on one side, because its mass is not centered or its base \
+        not flat. A push through the shifted center moves it without turning.",
+    equation: "p_center = p_centroid + (dx, dy), in m, fixed to the object.",
+    source: "Yoshikawa & Kurisu (1991), Identification of the center of friction from pushing an \
+        object by a mobile robot, IROS.",
+    stages: &[Stage::Support],
+    reaches: &[Channel::Motion, Channel::Force],
+    parameters: &[
+        Parameter {
+            name: "dx",
+            unit: "m",
+            meaning: "Along x of the body",
+            off: Off::At(0.0),
+            typical: 3e-3,
+            range: (-0.05, 0.05),
+            role: Role::X(Frame::Body),
+        },
+        Parameter {
+            name: "dy",
+            unit: "m",
+            meaning: "Along y of the body",
+            off: Off::At(0.0),
+            typical: -2e-3,
+            range: (-0.05, 0.05),
+            role: Role::Y(Frame::Body),
+        },
+    ],
+    look_alikes: &[
+        LookAlike { id: "pose-offset", when: "without the contact gap" },
+        LookAlike { id: "friction-gradient", when: "with one edge and one orientation only" },
+        LookAlike { id: "contact-bias", when: "with one edge and one orientation only" },
+    ],
+};
+
+impl Effect for FrictionCenterOffset {
+    fn about(&self) -> &About {
+        &ABOUT
+    }
+
+    fn support(&self, values: &[f64], _: &Moment<'_>, support: &mut Support) {
+        support.center_o += Vector2::new(values[0], values[1]);
+    }
+}

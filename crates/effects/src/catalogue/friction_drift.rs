@@ -1,0 +1,40 @@
+//! Friction that changes in the course of a set.
+
+use crate::{About, Channel, Effect, Moment, Off, Parameter, Role, Stage, Support};
+
+/// Drift of friction: see [`About`] for its physics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrictionDrift;
+
+static ABOUT: About = About {
+    id: "friction-drift",
+    title: "Drift of friction",
+    physics: "Sliding polishes and soils: friction changes from the first push of a set to the \
+        last. On a level table the quasi-static motion does not depend on it.",
+    equation: "μ = μs (1 + d (s − ½)), with s the place of the push in the set, 0 to 1: the mean \
+        stays μs.",
+    source: "Yu, Bauza, Fazeli & Rodriguez (2016), More than a million ways to be pushed, IROS, \
+        which shows friction over time.",
+    stages: &[Stage::Support],
+    reaches: &[Channel::Force],
+    parameters: &[Parameter {
+        name: "change",
+        unit: "1",
+        meaning: "Friction of the last push less that of the first, over the mean",
+        off: Off::At(0.0),
+        typical: 0.15,
+        range: (-1.5, 1.5),
+        role: Role::Even,
+    }],
+    look_alikes: &[],
+};
+
+impl Effect for FrictionDrift {
+    fn about(&self) -> &About {
+        &ABOUT
+    }
+
+    fn support(&self, values: &[f64], moment: &Moment<'_>, support: &mut Support) {
+        support.friction *= 1.0 + values[0] * (moment.step.progress - 0.5);
+    }
+}

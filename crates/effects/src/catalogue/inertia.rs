@@ -1,0 +1,46 @@
+//! An object that takes time to start and to stop.
+
+use crate::{About, Channel, Effect, LookAlike, Off, Parameter, Role, Stage};
+
+/// Inertia: see [`About`] for its physics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Inertia;
+
+static ABOUT: About = About {
+    id: "inertia",
+    title: "Inertia",
+    physics: "A fast push does not meet the balance of friction alone: the object takes up the \
+        pusher's speed in an impact, turns with a delay of about v/(μ g), presses harder while it \
+        is accelerated, and slides on when the pusher stops. Mass and moment are those of the \
+        object; the effect is there or not.",
+    equation: "M dt/dt = w_pusher + w_load − w_friction(t), with t the motion and M the mass \
+        matrix; an inelastic impact at the touch.",
+    source: "Mason (2001), Mechanics of Robotic Manipulation, chapters on quasi-static and \
+        dynamic manipulation; Alexander (1977), SIAM J. Numerical Analysis 14(6), for the time \
+        step.",
+    stages: &[Stage::Dynamics],
+    reaches: &[Channel::Motion, Channel::Force, Channel::Gap],
+    parameters: &[Parameter {
+        name: "kappa",
+        unit: "1",
+        meaning: "1 with inertia, 0 without",
+        off: Off::At(0.0),
+        typical: 1.0,
+        range: (0.0, 1.0),
+        role: Role::Switch,
+    }],
+    look_alikes: &[
+        LookAlike { id: "stream-latency", when: "after the stop only" },
+        LookAlike { id: "pusher-compliance", when: "after the stop only" },
+    ],
+};
+
+impl Effect for Inertia {
+    fn about(&self) -> &About {
+        &ABOUT
+    }
+
+    fn has_inertia(&self, values: &[f64]) -> bool {
+        values[0] == 1.0
+    }
+}

@@ -1,0 +1,39 @@
+//! Another friction between pusher and object.
+
+use crate::{About, Channel, ContactLaw, Effect, Moment, Off, Parameter, Role, Stage};
+
+/// Friction with the pusher: see [`About`] for its physics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PusherFriction;
+
+static ABOUT: About = About {
+    id: "pusher-friction",
+    title: "Friction with the pusher",
+    physics: "The pusher sticks to steeper pushes, or slides at flatter ones, than stated: the \
+        friction cone is wider or narrower.",
+    equation: "|f_t| ≤ μp f_n, with f_n and f_t the force along and across the contact normal.",
+    source: "Lynch, Maekawa & Tanie (1992), Manipulation and active sensing by pushing using \
+        tactile feedback, IROS.",
+    stages: &[Stage::Contact],
+    reaches: &[Channel::Motion, Channel::Force],
+    parameters: &[Parameter {
+        name: "friction",
+        unit: "1",
+        meaning: "Coefficient of friction between pusher and object",
+        off: Off::PusherFriction,
+        typical: 0.35,
+        range: (0.0, 2.0),
+        role: Role::Even,
+    }],
+    look_alikes: &[],
+};
+
+impl Effect for PusherFriction {
+    fn about(&self) -> &About {
+        &ABOUT
+    }
+
+    fn contact(&self, values: &[f64], moment: &Moment<'_>, law: &mut ContactLaw) {
+        law.friction += values[0] - moment.rig.pusher_friction();
+    }
+}

@@ -1,0 +1,41 @@
+//! A pusher of another radius.
+
+use crate::{About, Channel, Effect, Geometry, LookAlike, Off, Parameter, Role, Stage, StepInput};
+
+/// Pusher radius: see [`About`] for its physics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PusherRadius;
+
+static ABOUT: About = About {
+    id: "pusher-radius",
+    title: "Pusher radius",
+    physics: "A pusher thicker than stated touches earlier, which shows in the gap; it touches \
+        corners elsewhere and rolls farther along an edge that turns.",
+    equation: "R = R₀ + excess, with R₀ the stated radius, in m.",
+    source: "Montana (1988), The kinematics of contact and grasp, Int. J. Robotics Research 7(3).",
+    stages: &[Stage::Geometry],
+    reaches: &[Channel::Motion, Channel::Force, Channel::Gap],
+    parameters: &[Parameter {
+        name: "excess",
+        unit: "m",
+        meaning: "True radius less the stated one",
+        off: Off::At(0.0),
+        typical: 5e-4,
+        range: (-5e-3, 5e-3),
+        role: Role::Even,
+    }],
+    look_alikes: &[
+        LookAlike { id: "stream-latency", when: "in the gap, at one speed and one β" },
+        LookAlike { id: "pose-offset", when: "in the gap, with one edge only" },
+    ],
+};
+
+impl Effect for PusherRadius {
+    fn about(&self) -> &About {
+        &ABOUT
+    }
+
+    fn geometry(&self, values: &[f64], _: &StepInput, geometry: &mut Geometry) {
+        geometry.radius_excess += values[0];
+    }
+}

@@ -1,0 +1,56 @@
+//! Friction that grows with the logarithm of speed.
+
+use crate::{About, Channel, Effect, LookAlike, Off, Parameter, Role, Sliding, Stage};
+
+/// Friction that depends on speed: see [`About`] for its physics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RateDependentFriction;
+
+static ABOUT: About = About {
+    id: "rate-dependent-friction",
+    title: "Friction that depends on speed",
+    physics: "Many dry contacts resist more, or less, the faster they slide. Every point of the \
+        support has its own speed, so that the outer points of a turning object weigh more or \
+        less than the inner ones: the force grows with speed, the motion changes weakly.",
+    equation: "μ(v) = μ (1 + k ln(1 + v/v₀)), with v the speed of a support point over the table, \
+        in m/s.",
+    source: "Dieterich (1979), Modeling of rock friction: 1, J. Geophysical Research 84(B5); \
+        Ruina (1983), Slip instability and state variable friction laws, J. Geophysical Research \
+        88(B12).",
+    stages: &[Stage::Local],
+    reaches: &[Channel::Motion, Channel::Force],
+    parameters: &[
+        Parameter {
+            name: "k",
+            unit: "1",
+            meaning: "Relative growth of friction for each e-fold of speed",
+            off: Off::At(0.0),
+            typical: 0.1,
+            range: (-0.1, 0.5),
+            role: Role::Even,
+        },
+        Parameter {
+            name: "v0",
+            unit: "m/s",
+            meaning: "Speed at which the growth sets in",
+            off: Off::Undefined,
+            typical: 0.02,
+            range: (1e-3, 1.0),
+            role: Role::Even,
+        },
+    ],
+    look_alikes: &[
+        LookAlike { id: "limit-surface-shape", when: "at one speed" },
+        LookAlike { id: "support-stiction", when: "unless speeds span the Stribeck velocity" },
+    ],
+};
+
+impl Effect for RateDependentFriction {
+    fn about(&self) -> &About {
+        &ABOUT
+    }
+
+    fn local_friction(&self, values: &[f64], sliding: &Sliding) -> f64 {
+        values[0] * (sliding.velocity_w.norm() / values[1]).ln_1p()
+    }
+}

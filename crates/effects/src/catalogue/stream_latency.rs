@@ -1,0 +1,44 @@
+//! Object poses that come late.
+
+use crate::{About, Channel, Effect, LookAlike, Off, Parameter, Reading, Role, Stage, StepInput};
+
+/// Latency of the object stream: see [`About`] for its physics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StreamLatency;
+
+static ABOUT: About = About {
+    id: "stream-latency",
+    title: "Latency of the object stream",
+    physics: "The object's stamps are late against the robot's: the pose at a stamp is that of a \
+        moment before. While the pusher moves, the gap is wrong by speed times latency; where \
+        contact begins the object seems to start late, and after the stop it seems to slide on.",
+    equation: "pose_measured(t) = pose_true(t − τ), with τ in s; the pusher's way before and \
+        after the step goes on at the velocity of its ends.",
+    source: "Olson (2010), A passive solution to the sensor synchronization problem, IROS.",
+    stages: &[Stage::Reading],
+    reaches: &[Channel::Motion, Channel::Force, Channel::Gap],
+    parameters: &[Parameter {
+        name: "latency",
+        unit: "s",
+        meaning: "How late the object's stream is against the robot's",
+        off: Off::At(0.0),
+        typical: 5e-3,
+        range: (-0.1, 0.1),
+        role: Role::Even,
+    }],
+    look_alikes: &[
+        LookAlike { id: "inertia", when: "after the stop only" },
+        LookAlike { id: "pusher-compliance", when: "without the gap at several speeds" },
+        LookAlike { id: "pusher-radius", when: "in the gap, at one speed and one β" },
+    ],
+};
+
+impl Effect for StreamLatency {
+    fn about(&self) -> &About {
+        &ABOUT
+    }
+
+    fn reading(&self, values: &[f64], _: &StepInput, reading: &mut Reading) {
+        reading.latency += values[0];
+    }
+}

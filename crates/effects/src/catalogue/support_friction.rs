@@ -1,0 +1,40 @@
+//! Another friction between object and table.
+
+use crate::{About, Channel, Effect, Moment, Off, Parameter, Role, Stage, Support};
+
+/// Friction with the table: see [`About`] for its physics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SupportFriction;
+
+static ABOUT: About = About {
+    id: "support-friction",
+    title: "Friction with the table",
+    physics: "The table is rougher or smoother than stated. On a level table the quasi-static \
+        motion does not depend on it: only the force does, in proportion. With a tilt or with \
+        inertia the motion depends on the ratio of the load to friction.",
+    equation: "F = μs m g, with μs the coefficient of friction, m the mass in kg, g gravity in \
+        m/s².",
+    source: "Yu, Bauza, Fazeli & Rodriguez (2016), More than a million ways to be pushed, IROS.",
+    stages: &[Stage::Support],
+    reaches: &[Channel::Force],
+    parameters: &[Parameter {
+        name: "friction",
+        unit: "1",
+        meaning: "Coefficient of friction between object and table",
+        off: Off::SupportFriction,
+        typical: 0.3,
+        range: (0.01, 2.0),
+        role: Role::Even,
+    }],
+    look_alikes: &[],
+};
+
+impl Effect for SupportFriction {
+    fn about(&self) -> &About {
+        &ABOUT
+    }
+
+    fn support(&self, values: &[f64], moment: &Moment<'_>, support: &mut Support) {
+        support.friction *= values[0] / moment.rig.support_friction();
+    }
+}

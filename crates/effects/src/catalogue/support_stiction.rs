@@ -1,0 +1,56 @@
+//! Friction with the table that is larger at low speed.
+
+use crate::{About, Channel, Effect, LookAlike, Off, Parameter, Role, Sliding, Stage};
+
+/// Stiction of the support: see [`About`] for its physics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SupportStiction;
+
+static ABOUT: About = About {
+    id: "support-stiction",
+    title: "Stiction of the support",
+    physics: "A resting contact holds more than a sliding one, and the difference fades as it \
+        gets faster. The force is larger at the start and at low speed; points near the center of \
+        rotation, which are slow, weigh more.",
+    equation: "μ(v) = μ (1 + (b − 1) exp(−v/vs)), with b the breakaway ratio and vs the Stribeck \
+        velocity, in m/s.",
+    source: "Bo & Pavelescu (1982), The friction-speed relation and its influence on the critical \
+        velocity of stick-slip motion, Wear 82(3); Armstrong-Hélouvry, Dupont & Canudas de Wit \
+        (1994), Automatica 30(7).",
+    stages: &[Stage::Local],
+    reaches: &[Channel::Motion, Channel::Force],
+    parameters: &[
+        Parameter {
+            name: "breakaway",
+            unit: "1",
+            meaning: "Friction at rest over friction at speed",
+            off: Off::At(1.0),
+            typical: 1.3,
+            range: (1.0, 2.0),
+            role: Role::Even,
+        },
+        Parameter {
+            name: "stribeck_velocity",
+            unit: "m/s",
+            meaning: "Speed over which the difference fades",
+            off: Off::Undefined,
+            typical: 0.02,
+            range: (5e-3, 0.5),
+            role: Role::Even,
+        },
+    ],
+    look_alikes: &[LookAlike {
+        id: "rate-dependent-friction",
+        when: "unless speeds span the Stribeck velocity",
+    }],
+};
+
+impl Effect for SupportStiction {
+    fn about(&self) -> &About {
+        &ABOUT
+    }
+
+    fn local_friction(&self, values: &[f64], sliding: &Sliding) -> f64 {
+        (values[0] - 1.0) * (-sliding.velocity_w.norm() / values[1]).exp()
+    }
+}

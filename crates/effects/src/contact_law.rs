@@ -1,0 +1,34 @@
+//! Friction and stiffness of the contact between pusher and object.
+
+/// Gathered laws of the contact: effects scale or add to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactLaw {
+    /// Coefficient of friction for both directions; its sides follow from `asymmetry`.
+    pub friction: f64,
+    /// Relative difference of the sides: left bears (1 + a) times the friction, right (1 − a).
+    ///
+    /// Left is the side of the inward normal turned by +90°.
+    pub asymmetry: f64,
+    /// What it takes to break a sticking contact loose, over the sliding friction.
+    pub static_ratio: f64,
+    /// How far the pusher yields along the normal, in m/N.
+    pub compliance: f64,
+}
+
+impl ContactLaw {
+    /// Coulomb's law, rigid, with one coefficient.
+    pub(crate) fn rigid(friction: f64) -> Self {
+        Self { friction, asymmetry: 0.0, static_ratio: 1.0, compliance: 0.0 }
+    }
+
+    /// Sliding friction to the left (+1) or to the right (−1).
+    pub(crate) fn sliding(&self, side: f64) -> f64 {
+        self.friction * (1.0 + side * self.asymmetry).max(0.0)
+    }
+
+    /// Whether a force of this normal and tangential part can stick.
+    pub(crate) fn sticks(&self, normal: f64, tangential: f64) -> bool {
+        let side = if tangential >= 0.0 { 1.0 } else { -1.0 };
+        tangential.abs() <= self.static_ratio * self.sliding(side) * normal
+    }
+}

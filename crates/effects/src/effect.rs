@@ -1,0 +1,180 @@
+//! The trait of every physical effect, and what it says about itself.
+
+use std::fmt::Debug;
+
+use nalgebra::Vector2;
+use planar::{Pose, Wrench};
+
+use crate::parameter::{coordinates, from_coordinates, to_coordinates};
+use crate::{
+    Channel, ContactLaw, Coordinate, EffectError, Geometry, Parameter, Reading, Rig, StepInput,
+    Support,
+};
+
+/// A physical effect that a model can carry.
+///
+/// An effect adds to what the effects before it have gathered; the sums do not depend on their
+/// order. It is asked at the stages that [`About::stages`] names and at no other, with its
+/// parameter values in the order of [`About::parameters`], all finite and in range. With all values
+/// at "off" it must leave everything as it is, bit for bit.
+pub trait Effect: Debug + Sync {
+    /// Name, parameters, physics and claims.
+    fn about(&self) -> &About;
+
+    /// [`Stage::Reading`]: how the streams are read; once a step.
+    fn reading(&self, _values: &[f64], _step: &StepInput, _reading: &mut Reading) {}
+
+    /// [`Stage::Geometry`]: what touches where; once a step.
+    fn geometry(&self, _values: &[f64], _step: &StepInput, _geometry: &mut Geometry) {}
+
+    /// [`Stage::Support`]: the limit surface, at a moment of the step.
+    fn support(&self, _values: &[f64], _moment: &Moment<'_>, _support: &mut Support) {}
+
+    /// [`Stage::Local`]: relative surplus of friction at one point of the support; 0 when off.
+    fn local_friction(&self, _values: &[f64], _sliding: &Sliding) -> f64 {
+        0.0
+    }
+
+    /// [`Stage::Contact`]: friction and stiffness between pusher and object; once a step, at its
+    /// start.
+    fn contact(&self, _values: &[f64], _moment: &Moment<'_>, _law: &mut ContactLaw) {}
+
+    /// [`Stage::Load`]: what acts on the object besides pusher and friction, in N and N·m about the
+    /// origin of the outline's frame, axes of W.
+    fn load(&self, _values: &[f64], _moment: &Moment<'_>, _load_w: &mut Wrench) {}
+
+    /// [`Stage::Dynamics`]: whether the object's inertia is integrated.
+    fn has_inertia(&self, _values: &[f64]) -> bool {
+        false
+    }
+}
+
+/// A moment of a step, as far as it is known.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// The rig's nominal numbers.
+    pub rig: &'a Rig,
+    /// The step.
+    pub step: &'a StepInput,
+    /// Pose of the outline in W.
+    pub pose_wo: Pose,
+    /// Time since the step's start, in s.
+    pub time: f64,
+}
+
+/// One point of the support that slides over the table.
+#[derive(Clone, Copy, Debug)]
+pub struct Sliding {
+    /// Where, in m, frame W.
+    pub place_w: Vector2<f64>,
+    /// How fast, in m/s, axes of W.
+    pub velocity_w: Vector2<f64>,
+}
+
+/// Where in the prediction an effect acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// How measured streams are read: frames, clocks, force sensor.
+    Reading,
+    /// What touches where: outline, radius, contact point.
+    Geometry,
+    /// The limit surface: size, shape, center, directions.
+    Support,
+    /// Friction of each supported point with its own place and speed.
+    Local,
+    /// The contact between pusher and object: friction cone, compliance.
+    Contact,
+    /// Loads besides the pusher's.
+    Load,
+    /// Inertia.
+    Dynamics,
+}
+
+impl Stage {
+    /// Every stage, in the order in which a prediction passes them.
+    pub const ALL: [Self; 7] = [
+        Self::Reading,
+        Self::Geometry,
+        Self::Support,
+        Self::Local,
+        Self::Contact,
+        Self::Load,
+        Self::Dynamics,
+    ];
+}
+
+/// What an effect says about itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct About {
+    /// Lower-case name with hyphens, as in `model.toml`.
+    pub id: &'static str,
+    /// A few words for people.
+    pub title: &'static str,
+    /// The physics in words.
+    pub physics: &'static str,
+    /// The equation, in plain Unicode, with its symbols.
+    pub equation: &'static str,
+    /// Where the law or its size comes from.
+    pub source: &'static str,
+    /// Where it acts.
+    pub stages: &'static [Stage],
+    /// What can show it; no other channel changes with it.
+    pub reaches: &'static [Channel],
+    /// Its parameters.
+    pub parameters: &'static [Parameter],
+    /// What may be taken for it.
+    pub look_alikes: &'static [LookAlike],
+}
+
+/// Another effect that shows nearly the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LookAlike {
+    /// Its id.
+    pub id: &'static str,
+    /// With which data, and what tells them apart.
+    pub when: &'static str,
+}
+
+impl About {
+    /// The coordinates that fits work with.
+    pub fn coordinates(&self, rig: &Rig) -> Vec<Coordinate> {
+        coordinates(self.parameters, rig)
+    }
+
+    /// From values to coordinates; `values` has one for each parameter.
+    pub fn to_coordinates(&self, values: &[f64]) -> Vec<f64> {
+        to_coordinates(self.parameters, values)
+    }
+
+    /// From coordinates to values; a direction is in [0, π).
+    pub fn from_coordinates(&self, coordinates: &[f64]) -> Vec<f64> {
+        from_coordinates(self.parameters, coordinates)
+    }
+
+    /// The values when the effect is not there.
+    pub fn off(&self, rig: &Rig) -> Vec<f64> {
+        self.parameters.iter().map(|parameter| parameter.off(rig)).collect()
+    }
+
+    /// Values of a size that is met on real rigs.
+    pub fn typical(&self, rig: &Rig) -> Vec<f64> {
+        self.parameters.iter().map(|parameter| parameter.on(rig)).collect()
+    }
+
+    /// Refuses values that are too many, too few, out of range or not finite.
+    ///
+    /// # Errors
+    /// `WrongCount`, `OutOfRange`, `NotASwitch`.
+    pub fn check(&self, values: &[f64]) -> Result<(), EffectError> {
+        if values.len() != self.parameters.len() {
+            let (effect, parameters) = (self.id.to_owned(), self.names());
+            return Err(EffectError::WrongCount { effect, parameters, got: values.len() });
+        }
+        self.parameters.iter().zip(values).try_for_each(|(p, value)| p.check(self.id, *value))
+    }
+
+    /// The parameters' names, for messages.
+    pub(crate) fn names(&self) -> String {
+        self.parameters.iter().map(|parameter| parameter.name).collect::<Vec<_>>().join(", ")
+    }
+}

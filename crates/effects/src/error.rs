@@ -1,0 +1,136 @@
+//! What can go wrong with effects and predictions.
+
+use mechanics::MechanicsError;
+
+/// Why a model could not be built or a step not predicted.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EffectError {
+    /// A number of the step, the object or the rig is not what it must be.
+    #[error("{name} must be {expected}, got {value} {unit}")]
+    InvalidValue {
+        /// Which number.
+        name: &'static str,
+        /// What it must be.
+        expected: &'static str,
+        /// What was given.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// An effect's parameter is outside its range.
+    #[error("{effect}: {parameter} must be within {low} and {high} {unit}, got {value}")]
+    OutOfRange {
+        /// Id of the effect.
+        effect: String,
+        /// Name of the parameter.
+        parameter: String,
+        /// What was given.
+        value: f64,
+        /// The parameter's unit.
+        unit: &'static str,
+        /// Smallest allowed value.
+        low: f64,
+        /// Largest allowed value.
+        high: f64,
+    },
+    /// A switch is neither off nor on.
+    #[error("{effect}: {parameter} is a switch and must be 0 or 1, got {value}")]
+    NotASwitch {
+        /// Id of the effect.
+        effect: String,
+        /// Name of the parameter.
+        parameter: String,
+        /// What was given.
+        value: f64,
+    },
+    /// As many values are needed as the effect has parameters.
+    #[error("{effect} has the parameters {parameters}; got {got} values")]
+    WrongCount {
+        /// Id of the effect.
+        effect: String,
+        /// Names of its parameters.
+        parameters: String,
+        /// How many values were given.
+        got: usize,
+    },
+    /// No effect has this id.
+    #[error("there is no effect `{id}`; there are {known}")]
+    UnknownEffect {
+        /// What was asked for.
+        id: String,
+        /// All ids.
+        known: String,
+    },
+    /// A parameter is missing or not one of the effect's.
+    #[error("{effect} has no parameter `{name}` or lacks it; it has {parameters}")]
+    WrongParameter {
+        /// Id of the effect.
+        effect: String,
+        /// The name.
+        name: String,
+        /// Names of its parameters.
+        parameters: String,
+    },
+    /// An effect was added twice.
+    #[error("{effect} is already in the model; change its values instead of adding it again")]
+    Twice {
+        /// Id of the effect.
+        effect: String,
+    },
+    /// The corners of an outline cannot be rounded that much.
+    #[error("corners of {radius} m do not fit on this outline; its shortest edge is {shortest} m")]
+    TooRound {
+        /// The asked radius, in m.
+        radius: f64,
+        /// The shortest edge, in m.
+        shortest: f64,
+    },
+    /// A solver ended before it reached its tolerance.
+    #[error("{what} did not converge within {iterations} iterations")]
+    NotConverged {
+        /// What was being solved.
+        what: &'static str,
+        /// Steps taken.
+        iterations: usize,
+    },
+    /// The mechanics refused something.
+    #[error(transparent)]
+    Mechanics(#[from] MechanicsError),
+}
+
+/// The value, if it is finite.
+pub(crate) fn finite(
+    name: &'static str,
+    value: f64,
+    unit: &'static str,
+) -> Result<f64, EffectError> {
+    if value.is_finite() {
+        return Ok(value);
+    }
+    Err(EffectError::InvalidValue { name, expected: "finite", value, unit })
+}
+
+/// The value, if it is positive and finite.
+pub(crate) fn positive(
+    name: &'static str,
+    value: f64,
+    unit: &'static str,
+) -> Result<f64, EffectError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(value);
+    }
+    Err(EffectError::InvalidValue { name, expected: "positive and finite", value, unit })
+}
+
+/// The value, if it is finite and not negative.
+pub(crate) fn not_negative(
+    name: &'static str,
+    value: f64,
+    unit: &'static str,
+) -> Result<f64, EffectError> {
+    if value >= 0.0 && value.is_finite() {
+        return Ok(value);
+    }
+    Err(EffectError::InvalidValue { name, expected: "finite and not negative", value, unit })
+}

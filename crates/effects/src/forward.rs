@@ -1,0 +1,311 @@
+//! One step, integrated along the pusher's way.
+
+use mechanics::ContactMode;
+use nalgebra::Vector2;
+use planar::{Contact, Feature, Pose, Twist, perpendicular};
+
+use crate::geometry::Outline;
+use crate::instant::{Instant, Memory, Rate};
+use crate::{Channels, ContactLaw, EffectError, PushPhysics, Reading, StepInput};
+
+/// The state of a step while it is integrated.
+pub(crate) struct Forward<'a> {
+    pub(crate) physics: &'a PushPhysics,
+    pub(crate) step: &'a StepInput,
+    reading: Reading,
+    outline: Outline<'a>,
+    pub(crate) law: ContactLaw,
+    /// The tracked frame in the outline's.
+    pose_ob: Pose,
+    /// Whether measured and true geometry are the same.
+    is_plain: bool,
+    pub(crate) has_inertia: bool,
+    pub(crate) time: f64,
+    pub(crate) pose_wo: Pose,
+    /// Velocity of the center of mass, axes of W; followed only with inertia.
+    pub(crate) twist_w: Twist,
+    pub(crate) touching: bool,
+    /// The contact at this time and pose.
+    pub(crate) now: Meeting,
+    /// How far the pusher yields along the normal, in m.
+    deflection: f64,
+    /// Time integral of the measured force, normal and tangential to the nominal contact, in N·s.
+    impulse: Vector2<f64>,
+    pub(crate) memory: Memory,
+}
+
+/// The contact of a moment, frame of the outline, and the pusher's velocity in W.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Meeting {
+    pub(crate) contact: Contact,
+    pub(crate) velocity_w: Vector2<f64>,
+}
+
+/// Gap at which pusher and object touch, in m.
+const TOUCH: f64 = 1e-10;
+const LEAST_SUBSTEPS: f64 = 4.0;
+const LEAST_DYNAMIC_SUBSTEPS: f64 = 6.0;
+
+impl<'a> Forward<'a> {
+    pub(crate) fn new(physics: &'a PushPhysics, step: &'a StepInput) -> Result<Self, EffectError> {
+        let (reading, geometry) = (physics.reading(step), physics.geometry(step));
+        let pose_bo = reading.pose_bo();
+        let pose_wo = step.pose_wb * pose_bo;
+        let (law, has_inertia) = (physics.contact(step, &pose_wo), physics.has_inertia());
+        let is_plain = reading == Reading::default()
+            && geometry.radius_excess == 0.0
+            && geometry.corner_radius == 0.0
+            && law.compliance == 0.0;
+        let nowhere = Contact {
+            point: Vector2::zeros(),
+            normal: Vector2::x(),
+            edge: 0,
+            p: 0.0,
+            gap: 0.0,
+            feature: Feature::Edge,
+        };
+        let mut forward = Self {
+            physics,
+            step,
+            reading,
+            outline: Outline::new(step, geometry)?,
+            law,
+            pose_ob: pose_bo.inverse(),
+            is_plain,
+            has_inertia,
+            time: 0.0,
+            pose_wo,
+            twist_w: Twist::default(),
+            touching: false,
+            now: Meeting { contact: nowhere, velocity_w: Vector2::zeros() },
+            deflection: 0.0,
+            impulse: Vector2::zeros(),
+            memory: Memory::default(),
+        };
+        forward.now = forward.meet(0.0, &pose_wo);
+        Ok(forward)
+    }
+
+    /// All channels at the end of the step.
+    pub(crate) fn run(mut self) -> Result<Channels, EffectError> {
+        self.start()?;
+        let start_wb = self.pose_wo * self.pose_ob;
+        let gap_start = self.measured_gap();
+        self.finish_late_motion();
+        let duration = self.step.track.duration();
+        let way = duration * self.step.track.mean_velocity().norm();
+        let least = if self.has_inertia { LEAST_DYNAMIC_SUBSTEPS } else { LEAST_SUBSTEPS };
+        // A way of a whole number of sub-steps must not gain one by rounding.
+        let n = (way / self.physics.rig().longest_substep() - 1e-6).ceil().max(least);
+        let longest = duration / n;
+        let mut let_go = false;
+        while duration - self.time > 1e-9 * longest {
+            let length = longest.min(duration - self.time);
+            if self.touching {
+                self.touching = self.press(length)?;
+                let_go = !self.touching;
+            } else {
+                self.go_free(length, let_go)?;
+                let_go = false;
+            }
+        }
+        self.time = duration;
+        let end_wb = self.pose_wo * self.pose_ob;
+        let along = self.step.direction_w();
+        let moved = end_wb.position - start_wb.position;
+        let force = self.impulse / duration;
+        Ok(Channels {
+            dx: along.dot(&moved),
+            dy: perpendicular(&along).dot(&moved),
+            dtheta: end_wb.angle - start_wb.angle,
+            force_normal: force.x,
+            force_tangential: force.y,
+            gap_start,
+            gap_end: self.measured_gap(),
+        })
+    }
+
+    /// Sets the object where it truly is at the start.
+    fn start(&mut self) -> Result<(), EffectError> {
+        let meeting = self.now;
+        let approach = self.pose_wo.rotate(&meeting.contact.normal).dot(&meeting.velocity_w);
+        if self.law.compliance > 0.0 && approach > 0.0 {
+            let pose = self.pose_wo;
+            let rate = self.rate(0.0, &pose, &meeting)?;
+            self.deflection = self.law.compliance * meeting.contact.normal.dot(&rate.force_o);
+            self.now.contact.gap += self.deflection;
+        }
+        if self.step.touching {
+            // What the pusher still goes before it moves the object: its spring is not wound up
+            // yet, or the object's stream lags behind.
+            let ahead = self.deflection + approach * self.reading.latency.max(0.0);
+            let lost = (ahead - approach * self.step.since_contact).max(0.0);
+            self.close(lost);
+            self.touching = lost <= TOUCH;
+        } else {
+            self.touching = self.now.contact.gap <= TOUCH && approach > 0.0;
+        }
+        if self.has_inertia {
+            self.start_moving()?;
+        }
+        Ok(())
+    }
+
+    /// After contact a late stream still shows the motion of before; inertia follows it itself.
+    fn finish_late_motion(&mut self) {
+        let is_after = !self.step.touching && self.step.since_contact > 0.0;
+        if is_after && !self.has_inertia && self.reading.latency > 0.0 {
+            let late = self.reading.latency.min(self.step.track.duration());
+            self.pose_wo = moved(&self.pose_wo, &self.step.twist_wb, late);
+            self.now = self.meet(0.0, &self.pose_wo);
+        }
+    }
+
+    /// One sub-step in contact; false, and nothing done, if the pusher lets go.
+    fn press(&mut self, length: f64) -> Result<bool, EffectError> {
+        if self.has_inertia {
+            return self.press_with_inertia(length);
+        }
+        let (time, pose) = (self.time, self.pose_wo);
+        let start = self.now;
+        let first = self.rate(time, &pose, &start)?;
+        if first.mode == ContactMode::Separated {
+            return Ok(false);
+        }
+        let middle_time = time + 0.5 * length;
+        let middle = moved(&pose, &first.twist_w, 0.5 * length);
+        let meeting = self.meet(middle_time, &middle);
+        let rate = self.rate(middle_time, &middle, &meeting)?;
+        self.record(middle_time, &middle, &meeting.contact, &rate.force_o, length);
+        self.pose_wo = moved(&pose, &rate.twist_w, length);
+        self.reach(time + length);
+        Ok(true)
+    }
+
+    /// Motion and force at a moment of the quasi-static push.
+    fn rate(&mut self, time: f64, pose: &Pose, meeting: &Meeting) -> Result<Rate, EffectError> {
+        let instant = Instant::new(self.physics, self.step, pose, time);
+        let point = self.outline.acting_point(&meeting.contact);
+        let touch = instant.touch(&point, &meeting.contact.normal, &meeting.velocity_w);
+        instant.pushed(&touch, &self.law, &mut self.memory)
+    }
+
+    /// Time without contact, up to the touch at most.
+    fn go_free(&mut self, length: f64, let_go: bool) -> Result<(), EffectError> {
+        let start = self.now;
+        let gap_at = |run: &Self, time: f64, pose: &Pose| run.meet(time, pose).contact.gap;
+        let speed = self.closing_speed(&start, &self.pose_wo, &self.twist_w);
+        if !let_go && start.contact.gap <= TOUCH && speed > 0.0 {
+            self.touching = true;
+            return Ok(());
+        }
+        let (mut pose, mut twist) = self.slid(length)?;
+        let (mut low, mut high) = (0.0, length);
+        let end_gap = gap_at(self, self.time + length, &pose);
+        // A measured overlap that does not get deeper is no touch.
+        if end_gap < start.contact.gap.min(0.0) && !let_go {
+            for _ in 0..40 {
+                let middle = 0.5 * (low + high);
+                (pose, twist) = self.slid(middle)?;
+                match gap_at(self, self.time + middle, &pose) > 0.0 {
+                    true => low = middle,
+                    false => high = middle,
+                }
+            }
+            self.touching = true;
+        }
+        let (before, nothing) = (self.pose_wo, Vector2::zeros());
+        self.record(self.time, &before, &start.contact, &nothing, high);
+        (self.pose_wo, self.twist_w) = (pose, twist);
+        self.time += high;
+        self.now = self.meet(self.time, &pose);
+        if self.touching {
+            self.close(0.0);
+        }
+        Ok(())
+    }
+
+    /// Pose and velocity after some time without contact.
+    fn slid(&self, time: f64) -> Result<(Pose, Twist), EffectError> {
+        if self.has_inertia {
+            self.slid_with_inertia(time)
+        } else {
+            Ok((self.pose_wo, self.twist_w))
+        }
+    }
+
+    /// The true contact, its gap that to the yielding pusher.
+    pub(crate) fn meet(&self, time: f64, pose_wo: &Pose) -> Meeting {
+        let (center_w, velocity_w) = self.step.track.at(time - self.reading.latency);
+        let mut contact = self.outline.nearest(&pose_wo.inverse_transform_point(&center_w));
+        contact.gap += self.deflection;
+        Meeting { contact, velocity_w }
+    }
+
+    /// The contact with its place and velocity, for a moment.
+    pub(crate) fn acting_point(&self, contact: &Contact) -> Vector2<f64> {
+        self.outline.acting_point(contact)
+    }
+
+    /// Speed at which pusher and contact point near each other, in m/s.
+    pub(crate) fn closing_speed(&self, meeting: &Meeting, pose: &Pose, twist: &Twist) -> f64 {
+        let arm = meeting.contact.point - self.step.object.center_of_mass();
+        let point_velocity = twist.velocity_at(&pose.rotate(&arm));
+        pose.rotate(&meeting.contact.normal).dot(&(meeting.velocity_w - point_velocity))
+    }
+
+    /// Goes on to a later time in contact.
+    pub(crate) fn reach(&mut self, time: f64) {
+        self.time = time;
+        self.now = self.meet(time, &self.pose_wo);
+        self.close(0.0);
+    }
+
+    /// Moves the object along the normal until the gap has a size, in m; the contact stays.
+    fn close(&mut self, gap: f64) {
+        let contact = &mut self.now.contact;
+        self.pose_wo.position += (gap - contact.gap) * self.pose_wo.rotate(&contact.normal);
+        contact.gap = gap;
+    }
+
+    /// Adds a sub-step's force as the sensor shows it, in the frame of the nominal contact.
+    pub(crate) fn record(
+        &mut self,
+        time: f64,
+        pose: &Pose,
+        contact: &Contact,
+        force_o: &Vector2<f64>,
+        length: f64,
+    ) {
+        let (normal, force) = if self.is_plain {
+            (contact.normal, *force_o)
+        } else {
+            let pose_wb = *pose * self.pose_ob;
+            let normal_b = self.nominal(time, &pose_wb).normal;
+            (pose_wb.rotate(&normal_b), self.reading.force(&pose.rotate(force_o)))
+        };
+        self.impulse +=
+            length * Vector2::new(normal.dot(&force), perpendicular(&normal).dot(&force));
+        if self.law.compliance > 0.0 && *force_o != Vector2::zeros() {
+            self.deflection = self.law.compliance * contact.normal.dot(force_o);
+        }
+    }
+
+    /// The contact that the measured streams show.
+    fn nominal(&self, time: f64, pose_wb: &Pose) -> Contact {
+        let center_b = pose_wb.inverse_transform_point(&self.step.track.at(time).0);
+        self.step.object.shape().contact(&center_b, self.step.pusher_radius)
+    }
+
+    fn measured_gap(&self) -> f64 {
+        if self.is_plain {
+            return self.now.contact.gap;
+        }
+        self.nominal(self.time, &(self.pose_wo * self.pose_ob)).gap
+    }
+}
+
+/// A pose after moving with a constant velocity for some time.
+pub(crate) fn moved(pose: &Pose, twist: &Twist, time: f64) -> Pose {
+    Pose { position: pose.position + time * twist.linear, angle: pose.angle + time * twist.angular }
+}

@@ -1,0 +1,135 @@
+//! The step of an object with inertia.
+
+use mechanics::ContactMode;
+use nalgebra::Vector2;
+use planar::{Pose, Twist};
+
+use crate::EffectError;
+use crate::forward::{Forward, Meeting, moved};
+use crate::instant::{Instant, Rate};
+
+/// 1 − 1/√2: both stages of the rule have this share of the sub-step.
+const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+/// Share of the time to rest that a free slide goes in one step.
+const SLIDE_SHARE: f64 = 0.125;
+/// Share of the first energy below which the rest of a slide is added in one piece.
+const REST_SHARE: f64 = 1e-4;
+
+impl Forward<'_> {
+    /// The velocity at the start, made to fit the contact.
+    pub(crate) fn start_moving(&mut self) -> Result<(), EffectError> {
+        let center_w = self.pose_wo.transform_point(self.step.object.center_of_mass());
+        self.twist_w = self.step.twist_wb.shifted(&(center_w - self.step.pose_wb.position));
+        if self.touching {
+            self.meet_pusher()?;
+        }
+        Ok(())
+    }
+
+    /// One sub-step in contact; false, and nothing done, if the pusher lets go.
+    ///
+    /// # Source
+    /// The rule SDIRK2 of Alexander (1977), "Diagonally implicit Runge–Kutta methods for stiff
+    /// O.D.E.'s": at low speed friction makes the motion stiff, and it ends in the quasi-static one.
+    pub(crate) fn press_with_inertia(&mut self, length: f64) -> Result<bool, EffectError> {
+        let before = self.twist_w;
+        self.meet_pusher()?;
+        let (time, pose, start) = (self.time, self.pose_wo, self.twist_w);
+        let share = GAMMA * length;
+        let early = self.moved_center(&pose, &start, share);
+        let Some((first, _)) = self.stage(time + share, &early, share, &start)? else {
+            self.twist_w = before;
+            return Ok(false);
+        };
+        let ratio = (1.0 - GAMMA) / GAMMA;
+        let target = start + ratio * (first.twist_w + -1.0 * start);
+        let mean = (1.0 - GAMMA) * first.twist_w + GAMMA * start;
+        let late = self.moved_center(&pose, &mean, length);
+        let Some((second, meeting)) = self.stage(time + length, &late, share, &target)? else {
+            self.twist_w = before;
+            return Ok(false);
+        };
+        let force_o = (1.0 - GAMMA) * first.force_o + GAMMA * second.force_o;
+        self.record(time + length, &late, &meeting.contact, &force_o, length);
+        let mean = (1.0 - GAMMA) * first.twist_w + GAMMA * second.twist_w;
+        self.pose_wo = self.moved_center(&pose, &mean, length);
+        self.twist_w = second.twist_w;
+        self.reach(time + length);
+        Ok(true)
+    }
+
+    /// Pose and velocity of the center of mass after sliding freely for some time.
+    ///
+    /// Midpoint rule in steps of an eighth of the time that is left until rest.
+    pub(crate) fn slid_with_inertia(&self, time: f64) -> Result<(Pose, Twist), EffectError> {
+        let (mut pose, mut twist, mut left) = (self.pose_wo, self.twist_w, time);
+        let first = self.energy(&twist);
+        while left > 0.0 {
+            let energy = self.energy(&twist);
+            if energy <= f64::MIN_POSITIVE {
+                return Ok((pose, Twist::default()));
+            }
+            let now = Instant::new(self.physics, self.step, &pose, self.time);
+            let (acceleration, power) = now.free_acceleration(&twist)?;
+            // With constant forces the energy 2E/P more seconds would bring the object to rest.
+            let until_rest = if power > 0.0 { 2.0 * energy / power } else { f64::INFINITY };
+            if energy <= REST_SHARE * first && until_rest <= left {
+                pose = self.moved_center(&pose, &twist, 0.5 * until_rest);
+                return Ok((pose, Twist::default()));
+            }
+            let length = left.min(SLIDE_SHARE * until_rest);
+            let middle = twist + 0.5 * length * acceleration;
+            let half_way = self.moved_center(&pose, &twist, 0.5 * length);
+            let then = Instant::new(self.physics, self.step, &half_way, self.time);
+            let (acceleration, _) = then.free_acceleration(&middle)?;
+            pose = self.moved_center(&pose, &middle, length);
+            twist = twist + length * acceleration;
+            left -= length;
+        }
+        Ok((pose, twist))
+    }
+
+    /// An inelastic impact with Coulomb friction, if the pusher is faster than the object.
+    fn meet_pusher(&mut self) -> Result<(), EffectError> {
+        if self.closing_speed(&self.now, &self.pose_wo, &self.twist_w) > 0.0 {
+            let contact = &self.now.contact;
+            let instant = Instant::new(self.physics, self.step, &self.pose_wo, self.time);
+            let point = self.acting_point(contact);
+            let touch = instant.touch(&point, &contact.normal, &self.now.velocity_w);
+            self.twist_w = instant.struck(&touch, &self.law, &self.twist_w)?;
+        }
+        Ok(())
+    }
+
+    /// An implicit stage: the velocity at which all loads balance; none if the pusher lets go.
+    fn stage(
+        &mut self,
+        time: f64,
+        pose: &Pose,
+        length: f64,
+        target: &Twist,
+    ) -> Result<Option<(Rate, Meeting)>, EffectError> {
+        let meeting = self.meet(time, pose);
+        let point: Vector2<f64> = self.acting_point(&meeting.contact);
+        let instant = Instant::new(self.physics, self.step, pose, time);
+        let touch = instant.touch(&point, &meeting.contact.normal, &meeting.velocity_w);
+        let rate =
+            instant.pushed_with_inertia(&touch, &self.law, length, target, &mut self.memory)?;
+        Ok((rate.mode != ContactMode::Separated).then_some((rate, meeting)))
+    }
+
+    fn energy(&self, twist: &Twist) -> f64 {
+        let object = &self.step.object;
+        0.5 * (object.mass() * twist.linear.norm_squared()
+            + object.moment_of_inertia() * twist.angular * twist.angular)
+    }
+
+    /// A pose after its center of mass moved with a constant velocity.
+    fn moved_center(&self, pose: &Pose, twist: &Twist, time: f64) -> Pose {
+        let center = self.step.object.center_of_mass();
+        let before = pose.transform_point(center);
+        let turned = moved(pose, &Twist { angular: twist.angular, ..Twist::default() }, time);
+        let position = before + time * twist.linear - turned.rotate(center);
+        Pose { position, ..turned }
+    }
+}

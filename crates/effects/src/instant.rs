@@ -1,0 +1,261 @@
+//! What moves the object at one moment.
+
+use mechanics::{ContactMode, Ellipsoid, MechanicsError};
+use nalgebra::{Matrix3, Vector2, Vector3};
+use planar::{Pose, Twist, cross, perpendicular};
+
+use crate::balance::{Answer, Balance, Touch, closed_form};
+use crate::effect::{Moment, Stage};
+use crate::friction::{Friction, Local, ellipsoid, turning_ratio};
+use crate::{ContactLaw, EffectError, PushPhysics, StepInput, Support};
+
+/// The model at one pose and time of a step.
+pub(crate) struct Instant<'a> {
+    physics: &'a PushPhysics,
+    step: &'a StepInput,
+    pose_wo: Pose,
+    support: Support,
+    /// Center of friction, in m, frame of the outline.
+    center: Vector2<f64>,
+    /// Largest friction force, in N.
+    pub(crate) f_max: f64,
+    /// Loads besides the pusher's per `f_max`, about the center of friction, axes of the outline.
+    external: Vector3<f64>,
+}
+
+/// Motion and contact force of a moment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rate {
+    pub(crate) mode: ContactMode,
+    /// Motion of the outline's origin, or with inertia of the center of mass, axes of W.
+    pub(crate) twist_w: Twist,
+    /// Contact force on the object, in N, axes of the outline.
+    pub(crate) force_o: Vector2<f64>,
+}
+
+/// What one moment hands on to the next, to be faster.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Memory {
+    ellipsoid: Option<(Support, Ellipsoid)>,
+    answer: Option<Answer>,
+}
+
+impl<'a> Instant<'a> {
+    pub(crate) fn new(
+        physics: &'a PushPhysics,
+        step: &'a StepInput,
+        pose_wo: &Pose,
+        time: f64,
+    ) -> Self {
+        let moment = Moment { rig: physics.rig(), step, pose_wo: *pose_wo, time };
+        let support = physics.support(&moment);
+        let center = step.object.centroid() + support.center_o;
+        let nominal = physics.rig().nominal_force(step.object.mass());
+        let f_max = nominal * (support.friction / physics.rig().support_friction());
+        let external = if physics.acts_at(Stage::Load) {
+            let load_w = physics.load(&moment);
+            let force = pose_wo.inverse_rotate(&load_w.force);
+            let torque = load_w.torque - cross(&center, &force);
+            Vector3::new(force.x, force.y, torque) / f_max
+        } else {
+            Vector3::zeros()
+        };
+        Self { physics, step, pose_wo: *pose_wo, support, center, f_max, external }
+    }
+
+    /// The contact at a point in the outline's frame, by a pusher with a velocity in W.
+    pub(crate) fn touch(
+        &self,
+        point_o: &Vector2<f64>,
+        normal_o: &Vector2<f64>,
+        velocity_w: &Vector2<f64>,
+    ) -> Touch {
+        let velocity = self.pose_wo.inverse_rotate(velocity_w);
+        Touch { point: point_o - self.center, normal: *normal_o, velocity }
+    }
+
+    /// The quasi-static motion.
+    pub(crate) fn pushed(
+        &self,
+        touch: &Touch,
+        law: &ContactLaw,
+        memory: &mut Memory,
+    ) -> Result<Rate, EffectError> {
+        self.refuse_sliding_by_itself()?;
+        if touch.approach() <= 0.0 {
+            return Ok(self.rate(&Answer::AT_REST));
+        }
+        let guess = self.guess(touch, law, memory)?;
+        let is_quadric = self.support.shape == 0.0 && self.physics.rig().given().is_none();
+        let local = self.local(&guess.motion);
+        let answer = if is_quadric && local.is_none() && self.external == Vector3::zeros() {
+            closed_form(&self.ellipsoid(memory)?, touch, law)?
+        } else {
+            self.balance(&self.friction(local)?, None).touched(touch, law, &guess)?
+        };
+        memory.answer = Some(answer);
+        Ok(self.rate(&answer))
+    }
+
+    /// The motion with inertia: friction, pusher and loads act for `duration`, in s, on an object
+    /// that moves with `target`. Both are motions of the center of mass, axes of W.
+    pub(crate) fn pushed_with_inertia(
+        &self,
+        touch: &Touch,
+        law: &ContactLaw,
+        duration: f64,
+        target: &Twist,
+        memory: &mut Memory,
+    ) -> Result<Rate, EffectError> {
+        let center = self.step.object.center_of_mass();
+        let mut guess = self.guess(touch, law, memory)?;
+        if guess.mode == ContactMode::Separated {
+            guess.motion = self.to_motion(target, center);
+        }
+        let pull = self.to_motion(target, center);
+        let inertia = Some((self.mass() / (self.f_max * duration), pull));
+        let local = self.local(&guess.motion);
+        let friction = self.friction(local)?;
+        let answer = self.balance(&friction, inertia).touched(touch, law, &guess)?;
+        memory.answer = Some(answer);
+        Ok(self.rate_at(&answer, center))
+    }
+
+    /// The motion after an inelastic impact with Coulomb friction on an object that moved with
+    /// `target`, both of the center of mass, axes of W.
+    pub(crate) fn struck(
+        &self,
+        touch: &Touch,
+        law: &ContactLaw,
+        target: &Twist,
+    ) -> Result<Twist, EffectError> {
+        let center = self.step.object.center_of_mass();
+        let motion = self.to_motion(target, center);
+        let inertia = Some((self.mass() / self.step.object.mass(), motion));
+        let length = self.step.object.mean_distance();
+        let balance = Balance { friction: None, length, external: Vector3::zeros(), inertia };
+        let mode = ContactMode::Separated;
+        let guess = Answer { mode, motion, force: Vector2::zeros() };
+        let answer = balance.touched(touch, law, &guess)?;
+        let pushes = answer.mode != ContactMode::Separated;
+        Ok(if pushes { self.to_twist(&answer.motion, center) } else { *target })
+    }
+
+    fn balance<'b>(
+        &'b self,
+        friction: &'b Friction<'b>,
+        inertia: Option<(Matrix3<f64>, Vector3<f64>)>,
+    ) -> Balance<'b> {
+        let length = friction.length();
+        Balance { friction: Some(friction), length, external: self.external, inertia }
+    }
+
+    /// Acceleration of the center of mass without a pusher, and the power that slows it, in W.
+    pub(crate) fn free_acceleration(&self, twist_w: &Twist) -> Result<(Twist, f64), EffectError> {
+        let center = self.step.object.center_of_mass();
+        let motion = self.to_motion(twist_w, center);
+        let local = self.local(&motion);
+        let (load, _) = self.friction(local)?.load(&motion)?;
+        let net = self.f_max * (self.external - load);
+        let inverse = self.mass().try_inverse();
+        let inverse = inverse.expect("mass and moment of inertia are positive");
+        let power = -net.dot(&motion);
+        Ok((self.to_twist(&(inverse * net), center), power))
+    }
+
+    /// Where a search starts: at the moment before, else at the push on the ellipsoid.
+    fn guess(
+        &self,
+        touch: &Touch,
+        law: &ContactLaw,
+        memory: &mut Memory,
+    ) -> Result<Answer, EffectError> {
+        match memory.answer {
+            Some(answer) if answer.mode != ContactMode::Separated => Ok(answer),
+            _ => closed_form(&self.ellipsoid(memory)?, touch, law),
+        }
+    }
+
+    /// The friction of single points, if any has a surplus in a motion at S.
+    fn local(&self, motion: &Vector3<f64>) -> Option<Local<'a>> {
+        if !self.physics.acts_at(Stage::Local) {
+            return None;
+        }
+        let local = Local::new(self.physics, &self.pose_wo, &self.center);
+        let is_there = self.step.object.points().iter().any(|(place, _)| {
+            local.surplus(place, &(motion.xy() + motion.z * perpendicular(place))) != 0.0
+        });
+        is_there.then_some(local)
+    }
+
+    fn friction(&self, local: Option<Local<'a>>) -> Result<Friction<'_>, EffectError> {
+        let given = self.physics.rig().given();
+        Friction::new(&self.step.object, &self.support, given, local)
+    }
+
+    /// The ellipsoid of the moment, made anew only if it changed; its largest force is 1.
+    fn ellipsoid(&self, memory: &mut Memory) -> Result<Ellipsoid, EffectError> {
+        if self.support.length_ratio == 1.0 && self.support.tensor_o.is_zero() {
+            return Ok(*self.step.object.ellipsoid());
+        }
+        if let Some((support, surface)) = &memory.ellipsoid {
+            let same = support.tensor_o == self.support.tensor_o
+                && support.length_ratio == self.support.length_ratio;
+            if same {
+                return Ok(*surface);
+            }
+        }
+        let object = &self.step.object;
+        let ratio = self.support.length_ratio * turning_ratio(object, &self.support);
+        let inverse = ellipsoid(&self.support, ratio * object.mean_distance());
+        let surface = Ellipsoid::from_inverse(inverse)?;
+        memory.ellipsoid = Some((self.support, surface));
+        Ok(surface)
+    }
+
+    /// A load that friction cannot hold has no quasi-static motion.
+    fn refuse_sliding_by_itself(&self) -> Result<(), EffectError> {
+        if self.external == Vector3::zeros() {
+            return Ok(());
+        }
+        let ratio = self.support.length_ratio * turning_ratio(&self.step.object, &self.support);
+        let inverse = ellipsoid(&self.support, ratio * self.step.object.mean_distance());
+        let matrix = inverse.try_inverse().expect("a positive definite matrix");
+        let level = self.external.dot(&(matrix * self.external)).sqrt();
+        if level < 1.0 {
+            return Ok(());
+        }
+        Err(MechanicsError::SlidesByItself { level }.into())
+    }
+
+    /// Mass matrix at the center of friction, axes of the outline.
+    fn mass(&self) -> Matrix3<f64> {
+        let object = &self.step.object;
+        let (m, arm) = (object.mass(), object.center_of_mass() - self.center);
+        let (x, y) = (m * arm.x, m * arm.y);
+        let turn = object.moment_of_inertia() + m * arm.norm_squared();
+        Matrix3::new(m, 0.0, -y, 0.0, m, x, -y, x, turn)
+    }
+
+    /// From a motion of the point `at` (frame of the outline) in W to one at S in the outline's axes.
+    fn to_motion(&self, twist_w: &Twist, at: &Vector2<f64>) -> Vector3<f64> {
+        let linear = self.pose_wo.inverse_rotate(&twist_w.linear)
+            + twist_w.angular * perpendicular(&(self.center - at));
+        Vector3::new(linear.x, linear.y, twist_w.angular)
+    }
+
+    /// The inverse of [`Instant::to_motion`].
+    fn to_twist(&self, motion: &Vector3<f64>, at: &Vector2<f64>) -> Twist {
+        let linear = motion.xy() + motion.z * perpendicular(&(at - self.center));
+        Twist { linear: self.pose_wo.rotate(&linear), angular: motion.z }
+    }
+
+    fn rate(&self, answer: &Answer) -> Rate {
+        self.rate_at(answer, &Vector2::zeros())
+    }
+
+    fn rate_at(&self, answer: &Answer, at: &Vector2<f64>) -> Rate {
+        let twist_w = self.to_twist(&answer.motion, at);
+        Rate { mode: answer.mode, twist_w, force_o: self.f_max * answer.force }
+    }
+}

@@ -1,0 +1,189 @@
+//! Parameters of effects: meaning, unit, range, and how they are fitted.
+
+use crate::{EffectError, Rig};
+
+/// A number that an effect carries, as users write it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name, as in `model.toml`.
+    pub name: &'static str,
+    /// SI unit; `1` for numbers without one.
+    pub unit: &'static str,
+    /// What it is, and what its sign means.
+    pub meaning: &'static str,
+    /// Its value when the effect is not there.
+    pub off: Off,
+    /// A size that is met on real rigs: what examples use and secants step by.
+    pub typical: f64,
+    /// Smallest and largest allowed value.
+    pub range: (f64, f64),
+    /// How it behaves when the world is turned or mirrored.
+    pub role: Role,
+}
+
+/// The value of a parameter when its effect is not there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Off {
+    /// This value.
+    At(f64),
+    /// The rig's nominal friction between pusher and object.
+    PusherFriction,
+    /// The rig's nominal friction between object and support.
+    SupportFriction,
+    /// The rig's kind of limit surface as λ.
+    SurfaceShape,
+    /// None: a direction or a reference of an effect whose size is zero.
+    Undefined,
+}
+
+/// What a parameter becomes when the world is mirrored (y → −y) or turned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// A number that neither changes.
+    Even,
+    /// A number that changes its sign in a mirror.
+    Odd,
+    /// First component of a vector; the next parameter is its [`Role::Y`].
+    X(Frame),
+    /// Second component of a vector.
+    Y(Frame),
+    /// A ratio along an axis; the next parameter is its [`Role::Direction`].
+    Ratio(Frame),
+    /// The axis' direction, in rad, modulo π.
+    Direction(Frame),
+    /// 0 or 1.
+    Switch,
+}
+
+/// To what a vector or an axis is fixed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Frame {
+    /// The table.
+    World,
+    /// The object.
+    Body,
+}
+
+/// A number that fits work with: smooth at "off", unlike a ratio with a direction.
+///
+/// A ratio ρ along φ is the pair (e cos 2φ, e sin 2φ) with e = ½ ln ρ; every other parameter is its
+/// own coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coordinate {
+    /// Name.
+    pub name: &'static str,
+    /// SI unit.
+    pub unit: &'static str,
+    /// Value when the effect is not there; for those without one, a usual value.
+    pub off: f64,
+    /// Step of secants that reach over the kinks of sticking and sliding.
+    pub secant: f64,
+    /// Standard deviation of a weak prior about `off`: a few times the typical size.
+    pub prior_sd: f64,
+    /// Smallest and largest allowed value.
+    pub range: (f64, f64),
+}
+
+impl Parameter {
+    /// A parameter that is a plain number: off at `off`, the same in a mirror.
+    pub const fn number(
+        name: &'static str,
+        unit: &'static str,
+        meaning: &'static str,
+        (off, typical): (f64, f64),
+        range: (f64, f64),
+    ) -> Self {
+        Self { name, unit, meaning, off: Off::At(off), typical, range, role: Role::Even }
+    }
+
+    /// The value when the effect is not there; the typical one where that is not defined.
+    pub fn off(&self, rig: &Rig) -> f64 {
+        match self.off {
+            Off::At(value) => value,
+            Off::PusherFriction => rig.pusher_friction(),
+            Off::SupportFriction => rig.support_friction(),
+            Off::SurfaceShape => rig.surface_shape(),
+            Off::Undefined => self.typical,
+        }
+    }
+
+    /// A value that is there and not off: the typical one, or one as far on the other side of it.
+    pub fn on(&self, rig: &Rig) -> f64 {
+        let off = self.off(rig);
+        if off == self.typical && self.off != Off::Undefined {
+            return off - 0.5 * (self.range.1 - self.range.0).min(1.0);
+        }
+        self.typical
+    }
+
+    /// Refuses a value out of range, in the name of `effect`.
+    pub(crate) fn check(&self, effect: &str, value: f64) -> Result<(), EffectError> {
+        let (effect, parameter) = (effect.to_owned(), self.name.to_owned());
+        if self.role == Role::Switch && value != 0.0 && value != 1.0 {
+            return Err(EffectError::NotASwitch { effect, parameter, value });
+        }
+        let (low, high) = self.range;
+        if (low..=high).contains(&value) {
+            return Ok(());
+        }
+        let unit = if self.unit == "1" { "(dimensionless)" } else { self.unit };
+        Err(EffectError::OutOfRange { effect, parameter, value, unit, low, high })
+    }
+}
+
+/// The coordinates of a list of parameters.
+pub(crate) fn coordinates(parameters: &[Parameter], rig: &Rig) -> Vec<Coordinate> {
+    let coordinate = |parameter: &Parameter| {
+        let Parameter { name, unit, range, .. } = *parameter;
+        let off = parameter.off(rig);
+        let size = match parameter.off {
+            Off::Undefined => 0.5 * parameter.typical.abs(),
+            _ => (parameter.on(rig) - off).abs(),
+        };
+        let plain = Coordinate { name, unit, off, secant: 0.5 * size, prior_sd: 3.0 * size, range };
+        let axis = |name, ratio: f64, widest: f64| {
+            let (e, widest) = (0.5 * ratio.ln(), 0.5 * widest.ln());
+            let range = (-widest, widest);
+            let (secant, prior_sd) = (0.5 * e, 3.0 * e);
+            Coordinate { name, unit: "1", off: 0.0, secant, prior_sd, range }
+        };
+        match parameter.role {
+            Role::Ratio(_) => axis("e cos 2φ", parameter.typical, range.1),
+            Role::Direction(_) => plain,
+            _ => plain,
+        }
+    };
+    let mut list: Vec<Coordinate> = parameters.iter().map(coordinate).collect();
+    for index in 1..list.len() {
+        if matches!(parameters[index].role, Role::Direction(_)) {
+            list[index] = Coordinate { name: "e sin 2φ", ..list[index - 1] };
+        }
+    }
+    list
+}
+
+/// From values as users write them to coordinates.
+pub(crate) fn to_coordinates(parameters: &[Parameter], values: &[f64]) -> Vec<f64> {
+    let mut list = values.to_vec();
+    for index in axes(parameters) {
+        let (e, twice) = (0.5 * values[index].ln(), 2.0 * values[index + 1]);
+        (list[index], list[index + 1]) = (e * twice.cos(), e * twice.sin());
+    }
+    list
+}
+
+/// From coordinates to values; the direction is in [0, π), and 0 where the ratio is 1.
+pub(crate) fn from_coordinates(parameters: &[Parameter], coordinates: &[f64]) -> Vec<f64> {
+    let mut list = coordinates.to_vec();
+    for index in axes(parameters) {
+        let (cosine, sine) = (coordinates[index], coordinates[index + 1]);
+        list[index] = (2.0 * cosine.hypot(sine)).exp();
+        list[index + 1] = (0.5 * sine.atan2(cosine)).rem_euclid(std::f64::consts::PI);
+    }
+    list
+}
+
+fn axes(parameters: &[Parameter]) -> impl Iterator<Item = usize> + '_ {
+    let is_axis = |index: &usize| matches!(parameters[*index].role, Role::Ratio(_));
+    (0..parameters.len()).filter(is_axis)
+}

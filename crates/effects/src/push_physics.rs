@@ -1,0 +1,180 @@
+//! A model of pushing: a rig and the effects it carries.
+
+use planar::{Pose, Wrench};
+
+use crate::effect::{Effect, Moment, Sliding, Stage};
+use crate::forward::Forward;
+use crate::setting::Setting;
+use crate::{
+    Channels, ContactLaw, EffectError, Geometry, Reading, Rig, StepInput, Support, all, by_id,
+};
+
+/// The prediction of all channels of a step, by a rig with any set of effects.
+///
+/// Effects act in the order of the catalogue, and those of users after them by id, whatever the
+/// order in which they were added: the same set gives the same bits.
+#[derive(Clone, Debug)]
+pub struct PushPhysics {
+    rig: Rig,
+    effects: Vec<(&'static dyn Effect, Vec<f64>)>,
+    /// For each stage, the indices of the effects that act there.
+    at_stage: [Vec<usize>; Stage::ALL.len()],
+}
+
+impl PushPhysics {
+    /// The rig alone.
+    pub fn new(rig: Rig) -> Self {
+        Self { rig, effects: Vec::new(), at_stage: Default::default() }
+    }
+
+    /// The same model with one more effect; `values` in the order of its parameters.
+    ///
+    /// # Errors
+    /// `Twice` if the model has it already; `WrongCount`, `OutOfRange`, `NotASwitch` for its values.
+    pub fn with(
+        mut self,
+        effect: &'static dyn Effect,
+        values: &[f64],
+    ) -> Result<Self, EffectError> {
+        let about = effect.about();
+        about.check(values)?;
+        if self.effects.iter().any(|(other, _)| other.about().id == about.id) {
+            return Err(EffectError::Twice { effect: about.id.to_owned() });
+        }
+        self.effects.push((effect, values.to_vec()));
+        self.effects.sort_by_key(|(effect, _)| place(effect.about().id));
+        for (stage, indices) in Stage::ALL.into_iter().zip(&mut self.at_stage) {
+            let acts = |index: &usize| self.effects[*index].0.about().stages.contains(&stage);
+            *indices = (0..self.effects.len()).filter(acts).collect();
+        }
+        Ok(self)
+    }
+
+    /// The same model with other values for an effect that it has.
+    ///
+    /// # Errors
+    /// `UnknownEffect` if it has no such effect; those of its values.
+    pub fn set(&mut self, id: &str, values: &[f64]) -> Result<(), EffectError> {
+        let ids: Vec<_> = self.effects.iter().map(|(effect, _)| effect.about().id).collect();
+        let found = self.effects.iter_mut().find(|(effect, _)| effect.about().id == id);
+        let (effect, old) = found.ok_or_else(|| EffectError::UnknownEffect {
+            id: id.to_owned(),
+            known: ids.join(", "),
+        })?;
+        effect.about().check(values)?;
+        old.copy_from_slice(values);
+        Ok(())
+    }
+
+    /// A model from what a file says: ids and named parameters.
+    ///
+    /// `own` are effects besides those of the catalogue.
+    ///
+    /// # Errors
+    /// `UnknownEffect`, `WrongParameter`, and those of [`PushPhysics::with`].
+    pub fn from_settings(
+        rig: Rig,
+        settings: &[Setting],
+        own: &[&'static dyn Effect],
+    ) -> Result<Self, EffectError> {
+        settings.iter().try_fold(Self::new(rig), |model, setting| {
+            let found = own.iter().find(|effect| effect.about().id == setting.id);
+            let effect = found.copied().map_or_else(|| by_id(&setting.id), Ok)?;
+            let values = setting.values(effect.about())?;
+            model.with(effect, &values)
+        })
+    }
+
+    /// What a file says of the effects, in the order in which they act.
+    pub fn settings(&self) -> Vec<Setting> {
+        self.effects.iter().map(|(effect, values)| Setting::new(effect.about(), values)).collect()
+    }
+
+    /// The effects with their values, in the order in which they act.
+    pub fn effects(&self) -> &[(&'static dyn Effect, Vec<f64>)] {
+        &self.effects
+    }
+
+    /// The nominal set-up.
+    pub fn rig(&self) -> &Rig {
+        &self.rig
+    }
+
+    /// All channels of one step.
+    ///
+    /// The push is integrated along the pusher's way by the midpoint rule, with sub-steps of at most
+    /// 1 mm (four or more): within 4 µm of the exact push over 4 mm. With inertia the motion follows
+    /// an L-stable Runge–Kutta rule of order two in six sub-steps or more.
+    ///
+    /// # Errors
+    /// `InvalidValue` for a step with impossible numbers; what the mechanics refuse, such as a tilt
+    /// at which the object slides by itself; a solver that did not converge.
+    pub fn predict(&self, step: &StepInput) -> Result<Channels, EffectError> {
+        step.validate()?;
+        Forward::new(self, step)?.run()
+    }
+
+    /// All channels of many steps, in their order.
+    ///
+    /// # Errors
+    /// The first error of [`PushPhysics::predict`].
+    pub fn predict_all(&self, steps: &[StepInput]) -> Result<Vec<Channels>, EffectError> {
+        steps.iter().map(|step| self.predict(step)).collect()
+    }
+
+    pub(crate) fn acts_at(&self, stage: Stage) -> bool {
+        !self.at_stage[stage as usize].is_empty()
+    }
+
+    fn at(&self, stage: Stage) -> impl Iterator<Item = (&'static dyn Effect, &[f64])> {
+        self.at_stage[stage as usize].iter().map(|&index| {
+            let (effect, values) = &self.effects[index];
+            (*effect, values.as_slice())
+        })
+    }
+
+    pub(crate) fn reading(&self, step: &StepInput) -> Reading {
+        let mut reading = Reading::default();
+        self.at(Stage::Reading).for_each(|(e, values)| e.reading(values, step, &mut reading));
+        reading
+    }
+
+    pub(crate) fn geometry(&self, step: &StepInput) -> Geometry {
+        let mut geometry = Geometry::default();
+        self.at(Stage::Geometry).for_each(|(e, values)| e.geometry(values, step, &mut geometry));
+        geometry
+    }
+
+    pub(crate) fn contact(&self, step: &StepInput, pose_wo: &Pose) -> ContactLaw {
+        let moment = Moment { rig: &self.rig, step, pose_wo: *pose_wo, time: 0.0 };
+        let mut law = ContactLaw::rigid(self.rig.pusher_friction());
+        self.at(Stage::Contact).for_each(|(e, values)| e.contact(values, &moment, &mut law));
+        law
+    }
+
+    pub(crate) fn support(&self, moment: &Moment<'_>) -> Support {
+        let mut support = Support::nominal(self.rig.support_friction(), self.rig.surface_shape());
+        self.at(Stage::Support).for_each(|(e, values)| e.support(values, moment, &mut support));
+        support
+    }
+
+    pub(crate) fn local_friction(&self, sliding: &Sliding) -> f64 {
+        self.at(Stage::Local).map(|(e, values)| e.local_friction(values, sliding)).sum()
+    }
+
+    pub(crate) fn load(&self, moment: &Moment<'_>) -> Wrench {
+        let mut load_w = Wrench::default();
+        self.at(Stage::Load).for_each(|(e, values)| e.load(values, moment, &mut load_w));
+        load_w
+    }
+
+    pub(crate) fn has_inertia(&self) -> bool {
+        self.at(Stage::Dynamics).any(|(e, values)| e.has_inertia(values))
+    }
+}
+
+/// Order of action: the catalogue's, then that of ids.
+fn place(id: &'static str) -> (usize, &'static str) {
+    let index = all().iter().position(|effect| effect.about().id == id);
+    (index.unwrap_or(usize::MAX), id)
+}

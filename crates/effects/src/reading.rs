@@ -1,0 +1,31 @@
+//! How measured streams differ from what they measure.
+
+use nalgebra::Vector2;
+use planar::Pose;
+
+/// Gathered errors of the measured streams: effects add to it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reading {
+    /// Place of the true outline in the tracked frame B, in m.
+    pub offset_b: Vector2<f64>,
+    /// Turn of the true outline against B, in rad.
+    pub yaw: f64,
+    /// How late the object's stream is against the robot's, in s.
+    pub latency: f64,
+    /// What the force sensor adds to the force on the object, in N, axes of W.
+    pub force_bias_w: Vector2<f64>,
+    /// How far the sensor turns the force, in rad.
+    pub force_turn: f64,
+}
+
+impl Reading {
+    /// The true outline's frame in the tracked frame.
+    pub(crate) fn pose_bo(&self) -> Pose {
+        Pose { position: self.offset_b, angle: self.yaw }
+    }
+
+    /// What the sensor shows of a force, in N, axes of W.
+    pub(crate) fn force(&self, force_w: &Vector2<f64>) -> Vector2<f64> {
+        Pose::new(0.0, 0.0, self.force_turn).rotate(force_w) + self.force_bias_w
+    }
+}

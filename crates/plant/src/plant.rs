@@ -1,0 +1,142 @@
+//! The rig, ready to be pushed.
+
+use dataset::ObjectSpec;
+use nalgebra::Vector2;
+use planar::Pose;
+
+use crate::integrate::integrate;
+use crate::outline::Outline;
+use crate::pads::Pads;
+use crate::rig::Rig;
+use crate::{Numerics, PlantError, TipPath, Trajectory, Truth, Variation};
+
+const FEWEST_PADS: usize = 100;
+
+/// A simulated rig: an object on a table, and a tip on a robot that pushes it.
+///
+/// Rigid-body dynamics in the plane with Coulomb friction under at least a hundred pads, and a
+/// round, elastic tip in hard Coulomb contact. Nothing in it is quasi-static, and it shares no
+/// formula with the models that it tests.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    pub(crate) mass: f64,
+    pub(crate) moment_of_inertia: f64,
+    pub(crate) center_of_mass: Vector2<f64>,
+    /// Distance of the farthest point of the outline from the body's origin, in m.
+    pub(crate) radius: f64,
+    pub(crate) gravity: f64,
+    pub(crate) outline: Outline,
+    pub(crate) truth: Truth,
+    pub(crate) numerics: Numerics,
+    uniform: Pads,
+}
+
+impl Plant {
+    /// A rig for an object with its nominal mass and outline, and what is true of it.
+    ///
+    /// - `gravity`: in m/s².
+    ///
+    /// # Errors
+    /// `OutOfRange` for a number that is not possible, `Wear` for wear that the outline has no
+    /// room for, `Pressure` for a load that cannot be spread so.
+    pub fn new(
+        object: &ObjectSpec,
+        truth: &Truth,
+        gravity: f64,
+        numerics: &Numerics,
+    ) -> Result<Self, PlantError> {
+        truth.check()?;
+        if numerics.n_pads < FEWEST_PADS {
+            return Err(PlantError::OutOfRange {
+                name: "n_pads".into(),
+                value: numerics.n_pads as f64,
+                unit: "(a number)",
+                allowed: format!("{FEWEST_PADS} or more"),
+            });
+        }
+        for (name, value, unit) in [
+            ("tolerance", numerics.tolerance, "m"),
+            ("longest_step", numerics.longest_step, "s"),
+            ("creep", numerics.creep, "m/s"),
+            ("gravity", gravity, "m/s²"),
+            ("the object's mass", object.mass, "kg"),
+            ("its moment of inertia", object.moment_of_inertia, "kg·m²"),
+        ] {
+            if !(value > 0.0 && value.is_finite()) {
+                let (name, allowed) = (name.into(), "a positive, finite number".into());
+                return Err(PlantError::OutOfRange { name, value, unit, allowed });
+            }
+        }
+        let plant = Self {
+            mass: object.mass * truth.body.mass_ratio,
+            moment_of_inertia: object.moment_of_inertia * truth.body.mass_ratio,
+            center_of_mass: object.center_of_mass + Vector2::from(truth.body.center_shift),
+            radius: object.shape.bounding_radius(),
+            gravity,
+            outline: Outline::new(&object.shape, &truth.wear)?,
+            truth: truth.clone(),
+            numerics: *numerics,
+            uniform: Pads::uniform(&object.shape, numerics.n_pads),
+        };
+        plant.pads(&Variation::default())?;
+        Ok(plant)
+    }
+
+    /// What is true of the rig.
+    #[must_use]
+    pub fn truth(&self) -> &Truth {
+        &self.truth
+    }
+
+    /// Simulates one push: wait, approach, push, stop and hold.
+    ///
+    /// - `pose_wb`: the object at rest at the beginning.
+    ///
+    /// # Errors
+    /// `Blocked` if the tip begins inside the object, `OutOfRange` for a path without length or
+    /// speed, `Pressure` for a variation that cannot be, `NotConverged` if steps get too short.
+    pub fn push(
+        &self,
+        pose_wb: &Pose,
+        path: &TipPath,
+        variation: &Variation,
+    ) -> Result<Trajectory, PlantError> {
+        check_path(path)?;
+        let rig = Rig::new(self, path, variation)?;
+        integrate(&rig, &rig.start(pose_wb)?)
+    }
+
+    /// The pads of a push.
+    pub(crate) fn pads(&self, variation: &Variation) -> Result<Pads, PlantError> {
+        let pressure = &self.truth.pressure;
+        let shift = Vector2::from(pressure.center_shift) + Vector2::from(variation.pressure_shift);
+        let ratio = pressure.radius_ratio * variation.pressure_radius;
+        Ok(self.uniform.reshaped(&shift, ratio)?.blended(pressure.patch_share))
+    }
+}
+
+fn check_path(path: &TipPath) -> Result<(), PlantError> {
+    let positive = [
+        ("the length of the path", path.length, "m"),
+        ("its speed", path.speed, "m/s"),
+        ("its acceleration", path.acceleration, "m/s²"),
+        ("its wait plus 1", path.wait + 1.0, "s"),
+        ("its hold plus 1", path.hold + 1.0, "s"),
+    ];
+    for (name, value, unit) in positive {
+        if !(value > 0.0 && value.is_finite()) {
+            let (name, allowed) = (name.into(), "a positive, finite number".into());
+            return Err(PlantError::OutOfRange { name, value, unit, allowed });
+        }
+    }
+    let direction = Vector2::from(path.direction).norm();
+    if !((direction - 1.0).abs() < 1e-9 && path.start.iter().all(|x| x.is_finite())) {
+        return Err(PlantError::OutOfRange {
+            name: "the length of the path's direction".into(),
+            value: direction,
+            unit: "",
+            allowed: "1, and a finite start".into(),
+        });
+    }
+    Ok(())
+}

@@ -1,0 +1,193 @@
+//! The object that is pushed, and what is nominally known of the rig.
+
+use std::path::Path;
+
+use dataset::{Manifest, ObjectSpec};
+use serde::{Deserialize, Serialize};
+
+use crate::{PlantError, Truth};
+
+/// An object for a recording set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "shape", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum PushedObject {
+    /// One of the eleven objects of the MIT push data set.
+    Mit {
+        /// Its name there.
+        name: String,
+    },
+    /// A square plate.
+    Square {
+        /// Side, in m.
+        side: f64,
+        /// Mass, in kg.
+        mass: f64,
+    },
+    /// A rectangular plate.
+    Rectangle {
+        /// Extent along x, in m.
+        width: f64,
+        /// Extent along y, in m.
+        height: f64,
+        /// Mass, in kg.
+        mass: f64,
+    },
+    /// Any plate without crossing edges.
+    Polygon {
+        /// Corners, counter-clockwise, in m.
+        vertices: Vec<[f64; 2]>,
+        /// Mass, in kg.
+        mass: f64,
+    },
+    /// An elliptic plate.
+    Ellipse {
+        /// Semi-axes along x and y, in m.
+        semi_axes: [f64; 2],
+        /// Mass, in kg.
+        mass: f64,
+    },
+}
+
+impl Default for PushedObject {
+    /// The thesis' square: 90 mm, 0.8374 kg.
+    fn default() -> Self {
+        Self::Mit { name: "rect1".into() }
+    }
+}
+
+/// What the manifest claims of the rig.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Nominal {
+    /// Radius of the tip, in m.
+    pub pusher_radius: f64,
+    /// Friction of the tip.
+    pub pusher_friction: f64,
+    /// Friction of the support.
+    pub support_friction: f64,
+    /// Gravity, in m/s².
+    pub gravity: f64,
+}
+
+impl Default for Nominal {
+    fn default() -> Self {
+        Self {
+            pusher_radius: 0.00475,
+            pusher_friction: 0.25,
+            support_friction: 0.25,
+            gravity: 9.81,
+        }
+    }
+}
+
+impl Nominal {
+    /// A plain rig that is just as the manifest claims.
+    #[must_use]
+    pub fn truth(&self) -> Truth {
+        let mut truth = Truth::default();
+        truth.tip.radius = self.pusher_radius;
+        truth.tip_friction.coefficient = self.pusher_friction;
+        truth.support_friction.coefficient = self.support_friction;
+        truth
+    }
+}
+
+impl PushedObject {
+    /// The object's part of `dataset.toml`.
+    fn lines(&self) -> String {
+        match self {
+            Self::Mit { name } => format!("shape = {}", quoted(name)),
+            Self::Square { side, mass } => {
+                format!("shape = \"square\"\nside_m = {side:?}\nmass_kg = {mass:?}")
+            }
+            Self::Rectangle { width, height, mass } => format!(
+                "shape = \"rectangle\"\nwidth_m = {width:?}\nheight_m = {height:?}\n\
+                 mass_kg = {mass:?}"
+            ),
+            Self::Polygon { vertices, mass } => {
+                format!("shape = \"polygon\"\nvertices_m = {vertices:?}\nmass_kg = {mass:?}")
+            }
+            Self::Ellipse { semi_axes, mass } => {
+                format!("shape = \"ellipse\"\nsemi_axes_m = {semi_axes:?}\nmass_kg = {mass:?}")
+            }
+        }
+    }
+}
+
+/// The text of `dataset.toml`: what a user of the set is told.
+pub(crate) fn manifest_text(
+    name: &str,
+    object: &PushedObject,
+    nominal: &Nominal,
+    format: &str,
+) -> String {
+    let topics = if ["mcap", "ros1-bag"].contains(&format) {
+        "\n[streams.robot]\ntopic = \"/robot/tip_pose\"\n\n[streams.object]\n\
+         topic = \"/vicon/object_pose\"\n\n[streams.wrench]\ntopic = \"/ft_sensor/wrench\"\n"
+    } else {
+        ""
+    };
+    format!(
+        "name = {}\n\n[object]\n{}\n\n[pusher]\nradius_m = {:?}\nfriction = {:?}\n\n\
+         [support]\nfriction = {:?}\ngravity_m_s2 = {:?}\n\n\
+         [recordings]\nformat = \"{format}\"\npath = \"pushes\"\n{topics}",
+        quoted(name),
+        object.lines(),
+        nominal.pusher_radius,
+        nominal.pusher_friction,
+        nominal.support_friction,
+        nominal.gravity,
+    )
+}
+
+/// The object that a manifest's text tells of.
+///
+/// # Errors
+/// `Dataset` for an object that is not possible, `Design` for one that is not told.
+pub(crate) fn object_of(text: &str, path: &Path) -> Result<ObjectSpec, PlantError> {
+    let manifest = Manifest::parse(text, path)?;
+    Ok(manifest.object.of("")?)
+}
+
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Nominal, PushedObject, manifest_text, object_of};
+    use crate::Truth;
+    use std::path::Path;
+
+    #[test]
+    fn the_usual_claims_are_true_of_the_usual_rig() {
+        assert_eq!(Nominal::default().truth(), Truth::default());
+    }
+
+    #[test]
+    fn every_object_is_told_in_a_manifest_that_is_read_back() {
+        for (object, area) in [
+            (PushedObject::default(), 0.0081),
+            (PushedObject::Square { side: 0.1, mass: 1.0 }, 0.01),
+            (PushedObject::Rectangle { width: 0.1, height: 0.05, mass: 1.0 }, 0.005),
+            (
+                PushedObject::Polygon {
+                    vertices: vec![[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]],
+                    mass: 1.0,
+                },
+                0.005,
+            ),
+            (
+                PushedObject::Ellipse { semi_axes: [0.05, 0.04], mass: 1.0 },
+                0.002 * std::f64::consts::PI,
+            ),
+        ] {
+            let text = manifest_text("a \"set\"", &object, &Nominal::default(), "mcap");
+            let spec = object_of(&text, Path::new("dataset.toml")).unwrap();
+            assert!((spec.shape.area() - area).abs() < 1e-12, "{text}");
+        }
+        let object = PushedObject::Square { side: -0.1, mass: 1.0 };
+        let text = manifest_text("a", &object, &Nominal::default(), "csv");
+        assert!(object_of(&text, Path::new("dataset.toml")).is_err());
+    }
+}

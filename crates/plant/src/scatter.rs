@@ -1,0 +1,95 @@
+//! How pushes and sessions scatter about the truth.
+
+use serde::{Deserialize, Serialize};
+
+use crate::Variation;
+use crate::random::{Purpose, Random};
+
+/// Standard deviations from push to push, and their share from session to session.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Scatter {
+    /// Of the support's friction, relative.
+    pub support_friction_sd: f64,
+    /// Of the tip's friction, relative.
+    pub tip_friction_sd: f64,
+    /// Of the pressure's mean distance from its center, relative.
+    pub pressure_radius_sd: f64,
+    /// Of the center of pressure along each axis, in m.
+    pub pressure_center_sd: f64,
+    /// Of the place where the tip's force acts, in m.
+    pub contact_sd: f64,
+    /// Of the loaded force sensor's bias along each axis, in N.
+    pub force_bias_sd: f64,
+    /// Of where the object is laid down, along each axis, in m.
+    pub placing_sd: f64,
+    /// Of how it is turned when it is laid down, in rad.
+    pub turning_sd: f64,
+    /// Scatter from session to session over that from push to push, for all but the placing.
+    pub session_share: f64,
+}
+
+impl Default for Scatter {
+    fn default() -> Self {
+        Self {
+            support_friction_sd: 0.02,
+            tip_friction_sd: 0.02,
+            pressure_radius_sd: 0.01,
+            pressure_center_sd: 2e-4,
+            contact_sd: 1e-4,
+            force_bias_sd: 0.01,
+            placing_sd: 1e-4,
+            turning_sd: 1e-3,
+            session_share: 0.5,
+        }
+    }
+}
+
+impl Scatter {
+    /// No scatter at all.
+    pub const NONE: Self = Self {
+        support_friction_sd: 0.0,
+        tip_friction_sd: 0.0,
+        pressure_radius_sd: 0.0,
+        pressure_center_sd: 0.0,
+        contact_sd: 0.0,
+        force_bias_sd: 0.0,
+        placing_sd: 0.0,
+        turning_sd: 0.0,
+        session_share: 0.0,
+    };
+
+    /// The variation of one push.
+    pub(crate) fn draw(&self, seed: u64, session: usize, push: usize) -> Variation {
+        let mut of_session = Random::new(seed, Purpose::Session, session as u64);
+        let mut of_push = Random::new(seed, Purpose::Push, push as u64);
+        let mut draw = |sd: f64| of_push.normal(sd) + of_session.normal(sd * self.session_share);
+        // Friction is never taken away as a whole, however wide the scatter.
+        let factor = |relative: f64| (1.0 + relative).max(0.1);
+        Variation {
+            support_friction: factor(draw(self.support_friction_sd)),
+            tip_friction: factor(draw(self.tip_friction_sd)),
+            pressure_radius: factor(draw(self.pressure_radius_sd)),
+            pressure_shift: [draw(self.pressure_center_sd), draw(self.pressure_center_sd)],
+            contact_shift: draw(self.contact_sd),
+            force_bias: [draw(self.force_bias_sd), draw(self.force_bias_sd)],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Scatter;
+    use crate::Variation;
+
+    #[test]
+    fn without_scatter_nothing_varies_and_pushes_of_a_session_share_its_part() {
+        assert_eq!(Scatter::NONE.draw(7, 1, 2), Variation::default());
+        let session_alone = |session, push| {
+            let wide = Scatter { session_share: 1e6, support_friction_sd: 1e-8, ..Scatter::NONE };
+            wide.draw(7, session, push).support_friction
+        };
+        assert!((session_alone(1, 2) - session_alone(1, 3)).abs() < 1e-7);
+        assert!((session_alone(1, 2) - session_alone(2, 2)).abs() > 1e-5);
+    }
+}

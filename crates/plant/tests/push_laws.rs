@@ -1,0 +1,164 @@
+//! Laws of motion that hold for any push.
+
+mod rig;
+
+use nalgebra::{Rotation2, Vector2};
+use planar::Pose;
+use plant::{FrictionMap, Grain, Plant, PlantError, TipPath, Truth, Variation};
+use rig::{push, square};
+
+const NONE: Variation = Variation {
+    support_friction: 1.0,
+    tip_friction: 1.0,
+    pressure_radius: 1.0,
+    pressure_shift: [0.0; 2],
+    contact_shift: 0.0,
+    force_bias: [0.0; 2],
+};
+
+fn run(plant: &Plant, path: &TipPath) -> plant::Trajectory {
+    plant.push(&Pose::default(), path, &NONE).expect("a push")
+}
+
+/// A truth without any symmetry; `side` is 1, or −1 for its mirror image.
+fn lopsided(side: f64) -> Truth {
+    let mut truth = Truth::default();
+    truth.pressure.center_shift = [0.006, side * 0.004];
+    truth.body.center_shift = [0.006, side * 0.004];
+    truth.table_grain = Grain { ratio: 1.3, direction: side * 0.6 };
+    truth.body_grain = Grain { ratio: 1.2, direction: side * 1.1 };
+    truth.friction_map = FrictionMap { gradient: [2.0, side * 3.0], ..FrictionMap::default() };
+    truth.height_map.downhill = [0.1, side * 0.2];
+    truth.tip_friction.asymmetry = side * 0.3;
+    truth.tip.bias = side * 0.001;
+    truth
+}
+
+#[test]
+fn a_mirrored_truth_and_push_give_a_mirrored_motion() {
+    for (y, angle, speed) in [(0.02, 0.3, 0.02), (-0.01, -0.7, 0.2)] {
+        let left = run(&square(&lopsided(1.0)), &push(y, angle, speed, 0.03));
+        let right = run(&square(&lopsided(-1.0)), &push(-y, -angle, speed, 0.03));
+        let (a, b) = (left.end_pose(), right.end_pose());
+        assert!((a.position - Vector2::new(b.position.x, -b.position.y)).norm() < 1e-8);
+        assert!((a.angle + b.angle).abs() < 1e-7);
+        assert!(a.angle.abs() > 0.01);
+    }
+}
+
+#[test]
+fn a_turned_scene_on_an_even_table_moves_alike() {
+    let plant = square(&Truth::default());
+    let path = push(0.02, 0.3, 0.1, 0.03);
+    let plain = run(&plant, &path).end_pose();
+    let turn = Rotation2::new(1.1);
+    let away = Vector2::new(0.2, -0.1);
+    let turned_path = TipPath {
+        start: (away + turn * Vector2::from(path.start)).into(),
+        direction: (turn * Vector2::from(path.direction)).into(),
+        ..path
+    };
+    let start = Pose::new(away.x, away.y, 1.1);
+    let turned = plant.push(&start, &turned_path, &NONE).unwrap().end_pose();
+    assert!((turned.position - away - turn * plain.position).norm() < 1e-8);
+    assert!((turned.angle - 1.1 - plain.angle).abs() < 1e-7);
+}
+
+#[test]
+fn the_size_of_the_friction_leaves_a_slow_motion_and_scales_its_force() {
+    let stiff = |friction: f64| {
+        let mut truth = Truth::default();
+        truth.support_friction.coefficient = friction;
+        truth.tip.compliance = 1e-6;
+        run(&square(&truth), &push(0.02, 0.3, 0.004, 0.01))
+    };
+    let (weak, strong) = (stiff(0.2), stiff(0.4));
+    let moved = weak.end_pose().position - strong.end_pose().position;
+    // The tip gives way by 1 µm for each of the 1.6 N between them, and an object that was hit at
+    // 4 mm/s slides ahead by v²/2μg = 4 µm and 2 µm.
+    assert!(moved.norm() < 4e-6, "{moved}");
+    assert!((weak.end_pose().angle - strong.end_pose().angle).abs() < 1e-4);
+    let force = |push: &plant::Trajectory| push.mean_force(2.0, 3.0).norm();
+    let ratio = force(&strong) / force(&weak);
+    assert!((ratio - 2.0).abs() < 1e-3, "{ratio}");
+}
+
+#[test]
+fn a_push_through_the_center_needs_the_whole_friction_and_does_not_turn() {
+    let straight = run(&square(&Truth::default()), &push(0.0, 0.0, 0.02, 0.05));
+    assert!(straight.end_pose().angle.abs() < 1e-9);
+    let expected = 0.25 * 0.8374 * 9.81;
+    assert!((straight.mean_force(1.0, 2.0).x / expected - 1.0).abs() < 1e-4);
+    assert!((straight.end_pose().position.x - 0.05).abs() < 5e-5);
+}
+
+#[test]
+fn inside_the_motion_cone_the_tip_sticks_and_outside_it_slides_on_the_friction_cone() {
+    let plant = square(&Truth::default());
+    let inside = run(&plant, &push(0.0, 0.1, 0.02, 0.02));
+    let outside = run(&plant, &push(0.0, 0.9, 0.02, 0.02));
+    assert!(inside.energy().slip_heat < 1e-3 * inside.energy().pusher_work);
+    assert!(outside.energy().slip_heat > 0.05 * outside.energy().pusher_work);
+    let along_edge = |push: &plant::Trajectory, time: f64| {
+        let force = Rotation2::new(-push.pose_at(time).angle) * push.force_at(time);
+        force.y / force.x
+    };
+    for time in [0.6, 0.8, 1.0] {
+        assert!(along_edge(&inside, time).abs() < 0.24);
+        // Pose and force are up to one step of 5 ms apart.
+        assert!((along_edge(&outside, time) - 0.25).abs() < 0.003);
+    }
+}
+
+#[test]
+fn an_object_that_is_not_touched_stays_where_it_is_to_the_last_bit() {
+    let plant = square(&Truth::default());
+    let away = TipPath { direction: [-1.0, 0.0], ..push(0.0, 0.0, 0.1, 0.05) };
+    let start = Pose::new(0.0, 0.0, 0.0);
+    let motion = plant.push(&start, &away, &NONE).unwrap();
+    assert_eq!(motion.end_pose(), start);
+    assert_eq!(motion.first_touch(), None);
+    assert_eq!(motion.energy().residual(), 0.0);
+}
+
+#[test]
+fn after_a_sudden_stop_the_object_slides_on_as_friction_alone_brakes_it() {
+    for speed in [0.2, 0.4] {
+        let mut path = push(0.0, 0.0, speed, 0.2);
+        path.acceleration = 50.0;
+        let motion = run(&square(&Truth::default()), &path);
+        let stop = path.breaks()[2];
+        let slide = motion.end_pose().position.x - motion.pose_at(stop).position.x;
+        let expected = speed * speed / (2.0 * 0.25 * 9.81);
+        assert!((slide / expected - 1.0).abs() < 0.01, "{speed}: {slide} {expected}");
+    }
+}
+
+#[test]
+fn the_tip_does_not_enter_the_object_and_never_pulls() {
+    let plant = square(&Truth::default());
+    let path = push(0.02, 0.3, 0.1, 0.05);
+    let motion = run(&plant, &path);
+    for time in motion.times() {
+        let pose = motion.pose_at(time);
+        let force = Rotation2::new(-pose.angle) * motion.force_at(time);
+        assert!(force.x >= -1e-9, "{force}");
+        let tip = motion.tip_at(time) + motion.deflection_at(time);
+        let tip_b = pose.inverse_transform_point(&tip);
+        let gap = -rig::HALF - tip_b.x - rig::RADIUS;
+        assert!(gap > -1e-6, "{time} s: {gap} m");
+    }
+}
+
+#[test]
+fn a_tip_that_begins_inside_and_a_path_without_speed_are_refused() {
+    let plant = square(&Truth::default());
+    let inside = TipPath { start: [-0.046, 0.0], ..push(0.0, 0.0, 0.02, 0.01) };
+    let error = plant.push(&Pose::default(), &inside, &NONE).unwrap_err();
+    assert!(matches!(error, PlantError::Blocked { depth } if (depth - 0.00375).abs() < 1e-9));
+    let still = TipPath { speed: 0.0, ..push(0.0, 0.0, 0.02, 0.01) };
+    let error = plant.push(&Pose::default(), &still, &NONE).unwrap_err();
+    assert!(error.to_string().contains("its speed = 0 m/s"), "{error}");
+    let skewed = TipPath { direction: [1.0, 1.0], ..push(0.0, 0.0, 0.02, 0.01) };
+    assert!(plant.push(&Pose::default(), &skewed, &NONE).is_err());
+}

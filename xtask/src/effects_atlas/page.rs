@@ -1,0 +1,89 @@
+//! The page that lists every effect.
+
+use std::fmt::Write as _;
+
+use effects::{About, Channel, Off, Parameter, all};
+
+const HEAD: &str = "# The catalogue of effects
+
+A model of pushing is a base (limit surface, nominal friction) and any of the effects below. Each
+acts at one stage of the prediction, is seen by some channels of the measurement, and can be taken
+for others. `model.toml` names them by their ids and parameters.
+
+The figures show what an effect of typical size changes, on a 90 mm square of 0.84 kg: maps over the
+place p along an edge and the angle β of the push, for steps of 10 mm at 20 mm/s; then the push that
+shows it most, over speed and over the object's orientation, in standard deviations of ordinary
+sensors (30 µm, 0.08°, 50 mN, 0.1 mm of gap). Dashed: the way that the object goes in 0.1 s after
+the pusher stopped.
+
+This page and its figures are written by `cargo xtask effects-atlas` from what the effects say of
+themselves. An effect of your own: [write your own effect](write-your-own-effect.md).
+";
+
+/// The whole page.
+pub(super) fn text() -> String {
+    let mut text = HEAD.to_owned();
+    text.push_str("\n| id | what it is | parameters | seen in |\n|---|---|---|---|\n");
+    for effect in all() {
+        let about = effect.about();
+        let names: Vec<_> = about.parameters.iter().map(with_unit).collect();
+        let (id, title) = (about.id, about.title);
+        let row = format!("| [`{id}`](#{id}) | {title} | {} | {} |", names.join(", "), seen(about));
+        writeln!(text, "{row}").expect("a String takes any text");
+    }
+    for effect in all() {
+        section(&mut text, effect.about());
+    }
+    text
+}
+
+fn section(text: &mut String, about: &About) {
+    let About { id, title, physics, equation, source, .. } = about;
+    let mut line = |content: String| {
+        text.push_str(&content);
+        text.push('\n');
+    };
+    line(format!("\n<a id=\"{id}\"></a>\n## {title}: `{id}`\n"));
+    line(format!("{physics}\n\n> {equation}\n"));
+    line(
+        "| parameter | unit | off | typical | range | meaning |\n|---|---|---|---|---|---|".into(),
+    );
+    for parameter in about.parameters {
+        let Parameter { name, meaning, typical, range, .. } = parameter;
+        let (unit, off) = (parameter.unit, off(parameter));
+        let range = format!("{} to {}", range.0, range.1);
+        line(format!("| `{name}` | {unit} | {off} | {typical} | {range} | {meaning} |"));
+    }
+    line(format!("\n- Seen in {}.", seen(about)));
+    for look_alike in about.look_alikes {
+        let id = look_alike.id;
+        line(format!("- Taken for [`{id}`](#{id}): {}.", look_alike.when));
+    }
+    line(format!("- Source: {}.", source.trim_end_matches('.')));
+    line(format!("\n![What {id} changes](effects/{id}.svg)"));
+}
+
+fn with_unit(parameter: &Parameter) -> String {
+    match parameter.unit {
+        "1" => parameter.name.to_owned(),
+        unit => format!("{} in {unit}", parameter.name),
+    }
+}
+
+fn off(parameter: &Parameter) -> String {
+    match parameter.off {
+        Off::At(value) => value.to_string(),
+        Off::PusherFriction | Off::SupportFriction => "nominal".into(),
+        Off::SurfaceShape => "that of the base".into(),
+        Off::Undefined => "none".into(),
+    }
+}
+
+fn seen(about: &About) -> String {
+    let name = |channel: &Channel| match channel {
+        Channel::Motion => "motion",
+        Channel::Force => "force",
+        Channel::Gap => "gap",
+    };
+    about.reaches.iter().map(name).collect::<Vec<_>>().join(", ")
+}
