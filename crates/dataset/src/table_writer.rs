@@ -24,7 +24,7 @@ pub struct TableWriter {
 
 enum Rows {
     Csv {
-        rows: RowsFile,
+        rows: Box<RowsFile>,
         part: File,
     },
     #[cfg(feature = "parquet")]
@@ -42,7 +42,7 @@ impl TableWriter {
         let (part, file) = Temporary::create(path.with_added_extension("part"))?;
         let rows = match kind {
             Kind::Csv => {
-                let rows = RowsFile::create(path.with_added_extension("rows"))?;
+                let rows = Box::new(RowsFile::create(path.with_added_extension("rows"))?);
                 Rows::Csv { rows, part: file }
             }
             Kind::Parquet => parquet_rows(part.path(), file)?,
