@@ -42,8 +42,8 @@ impl TableWriter {
         let (part, file) = Temporary::create(path.with_added_extension("part"))?;
         let rows = match kind {
             Kind::Csv => {
-                let rows = RowsFile::create(path.with_added_extension("rows"))?;
-                Rows::Csv { rows: Box::new(rows), part: file }
+                let rows = Box::new(RowsFile::create(path.with_added_extension("rows"))?);
+                Rows::Csv { rows, part: file }
             }
             Kind::Parquet => parquet_rows(part.path(), file)?,
         };
