@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use dataset::{
-    Curve, EndCondition, IngestSettings, MANIFEST_NAME, Preset, RecordingSet, Table, TableMapping,
-    ingest_each, provenance,
+    Curve, EndCondition, IngestSettings, MANIFEST_NAME, Preset, Provenance, RecordingSet,
+    TableMapping, TableWriter, ingest_each, provenance,
 };
 
 use self::ingested::Ingested;
@@ -76,10 +76,12 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     for destination in output.iter().chain(&report) {
         destination.spare(&source.paths())?;
     }
-    let (table, origin, result) = match source {
-        Source::Recordings(set) => args.ingest(&set, terminal)?,
+    let mut writer =
+        output.as_ref().map(|output| TableWriter::create(output.path())).transpose()?;
+    let (provenance, origin, result) = match source {
+        Source::Recordings(set) => args.ingest(&set, writer.as_mut(), terminal)?,
         Source::Table { path, mapping, mapping_path } => {
-            args.convert(&path, &mapping, mapping_path.as_deref())?
+            args.convert(&path, &mapping, mapping_path.as_deref(), writer.as_mut())?
         }
     };
     if let Some(destination) = &report {
@@ -91,8 +93,8 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         };
         destination.write(text.as_bytes())?;
     }
-    if let Some(destination) = &output {
-        table.write(destination.path())?;
+    if let Some(writer) = writer {
+        writer.finish(&provenance)?;
     }
     let mut text = result.short_text();
     for destination in output.iter().chain(&report) {
@@ -107,7 +109,8 @@ impl Args {
         path: &Path,
         mapping: &TableMapping,
         mapping_path: Option<&Path>,
-    ) -> Result<(Table, Origin, Ingested)> {
+        writer: Option<&mut TableWriter>,
+    ) -> Result<(Provenance, Origin, Ingested)> {
         if self.step.is_some() || self.curve.is_some() {
             bail!(WrongUsage("a table has its steps already: leave out --step and --curve"));
         }
@@ -122,10 +125,19 @@ impl Args {
         }
         origin.mark(&mut table.provenance);
         let summary = TableSummary::of(&table);
-        Ok((table, origin, Ingested::Table(Box::new(summary))))
+        if let Some(writer) = writer {
+            table.rows.iter().try_for_each(|row| writer.write(row))?;
+        }
+        Ok((table.provenance, origin, Ingested::Table(Box::new(summary))))
     }
 
-    fn ingest(&self, set: &RecordingSet, terminal: &Terminal) -> Result<(Table, Origin, Ingested)> {
+    /// Rows go to the file as they come: memory does not grow with their number.
+    fn ingest(
+        &self,
+        set: &RecordingSet,
+        mut writer: Option<&mut TableWriter>,
+        terminal: &Terminal,
+    ) -> Result<(Provenance, Origin, Ingested)> {
         let mut settings = IngestSettings::default();
         if let Some(StepSize(step)) = self.step {
             settings.step = step;
@@ -135,12 +147,13 @@ impl Args {
             Some(CurveName::Interpolate) => Curve::Interpolate(EndCondition::Natural),
             Some(CurveName::Smooth) => Curve::Smooth,
         };
-        let mut rows = Vec::new();
         let mut progress = terminal.progress("recordings read:", set.recordings().len());
-        let report = ingest_each(set, &settings, |_, mut own| {
-            rows.append(&mut own);
+        let report = ingest_each(set, &settings, |_, rows| {
             progress.advance();
-            Ok(())
+            match &mut writer {
+                Some(writer) => rows.iter().try_for_each(|row| writer.write(row)),
+                None => Ok(()),
+            }
         });
         progress.finish();
         let report = report?;
@@ -159,7 +172,7 @@ impl Args {
             .inputs
             .extend(read.map(|recording| Input::known(&recording.path, recording.sha256.clone())));
         origin.mark(&mut provenance);
-        Ok((Table { rows, provenance }, origin, Ingested::Report(Box::new(report))))
+        Ok((provenance, origin, Ingested::Report(Box::new(report))))
     }
 
     /// What decides the result, with the defaults written out.
