@@ -5,6 +5,7 @@
 mod pages;
 
 pub use dataset;
+pub use effects;
 pub use gp_core;
 pub use mechanics;
 pub use models;
