@@ -16,6 +16,8 @@ pub enum Covariate {
     Speed,
     /// Yaw of the object in the world, in rad.
     Orientation,
+    /// Direction of the pusher's motion in the world, in rad.
+    Direction,
     /// Place of the object on the table along x, in m.
     TableX,
     /// Place of the object on the table along y, in m.
@@ -31,11 +33,12 @@ pub(crate) struct Bins(Vec<f64>);
 
 impl Covariate {
     /// Every covariate.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::P,
         Self::Beta,
         Self::Speed,
         Self::Orientation,
+        Self::Direction,
         Self::TableX,
         Self::TableY,
         Self::Time,
@@ -45,7 +48,7 @@ impl Covariate {
     /// SI unit; `1` for none.
     pub fn unit(self) -> &'static str {
         match self {
-            Self::Beta | Self::Orientation => "rad",
+            Self::Beta | Self::Orientation | Self::Direction => "rad",
             Self::Speed => "m/s",
             Self::TableX | Self::TableY => "m",
             Self::P | Self::Time | Self::Edge => "1",
@@ -62,6 +65,10 @@ impl Covariate {
                 Self::Beta => place.beta,
                 Self::Speed => place.speed,
                 Self::Orientation => planar::wrap_angle(step.input.pose_wb.angle),
+                Self::Direction => {
+                    let velocity = step.input.track.mean_velocity();
+                    velocity.y.atan2(velocity.x)
+                }
                 Self::TableX => position.x,
                 Self::TableY => position.y,
                 Self::Time => step.input.progress,
@@ -77,7 +84,7 @@ impl Covariate {
         match self {
             Self::P | Self::Time => Bins::equal(0.0, 1.0, 5),
             Self::Beta => Bins::equal(-FRAC_PI_2, FRAC_PI_2, 12),
-            Self::Orientation => Bins::equal(-PI, PI, 12),
+            Self::Orientation | Self::Direction => Bins::equal(-PI, PI, 12),
             Self::Edge => {
                 let last = values.iter().fold(0.0_f64, |last, value| last.max(*value)) as usize;
                 Bins::equal(-0.5, last as f64 + 0.5, last + 1)

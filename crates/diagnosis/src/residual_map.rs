@@ -22,8 +22,8 @@ pub struct ResidualMap {
     pub covariate: Covariate,
     /// The cells with enough data.
     pub cells: Vec<Cell>,
-    /// Probability of means as large in any map, were every push's residual as likely of the other
-    /// sign.
+    /// Probability of means that differ as much in any map, were every push's residual beyond the
+    /// common mean as likely of the other sign.
     pub p_adjusted: f64,
 }
 
@@ -76,9 +76,10 @@ struct Draft {
 
 /// All maps, the surest first.
 ///
-/// The test: with s the sums of a push's residuals over the cells, T = (Σs)ᵀ(Σssᵀ)⁺(Σs), against
-/// its values when whole pushes change their sign; over all maps by the largest normal quantile of
-/// T (max-T), so that many maps do not make a find.
+/// The test is for means that differ between the cells, whatever their common mean: with s the sums
+/// of a push's residuals over the cells, less their share of its whole sum, T = (Σs)ᵀ(Σssᵀ)⁺(Σs),
+/// against its values when whole pushes change their sign; over all maps by the largest normal
+/// quantile of T (max-T), so that many maps do not make a find.
 pub(crate) fn residual_maps(
     residuals: &[[Option<f64>; 7]],
     observations: &Observations,
@@ -135,8 +136,7 @@ fn draft(
             by_cell[bins.cell(values[index])].push((observations.push_of[index], residual));
         }
     }
-    let mut cells = Vec::new();
-    let mut sums = vec![Vec::new(); observations.pushes.len()];
+    let (mut cells, mut kept) = (Vec::new(), Vec::new());
     for (index, steps) in by_cell.iter().enumerate() {
         let Some(mean) = ClusterMean::of(steps) else { continue };
         if mean.n_steps < settings.fewest_steps || mean.n_pushes < settings.fewest_pushes {
@@ -145,15 +145,9 @@ fn draft(
         let ([from, to], [low95, high95]) = (bins.ends(index), mean.interval());
         let ClusterMean { mean, n_steps, n_pushes, .. } = mean;
         cells.push(Cell { from, to, n_steps, n_pushes, mean, low95, high95 });
-        sums.iter_mut().for_each(|sum| sum.push(0.0));
-        for (push, residual) in steps {
-            sums[*push][cells.len() - 1] += residual;
-        }
+        kept.push(steps.as_slice());
     }
-    if cells.is_empty() {
-        return None;
-    }
-    let (scores, rank) = whitened(sums)?;
+    let (scores, rank) = whitened(contrasts(&kept, observations.pushes.len()))?;
     let (name, unit) = (Channels::NAMES[number], UNITS[number]);
     let map = ResidualMap { name, unit, covariate, cells, p_adjusted: 1.0 };
     let mut draft = Draft { map, scores, statistic: 0.0, rank };
@@ -161,8 +155,25 @@ fn draft(
     Some(draft)
 }
 
+/// Each push's sums over the cells of what is beyond the common mean, less each cell's share of
+/// the push's whole sum: no common change of all residuals alters them by more than noise.
+fn contrasts(cells: &[&[(usize, f64)]], n_pushes: usize) -> Vec<Vec<f64>> {
+    let n_steps = cells.iter().map(|steps| steps.len()).sum::<usize>() as f64;
+    let total: f64 = cells.iter().flat_map(|steps| steps.iter()).map(|(_, value)| value).sum();
+    let mut sums = vec![vec![0.0; cells.len()]; n_pushes];
+    for (cell, steps) in cells.iter().enumerate() {
+        steps.iter().for_each(|(push, value)| sums[*push][cell] += value - total / n_steps);
+    }
+    for sum in &mut sums {
+        let whole: f64 = sum.iter().sum();
+        let shares = cells.iter().map(|steps| steps.len() as f64 / n_steps);
+        sum.iter_mut().zip(shares).for_each(|(value, share)| *value -= share * whole);
+    }
+    sums
+}
+
 /// The sums of pushes times (Σssᵀ)^(−½), and the number of directions in which they vary; none if
-/// they are all zero.
+/// there is none, as with a single cell.
 fn whitened(sums: Vec<Vec<f64>>) -> Option<(Vec<DVector<f64>>, f64)> {
     let sums: Vec<DVector<f64>> = sums.into_iter().map(DVector::from_vec).collect();
     let n = sums.first()?.len();
@@ -174,4 +185,30 @@ fn whitened(sums: Vec<Vec<f64>>) -> Option<(Vec<DVector<f64>>, f64)> {
     let rank = roots.iter().filter(|root| **root > 0.0).count();
     let whitening = DMatrix::from_diagonal(&roots) * eigen.eigenvectors.transpose();
     (rank > 0).then(|| (sums.iter().map(|sum| &whitening * sum).collect(), rank as f64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{contrasts, whitened};
+
+    #[test]
+    fn a_common_mean_is_no_structure_and_one_cell_has_none() {
+        let cells = |bias: f64| {
+            let value = |k: usize| bias + (k as f64 * 1.7).sin();
+            let of = |first: usize| -> Vec<_> { (0..8).map(|k| (k, value(first + k))).collect() };
+            [of(0), of(8), of(16)]
+        };
+        let of = |bias: f64| {
+            let cells = cells(bias);
+            let cells: Vec<_> = cells.iter().map(Vec::as_slice).collect();
+            contrasts(&cells, 8)
+        };
+        for (with, without) in of(3.0).iter().flatten().zip(of(0.0).iter().flatten()) {
+            assert!((with - without).abs() < 1e-12);
+        }
+        let (scores, rank) = whitened(of(0.0)).unwrap();
+        assert_eq!((scores.len(), rank), (8, 2.0));
+        let alone = cells(1.0);
+        assert!(whitened(contrasts(&[&alone[0]], 8)).is_none());
+    }
 }

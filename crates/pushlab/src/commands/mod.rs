@@ -1,5 +1,6 @@
 //! The commands: one file each, with its arguments and its work, and one list.
 
+mod compare;
 mod completions;
 mod describe;
 mod ingest;
@@ -21,6 +22,7 @@ pub(crate) enum Command {
     Ingest(ingest::Args),
     Describe(describe::Args),
     Models(models::Args),
+    Compare(compare::Args),
     Completions(completions::Args),
 }
 
@@ -36,6 +38,7 @@ impl Command {
             Self::Ingest(args) => ingest::run(args, terminal),
             Self::Describe(args) => describe::run(args, terminal),
             Self::Models(args) => models::run(args, terminal),
+            Self::Compare(args) => compare::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
         }
     }

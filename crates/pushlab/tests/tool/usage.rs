@@ -16,6 +16,7 @@ fn help_lists_every_command() {
   ingest       Turn recordings into a step table, with a report of every repair [alias: table]
   describe     Tell what a step table holds: rows, shapes, flags, coverage, and what made it
   models       Write, show and list models
+  compare      Tell how wrong a model is on recordings, where, and how wrong it may be at best
   completions  Print a completion script for a shell
   help         Print this message or the help of the given subcommand(s)"
     );

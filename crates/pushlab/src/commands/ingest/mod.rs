@@ -8,19 +8,17 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::ValueEnum;
-use dataset::{
-    Curve, EndCondition, IngestSettings, MANIFEST_NAME, Preset, RecordingSet, Table, TableMapping,
-    ingest_each, provenance,
-};
+use dataset::{Curve, EndCondition, IngestSettings, Preset, RecordingSet, Table, TableMapping};
 
 use self::ingested::Ingested;
-use self::source::{SET_FILES, Source};
+use self::source::Source;
 use crate::command_line::preset_parser;
 use crate::destination::Destination;
 use crate::document::Document;
 use crate::failure::WrongUsage;
 use crate::file_ending;
 use crate::origin::{Input, Origin};
+use crate::recorded_steps::RecordedSteps;
 use crate::step_size::StepSize;
 use crate::table_summary::TableSummary;
 use crate::terminal::{TITLE, Terminal};
@@ -135,31 +133,12 @@ impl Args {
             Some(CurveName::Interpolate) => Curve::Interpolate(EndCondition::Natural),
             Some(CurveName::Smooth) => Curve::Smooth,
         };
-        let mut rows = Vec::new();
-        let mut progress = terminal.progress("recordings read:", set.recordings().len());
-        let report = ingest_each(set, &settings, |_, mut own| {
-            rows.append(&mut own);
-            progress.advance();
-            Ok(())
-        });
-        progress.finish();
-        let report = report?;
+        let RecordedSteps { mut table, report, inputs } =
+            RecordedSteps::read(set, &settings, terminal)?;
         let mut origin = self.origin();
-        let mut provenance = provenance(set, &report);
-        for name in SET_FILES {
-            let path = set.dir().join(name);
-            if path.exists() && (set.preset().is_none() || name != MANIFEST_NAME) {
-                let input = Input::file(&path)?;
-                provenance.push("source", &format!("sha256 {} {name}", input.sha256));
-                origin.inputs.push(input);
-            }
-        }
-        let read = report.recordings.iter().filter(|recording| !recording.sha256.is_empty());
-        origin
-            .inputs
-            .extend(read.map(|recording| Input::known(&recording.path, recording.sha256.clone())));
-        origin.mark(&mut provenance);
-        Ok((Table { rows, provenance }, origin, Ingested::Report(Box::new(report))))
+        origin.inputs = inputs;
+        origin.mark(&mut table.provenance);
+        Ok((table, origin, Ingested::Report(Box::new(report))))
     }
 
     /// What decides the result, with the defaults written out.
