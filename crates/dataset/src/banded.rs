@@ -14,7 +14,11 @@ impl Banded {
     pub(crate) fn new(t: &[f64], penalty: f64) -> Self {
         let n = t.len().saturating_sub(2);
         let h = |k: usize| t[k + 1] - t[k];
-        let q = |k: usize| (1.0 / h(k), -1.0 / h(k) - 1.0 / h(k + 1), 1.0 / h(k + 1));
+        // Without a penalty, which interpolates, the terms with Q are zero.
+        let q = |k: usize| match penalty {
+            0.0 => (0.0, 0.0, 0.0),
+            _ => (1.0 / h(k), -1.0 / h(k) - 1.0 / h(k + 1), 1.0 / h(k + 1)),
+        };
         let mut diagonal = vec![0.0; n];
         let mut first = vec![0.0; n];
         let mut second = vec![0.0; n];
@@ -42,27 +46,39 @@ impl Banded {
         Self { diagonal, first, second }
     }
 
-    /// Replaces a right-hand side by its solution.
-    pub(crate) fn solve(&self, x: &mut [f64]) {
+    /// Replaces right-hand sides, one a column, by their solutions.
+    ///
+    /// Each step waits for the one before: columns side by side fill the time.
+    pub(crate) fn solve<const K: usize>(&self, x: &mut [[f64; K]]) {
+        let subtract = |x: &mut [f64; K], factor: f64, other: [f64; K]| {
+            for (x, other) in x.iter_mut().zip(other) {
+                *x -= factor * other;
+            }
+        };
         let n = x.len();
-        for i in 0..n {
+        let [mut before, mut two_before] = [[0.0; K]; 2];
+        for (i, row) in x.iter_mut().enumerate() {
             if i >= 1 {
-                x[i] -= self.first[i - 1] * x[i - 1];
+                subtract(row, self.first[i - 1], before);
             }
             if i >= 2 {
-                x[i] -= self.second[i - 2] * x[i - 2];
+                subtract(row, self.second[i - 2], two_before);
             }
+            (before, two_before) = (*row, before);
         }
-        for i in (0..n).rev() {
-            x[i] /= self.diagonal[i];
+        let [mut after, mut two_after] = [[0.0; K]; 2];
+        for (i, row) in x.iter_mut().enumerate().rev() {
+            *row = row.map(|x| x / self.diagonal[i]);
             if i + 1 < n {
-                x[i] -= self.first[i] * x[i + 1];
+                subtract(row, self.first[i], after);
             }
             if i + 2 < n {
-                x[i] -= self.second[i] * x[i + 2];
+                subtract(row, self.second[i], two_after);
             }
+            (after, two_after) = (*row, after);
         }
     }
+
     /// Logarithm of the determinant.
     pub(crate) fn log_determinant(&self) -> f64 {
         self.diagonal.iter().map(|d| d.ln()).sum()
@@ -120,13 +136,11 @@ mod tests {
                     assert!((band[i] - inverse[(i, i + offset)]).abs() < 1e-12, "{offset} {i}");
                 }
             }
-            let mut x = vec![1.0, -2.0, 0.5, 0.0, 3.0];
+            let right = [[1.0, 0.5], [-2.0, 1.5], [0.5, -1.0], [0.0, 4.0], [3.0, 0.0]];
+            let mut x = right;
             banded.solve(&mut x);
-            let back = dense * DMatrix::from_column_slice(n, 1, &x);
-            assert!(
-                (back - DMatrix::from_column_slice(n, 1, &[1.0, -2.0, 0.5, 0.0, 3.0])).norm()
-                    < 1e-11
-            );
+            let matrix = |rows: &[[f64; 2]; 5]| DMatrix::from_fn(n, 2, |i, k| rows[i][k]);
+            assert!((dense * matrix(&x) - matrix(&right)).norm() < 1e-11);
         }
     }
 }

@@ -328,12 +328,11 @@ fn longest_pull(
     let mut start = 0.0;
     let mut longest: Option<(f64, f64)> = None;
     for (i, &t) in wrench.t.iter().enumerate() {
-        let Some(contact) = scene.contact_at(t) else { continue };
+        let Some((contact, pose)) = scene.contact_at(t) else { continue };
         if contact.gap > settings.contact.release_gap {
             stretch.clear();
             continue;
         }
-        let Some(pose) = scene.object_track.pose(t) else { continue };
         let on_pusher = Vector2::new(wrench.channels[0][i], wrench.channels[1][i]) - offset;
         let normal = -on_pusher.dot(&pose.rotate(&contact.normal));
         if normal > limit {

@@ -51,6 +51,7 @@ mod table;
 mod table_csv;
 #[cfg(feature = "parquet")]
 mod table_parquet;
+mod table_writer;
 mod track;
 
 pub use error::DatasetError;
@@ -85,5 +86,5 @@ pub use smoothing::{Smoother, smooth};
 pub use spline::{CubicSpline, EndCondition};
 pub use step::{ContactForce, Phase, StepForce, StepRow};
 pub use table::{Provenance, Table};
-pub use table_csv::CsvWriter;
+pub use table_writer::TableWriter;
 pub use writer::{RecordingWriter, all_writers};

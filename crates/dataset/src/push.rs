@@ -200,7 +200,8 @@ fn phase_track(
 ) -> Result<PoseTrack, DatasetError> {
     let noise = match settings.curve {
         Curve::Interpolate(_) => {
-            let noise = pose_noise(stream, from, to);
+            let of_all = || pose_noise(stream, f64::NEG_INFINITY, f64::INFINITY);
+            let noise = pose_noise(stream, from, to).or_else(of_all).unwrap_or_default();
             return Ok(whole.clone().with_noise(noise));
         }
         Curve::Smooth => pose_noise(stream, from, to).unwrap_or_default(),

@@ -1,7 +1,7 @@
 //! A recording made ready for questions: repaired streams, curves and the object's outline.
 
 use nalgebra::Vector2;
-use planar::{Contact, Shape};
+use planar::{Contact, Pose, Shape};
 
 use crate::{
     error::DatasetError,
@@ -52,16 +52,16 @@ impl<'a> Scene<'a> {
             Curve::Interpolate(ends) => Curve::Interpolate(ends),
             Curve::Smooth | Curve::SmoothKnown { .. } => Curve::Interpolate(EndCondition::Natural),
         };
+        // The noise belongs to a phase of a push and is estimated with it.
         let track = |stream: &CleanStream| {
-            let noise = pose_noise(stream, f64::NEG_INFINITY, f64::INFINITY).unwrap_or_default();
-            PoseTrack::new(stream, 0..stream.t.len(), curve, noise)
+            PoseTrack::new(stream, 0..stream.t.len(), curve, PoseNoise::default())
         };
         let (robot_track, object_track) = (track(&robot)?, track(&object)?);
         Ok(Self { robot, object, wrench, robot_track, object_track, outline })
     }
 
-    /// Where the pusher is nearest to the outline, in the body frame, at a time.
-    pub(crate) fn contact_at(&self, t: f64) -> Option<Contact> {
+    /// Where the pusher is nearest to the outline, in the body frame, and the object's pose.
+    pub(crate) fn contact_at(&self, t: f64) -> Option<(Contact, Pose)> {
         self.outline.contact(&self.robot_track, &self.object_track, t)
     }
 
@@ -70,7 +70,9 @@ impl<'a> Scene<'a> {
         self.robot
             .t
             .iter()
-            .filter_map(|&t| self.contact_at(t).map(|contact| GapSample { t, gap: contact.gap }))
+            .filter_map(|&t| {
+                self.contact_at(t).map(|(contact, _)| GapSample { t, gap: contact.gap })
+            })
             .collect()
     }
 
@@ -102,10 +104,16 @@ impl<'a> Scene<'a> {
 }
 
 impl Outline<'_> {
-    /// Where the pusher is nearest to the outline, in the body frame.
-    pub(crate) fn contact(&self, robot: &PoseTrack, object: &PoseTrack, t: f64) -> Option<Contact> {
-        let center_b = object.pose(t)?.inverse_transform_point(&robot.position(t)?);
-        Some(self.shape.contact(&center_b, self.pusher_radius))
+    /// Where the pusher is nearest to the outline, in the body frame, and the object's pose.
+    pub(crate) fn contact(
+        &self,
+        robot: &PoseTrack,
+        object: &PoseTrack,
+        t: f64,
+    ) -> Option<(Contact, Pose)> {
+        let pose = object.pose(t)?;
+        let center_b = pose.inverse_transform_point(&robot.position(t)?);
+        Some((self.shape.contact(&center_b, self.pusher_radius), pose))
     }
 
     /// Way along the outline from edge 0, p 0 to the contact, in m.

@@ -1,5 +1,7 @@
 //! Cubic smoothing splines: the likeliest smooth curve through samples of known noise.
 
+use std::sync::Arc;
+
 use crate::{
     banded::Banded,
     error::DatasetError,
@@ -18,7 +20,7 @@ const LOG_TOLERANCE: f64 = 1e-3;
 /// Reinsch (1967), "Smoothing by spline functions".
 #[derive(Clone, Debug)]
 pub struct Smoother {
-    t: Vec<f64>,
+    t: Arc<[f64]>,
     penalty: f64,
     system: Banded,
 }
@@ -35,7 +37,7 @@ impl Smoother {
             let what = format!("penalty must be finite and not negative, got {penalty}");
             return Err(DatasetError::SplineKnots { what });
         }
-        Ok(Self { t: t.to_vec(), penalty, system: Banded::new(t, penalty) })
+        Ok(Self { t: t.into(), penalty, system: Banded::new(t, penalty) })
     }
 
     /// The spline for samples y at the smoother's times. Cost O(N).
@@ -43,17 +45,42 @@ impl Smoother {
     /// # Errors
     /// `SplineKnots` for another number of samples or one that is not finite.
     pub fn fit(&self, y: &[f64]) -> Result<CubicSpline, DatasetError> {
-        check_knots(&self.t, y)?;
+        self.fit_columns([y]).map(|[spline]| spline)
+    }
+
+    /// The splines for several columns of samples at once.
+    ///
+    /// # Errors
+    /// As [`Self::fit`].
+    pub(crate) fn fit_columns<const K: usize>(
+        &self,
+        columns: [&[f64]; K],
+    ) -> Result<[CubicSpline; K], DatasetError> {
+        for y in columns {
+            check_knots(&self.t, y)?;
+        }
         let n = self.t.len();
-        let mut right: Vec<_> = (1..n - 1)
-            .map(|i| divided_difference(&self.t, y, i) * (self.t[i + 1] - self.t[i - 1]))
+        let mut solved: Vec<_> = (1..n - 1)
+            .map(|i| {
+                let width = self.t[i + 1] - self.t[i - 1];
+                columns.map(|y| divided_difference(&self.t, y, i) * width)
+            })
             .collect();
-        self.system.solve(&mut right);
-        let mut curvature = vec![0.0; n];
-        curvature[1..n - 1].copy_from_slice(&right);
-        let spread = self.spread(&right);
-        let values = y.iter().zip(&spread).map(|(y, q)| y - self.penalty * q).collect();
-        Ok(CubicSpline::from_curvature(self.t.clone(), values, curvature))
+        self.system.solve(&mut solved);
+        Ok(std::array::from_fn(|k| {
+            let mut curvature = vec![0.0; n];
+            for (curvature, solved) in curvature[1..].iter_mut().zip(&solved) {
+                *curvature = solved[k];
+            }
+            let mut values = columns[k].to_vec();
+            if self.penalty > 0.0 {
+                let spread = self.spread(&curvature[1..n - 1]);
+                for (value, spread) in values.iter_mut().zip(&spread) {
+                    *value -= self.penalty * spread;
+                }
+            }
+            CubicSpline::from_curvature(self.t.clone(), values, curvature)
+        }))
     }
 
     /// Standard deviation of the fitted value at time t, in units of the samples' noise.
@@ -89,7 +116,7 @@ impl Smoother {
                 right[knot - 1] += (weight.powi(3) - weight) * h * h / 6.0;
             }
         }
-        self.system.solve(&mut right);
+        self.system.solve(right.as_chunks_mut::<1>().0);
         let spread = self.spread(&right);
         let squared: f64 = on_values.iter().zip(&spread).map(|(a, q)| (a + q).powi(2)).sum();
         Some(squared.sqrt())
@@ -145,7 +172,7 @@ impl Smoother {
             .map(|i| divided_difference(&self.t, y, i) * (self.t[i + 1] - self.t[i - 1]))
             .collect();
         let mut solved = right.clone();
-        self.system.solve(&mut solved);
+        self.system.solve(solved.as_chunks_mut::<1>().0);
         let squares: f64 = right.iter().zip(&solved).map(|(a, b)| a * b).sum();
         let scale = self.penalty / (noise_sd * noise_sd);
         scale * squares + self.system.log_determinant() - right.len() as f64 * self.penalty.ln()

@@ -4,6 +4,8 @@
 //! uniform knots) and no derivatives, which twists need; a natural spline can be handed to it as
 //! Bézier keys, but the tridiagonal solve, which is most of the work, stays ours all the same.
 
+use std::sync::Arc;
+
 use crate::error::DatasetError;
 
 /// What closes the system of a cubic spline at its two ends.
@@ -20,7 +22,7 @@ pub enum EndCondition {
 /// A piecewise cubic y(t) with continuous second derivative over increasing knots.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CubicSpline {
-    t: Vec<f64>,
+    t: Arc<[f64]>,
     y: Vec<f64>,
     curvature: Vec<f64>,
 }
@@ -40,11 +42,11 @@ impl CubicSpline {
             (EndCondition::NotAKnot, 4..) => not_a_knot_curvature(t, y),
             _ => natural_curvature(t, y),
         };
-        Ok(Self { t: t.to_vec(), y: y.to_vec(), curvature })
+        Ok(Self { t: t.into(), y: y.to_vec(), curvature })
     }
 
     /// A spline from its values and second derivatives at the knots, already known to fit.
-    pub(crate) fn from_curvature(t: Vec<f64>, y: Vec<f64>, curvature: Vec<f64>) -> Self {
+    pub(crate) fn from_curvature(t: Arc<[f64]>, y: Vec<f64>, curvature: Vec<f64>) -> Self {
         Self { t, y, curvature }
     }
 
@@ -69,51 +71,80 @@ impl CubicSpline {
     /// y(t); none outside the knots.
     #[must_use]
     pub fn value(&self, t: f64) -> Option<f64> {
-        let Piece { a, b, h, y, m } = self.piece(t)?;
-        let bend = (a * a * a - a) * m[0] + (b * b * b - b) * m[1];
-        Some(a * y[0] + b * y[1] + bend * h * h / 6.0)
+        self.place(t).map(|place| self.value_at(&place))
     }
 
     /// dy/dt; none outside the knots.
     #[must_use]
     pub fn derivative(&self, t: f64) -> Option<f64> {
-        let Piece { a, b, h, y, m } = self.piece(t)?;
-        let bend = (3.0 * b * b - 1.0) * m[1] - (3.0 * a * a - 1.0) * m[0];
-        Some((y[1] - y[0]) / h + bend * h / 6.0)
+        self.place(t).map(|place| self.derivative_at(&place))
     }
 
     /// d²y/dt²; none outside the knots.
     #[must_use]
     pub fn second_derivative(&self, t: f64) -> Option<f64> {
-        let Piece { a, b, m, .. } = self.piece(t)?;
-        Some(a * m[0] + b * m[1])
+        let Place { i, a, b, .. } = self.place(t)?;
+        Some(a * self.curvature[i] + b * self.curvature[i + 1])
     }
 
-    /// The cubic piece that holds t, in the barycentric coordinates a = 1 − b of its knots.
-    fn piece(&self, t: f64) -> Option<Piece> {
-        let (first, last) = self.span();
-        if !(first..=last).contains(&t) {
-            return None;
-        }
-        let i = self.t.partition_point(|&knot| knot <= t).clamp(1, self.t.len() - 1) - 1;
+    /// Where t lies among the knots: the same for all splines over them; none outside.
+    pub(crate) fn place(&self, t: f64) -> Option<Place> {
+        let i = interval(&self.t, t)?;
         let h = self.t[i + 1] - self.t[i];
         let b = (t - self.t[i]) / h;
-        Some(Piece {
-            a: 1.0 - b,
-            b,
-            h,
-            y: [self.y[i], self.y[i + 1]],
-            m: [self.curvature[i], self.curvature[i + 1]],
-        })
+        Some(Place { i, a: 1.0 - b, b, h })
+    }
+
+    /// y at a place.
+    pub(crate) fn value_at(&self, place: &Place) -> f64 {
+        let Place { i, a, b, h } = *place;
+        let bend = (a * a * a - a) * self.curvature[i] + (b * b * b - b) * self.curvature[i + 1];
+        a * self.y[i] + b * self.y[i + 1] + bend * h * h / 6.0
+    }
+
+    /// dy/dt at a place.
+    pub(crate) fn derivative_at(&self, place: &Place) -> f64 {
+        let Place { i, a, b, h } = *place;
+        let m = [self.curvature[i], self.curvature[i + 1]];
+        let bend = (3.0 * b * b - 1.0) * m[1] - (3.0 * a * a - 1.0) * m[0];
+        (self.y[i + 1] - self.y[i]) / h + bend * h / 6.0
     }
 }
 
-struct Piece {
+/// The cubic piece that holds a time, and the barycentric coordinates a = 1 − b of its knots.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    i: usize,
     a: f64,
     b: f64,
     h: f64,
-    y: [f64; 2],
-    m: [f64; 2],
+}
+
+/// The last knot at or before t that has one after it; none outside the knots.
+///
+/// Stamps are nearly even, so the search begins where t would be if they were.
+fn interval(knots: &[f64], t: f64) -> Option<usize> {
+    let (first, last) = (knots[0], knots[knots.len() - 1]);
+    if !(first..=last).contains(&t) {
+        return None;
+    }
+    let last_piece = knots.len() - 2;
+    let guess = (t - first) / (last - first) * (knots.len() - 1) as f64;
+    let mut low = (guess as usize).min(last_piece);
+    let mut high = low + 1;
+    let mut reach = 1;
+    while knots[low] > t {
+        high = low;
+        low = low.saturating_sub(reach);
+        reach *= 2;
+    }
+    while high < knots.len() && knots[high] <= t {
+        low = high;
+        high = (high + reach).min(knots.len());
+        reach *= 2;
+    }
+    let after = low + knots[low..high].partition_point(|&knot| knot <= t);
+    Some((after - 1).min(last_piece))
 }
 
 /// Checks what every spline needs of its knots.
@@ -213,11 +244,11 @@ impl Tridiagonal {
 mod tests {
     use proptest::{
         collection::vec,
-        prelude::{Strategy, prop_assert, proptest},
+        prelude::{Strategy, prop_assert, prop_assert_eq, proptest},
         test_runner::{Config, RngSeed},
     };
 
-    use super::{CubicSpline, EndCondition};
+    use super::{CubicSpline, EndCondition, interval};
 
     const T: [f64; 8] = [0.0, 0.3, 1.1, 1.25, 2.0, 3.7, 4.0, 5.5];
     const Y: [f64; 8] = [1.0, 2.0, -0.5, 0.25, 3.0, -1.0, 0.5, 0.75];
@@ -303,6 +334,14 @@ mod tests {
         })
     }
 
+    #[test]
+    fn a_time_at_a_knot_belongs_to_the_piece_after_it() {
+        for (i, &knot) in T.iter().enumerate() {
+            assert_eq!(interval(&T, knot), Some(i.min(T.len() - 2)));
+            assert_eq!(interval(&T, knot.next_down()), i.checked_sub(1));
+        }
+    }
+
     proptest! {
         #![proptest_config(Config {
             cases: 64, failure_persistence: None, rng_seed: RngSeed::Fixed(7), ..Config::default()
@@ -319,6 +358,17 @@ mod tests {
                 let at = 0.3 * pair[0] + 0.7 * pair[1];
                 prop_assert!((spline.value(at).unwrap() - cubic(at)).abs() < 1e-9 * scale);
                 prop_assert!((spline.derivative(at).unwrap() - slope(at)).abs() < 1e-6 * scale);
+            }
+        }
+
+        #[test]
+        fn the_interval_of_a_time_is_that_of_a_full_search((t, _) in knots(), share in 0.0f64..1.0) {
+            // Spacings from 50 ms to 1 s, then one long gap: as uneven as recordings get.
+            let mut t = t;
+            t.push(t[t.len() - 1] + 500.0);
+            for at in [t[0] + share * (t[t.len() - 2] - t[0]), t[0] + 500.0 * share] {
+                let searched = t.partition_point(|&knot| knot <= at) - 1;
+                prop_assert_eq!(interval(&t, at), Some(searched));
             }
         }
 

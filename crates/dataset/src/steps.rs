@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::Vector2;
-use planar::{Contact, Feature, perpendicular, wrap_angle};
+use planar::{Contact, Feature, Pose, perpendicular, wrap_angle};
 
 use crate::{
     contact::Interval,
@@ -12,6 +12,7 @@ use crate::{
     push::{PhaseCurves, Push},
     scene::Scene,
     step::{ContactForce, Phase, StepForce, StepRow},
+    track::PoseNoise,
 };
 
 /// What the rows of one push have in common.
@@ -29,14 +30,25 @@ pub(crate) struct StepContext<'a> {
     pub(crate) losses: &'a [Interval],
 }
 
+/// Pusher and object at the boundary between two steps.
+struct Moment {
+    t: f64,
+    contact: Contact,
+    object: Pose,
+    pusher: Vector2<f64>,
+    sd: PoseNoise,
+}
+
 /// The rows of a push, and how many steps were lost because a stream was in a gap at their ends.
 pub(crate) fn steps(context: &StepContext<'_>, curves: &[PhaseCurves]) -> (Vec<StepRow>, u32) {
     let mut rows: Vec<StepRow> = Vec::new();
     let mut lost = 0;
     for curves in curves {
         let bounds = boundaries(context, curves);
-        for pair in bounds.windows(2) {
-            match context.row(curves, pair[0], pair[1]) {
+        let moments: Vec<_> = bounds.into_iter().map(|t| context.moment(curves, t)).collect();
+        for pair in moments.windows(2) {
+            let ends = pair[0].as_ref().zip(pair[1].as_ref());
+            match ends.and_then(|(start, end)| context.row(curves, start, end)) {
                 Some(row) => rows.push(StepRow { step: rows.len() as u32 + lost, ..row }),
                 None => lost += 1,
             }
@@ -89,18 +101,23 @@ fn times_at_ways(context: &StepContext<'_>, curves: &PhaseCurves, length: f64) -
 }
 
 impl StepContext<'_> {
-    /// The row of one step; none if a stream has no curve at its ends.
-    fn row(&self, curves: &PhaseCurves, t0: f64, t1: f64) -> Option<StepRow> {
+    /// Everything at a boundary; none if a stream has no curve there.
+    fn moment(&self, curves: &PhaseCurves, t: f64) -> Option<Moment> {
+        let PhaseCurves { robot, object, .. } = curves;
+        let (contact, pose) = self.scene.outline.contact(robot, object, t)?;
+        Some(Moment { t, contact, object: pose, pusher: robot.position(t)?, sd: object.sd(t)? })
+    }
+
+    /// The row of one step; none if a stream has no curve within it.
+    fn row(&self, curves: &PhaseCurves, start: &Moment, end: &Moment) -> Option<StepRow> {
         let scene = self.scene;
+        let Moment { t: t0, contact: start, object: pose0, pusher: pusher0, sd: sd0 } = start;
+        let Moment { t: t1, contact: end, object: pose1, pusher: pusher1, sd: sd1 } = end;
+        let (t0, t1) = (*t0, *t1);
         let dt = match self.settings.step {
             StepLength::Time(length) if (t1 - t0 - length).abs() < 1e-9 => length,
             _ => t1 - t0,
         };
-        let contact = |t: f64| scene.outline.contact(&curves.robot, &curves.object, t);
-        let (start, end) = (contact(t0)?, contact(t1)?);
-        let (pose0, pose1) = (curves.object.pose(t0)?, curves.object.pose(t1)?);
-        let (sd0, sd1) = (curves.object.sd(t0)?, curves.object.sd(t1)?);
-        let (pusher0, pusher1) = (curves.robot.position(t0)?, curves.robot.position(t1)?);
         let velocity = (pusher1 - pusher0) / dt;
         let half = curves.robot.position(0.5 * (t0 + t1)).unwrap_or(0.5 * (pusher0 + pusher1));
         let acceleration = 4.0 * (pusher0 - 2.0 * half + pusher1) / (dt * dt);
@@ -121,10 +138,10 @@ impl StepContext<'_> {
             p: start.p,
             beta,
             speed,
-            object_pose: pose0,
+            object_pose: *pose0,
             object_twist: curves.object.twist(t0)?,
-            pusher_start: pusher0,
-            pusher_end: pusher1,
+            pusher_start: *pusher0,
+            pusher_end: *pusher1,
             pusher_velocity: velocity,
             pusher_acceleration: acceleration,
             path_curvature: curvature,
@@ -136,13 +153,13 @@ impl StepContext<'_> {
             force: self.force(curves, t0, t1),
             gap_start: start.gap,
             gap_end: end.gap,
-            slip: scene.outline.way(&start, &end),
+            slip: scene.outline.way(start, end),
             since_contact: t0 - self.push.contact.start,
             start_position_sd: sd0.position,
             start_angle_sd: sd0.angle,
             end_position_sd: sd1.position,
             end_angle_sd: sd1.angle,
-            flags: self.flags(curves, (t0, t1), (&start, &end), beta, at_rest),
+            flags: self.flags(curves, (t0, t1), (start, end), beta, at_rest),
             ..self.template.clone()
         })
     }
@@ -199,8 +216,8 @@ impl StepContext<'_> {
         }
         let at = |t: f64| {
             let on_pusher = self.scene.force_at(t, self.settings.longest_gap)? - self.force_offset;
-            let contact = self.scene.outline.contact(&curves.robot, &curves.object, t)?;
-            let normal = curves.object.pose(t)?.rotate(&contact.normal);
+            let (contact, pose) = self.scene.outline.contact(&curves.robot, &curves.object, t)?;
+            let normal = pose.rotate(&contact.normal);
             let on_object = -on_pusher;
             Some(ContactForce {
                 normal: on_object.dot(&normal),

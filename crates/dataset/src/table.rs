@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::{error::DatasetError, step::StepRow, table_csv};
+use crate::{error::DatasetError, step::StepRow, table_csv, table_writer::TableWriter};
 
 /// Steps of pushes, in the order of recordings, pushes and time.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,24 +52,17 @@ impl Table {
 
     /// Writes the table as CSV (`.csv`) or Parquet (`.parquet`, feature `parquet`), without loss.
     ///
-    /// The file is written under a temporary name and renamed when it is whole.
+    /// The file is written as by [`TableWriter`], to whom rows can also be given as they come.
     ///
     /// # Errors
     /// `Io` if the file cannot be written, `Unwritable` for another extension, `FeatureOff` for
     /// Parquet without its feature.
     pub fn write(&self, path: &Path) -> Result<(), DatasetError> {
-        let temporary = path.with_added_extension("part");
-        match extension(path)? {
-            Kind::Csv => {
-                let mut writer = table_csv::CsvWriter::create(&temporary, &self.provenance)?;
-                for row in &self.rows {
-                    writer.write(row)?;
-                }
-                writer.finish()?;
-            }
-            Kind::Parquet => write_parquet(self, &temporary)?,
+        let mut writer = TableWriter::create(path)?;
+        for row in &self.rows {
+            writer.write(row)?;
         }
-        std::fs::rename(&temporary, path).map_err(|e| DatasetError::io("write", path, e))
+        writer.finish(&self.provenance)
     }
 
     /// Reads a table that [`Table::write`] wrote, or one with the same columns in any order.
@@ -89,12 +82,14 @@ impl Table {
     }
 }
 
-enum Kind {
+/// The two forms of a table's file.
+pub(crate) enum Kind {
     Csv,
     Parquet,
 }
 
-fn extension(path: &Path) -> Result<Kind, DatasetError> {
+/// The form that a path's ending asks for.
+pub(crate) fn extension(path: &Path) -> Result<Kind, DatasetError> {
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("csv") => Ok(Kind::Csv),
         Some("parquet") => Ok(Kind::Parquet),
@@ -110,12 +105,7 @@ fn extension(path: &Path) -> Result<Kind, DatasetError> {
 }
 
 #[cfg(feature = "parquet")]
-use crate::table_parquet::{read as read_parquet, write as write_parquet};
-
-#[cfg(not(feature = "parquet"))]
-fn write_parquet(_: &Table, _: &Path) -> Result<(), DatasetError> {
-    Err(DatasetError::FeatureOff { what: "writing Parquet", feature: "parquet" })
-}
+use crate::table_parquet::read as read_parquet;
 
 #[cfg(not(feature = "parquet"))]
 fn read_parquet(_: &Path) -> Result<Table, DatasetError> {

@@ -12,47 +12,55 @@ use crate::{
     error::DatasetError,
     step::StepRow,
     table::{Provenance, Table},
+    table_writer::Temporary,
 };
 
-/// Writes rows one at a time, so that a table never has to be in memory.
-pub struct CsvWriter {
-    path: PathBuf,
+/// Writes rows as they come into a file of their own: the provenance, which stands above them, is
+/// known last.
+pub(crate) struct RowsFile {
+    file: Temporary,
     writer: csv::Writer<BufWriter<File>>,
 }
 
-impl CsvWriter {
-    /// Creates the file with its provenance and header.
-    ///
-    /// # Errors
-    /// `Io` if the file cannot be written.
-    pub fn create(path: &Path, provenance: &Provenance) -> Result<Self, DatasetError> {
-        let fail = |error| DatasetError::io("write", path, error);
-        let mut file = BufWriter::new(File::create(path).map_err(fail)?);
-        for (key, value) in &provenance.entries {
-            writeln!(file, "# {key}: {value}").map_err(fail)?;
-        }
-        let mut writer = csv::Writer::from_writer(file);
-        let header = columns().iter().map(|column| column.name);
-        writer.write_record(header).map_err(|error| fail(error.into()))?;
-        Ok(Self { path: path.into(), writer })
+impl RowsFile {
+    pub(crate) fn create(path: PathBuf) -> Result<Self, DatasetError> {
+        let (file, writer) = Temporary::create(path)?;
+        let mut rows = Self { file, writer: csv::Writer::from_writer(BufWriter::new(writer)) };
+        rows.record(columns().iter().map(|column| column.name))?;
+        Ok(rows)
     }
 
-    /// Appends one row.
-    ///
-    /// # Errors
-    /// `Io` if the file cannot be written.
-    pub fn write(&mut self, row: &StepRow) -> Result<(), DatasetError> {
-        let cells = columns().iter().map(|column| cell(column, row));
-        let path = &self.path;
-        self.writer.write_record(cells).map_err(|e| DatasetError::io("write", path, e.into()))
+    pub(crate) fn write(&mut self, row: &StepRow) -> Result<(), DatasetError> {
+        self.record(columns().iter().map(|column| cell(column, row)))
     }
 
-    /// Writes out what is still in memory.
-    ///
-    /// # Errors
-    /// `Io` if the file cannot be written.
-    pub fn finish(mut self) -> Result<(), DatasetError> {
-        self.writer.flush().map_err(|error| DatasetError::io("write", &self.path, error))
+    /// Writes the provenance and then everything from the file of the rows.
+    pub(crate) fn finish(
+        mut self,
+        provenance: &Provenance,
+        part: &Path,
+        to: File,
+    ) -> Result<(), DatasetError> {
+        self.writer.flush().map_err(|error| DatasetError::io("write", self.file.path(), error))?;
+        let rows = File::open(self.file.path());
+        let mut rows = rows.map_err(|error| DatasetError::io("read", self.file.path(), error))?;
+        let mut to = BufWriter::new(to);
+        let mut copy = || {
+            for (key, value) in &provenance.entries {
+                writeln!(to, "# {key}: {value}")?;
+            }
+            std::io::copy(&mut rows, &mut to)?;
+            to.flush()
+        };
+        copy().map_err(|error| DatasetError::io("write", part, error))
+    }
+
+    fn record<T: AsRef<[u8]>>(
+        &mut self,
+        cells: impl Iterator<Item = T>,
+    ) -> Result<(), DatasetError> {
+        let written = self.writer.write_record(cells);
+        written.map_err(|error| DatasetError::io("write", self.file.path(), error.into()))
     }
 }
 

@@ -1,6 +1,10 @@
 //! The step table as Parquet, with its provenance as key-value metadata of the file.
 
-use std::{fs::File, path::Path, sync::Arc};
+use std::{
+    fs::File,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use parquet::{
     basic::{Compression, ConvertedType, Repetition, Type as PhysicalType},
@@ -24,13 +28,50 @@ use crate::{
     table_csv::NameCache,
 };
 
-/// Rows that share a row group: what is in memory twice while writing.
+/// Rows that share a row group: as many are in memory while writing.
 const GROUP: usize = 65_536;
 
-/// Writes a table as a Parquet file.
-pub(crate) fn write(table: &Table, path: &Path) -> Result<(), DatasetError> {
-    let file = File::create(path).map_err(|error| DatasetError::io("write", path, error))?;
-    write_file(table, file).map_err(|error| unusable(path, error))
+/// Writes row groups as they fill; the provenance goes to the end of the file.
+pub(crate) struct GroupWriter {
+    path: PathBuf,
+    writer: SerializedFileWriter<File>,
+    rows: Vec<StepRow>,
+}
+
+impl GroupWriter {
+    pub(crate) fn create(path: &Path, file: File) -> Result<Self, DatasetError> {
+        let writer = file_writer(file).map_err(|error| unusable(path, error))?;
+        Ok(Self { path: path.into(), writer, rows: Vec::new() })
+    }
+
+    pub(crate) fn write(&mut self, row: StepRow) -> Result<(), DatasetError> {
+        self.rows.push(row);
+        if self.rows.len() == GROUP { self.write_group() } else { Ok(()) }
+    }
+
+    pub(crate) fn finish(mut self, provenance: &Provenance) -> Result<(), DatasetError> {
+        if !self.rows.is_empty() {
+            self.write_group()?;
+        }
+        for (key, value) in &provenance.entries {
+            self.writer.append_key_value_metadata(KeyValue::new(key.clone(), value.clone()));
+        }
+        self.writer.close().map_err(|error| unusable(&self.path, error))?;
+        Ok(())
+    }
+
+    fn write_group(&mut self) -> Result<(), DatasetError> {
+        let mut write = || {
+            let mut group = self.writer.next_row_group()?;
+            for column in columns() {
+                write_column(&mut group, column, &self.rows)?;
+            }
+            group.close()
+        };
+        write().map_err(|error| unusable(&self.path, error))?;
+        self.rows.clear();
+        Ok(())
+    }
 }
 
 /// Reads a table from a Parquet file.
@@ -66,25 +107,14 @@ fn unusable(path: &Path, error: impl ToString) -> DatasetError {
     DatasetError::Parquet { path: path.into(), what: error.to_string() }
 }
 
-fn write_file(table: &Table, file: File) -> Result<(), ParquetError> {
-    let pairs = table.provenance.entries.iter();
-    let pairs = pairs.map(|(key, value)| KeyValue::new(key.clone(), value.clone())).collect();
+fn file_writer(file: File) -> Result<SerializedFileWriter<File>, ParquetError> {
     let properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
-        .set_key_value_metadata(Some(pairs))
+        .set_key_value_metadata(Some(Vec::new()))
         .build();
     let fields = columns().iter().map(field).collect::<Result<Vec<_>, _>>()?;
     let schema = Type::group_type_builder("steps").with_fields(fields).build()?;
-    let mut writer = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))?;
-    for rows in table.rows.chunks(GROUP) {
-        let mut group = writer.next_row_group()?;
-        for column in columns() {
-            write_column(&mut group, column, rows)?;
-        }
-        group.close()?;
-    }
-    writer.close()?;
-    Ok(())
+    SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))
 }
 
 fn field(column: &Column) -> Result<Arc<Type>, ParquetError> {

@@ -35,8 +35,14 @@ pub(crate) struct PoseNoise {
 #[derive(Clone, Debug)]
 struct Piece {
     curves: [CubicSpline; 3],
-    /// Hat matrices of x, y and yaw.
-    smoothers: [Smoother; 3],
+    smoothers: Smoothers,
+}
+
+/// Hat matrices of x, y and yaw: the same if they interpolate.
+#[derive(Clone, Debug)]
+enum Smoothers {
+    One(Smoother),
+    Each([Smoother; 3]),
 }
 
 impl PoseTrack {
@@ -62,42 +68,48 @@ impl PoseTrack {
         Ok(Self { pieces: pieces.into(), noise, smooths })
     }
 
-    /// The same curve with another estimate of its samples' noise, if there is one.
-    pub(crate) fn with_noise(mut self, noise: Option<PoseNoise>) -> Self {
-        self.noise = noise.unwrap_or(self.noise);
-        self
+    /// The same curve with an estimate of its samples' noise.
+    pub(crate) fn with_noise(self, noise: PoseNoise) -> Self {
+        Self { noise, ..self }
     }
 
     /// The pose at a time; none outside the samples and in gaps.
     pub(crate) fn pose(&self, t: f64) -> Option<Pose> {
-        let [x, y, angle] = &self.piece(t)?.curves;
-        Some(Pose::new(x.value(t)?, y.value(t)?, angle.value(t)?))
+        let curves = &self.piece(t)?.curves;
+        let place = curves[0].place(t)?;
+        let [x, y, angle] = curves.each_ref().map(|curve| curve.value_at(&place));
+        Some(Pose::new(x, y, angle))
     }
 
     /// The position at a time, in m; none outside the samples and in gaps.
     pub(crate) fn position(&self, t: f64) -> Option<Vector2<f64>> {
         let [x, y, _] = &self.piece(t)?.curves;
-        Some(Vector2::new(x.value(t)?, y.value(t)?))
+        let place = x.place(t)?;
+        Some(Vector2::new(x.value_at(&place), y.value_at(&place)))
     }
 
     /// Velocity and yaw rate in the world at a time.
     pub(crate) fn twist(&self, t: f64) -> Option<Twist> {
-        let [x, y, angle] = &self.piece(t)?.curves;
-        let linear = Vector2::new(x.derivative(t)?, y.derivative(t)?);
-        Some(Twist { linear, angular: angle.derivative(t)? })
+        let curves = &self.piece(t)?.curves;
+        let place = curves[0].place(t)?;
+        let [x, y, angle] = curves.each_ref().map(|curve| curve.derivative_at(&place));
+        Some(Twist { linear: Vector2::new(x, y), angular: angle })
     }
 
     /// Standard deviations of position (per axis) and yaw at a time, from the samples' noise.
     pub(crate) fn sd(&self, t: f64) -> Option<PoseNoise> {
-        let [x, y, angle] = &self.piece(t)?.smoothers;
         let gain = |smoother: &Smoother| match self.smooths {
             true => smoother.error_gain(t),
             false => smoother.noise_gain(t),
         };
-        let mean_square = 0.5 * (gain(x)?.powi(2) + gain(y)?.powi(2));
+        let [x, y, angle] = match &self.piece(t)?.smoothers {
+            Smoothers::One(smoother) => [gain(smoother)?; 3],
+            Smoothers::Each([x, y, angle]) => [gain(x)?, gain(y)?, gain(angle)?],
+        };
+        let mean_square = 0.5 * (x.powi(2) + y.powi(2));
         Some(PoseNoise {
             position: self.noise.position * mean_square.sqrt(),
-            angle: self.noise.angle * gain(angle)?,
+            angle: self.noise.angle * angle,
         })
     }
 
@@ -129,19 +141,21 @@ impl Piece {
                 let (angle, angle_smoother) = smooth(t, channel(2), noise.angle)?;
                 return Ok(Self {
                     curves: [x, y, angle],
-                    smoothers: [x_smoother, y_smoother, angle_smoother],
+                    smoothers: Smoothers::Each([x_smoother, y_smoother, angle_smoother]),
                 });
             }
         };
         // The hat matrix of the natural spline also serves not-a-knot, which differs from it only
         // near the ends of a piece.
         let smoother = Smoother::new(t, 0.0)?;
-        let curve = |k: usize| match ends {
-            EndCondition::Natural => smoother.fit(channel(k)),
-            EndCondition::NotAKnot => CubicSpline::interpolate(t, channel(k), ends),
+        let curves = match ends {
+            EndCondition::Natural => smoother.fit_columns([0, 1, 2].map(channel))?,
+            EndCondition::NotAKnot => {
+                let curve = |k: usize| CubicSpline::interpolate(t, channel(k), ends);
+                [curve(0)?, curve(1)?, curve(2)?]
+            }
         };
-        let curves = [curve(0)?, curve(1)?, curve(2)?];
-        Ok(Self { curves, smoothers: [smoother.clone(), smoother.clone(), smoother] })
+        Ok(Self { curves, smoothers: Smoothers::One(smoother) })
     }
 }
 

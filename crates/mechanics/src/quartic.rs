@@ -246,7 +246,7 @@ fn is_positive_definite(m: &Matrix3<f64>) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Quartic, gradient, polynomial};
+    use super::{Quartic, gradient, polynomial, squared};
     use crate::{Ellipsoid, LimitSurface, MechanicsError};
     use nalgebra::{Matrix3, Vector3};
     use planar::{Twist, Wrench};
@@ -291,6 +291,61 @@ mod tests {
         assert!(matches!(edge, Err(MechanicsError::ConvexityUndecided { .. })), "{edge:?}");
         let dent = Quartic::new(fourth_powers(-1e-3), 0.05);
         assert!(matches!(dent, Err(MechanicsError::NotConvex { .. })), "{dent:?}");
+    }
+
+    #[test]
+    fn dents_that_only_one_face_of_the_cube_sees_are_found() {
+        for axis in 0..3 {
+            let near = |side: f64| {
+                let mut w = Vector3::repeat(0.5 * side);
+                w[axis] = 0.5_f64.sqrt();
+                w
+            };
+            let (a, b) = (near(1.0) * near(1.0).transpose(), near(-1.0) * near(-1.0).transpose());
+            // |w|⁴ + k (a·w)²(b·w)²: with a ⊥ b of unit length dented at a and b only, if k < −2.
+            let (sphere, sum, difference) =
+                (squared(&Matrix3::identity()), squared(&(a + b)), squared(&(a - b)));
+            let bent =
+                |k: f64| std::array::from_fn(|i| sphere[i] + 0.25 * k * (sum[i] - difference[i]));
+            let refused = Quartic::new(bent(-2.05), 0.05);
+            assert!(matches!(refused, Err(MechanicsError::NotConvex { .. })), "{axis} {refused:?}");
+            assert!(Quartic::new(bent(-1.9), 0.05).is_ok(), "{axis}");
+        }
+    }
+
+    /// The smallest eigenvalue of the Hessian over a grid on the cube's faces.
+    fn least_curvature(coefficients: &[f64; 15]) -> f64 {
+        let at = |k: usize| k as f64 / 20.0 - 1.0;
+        let on_face = |face: usize, i: usize, j: usize| {
+            let mut w = Vector3::zeros();
+            (w[face], w[(face + 1) % 3], w[(face + 2) % 3]) = (1.0, at(i), at(j));
+            super::hessian(coefficients, &w).symmetric_eigenvalues().min()
+        };
+        let cells = (0..3).flat_map(|face| (0..41 * 41).map(move |k| (face, k / 41, k % 41)));
+        cells.map(|(face, i, j)| on_face(face, i, j)).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn the_certificate_ends_where_the_first_dent_begins() {
+        for seed in 0..16 {
+            let bumpy = |size: f64| {
+                let mut c = fourth_powers(2.0);
+                for (k, c) in c.iter_mut().enumerate() {
+                    *c += size * (2.3 * f64::from(seed) + 1.7 * k as f64).sin();
+                }
+                c
+            };
+            let (mut convex, mut dented) = (0.0, 4.0);
+            while dented - convex > 0.01 * dented {
+                let middle = 0.5 * (convex + dented);
+                match Quartic::new(bumpy(middle), 0.05) {
+                    Ok(_) => convex = middle,
+                    Err(_) => dented = middle,
+                }
+            }
+            assert!(least_curvature(&bumpy(convex)) > 0.0, "{seed}: {convex}");
+            assert!(least_curvature(&bumpy(1.02 * dented)) < 0.0, "{seed}: {dented}");
+        }
     }
 
     #[test]

@@ -8,8 +8,9 @@ use planar::{Twist, Wrench, cross, perpendicular};
 /// A point that bears any force up to `f_max`: a flat elliptical disc in the space of wrenches.
 ///
 /// Its loads obey M = x Fy − y Fx, so the disc of a point away from the origin tilts along
-/// (−y, x): a force in that direction has the largest moment. Loads off that plane move the point's
-/// body freely, which `level` and `twist` report as `Unbearable`.
+/// (−y, x), not along the thesis' (x, −y) after its eq. 2.13: a force in that direction has the largest
+/// moment. Loads off that plane move the point's body freely, which `level` and `twist` report as
+/// `Unbearable`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SinglePoint {
     at: Vector2<f64>,

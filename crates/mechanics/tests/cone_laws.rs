@@ -2,10 +2,11 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use mechanics::{
-    CenterOfRotation, ContactMode, Ellipsoid, MotionCone, Push, Sense, predict, sense_of_rotation,
+    CenterOfRotation, ContactMode, Ellipsoid, MotionCone, Push, Sense, predict, predict_under,
+    sense_of_rotation,
 };
 use nalgebra::{Unit, Vector2};
-use planar::{Twist, cross, perpendicular};
+use planar::{Twist, Wrench, cross, perpendicular};
 use proptest::prelude::{ProptestConfig, Strategy, prop_assert, prop_assert_eq, proptest};
 use proptest::test_runner::RngSeed;
 
@@ -55,6 +56,26 @@ fn a_push_straight_at_the_center_of_friction_is_a_tie() {
     assert_eq!(sense_of_rotation(&oblique), Ok(Sense::Clockwise));
     let leaving = Push { v_wp_s: Vector2::new(-0.02, 0.001), ..push };
     assert_eq!(sense_of_rotation(&leaving), Ok(Sense::None));
+    let beside = Vector2::new(-0.05, 0.02);
+    let along = Push { p_sc: beside, v_wp_s: Vector2::new(0.0, 0.02), ..push };
+    assert_eq!(sense_of_rotation(&along), Ok(Sense::None));
+}
+
+#[test]
+fn a_velocity_on_the_edge_of_the_motion_cone_sticks() {
+    // Without friction the cone is one ray; through the center no rounding moves it.
+    let push = Push {
+        p_sc: Vector2::new(-0.05, 0.0),
+        normal_s: Vector2::x_axis(),
+        v_wp_s: Vector2::new(0.02, 0.0),
+        friction: 0.0,
+    };
+    let surface = Ellipsoid::new(2.0, 0.08).unwrap();
+    let cone = MotionCone::new(&surface, &push).unwrap();
+    assert!(cone.contains(&push.v_wp_s) && !cone.contains(&-push.v_wp_s));
+    assert_eq!(predict(&surface, &push).unwrap().mode, ContactMode::Sticking);
+    let general = predict_under(&surface, &push, &Wrench::default()).unwrap();
+    assert_eq!(general.mode, ContactMode::Sticking);
 }
 
 proptest! {

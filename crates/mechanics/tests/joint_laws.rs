@@ -84,6 +84,20 @@ fn a_straight_push_into_a_symmetric_notch_presses_on_both_walls_alike() {
 }
 
 #[test]
+fn walls_that_could_squeeze_the_slider_press_no_harder_than_they_must() {
+    let surface = Ellipsoid::new(2.0, 0.07).unwrap();
+    let (half, friction) = (0.7_f64, 0.2);
+    let motions = predict_joint(&surface, &notch(half, 0.0, friction), &Wrench::default()).unwrap();
+    // 2 N along x, shared by the edges of the cones that are nearest to x.
+    let expected = 1.0 / (half.cos() + friction * half.sin());
+    for (motion, side) in motions.iter().zip([1.0, -1.0]) {
+        assert_eq!(motion.mode, ContactMode::Sticking);
+        let normal_force = unit(side * half).dot(&motion.force_s);
+        assert!((normal_force - expected).abs() < 1e-12, "{normal_force} {expected}");
+    }
+}
+
+#[test]
 fn an_oblique_push_leaves_one_wall_or_carries_the_slider_along() {
     let surface = Ellipsoid::new(2.0, 0.07).unwrap();
     let modes = |direction: f64| {

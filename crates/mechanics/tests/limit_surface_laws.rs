@@ -42,18 +42,18 @@ fn surfaces() -> &'static [Row] {
         vec![
             row("ellipsoid", Box::new(Ellipsoid::new(2.0, 0.08).unwrap()), 1e-13, true),
             row("tilted ellipsoid", Box::new(ellipsoid), 1e-13, true),
-            row("two points", Box::new(two), 1e-12, false),
-            row("three points", Box::new(PointSet::new(three).unwrap()), 1e-12, true),
+            row("two points", Box::new(two), 1e-13, false),
+            row("three points", Box::new(PointSet::new(three).unwrap()), 1e-13, true),
             row(
                 "many points",
                 Box::new(PointSet::sampling(&butter, 2.0, 60).unwrap()),
-                1e-12,
+                1e-13,
                 true,
             ),
-            row("uniform butter", Box::new(Patch::uniform(&butter, 2.0).unwrap()), 1e-11, true),
-            row("uniform oval", Box::new(Patch::uniform(&oval, 2.0).unwrap()), 1e-11, true),
-            row("ramp", Box::new(Patch::with_traction(&square, ramp).unwrap()), 1e-9, true),
-            row("quartic", Box::new(Quartic::new(bulging, LENGTH).unwrap()), 1e-11, true),
+            row("uniform butter", Box::new(Patch::uniform(&butter, 2.0).unwrap()), 1e-13, true),
+            row("uniform oval", Box::new(Patch::uniform(&oval, 2.0).unwrap()), 1e-13, true),
+            row("ramp", Box::new(Patch::with_traction(&square, ramp).unwrap()), 1e-10, true),
+            row("quartic", Box::new(Quartic::new(bulging, LENGTH).unwrap()), 1e-13, true),
         ]
     })
 }

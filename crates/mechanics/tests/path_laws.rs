@@ -121,6 +121,29 @@ fn the_object_rests_until_the_pusher_arrives() {
     assert!((early.contact_span().unwrap().0 - lead).abs() < 1e-7);
     assert!((late.pose_wb.position - early.pose_wb.position).norm() < 1e-8);
     assert!((late.pose_wb.angle - early.pose_wb.angle).abs() < 1e-7);
+    assert!((late.mean_normal_force - early.mean_normal_force).abs() < 1e-6);
+}
+
+#[test]
+fn an_object_under_the_pusher_is_moved_out_before_it_is_pushed() {
+    let depth = 1e-3;
+    let outside = straight(0.0, 0.0, 0.02, 0.2);
+    let inside = StraightPath { start_w: outside.start_w + Vector2::new(depth, 0.0), ..outside };
+    let motion = default_run(&inside);
+    assert!((motion.overlap - depth).abs() < 1e-15);
+    assert!((motion.pose_wb.position - Vector2::new(0.004 + depth, 0.0)).norm() < 1e-12);
+    assert!(default_run(&outside).overlap < 1e-15);
+}
+
+#[test]
+fn a_sliding_push_has_its_force_on_the_edge_of_the_cone_to_the_side_of_its_slip() {
+    for (side, mode) in [(1.0, ContactMode::SlidingLeft), (-1.0, ContactMode::SlidingRight)] {
+        let motion = default_run(&straight(0.0, 1.2 * side, 0.02, 0.2));
+        assert!(motion.phases.iter().all(|phase| phase.mode == mode), "{:?}", motion.phases);
+        let edge = side * PUSHER.friction * motion.mean_normal_force;
+        assert!((motion.mean_tangential_force - edge).abs() < 1e-12);
+        assert!(side * motion.slip > 1e-3);
+    }
 }
 
 #[test]
@@ -181,9 +204,31 @@ fn a_smooth_path_that_is_straight_gives_the_straight_push() {
 
 #[test]
 fn the_gap_stays_closed_while_they_touch() {
-    let motion = default_run(&straight(0.02, 0.2, 0.05, 0.5));
-    assert!(motion.samples.last().unwrap().touching);
-    assert!(motion.contact.gap.abs() < 1e-12);
+    for (y, angle) in [(0.02, 0.2), (-0.02, 0.9), (0.03, -1.0)] {
+        let motion = default_run(&straight(y, angle, 0.05, 0.4));
+        assert!(motion.samples.last().unwrap().touching, "{y} {angle}");
+        assert!(motion.contact.gap.abs() < 1e-12, "{y} {angle}: {:e} m", motion.contact.gap);
+    }
+}
+
+#[test]
+fn changes_of_the_contact_are_timed_to_a_tenth_of_a_micrometer_of_travel() {
+    let speed = 0.05;
+    let mut n_changes = 0;
+    for (y, angle) in [(0.04, 1.2), (0.044, 0.4), (-0.04, -1.0), (0.02, 1.0), (-0.03, 0.9)] {
+        let path = straight(y, angle, speed, 1.0);
+        let coarse = default_run(&path).phases;
+        let settings = PathSettings { tolerance: 1e-12, max_travel: 7e-4 };
+        let fine = run(&path, &PUSHER, &ORIGIN, &settings).phases;
+        assert_eq!(coarse.len(), fine.len(), "{y} {angle}: {coarse:?} {fine:?}");
+        for (ours, theirs) in coarse.iter().zip(&fine) {
+            assert_eq!((ours.mode, ours.place), (theirs.mode, theirs.place));
+            let error = speed * (ours.end - theirs.end).abs();
+            assert!(error < 1e-7, "{y} {angle}: {error:e} m in {ours:?}");
+        }
+        n_changes += fine.len() - 1;
+    }
+    assert!(n_changes >= 5, "{n_changes}");
 }
 
 #[test]
@@ -313,4 +358,28 @@ fn a_load_that_helps_the_pusher_lowers_its_force_along_the_path() {
     assert!(tilted.pose_wb.position.y < level.pose_wb.position.y - 1e-4);
     let error = push(&path, Wrench::new(2.5, 0.0, 0.0)).unwrap_err();
     assert_eq!(error, MechanicsError::SlidesByItself { level: 1.25 });
+}
+
+#[test]
+fn on_a_turned_table_everything_turns_with_it() {
+    let shape = Shape::square(SIDE).unwrap();
+    let surface = Ellipsoid::new(2.0, 2.0 * 0.3826 * SIDE).unwrap();
+    let slider = Slider { shape: &shape, surface: &surface, pose_bs: Pose::default() };
+    let here = straight(0.02, 0.2, 0.02, 0.5);
+    let push = |table: &Pose| {
+        let path = StraightPath {
+            start_w: table.transform_point(&here.start_w),
+            velocity_w: table.rotate(&here.velocity_w),
+            ..here
+        };
+        let downhill = table.rotate(&Vector2::new(0.1, -0.6));
+        let external =
+            |_: f64, pose: &Pose| Wrench { force: pose.inverse_rotate(&downhill), torque: 0.0 };
+        let settings = PathSettings::default();
+        push_along_under(&slider, &PUSHER, &path, table, &settings, &external).unwrap().pose_wb
+    };
+    let table = Pose::new(0.1, -0.2, 0.8);
+    let (turned, expected) = (push(&table), table * push(&ORIGIN));
+    assert!((turned.position - expected.position).norm() < 1e-8);
+    assert!((turned.angle - expected.angle).abs() < 1e-7);
 }

@@ -192,7 +192,8 @@ mod tests {
         for angle in [0.99e-4, 1.01e-4] {
             let end = Pose::exp(&Twist::new(1.0, 0.0, angle));
             assert!((end.position.x - angle.sin() / angle).abs() < 1e-16 * 4.0);
-            assert!((end.position.y - 0.5 * angle).abs() < 1e-12);
+            let versine = 2.0 * (0.5 * angle).sin().powi(2);
+            assert!((end.position.y - versine / angle).abs() < 1e-19 * 4.0);
         }
     }
 }

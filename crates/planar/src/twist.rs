@@ -31,6 +31,8 @@ impl Twist {
     }
 
     /// Velocity of the body's point that is now at `point` (m, same frame), in m/s: V + ω × r.
+    ///
+    /// The thesis' eq. 2.10 has V − ω × r in front of the same, right components.
     pub fn velocity_at(&self, point: &Vector2<f64>) -> Vector2<f64> {
         self.linear + self.angular * perpendicular(point)
     }

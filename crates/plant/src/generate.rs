@@ -105,16 +105,32 @@ pub struct SimulatedPush {
 /// threads.
 ///
 /// # Errors
-/// `Io` if `out` has files in it or cannot be written; an error of the settings; `Push` with the
+/// `Io` if `out` has no name of its own (as `.`), has files in it or cannot be written, or if the
+/// file for its truth is there; an error of the settings; `Push` with the
 /// name of a push that could not be simulated.
 pub fn generate(settings: &GenerateSettings, out: &Path) -> Result<GenerateReport, PlantError> {
+    generate_each(settings, out, |_| {})
+}
+
+/// As [`generate`], and calls `after_push` after each push, in no certain order, with the number of
+/// pushes that the set will have.
+///
+/// # Errors
+/// As [`generate`].
+pub fn generate_each(
+    settings: &GenerateSettings,
+    out: &Path,
+    after_push: impl Fn(usize) + Sync,
+) -> Result<GenerateReport, PlantError> {
     let writer = writer(&settings.format)?;
     let set = Set::new(settings)?;
-    make_folder(out)?;
+    let sealed_truth = sealed_path(out)?;
+    make_folder(out, &sealed_truth)?;
     let folder = out.join("pushes");
     let written = set.pushes().map(|push| {
         let push = push?;
         writer.write(&push.recording, &folder)?;
+        after_push(set.plan.len());
         let SimulatedPush { plan, variation, start, trajectory, recording } = push;
         let place = [start.position.x, start.position.y, start.angle];
         let sealed = SealedPush { recording: recording.name, plan, place, variation };
@@ -128,7 +144,6 @@ pub fn generate(settings: &GenerateSettings, out: &Path) -> Result<GenerateRepor
     let sessions: String = std::iter::once(SESSIONS_HEADER.to_owned()).chain(sessions).collect();
     write_file(&out.join("sessions.csv"), &sessions)?;
     let n_pushes = pushes.len();
-    let sealed_truth = sealed_path(out);
     write_file(&sealed_truth, &SealedTruth::new(settings, &set, pushes).to_text()?)?;
     // The manifest comes last: a set without it is a set that was not finished.
     let manifest =
@@ -250,20 +265,32 @@ fn writer(name: &str) -> Result<&'static dyn RecordingWriter, PlantError> {
     })
 }
 
-fn make_folder(out: &Path) -> Result<(), PlantError> {
-    let fail = |what| move |error| PlantError::io(what, out, error);
-    fs::create_dir_all(out).map_err(fail("create"))?;
-    if fs::read_dir(out).map_err(fail("read"))?.next().is_some() {
-        let full = std::io::Error::other("the folder is not empty; choose a new one");
-        return Err(PlantError::io("write a set to", out, full));
+/// Makes the set's folder; neither files in it nor a truth that is there are touched.
+fn make_folder(out: &Path, sealed_truth: &Path) -> Result<(), PlantError> {
+    let is_full = out.exists() && {
+        let mut entries = fs::read_dir(out).map_err(|error| PlantError::io("read", out, error))?;
+        entries.next().is_some()
+    };
+    if is_full {
+        return Err(refused("write a set to", out, "the folder is not empty; choose a new one"));
     }
-    Ok(())
+    if sealed_truth.exists() {
+        let why = "the file exists; remove it or name another set";
+        return Err(refused("seal a truth in", sealed_truth, why));
+    }
+    fs::create_dir_all(out).map_err(|error| PlantError::io("create", out, error))
 }
 
 /// `OUT.truth.toml`, beside the folder.
-fn sealed_path(out: &Path) -> PathBuf {
-    let name = out.file_name().unwrap_or_default().to_string_lossy();
-    out.with_file_name(format!("{name}.truth.toml"))
+fn sealed_path(out: &Path) -> Result<PathBuf, PlantError> {
+    let name = out.file_name().ok_or_else(|| {
+        refused("seal a truth beside", out, "the folder needs a name; name a new one")
+    })?;
+    Ok(out.with_file_name(format!("{}.truth.toml", name.to_string_lossy())))
+}
+
+fn refused(what: &'static str, path: &Path, why: &str) -> PlantError {
+    PlantError::io(what, path, std::io::Error::other(why))
 }
 
 /// Writes under a temporary name first: a killed run leaves no half file.

@@ -32,7 +32,9 @@ mod variation;
 pub use design::{Design, Layout};
 pub use energy::Energy;
 pub use error::PlantError;
-pub use generate::{GenerateReport, GenerateSettings, SimulatedPush, generate, simulate};
+pub use generate::{
+    GenerateReport, GenerateSettings, SimulatedPush, generate, generate_each, simulate,
+};
 pub use hidden::{EffectKind, Hidden, HiddenEffect, Parameter, Quantity, effect_kinds};
 pub use numerics::Numerics;
 pub use planned_push::PlannedPush;

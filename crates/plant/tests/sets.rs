@@ -64,6 +64,15 @@ fn one_thread_and_three_write_the_same_bytes() {
 }
 
 #[test]
+fn every_push_is_told_with_their_number() {
+    let dir = tempfile::tempdir().unwrap();
+    let told = std::sync::Mutex::new(Vec::new());
+    plant::generate_each(&small(), &dir.path().join("set"), |n| told.lock().unwrap().push(n))
+        .unwrap();
+    assert_eq!(told.into_inner().unwrap(), [6; 6]);
+}
+
+#[test]
 fn another_seed_gives_other_pushes() {
     let run = |seed: u64| {
         let dir = tempfile::tempdir().unwrap();
@@ -208,4 +217,11 @@ fn what_cannot_be_made_is_refused() {
     fs::write(dir.path().join("full/note"), "mine").unwrap();
     let error = generate(&small(), &dir.path().join("full")).unwrap_err();
     assert!(matches!(error, PlantError::Io { .. }));
+    // A truth is neither put into the set nor written over another one.
+    let error = generate(&small(), Path::new(".")).unwrap_err();
+    assert!(error.to_string().starts_with("cannot seal a truth beside ."), "{error}");
+    fs::write(dir.path().join("kept.truth.toml"), "kept").unwrap();
+    let error = generate(&small(), &dir.path().join("kept")).unwrap_err();
+    assert!(error.to_string().starts_with("cannot seal a truth in"), "{error}");
+    assert!(!dir.path().join("kept").exists());
 }

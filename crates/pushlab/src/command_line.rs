@@ -25,6 +25,7 @@ Start with recordings that you have:
   pushlab init pushes             write pushes/dataset.toml from what is there
   pushlab ingest pushes -o steps.csv
   pushlab describe steps.csv
+or with simulated ones: pushlab generate pushes --hidden surprise
 
 Exit codes: 0 done, 1 the input or the computation failed, 2 wrong usage.";
 

@@ -11,4 +11,5 @@ pub use gp_core;
 pub use mechanics;
 pub use models;
 pub use planar;
+pub use plant;
 pub use report;

@@ -280,8 +280,9 @@ impl<'m> Cursor<'m> {
 
     /// The next bytes in little-endian order.
     fn array<const N: usize>(&mut self) -> Result<[u8; N], MessageError> {
-        let mut array = [0; N];
-        array.copy_from_slice(self.take(N)?);
+        let rest = self.bytes.get(self.at..).and_then(<[u8]>::first_chunk);
+        let mut array = *rest.ok_or(self.too_short())?;
+        self.at += N;
         if self.big_endian {
             array.reverse();
         }

@@ -366,8 +366,8 @@ impl Damage {
 
     /// Adds the messages that an index counts to the chunk lost before it.
     fn count_lost(&mut self, index: &[u8], wants: &dyn Fn(u16) -> bool) {
-        if let (Some(i), Ok(Record::MessageIndex(index))) =
-            (self.last_chunk, parse_record(op::MESSAGE_INDEX, index))
+        if let Some(i) = self.last_chunk
+            && let Ok(Record::MessageIndex(index)) = parse_record(op::MESSAGE_INDEX, index)
             && wants(index.channel_id)
         {
             self.remarks[i].count += index.records.len() as u64;

@@ -54,8 +54,9 @@ impl Parameter {
         Self { name, quantity, off: None, typical, range }
     }
 
-    /// The names by which it may be given.
-    pub(crate) fn keys(&self) -> Vec<String> {
+    /// The names by which it may be given, each with its unit's ending; the first is in SI units.
+    #[must_use]
+    pub fn keys(&self) -> Vec<String> {
         let suffixes = self.quantity.suffixes().iter();
         suffixes.map(|(suffix, _)| format!("{}{suffix}", self.name)).collect()
     }

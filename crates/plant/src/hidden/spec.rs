@@ -75,8 +75,11 @@ impl HiddenEffect {
         let (low, high) = parameter.range;
         let whole = parameter.quantity != super::Quantity::Index || value.fract() == 0.0;
         if !((low..=high).contains(&value) && whole) {
-            let unit = parameter.quantity.unit();
-            let what = format!("{name} = {value} {unit} is not between {low} and {high} {unit}");
+            let unit = match parameter.quantity.unit() {
+                "1" => String::new(),
+                unit => format!(" {unit}"),
+            };
+            let what = format!("{name} = {value}{unit} is not between {low} and {high}{unit}");
             return Err(PlantError::Hidden { text: self.id.into(), what });
         }
         self.values.insert(parameter.name, value);
@@ -191,7 +194,8 @@ mod tests {
         assert!(refused("yaw-offset: angle_deg").contains("not written as name=value"));
         assert!(refused("yaw-offset: angle_deg=x").contains("`x` is not a number"));
         assert!(refused("yaw-offset: angle_deg=1, angle_rad=0.1").contains("given twice"));
-        assert!(refused("pusher-radius: radius_m=4.75").contains("is not between"));
+        assert!(refused("pusher-radius: radius_m=4.75").contains("radius = 4.75 m is not between"));
+        assert!(refused("table-anisotropy: ratio=9").ends_with("9 is not between 0.3 and 3"));
         assert!(refused("chipped-corner: vertex=0.5").contains("is not between"));
     }
 

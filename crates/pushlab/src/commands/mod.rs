@@ -3,6 +3,8 @@
 mod compare;
 mod completions;
 mod describe;
+mod effects;
+mod generate;
 mod ingest;
 mod init;
 mod inspect;
@@ -22,6 +24,8 @@ pub(crate) enum Command {
     Ingest(ingest::Args),
     Describe(describe::Args),
     Models(models::Args),
+    Effects(effects::Args),
+    Generate(generate::Args),
     Compare(compare::Args),
     Completions(completions::Args),
 }
@@ -38,6 +42,8 @@ impl Command {
             Self::Ingest(args) => ingest::run(args, terminal),
             Self::Describe(args) => describe::run(args, terminal),
             Self::Models(args) => models::run(args, terminal),
+            Self::Effects(args) => effects::run(args, terminal),
+            Self::Generate(args) => generate::run(args, terminal),
             Self::Compare(args) => compare::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
         }

@@ -111,6 +111,9 @@ fn every_key_of_the_results_is_on_the_page() {
         &["describe", "steps.csv"],
         &["models", "show"],
         &["models", "list"],
+        &["effects", "list"],
+        &["effects", "explain", "table-anisotropy"],
+        &["generate", "simulated", "--pushes", "1"],
         &["compare", "pushes", "--against", "model.toml"],
     ] {
         let run = set.done(&[arguments, &["--json"]].concat());

@@ -6,5 +6,6 @@ mod bad_input;
 mod commands;
 mod comparison;
 mod documentation;
+mod generated;
 mod small_set;
 mod usage;

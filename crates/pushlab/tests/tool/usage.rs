@@ -16,6 +16,8 @@ fn help_lists_every_command() {
   ingest       Turn recordings into a step table, with a report of every repair [alias: table]
   describe     Tell what a step table holds: rows, shapes, flags, coverage, and what made it
   models       Write, show and list models
+  effects      List and explain effects: what models can carry, and what `generate` can hide
+  generate     Simulate pushes and write them as a recording set that can hide an effect
   compare      Tell how wrong a model is on recordings, where, and how wrong it may be at best
   completions  Print a completion script for a shell
   help         Print this message or the help of the given subcommand(s)"
@@ -50,6 +52,14 @@ fn wrong_usage_names_what_is_allowed() {
         (&["models", "init"], "<SET>"),
         (&["models", "init", "--preset", "mit-endpoints"], "no nominal values"),
         (&["completions", "cmd"], "bash"),
+        (&["effects", "explain", "table-tlit"], "'table-tilt'"),
+        (&["generate"], "<OUT>"),
+        (&["generate", "new", "--pushes", "0"], "1..=1000000"),
+        (&["generate", "new", "--shape", "rect9"], "rect1, rect2, rect3"),
+        (&["generate", "new", "--format", "xlsx"], "mcap-ros2, mcap-ros1"),
+        (&["generate", "new", "--design", "grid"], "random, thesis, narrow, repeats or a FILE.csv"),
+        (&["generate", "new", "--speed", "20"], "such as 20mm/s"),
+        (&["generate", "new", "--design", "thesis", "--speed", "20mm/s"], "leave out --speed"),
     ] {
         let message = set.wrong_usage(arguments);
         assert!(message.contains(part), "{arguments:?}: no {part:?} in {message}");

@@ -8,7 +8,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::ValueEnum;
-use dataset::{Curve, EndCondition, IngestSettings, Preset, RecordingSet, Table, TableMapping};
+use dataset::{
+    Curve, EndCondition, IngestSettings, Preset, Provenance, RecordingSet, TableMapping,
+    TableWriter, ingest_each, provenance,
+};
 
 use self::ingested::Ingested;
 use self::source::Source;
@@ -18,7 +21,7 @@ use crate::document::Document;
 use crate::failure::WrongUsage;
 use crate::file_ending;
 use crate::origin::{Input, Origin};
-use crate::recorded_steps::RecordedSteps;
+use crate::recorded_steps::recorded_inputs;
 use crate::step_size::StepSize;
 use crate::table_summary::TableSummary;
 use crate::terminal::{TITLE, Terminal};
@@ -74,10 +77,12 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     for destination in output.iter().chain(&report) {
         destination.spare(&source.paths())?;
     }
-    let (table, origin, result) = match source {
-        Source::Recordings(set) => args.ingest(&set, terminal)?,
+    let mut writer =
+        output.as_ref().map(|output| TableWriter::create(output.path())).transpose()?;
+    let (provenance, origin, result) = match source {
+        Source::Recordings(set) => args.ingest(&set, writer.as_mut(), terminal)?,
         Source::Table { path, mapping, mapping_path } => {
-            args.convert(&path, &mapping, mapping_path.as_deref())?
+            args.convert(&path, &mapping, mapping_path.as_deref(), writer.as_mut())?
         }
     };
     if let Some(destination) = &report {
@@ -89,8 +94,8 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         };
         destination.write(text.as_bytes())?;
     }
-    if let Some(destination) = &output {
-        table.write(destination.path())?;
+    if let Some(writer) = writer {
+        writer.finish(&provenance)?;
     }
     let mut text = result.short_text();
     for destination in output.iter().chain(&report) {
@@ -105,7 +110,8 @@ impl Args {
         path: &Path,
         mapping: &TableMapping,
         mapping_path: Option<&Path>,
-    ) -> Result<(Table, Origin, Ingested)> {
+        writer: Option<&mut TableWriter>,
+    ) -> Result<(Provenance, Origin, Ingested)> {
         if self.step.is_some() || self.curve.is_some() {
             bail!(WrongUsage("a table has its steps already: leave out --step and --curve"));
         }
@@ -120,10 +126,19 @@ impl Args {
         }
         origin.mark(&mut table.provenance);
         let summary = TableSummary::of(&table);
-        Ok((table, origin, Ingested::Table(Box::new(summary))))
+        if let Some(writer) = writer {
+            table.rows.iter().try_for_each(|row| writer.write(row))?;
+        }
+        Ok((table.provenance, origin, Ingested::Table(Box::new(summary))))
     }
 
-    fn ingest(&self, set: &RecordingSet, terminal: &Terminal) -> Result<(Table, Origin, Ingested)> {
+    /// Rows go to the file as they come: memory does not grow with their number.
+    fn ingest(
+        &self,
+        set: &RecordingSet,
+        mut writer: Option<&mut TableWriter>,
+        terminal: &Terminal,
+    ) -> Result<(Provenance, Origin, Ingested)> {
         let mut settings = IngestSettings::default();
         if let Some(StepSize(step)) = self.step {
             settings.step = step;
@@ -133,12 +148,21 @@ impl Args {
             Some(CurveName::Interpolate) => Curve::Interpolate(EndCondition::Natural),
             Some(CurveName::Smooth) => Curve::Smooth,
         };
-        let RecordedSteps { mut table, report, inputs } =
-            RecordedSteps::read(set, &settings, terminal)?;
+        let mut progress = terminal.progress("recordings read:", set.recordings().len());
+        let report = ingest_each(set, &settings, |_, rows| {
+            progress.advance();
+            match &mut writer {
+                Some(writer) => rows.iter().try_for_each(|row| writer.write(row)),
+                None => Ok(()),
+            }
+        });
+        progress.finish();
+        let report = report?;
         let mut origin = self.origin();
-        origin.inputs = inputs;
-        origin.mark(&mut table.provenance);
-        Ok((table, origin, Ingested::Report(Box::new(report))))
+        let mut provenance = provenance(set, &report);
+        origin.inputs = recorded_inputs(set, &report, &mut provenance)?;
+        origin.mark(&mut provenance);
+        Ok((provenance, origin, Ingested::Report(Box::new(report))))
     }
 
     /// What decides the result, with the defaults written out.

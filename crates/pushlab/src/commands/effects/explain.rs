@@ -1,0 +1,33 @@
+//! `pushlab effects explain`: the physics of one effect.
+
+use anyhow::Result;
+use clap::builder::PossibleValuesParser;
+use plant::effect_kinds;
+
+use super::explanation::Explanation;
+use crate::origin::Origin;
+use crate::terminal::Terminal;
+
+/// Explain an effect: physics, equation, source, parameters, what shows it and what looks like it
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Args {
+    /// The effect's id, as `pushlab effects list` names it
+    #[arg(value_parser = id_parser(), hide_possible_values = true)]
+    id: String,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  pushlab effects explain table-anisotropy
+  pushlab effects explain sticky-spot --json";
+
+fn id_parser() -> PossibleValuesParser {
+    PossibleValuesParser::new(effect_kinds().into_iter().map(|kind| kind.id))
+}
+
+pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let origin = Origin::new(["effects".to_owned(), "explain".to_owned(), args.id.clone()]);
+    let explanation = Explanation::of(&args.id)?;
+    terminal.finish(&origin, &explanation, &explanation)
+}

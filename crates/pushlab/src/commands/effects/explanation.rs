@@ -1,0 +1,214 @@
+//! What there is to say about an effect.
+
+use std::fmt;
+
+use anyhow::{Context, Result};
+use effects::{Channel, by_id};
+use plant::{EffectKind, effect_kinds};
+use serde::Serialize;
+
+use crate::terminal::TITLE;
+
+/// An effect as a model carries it, if it is in the catalogue, and as a simulation hides it.
+#[derive(Serialize)]
+pub(super) struct Explanation {
+    id: &'static str,
+    model: Option<InModel>,
+    hidden: Hidden,
+}
+
+/// As a model carries it.
+#[derive(Serialize)]
+struct InModel {
+    title: &'static str,
+    physics: &'static str,
+    equation: &'static str,
+    source: &'static str,
+    /// Channels that show it.
+    reaches: &'static [Channel],
+    parameters: Vec<Parameter>,
+    look_alikes: Vec<LookAlike>,
+}
+
+#[derive(Serialize)]
+struct Parameter {
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+    typical: f64,
+    low: f64,
+    high: f64,
+}
+
+#[derive(Serialize)]
+struct LookAlike {
+    id: &'static str,
+    when: &'static str,
+}
+
+/// As a simulation hides it.
+#[derive(Serialize)]
+struct Hidden {
+    about: &'static str,
+    parameters: Vec<HiddenParameter>,
+}
+
+/// Values are in SI units, which the first of the names carries.
+#[derive(Serialize)]
+struct HiddenParameter {
+    names: Vec<String>,
+    unit: &'static str,
+    typical: f64,
+    low: f64,
+    high: f64,
+}
+
+impl Explanation {
+    /// Gathers what the catalogue and the simulation say.
+    ///
+    /// # Errors
+    /// If neither knows the id.
+    pub(super) fn of(id: &str) -> Result<Self> {
+        let kind = effect_kinds().into_iter().find(|kind| kind.id == id);
+        let kind = kind.with_context(|| format!("there is no effect `{id}`"))?;
+        let model = if kind.in_catalogue { Some(InModel::of(id)?) } else { None };
+        Ok(Self { id: kind.id, model, hidden: Hidden::of(kind) })
+    }
+}
+
+impl InModel {
+    fn of(id: &str) -> Result<Self> {
+        let about = by_id(id)?.about();
+        let parameter = |parameter: &effects::Parameter| {
+            let effects::Parameter { name, unit, meaning, typical, range: (low, high), .. } =
+                *parameter;
+            Parameter { name, unit, meaning, typical, low, high }
+        };
+        let look_alike = |other: &effects::LookAlike| LookAlike { id: other.id, when: other.when };
+        Ok(Self {
+            title: about.title,
+            physics: about.physics,
+            equation: about.equation,
+            source: about.source,
+            reaches: about.reaches,
+            parameters: about.parameters.iter().map(parameter).collect(),
+            look_alikes: about.look_alikes.iter().map(look_alike).collect(),
+        })
+    }
+}
+
+impl Hidden {
+    fn of(kind: &EffectKind) -> Self {
+        let parameter = |parameter: &plant::Parameter| {
+            let plant::Parameter { quantity, typical, range: (low, high), .. } = *parameter;
+            let (names, unit) = (parameter.keys(), quantity.unit());
+            HiddenParameter { names, unit, typical, low, high }
+        };
+        Self { about: kind.about, parameters: kind.parameters.iter().map(parameter).collect() }
+    }
+}
+
+/// Columns of a line of text.
+const WIDTH: usize = 80;
+
+impl fmt::Display for Explanation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(model) = &self.model {
+            write!(f, "{model}")?;
+        }
+        let Hidden { about, parameters } = &self.hidden;
+        writeln!(f, "{TITLE}to hide it in a simulation{TITLE:#}: {about}")?;
+        let typical =
+            |parameter: &HiddenParameter| format!("{}={}", parameter.names[0], parameter.typical);
+        let values: Vec<_> = parameters.iter().map(typical).collect();
+        let id = self.id;
+        writeln!(f, "  pushlab generate OUT --hidden '{id}: {}'", values.join(", "))?;
+        for HiddenParameter { names, unit, low, high, .. } in parameters {
+            let names = names.join(" or ");
+            writeln!(f, "  {names}: {}", range(*low, *high, unit))?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for InModel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{TITLE}{}{TITLE:#}", self.title)?;
+        for text in [self.physics, self.equation, self.source] {
+            for line in wrapped(text) {
+                writeln!(f, "  {line}")?;
+            }
+        }
+        let channels: Vec<_> =
+            self.reaches.iter().map(|channel| format!("{channel:?}").to_lowercase()).collect();
+        writeln!(f, "{TITLE}seen in{TITLE:#}: {}", channels.join(", "))?;
+        writeln!(f, "{TITLE}parameters of a model{TITLE:#}")?;
+        for Parameter { name, unit, meaning, typical, low, high } in &self.parameters {
+            writeln!(f, "  {name}: {meaning}")?;
+            writeln!(f, "    {}, typically {typical}", range(*low, *high, unit))?;
+        }
+        if !self.look_alikes.is_empty() {
+            writeln!(f, "{TITLE}may be taken for{TITLE:#}")?;
+        }
+        for LookAlike { id, when } in &self.look_alikes {
+            writeln!(f, "  {id} {when}")?;
+        }
+        Ok(())
+    }
+}
+
+fn range(low: f64, high: f64, unit: &str) -> String {
+    let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+    let [low, high] = [low, high].map(|value| (1e6 * value).round() / 1e6);
+    format!("{low} to {high}{unit}")
+}
+
+/// The words of a text on lines of limited width.
+fn wrapped(text: &str) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + word.chars().count() < WIDTH => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Explanation, WIDTH, wrapped};
+
+    #[test]
+    fn every_effect_of_the_catalogue_is_explained_and_can_be_hidden() {
+        for effect in effects::all() {
+            let id = effect.about().id;
+            let explanation = Explanation::of(id).unwrap();
+            assert!(explanation.model.is_some(), "{id}");
+            let text = explanation.to_string();
+            assert!(text.contains(effect.about().title) && text.contains("--hidden"), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_shown_way_to_hide_an_effect_is_understood() {
+        for kind in plant::effect_kinds() {
+            let text = Explanation::of(kind.id).unwrap().to_string();
+            let shown = text.split("--hidden '").nth(1).unwrap().split('\'').next().unwrap();
+            let typical = plant::HiddenEffect::typical(kind.id).unwrap();
+            assert_eq!(shown.parse::<plant::Hidden>().unwrap(), plant::Hidden::Effect(typical));
+        }
+    }
+
+    #[test]
+    fn lines_are_as_long_as_words_allow() {
+        let text = "seven ".repeat(30);
+        let lines = wrapped(&text);
+        assert_eq!(lines.len(), 3);
+        assert!(lines.iter().all(|line| line.len() <= WIDTH));
+        assert_eq!(lines.join(" "), text.trim_end());
+    }
+}
