@@ -239,6 +239,6 @@ impl PushModel for Analytical {
     }
 
     fn describe(&self) -> Result<Description, ModelError> {
-        Ok(Description { base: Base::Analytical(self.clone()), weights: None })
+        Ok(Description { base: Base::Analytical(self.clone()), effects: Vec::new(), weights: None })
     }
 }

@@ -3,13 +3,15 @@
 use gp_core::GpModel;
 use serde::{Deserialize, Serialize};
 
-use crate::{Analytical, GpPushModel, Hybrid, ModelError, PushModel};
+use crate::{Analytical, GpPushModel, Hybrid, ModelEffect, ModelError, PushModel};
 
 /// A model as plain data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Description {
     /// The kind with its parameters.
     pub base: Base,
+    /// Effects that an analytical model carries, in the order of the file.
+    pub effects: Vec<ModelEffect>,
     /// What was learnt, for the kinds that learn.
     pub weights: Option<Weights>,
 }
@@ -44,11 +46,16 @@ impl Weights {
 }
 
 impl Description {
-    /// Builds the model.
+    /// Builds the model of the motion alone.
     ///
     /// # Errors
-    /// `Gp` for weights that are missing or not usable.
+    /// `EffectsNeedMore` for a model with effects: [`crate::ChannelModel`] predicts with them; `Gp`
+    /// for weights that are missing or not usable.
     pub fn build(&self) -> Result<Box<dyn PushModel>, ModelError> {
+        if !self.effects.is_empty() {
+            let ids: Vec<_> = self.effects.iter().map(|effect| effect.id.as_str()).collect();
+            return Err(ModelError::EffectsNeedMore { effects: ids.join(", ") });
+        }
         let weights = || {
             self.weights.as_ref().ok_or(ModelError::Gp {
                 output: "every output",

@@ -103,6 +103,21 @@ pub enum ModelError {
         /// What is wrong, and what to do.
         problem: String,
     },
+    /// A model with effects was asked for a motion without the set-up that effects act on.
+    #[error(
+        "the effects {effects} act on mass, place and time, which a bare step does not have; \
+         predict all channels with the set's manifest"
+    )]
+    EffectsNeedMore {
+        /// Their ids.
+        effects: String,
+    },
+    /// Effects, forces or gaps were asked of a model without mechanics.
+    #[error("a model of kind {kind} predicts the motion alone; use kind analytical")]
+    MotionAlone {
+        /// The kind.
+        kind: &'static str,
+    },
     /// A weights file is not what the model file describes.
     #[error("{}: {problem}", path.display())]
     Weights {
@@ -124,6 +139,9 @@ pub enum ModelError {
     /// The mechanics refused a step.
     #[error(transparent)]
     Mechanics(#[from] mechanics::MechanicsError),
+    /// An effect or a prediction with effects was refused.
+    #[error(transparent)]
+    Effects(#[from] effects::EffectError),
     /// A Gaussian process could not be learnt or asked.
     #[error("Gaussian process of {output}")]
     Gp {

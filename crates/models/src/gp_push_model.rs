@@ -51,6 +51,6 @@ impl PushModel for GpPushModel {
     }
 
     fn describe(&self) -> Result<Description, ModelError> {
-        Ok(Description { base: Base::Gp, weights: Some(self.gps.weights()?) })
+        Ok(Description { base: Base::Gp, effects: Vec::new(), weights: Some(self.gps.weights()?) })
     }
 }

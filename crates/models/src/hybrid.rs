@@ -72,6 +72,6 @@ impl PushModel for Hybrid {
 
     fn describe(&self) -> Result<Description, ModelError> {
         let base = Base::Hybrid(self.analytical.clone());
-        Ok(Description { base, weights: Some(self.gps.weights()?) })
+        Ok(Description { base, effects: Vec::new(), weights: Some(self.gps.weights()?) })
     }
 }

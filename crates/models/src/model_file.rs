@@ -1,13 +1,16 @@
 //! `model.toml`: what people read, edit, version and pass on.
 
 mod check;
+mod effects_table;
 mod raw;
 mod source;
 mod weights_file;
 
 use std::path::Path;
 
-use self::raw::{Raw, RawBase, RawOut};
+use effects::Effect;
+
+use self::raw::{Raw, RawBase, RawEffect, RawOut};
 use self::source::Source;
 use crate::{Description, ModelError};
 
@@ -29,18 +32,27 @@ impl ModelFile {
     /// Reads a model, with its weights file beside it if it has one.
     ///
     /// # Errors
+    /// As [`ModelFile::read_with`].
+    pub fn read(path: &Path) -> Result<Self, ModelError> {
+        Self::read_with(path, &[])
+    }
+
+    /// Reads a model that may carry effects of one's own besides those of the catalogue.
+    ///
+    /// # Errors
     /// `Io`; `Invalid` with the line and key for what the format does not allow; `Weights` if the
     /// weights are damaged or not those that the file was written with.
-    pub fn read(path: &Path) -> Result<Self, ModelError> {
+    pub fn read_with(path: &Path, own: &[&'static dyn Effect]) -> Result<Self, ModelError> {
         let text = read_text(path)?;
         let source = Source { path, text: &text };
         let raw: Raw = toml::from_str(&text).map_err(|error| source.syntax(&error))?;
         let base = source.base(&raw)?;
+        let effects = source.effects(&raw, own)?;
         let weights = match &raw.learned {
             Some(learned) => Some(weights_file::read(&source, learned)?),
             None => None,
         };
-        Ok(Self { name: raw.name, description: Description { base, weights } })
+        Ok(Self { name: raw.name, description: Description { base, effects, weights } })
     }
 
     /// Writes the model, and beside it its weights as `<stem>.weights.json` if it has some.
@@ -55,7 +67,8 @@ impl ModelFile {
             None => None,
         };
         let base = RawBase::of(&self.description.base);
-        let raw = RawOut { schema: Self::SCHEMA, name: &self.name, base, learned };
+        let effects = self.description.effects.iter().map(RawEffect::of).collect();
+        let raw = RawOut { schema: Self::SCHEMA, name: &self.name, base, effects, learned };
         let text = toml::to_string(&raw).map_err(|error| ModelError::Weights {
             path: path.into(),
             problem: format!("cannot be written as TOML: {error}"),

@@ -1,5 +1,7 @@
 //! The limit surfaces that an analytical model may stand on.
 
+use std::sync::Arc;
+
 use mechanics::{Ellipsoid, LimitSurface, Patch, PointSet, WrenchTwist, fit_quartic, mesh};
 use planar::{Pose, Shape};
 
@@ -44,22 +46,29 @@ impl SurfaceKind {
     ///
     /// The size of the force does not matter to a quasi-static motion on a level table.
     pub(crate) fn under(self, shape: &Shape, length: f64) -> Result<Support, ModelError> {
-        let in_body = Pose::default();
+        if self != Self::Ellipsoid {
+            return Ok(Support { surface: self.in_body(shape, 1.0)?, pose_bs: Pose::default() });
+        }
+        let center = shape.centroid();
+        let surface = Arc::new(Ellipsoid::new(1.0, length)?);
+        Ok(Support { surface, pose_bs: Pose::new(center.x, center.y, 0.0) })
+    }
+
+    /// The surface in the body's frame under a shape that bears `force`, in N; an ellipsoid about
+    /// the frame's origin.
+    pub(crate) fn in_body(
+        self,
+        shape: &Shape,
+        force: f64,
+    ) -> Result<Arc<dyn LimitSurface>, ModelError> {
         Ok(match self {
             Self::Ellipsoid => {
-                let center = shape.centroid();
-                let surface = Box::new(Ellipsoid::new(1.0, length)?);
-                Support { surface, pose_bs: Pose::new(center.x, center.y, 0.0) }
+                Arc::new(Ellipsoid::new(force, shape.mean_distance(&shape.centroid()))?)
             }
-            Self::UniformPatch => {
-                Support { surface: Box::new(Patch::uniform(shape, 1.0)?), pose_bs: in_body }
-            }
-            Self::Points { n_points } => {
-                let surface = PointSet::sampling(shape, 1.0, n_points)?;
-                Support { surface: Box::new(surface), pose_bs: in_body }
-            }
+            Self::UniformPatch => Arc::new(Patch::uniform(shape, force)?),
+            Self::Points { n_points } => Arc::new(PointSet::sampling(shape, force, n_points)?),
             Self::Quartic => {
-                let exact = Patch::uniform(shape, 1.0)?;
+                let exact = Patch::uniform(shape, force)?;
                 let length = exact.characteristic_length();
                 let mesh = mesh(&exact, length, MESH)?;
                 let rows = mesh.wrenches.iter().zip(&mesh.normals);
@@ -67,8 +76,7 @@ impl SurfaceKind {
                     .flat_map(|(wrenches, twists)| wrenches.iter().zip(twists))
                     .map(|(&wrench, &twist)| WrenchTwist { wrench, twist })
                     .collect();
-                let surface = fit_quartic(&pairs, length)?.surface;
-                Support { surface: Box::new(surface), pose_bs: in_body }
+                Arc::new(fit_quartic(&pairs, length)?.surface)
             }
         })
     }
@@ -80,7 +88,7 @@ const MESH: usize = 4;
 /// A limit surface and where its frame S is in the body.
 #[derive(Debug)]
 pub(crate) struct Support {
-    pub surface: Box<dyn LimitSurface>,
+    pub surface: Arc<dyn LimitSurface>,
     pub pose_bs: Pose,
 }
 

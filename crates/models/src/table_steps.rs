@@ -1,14 +1,13 @@
 //! Rows of a step table as observed steps.
 
 use std::collections::BTreeMap;
-use std::fmt;
 use std::sync::Arc;
 
-use dataset::{Flags, ObjectChoice, Phase, StepRow, Table};
+use dataset::{Flags, ObjectChoice, ObjectSpec, Phase, StepRow, Table};
 use nalgebra::Vector3;
 use planar::Shape;
 
-use crate::{ModelError, StepInput, StepObservation};
+use crate::{ModelError, SetAside, SetAsideReason, StepInput, StepObservation};
 
 /// Which rows of a table are steps to learn from or to be tested on.
 ///
@@ -34,19 +33,8 @@ pub struct TableSteps {
     pub steps: Vec<StepObservation>,
     /// The row of each step, counted from 0.
     pub rows: Vec<usize>,
-    /// The rows set aside, counted from 0, by the first reason that each had.
-    pub set_aside: BTreeMap<SetAsideReason, Vec<usize>>,
-}
-
-/// Why a row is not an observation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum SetAsideReason {
-    /// The pusher has left the object.
-    AfterContact,
-    /// The pusher rests: its direction is not defined.
-    PusherAtRest,
-    /// A flag of the selection, by its name in the table.
-    Flag(&'static str),
+    /// The rows set aside.
+    pub set_aside: SetAside,
 }
 
 impl StepSelection {
@@ -67,24 +55,40 @@ impl StepSelection {
         pusher_radius: f64,
     ) -> Result<TableSteps, ModelError> {
         let mut shapes = BTreeMap::new();
-        let mut found =
-            TableSteps { steps: Vec::new(), rows: Vec::new(), set_aside: BTreeMap::new() };
+        let (steps, rows, set_aside) = self.select(table, |row| {
+            let shape = match shapes.get(&row.shape) {
+                Some(shape) => Arc::clone(shape),
+                None => {
+                    let shape = Arc::new(object_of(row, objects)?.shape);
+                    shapes.insert(row.shape.clone(), shape.clone());
+                    shape
+                }
+            };
+            observation(row, shape, pusher_radius)
+        })?;
+        Ok(TableSteps { steps, rows, set_aside })
+    }
+
+    /// What is observed in each row that is not set aside, with the rows' numbers.
+    pub(crate) fn select<T>(
+        &self,
+        table: &Table,
+        mut observe: impl FnMut(&StepRow) -> Result<T, ModelError>,
+    ) -> Result<(Vec<T>, Vec<usize>, SetAside), ModelError> {
+        let (mut found, mut rows, mut set_aside) = (Vec::new(), Vec::new(), SetAside::default());
         for (index, row) in table.rows.iter().enumerate() {
             if let Some(reason) = self.reason(row) {
-                found.set_aside.entry(reason).or_default().push(index);
+                set_aside.add(reason, index);
                 continue;
             }
-            let step = shape_of(row, objects, &mut shapes)
-                .and_then(|shape| observation(row, shape, pusher_radius))
-                .map_err(|source| ModelError::Row {
-                    row: index,
-                    recording: row.recording.to_string(),
-                    source: Box::new(source),
-                })?;
-            found.steps.push(step);
-            found.rows.push(index);
+            found.push(observe(row).map_err(|source| ModelError::Row {
+                row: index,
+                recording: row.recording.to_string(),
+                source: Box::new(source),
+            })?);
+            rows.push(index);
         }
-        Ok(found)
+        Ok((found, rows, set_aside))
     }
 
     fn reason(&self, row: &StepRow) -> Option<SetAsideReason> {
@@ -113,42 +117,16 @@ impl TableSteps {
     pub fn observed(&self, output: usize) -> Vec<f64> {
         self.steps.iter().map(|step| step.outputs[output]).collect()
     }
-
-    /// How many rows were set aside and why, such as `12 short, 3 after contact`; empty for none.
-    pub fn set_aside_text(&self) -> String {
-        let count =
-            |(reason, rows): (&SetAsideReason, &Vec<usize>)| format!("{} {reason}", rows.len());
-        self.set_aside.iter().map(count).collect::<Vec<_>>().join(", ")
-    }
 }
 
-impl fmt::Display for SetAsideReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::AfterContact => "after contact",
-            Self::PusherAtRest => "pusher at rest",
-            Self::Flag(name) => name,
-        })
-    }
-}
-
-/// The outline of a row's object, made once for all rows of its shape.
-fn shape_of(
-    row: &StepRow,
-    objects: &ObjectChoice,
-    shapes: &mut BTreeMap<Arc<str>, Arc<Shape>>,
-) -> Result<Arc<Shape>, ModelError> {
-    if let Some(shape) = shapes.get(&row.shape) {
-        return Ok(shape.clone());
-    }
+/// The object that a row is about.
+pub(crate) fn object_of(row: &StepRow, objects: &ObjectChoice) -> Result<ObjectSpec, ModelError> {
     let object = objects.of(&row.recording)?;
     if *object.name != *row.shape {
         let (found, expected) = (row.shape.to_string(), object.name);
         return Err(ModelError::OtherShape { found, expected });
     }
-    let shape = Arc::new(object.shape);
-    shapes.insert(row.shape.clone(), shape.clone());
-    Ok(shape)
+    Ok(object)
 }
 
 fn observation(
@@ -170,8 +148,8 @@ fn observation(
 
 #[cfg(test)]
 mod tests {
-    use super::{SetAsideReason, StepSelection};
-    use crate::{Analytical, ModelError, StepInput};
+    use super::StepSelection;
+    use crate::{Analytical, ModelError, SetAsideReason, StepInput};
     use dataset::{Flags, ObjectChoice, ObjectSpec, Phase, Provenance, StepRow, Table};
     use nalgebra::{Vector2, Vector3};
     use planar::{Pose, Shape, perpendicular};
@@ -285,10 +263,10 @@ mod tests {
         let found =
             StepSelection::default().observations(&table(rows.clone()), &square(), RADIUS).unwrap();
         assert_eq!(found.rows, [1, 4]);
-        assert_eq!(found.set_aside[&SetAsideReason::AfterContact], [2]);
-        assert_eq!(found.set_aside[&SetAsideReason::PusherAtRest], [3]);
+        assert_eq!(found.set_aside.rows[&SetAsideReason::AfterContact], [2]);
+        assert_eq!(found.set_aside.rows[&SetAsideReason::PusherAtRest], [3]);
         assert_eq!(
-            found.set_aside_text(),
+            found.set_aside.to_string(),
             "1 after contact, 1 pusher at rest, 1 object_gap, 1 short"
         );
         let strict = StepSelection { without: StepSelection::default().without | Flags::UNTARED };

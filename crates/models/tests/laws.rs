@@ -408,7 +408,7 @@ fn every_impossible_file_names_its_line_and_key() {
         (format!("{good}{learned}"), 14, "learned", "no weights"),
         (format!("{}{learned}", good.replace("analytical", "hybrid")), 14, "learned.inputs", "p"),
         (format!("{}{learned}", good.replace("analytical", "gp")), 6, "base", "no mechanics"),
-        (format!("{good}{effect}"), 14, "effects", "table-tilt"),
+        (format!("{good}{effect}"), 14, "effects.parameters.ax", "ay (from"),
     ] {
         let error = read(&text).unwrap_err();
         let ModelError::Invalid { line: found, key: named, problem, .. } = &error else {

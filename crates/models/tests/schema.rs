@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test that fails shall stop")]
 
 use models::{
-    Analytical, CharacteristicLength, Estimate, GpPushModel, Hybrid, ModelFile, PushModel,
-    StepInput, StepObservation, SurfaceKind, learn_options, model_kinds,
+    Analytical, CharacteristicLength, Description, Estimate, GpPushModel, Hybrid, ModelEffect,
+    ModelFile, PushModel, StepInput, StepObservation, SurfaceKind, learn_options, model_kinds,
 };
 use nalgebra::{Matrix3, Vector3};
 use planar::Shape;
@@ -61,8 +61,9 @@ fn obeys_word(
             .iter()
             .all(|(key, rule)| value.get(key).is_none_or(|value| obeys(value, rule, root))),
         "additionalProperties" => {
-            let known = rules["properties"].as_object().unwrap();
-            value.as_object().unwrap().keys().all(|key| known.contains_key(key))
+            let known = |key: &str| rules.get("properties").is_some_and(|of| of.get(key).is_some());
+            let of = value.as_object();
+            of.is_none_or(|of| of.iter().all(|(key, item)| known(key) || obeys(item, rule, root)))
         }
         "oneOf" => {
             rule.as_array().unwrap().iter().filter(|rule| obeys(value, rule, root)).count() == 1
@@ -72,10 +73,11 @@ fn obeys_word(
 }
 
 /// A description as the JSON of its `model.toml`.
-fn written(model: &dyn PushModel) -> Value {
+fn written(description: &Description) -> Value {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.toml");
-    ModelFile { name: "x".into(), description: model.describe().unwrap() }.write(&path).unwrap();
+    let description = description.clone();
+    ModelFile { name: "x".into(), description }.write(&path).unwrap();
     toml::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap()
 }
 
@@ -105,10 +107,26 @@ fn models() -> Vec<Box<dyn PushModel>> {
 }
 
 #[test]
+fn a_file_with_every_effect_obeys_the_schema() {
+    let schema = schema();
+    let rig = effects::Rig::new(effects::Surface::Ellipsoid, 0.25, 0.25).unwrap();
+    let setting = |effect: &&'static dyn effects::Effect| {
+        let about = effect.about();
+        ModelEffect::from(effects::Setting::new(about, &about.typical(&rig)))
+    };
+    let nominal = Analytical::nominal(0.25).unwrap().describe().unwrap();
+    let effects = effects::all().iter().map(setting).collect();
+    let file = written(&Description { effects, ..nominal });
+    assert!(obeys(&file, &schema, &schema), "{file:#}");
+    let ids: Vec<_> = effects::all().iter().map(|effect| effect.about().id).collect();
+    assert_eq!(schema.pointer("/$defs/effect/properties/id/enum").unwrap(), &json!(ids));
+}
+
+#[test]
 fn every_file_that_is_written_obeys_the_schema() {
     let schema = schema();
     for model in models() {
-        let file = written(&*model);
+        let file = written(&model.describe().unwrap());
         assert!(obeys(&file, &schema, &schema), "{file:#}");
     }
 }
@@ -116,10 +134,13 @@ fn every_file_that_is_written_obeys_the_schema() {
 #[test]
 fn the_schema_refuses_what_the_reader_refuses() {
     let schema = schema();
-    let good = written(&Analytical::nominal(0.25).unwrap());
+    let good = written(&Analytical::nominal(0.25).unwrap().describe().unwrap());
     for (pointer, key, value) in [
         ("", "schema", json!("pushlab.model/9")),
         ("", "effects", json!([{ "id": "table-tilt" }])),
+        ("", "effects", json!([{ "id": "oracle", "parameters": {} }])),
+        ("", "effects", json!([{ "id": "inertia", "parameters": { "kappa": 1.0 } }])),
+        ("", "effects", json!([{ "id": "inertia", "parameters": { "kappa": { "value": "on" } } }])),
         ("", "extra", json!(1)),
         ("", "learned", json!({})),
         ("/base", "kind", json!("oracle")),

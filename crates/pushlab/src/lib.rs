@@ -5,6 +5,7 @@
 mod pages;
 
 pub use dataset;
+pub use diagnosis;
 pub use effects;
 pub use gp_core;
 pub use mechanics;

@@ -10,6 +10,7 @@ mod failure;
 mod file_ending;
 mod origin;
 mod progress;
+mod recorded_steps;
 mod step_size;
 mod table_summary;
 mod terminal;

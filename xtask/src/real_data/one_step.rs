@@ -79,8 +79,8 @@ fn read(path: &Path) -> Result<Vec<StepObservation>> {
     let found = StepSelection::default()
         .observations(&table, &objects, radius)
         .with_context(|| format!("cannot use {}", path.display()))?;
-    if !found.set_aside.is_empty() {
-        println!("{}: set aside {}", path.display(), found.set_aside_text());
+    if !found.set_aside.rows.is_empty() {
+        println!("{}: set aside {}", path.display(), found.set_aside);
     }
     Ok(found.steps)
 }

@@ -17,12 +17,6 @@ impl Source<'_> {
     /// The base, after a check of everything but the weights file.
     pub(super) fn base(&self, raw: &Raw) -> Result<Base, ModelError> {
         self.expect(&raw.schema, "schema", &[ModelFile::SCHEMA])?;
-        if let Some(effect) = raw.effects.first() {
-            let id = effect.get_ref().get("id").and_then(toml::Value::as_str);
-            let id = id.unwrap_or("without id");
-            let problem = format!("effect {id}: this release has no effects; remove the block");
-            return Err(self.invalid(effect.span().start, "effects", problem));
-        }
         let kinds: Vec<&str> = model_kinds().iter().map(|kind| kind.id).collect();
         self.expect(&raw.base.get_ref().kind, "base.kind", &kinds)?;
         let kind = raw.base.get_ref().kind.get_ref().as_str();

@@ -1,10 +1,13 @@
 //! The tables of `model.toml` as they stand in the text.
 
+use std::collections::BTreeMap;
+
+use effects::by_id;
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 use serde_spanned::Spanned;
 
-use crate::{Analytical, Base, CharacteristicLength, Estimate, SurfaceKind};
+use crate::{Analytical, Base, CharacteristicLength, Estimate, ModelEffect, SurfaceKind};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -13,7 +16,7 @@ pub(super) struct Raw {
     pub name: String,
     pub base: Spanned<RawBase>,
     #[serde(default)]
-    pub effects: Vec<Spanned<toml::Table>>,
+    pub effects: Vec<Spanned<RawEffect>>,
     pub learned: Option<Spanned<RawLearned>>,
 }
 
@@ -22,6 +25,8 @@ pub(super) struct RawOut<'a> {
     pub schema: &'a str,
     pub name: &'a str,
     pub base: RawBase,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<RawEffect>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub learned: Option<RawLearned>,
 }
@@ -51,6 +56,26 @@ pub(super) struct RawEstimate {
     #[serde(default)]
     pub se: f64,
     #[serde(default)]
+    pub source: String,
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawEffect {
+    pub id: Spanned<String>,
+    #[serde(default)]
+    pub parameters: BTreeMap<String, Spanned<RawParameter>>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawParameter {
+    pub value: f64,
+    #[serde(default)]
+    pub se: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub source: String,
 }
 
@@ -105,6 +130,22 @@ impl RawEstimate {
     fn of(estimate: &Estimate) -> Self {
         let Estimate { value, se, source } = estimate.clone();
         Self { value, se, source }
+    }
+}
+
+impl RawEffect {
+    pub(super) fn of(effect: &ModelEffect) -> Self {
+        let about = by_id(&effect.id).ok().map(effects::Effect::about);
+        let unit = |name: &str| {
+            let known = about?.parameters.iter().find(|parameter| parameter.name == name)?;
+            Some(known.unit.to_owned())
+        };
+        let parameter = |(name, estimate): (&String, &Estimate)| {
+            let Estimate { value, se, source } = estimate.clone();
+            (name.clone(), new(RawParameter { value, se, unit: unit(name), source }))
+        };
+        let parameters = effect.parameters.iter().map(parameter).collect();
+        Self { id: new(effect.id.clone()), parameters }
     }
 }
 

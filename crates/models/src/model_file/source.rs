@@ -42,9 +42,19 @@ impl Source<'_> {
         if allowed.contains(&value.get_ref().as_str()) {
             return Ok(());
         }
+        Err(self.unknown(value, key, allowed))
+    }
+
+    /// The error for a word that is not among the allowed ones.
+    pub(super) fn unknown(
+        &self,
+        value: &Spanned<String>,
+        key: &str,
+        allowed: &[&str],
+    ) -> ModelError {
         let problem =
             format!("`{}` is not known; allowed: {}", value.get_ref(), allowed.join(", "));
-        Err(self.invalid(value.span().start, key, problem))
+        self.invalid(value.span().start, key, problem)
     }
 
     fn line(&self, offset: usize) -> usize {

@@ -17,7 +17,7 @@ fn page(name: &str) -> String {
     fs::read_to_string(Path::new(PROJECT).join("docs").join(name)).unwrap()
 }
 
-fn copy(from: &Path, to: &Path) {
+pub(crate) fn copy(from: &Path, to: &Path) {
     if from.is_dir() {
         fs::create_dir_all(to).unwrap();
         for entry in fs::read_dir(from).unwrap() {
@@ -102,6 +102,7 @@ fn every_key_of_the_results_is_on_the_page() {
     let set = SmallSet::new();
     set.done(&["ingest", "set", "-o", "steps.csv"]);
     set.done(&["models", "init", "set"]);
+    copy(&Path::new(PROJECT).join("fixtures/pushes"), &set.path("pushes"));
     let page = page(COMMAND_LINE);
     for arguments in [
         &["init", "set", "--print"][..],
@@ -113,6 +114,7 @@ fn every_key_of_the_results_is_on_the_page() {
         &["effects", "list"],
         &["effects", "explain", "table-anisotropy"],
         &["generate", "simulated", "--pushes", "1"],
+        &["compare", "pushes", "--against", "model.toml"],
     ] {
         let run = set.done(&[arguments, &["--json"]].concat());
         let mut document: Value = serde_json::from_str(&run.stdout).unwrap();

@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod commands;
+mod comparison;
 mod documentation;
 mod generated;
 mod small_set;

@@ -9,18 +9,19 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use dataset::{
-    Curve, EndCondition, IngestSettings, MANIFEST_NAME, Preset, Provenance, RecordingSet,
-    TableMapping, TableWriter, ingest_each, provenance,
+    Curve, EndCondition, IngestSettings, Preset, Provenance, RecordingSet, TableMapping,
+    TableWriter, ingest_each, provenance,
 };
 
 use self::ingested::Ingested;
-use self::source::{SET_FILES, Source};
+use self::source::Source;
 use crate::command_line::preset_parser;
 use crate::destination::Destination;
 use crate::document::Document;
 use crate::failure::WrongUsage;
 use crate::file_ending;
 use crate::origin::{Input, Origin};
+use crate::recorded_steps::recorded_inputs;
 use crate::step_size::StepSize;
 use crate::table_summary::TableSummary;
 use crate::terminal::{TITLE, Terminal};
@@ -159,18 +160,7 @@ impl Args {
         let report = report?;
         let mut origin = self.origin();
         let mut provenance = provenance(set, &report);
-        for name in SET_FILES {
-            let path = set.dir().join(name);
-            if path.exists() && (set.preset().is_none() || name != MANIFEST_NAME) {
-                let input = Input::file(&path)?;
-                provenance.push("source", &format!("sha256 {} {name}", input.sha256));
-                origin.inputs.push(input);
-            }
-        }
-        let read = report.recordings.iter().filter(|recording| !recording.sha256.is_empty());
-        origin
-            .inputs
-            .extend(read.map(|recording| Input::known(&recording.path, recording.sha256.clone())));
+        origin.inputs = recorded_inputs(set, &report, &mut provenance)?;
         origin.mark(&mut provenance);
         Ok((provenance, origin, Ingested::Report(Box::new(report))))
     }

@@ -9,9 +9,7 @@ use dataset::{MANIFEST_NAME, Preset, RecordingSet, TableMapping, all_formats, fi
 use super::Args;
 use crate::failure::WrongUsage;
 use crate::origin::readable;
-
-/// Files of a set beside its recordings.
-pub(super) const SET_FILES: [&str; 2] = [MANIFEST_NAME, "sessions.csv"];
+use crate::recorded_steps::SET_FILES;
 
 /// The input as it was recognized.
 pub(super) enum Source {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use models::{Analytical, Base, CharacteristicLength, Estimate, ModelFile, OUTPUTS};
+use models::{Analytical, Base, CharacteristicLength, Estimate, ModelEffect, ModelFile, OUTPUTS};
 use serde::Serialize;
 
 use crate::terminal::TITLE;
@@ -39,7 +39,8 @@ impl Parameters {
             _ => ("unknown", None),
         };
         let limit_surface = mechanics.map(|model| model.surface().name());
-        let parameters = mechanics.map(analytical).unwrap_or_default();
+        let mut parameters = mechanics.map(analytical).unwrap_or_default();
+        parameters.extend(file.description.effects.iter().flat_map(of_effect));
         let learned = match &file.description.weights {
             Some(_) => OUTPUTS.to_vec(),
             None => Vec::new(),
@@ -78,6 +79,23 @@ fn analytical(model: &Analytical) -> Vec<Parameter> {
         }
     }
     parameters
+}
+
+/// The parameters of an effect, named after both.
+fn of_effect(effect: &ModelEffect) -> Vec<Parameter> {
+    let about = effects::by_id(&effect.id).map(effects::Effect::about).ok();
+    let unit = |name: &str| {
+        let known = about?.parameters.iter().find(|parameter| parameter.name == name)?;
+        Some(known.unit)
+    };
+    let parameter = |(name, estimate): (&String, &Estimate)| Parameter {
+        name: format!("{} {name}", effect.id),
+        value: Some(estimate.value),
+        se: estimate.se,
+        unit: unit(name).unwrap_or("1"),
+        source: estimate.source.clone(),
+    };
+    effect.parameters.iter().map(parameter).collect()
 }
 
 impl fmt::Display for Parameters {

@@ -1,0 +1,146 @@
+//! What a residual may depend on, and its bins.
+
+use serde::Serialize;
+
+use crate::Observations;
+
+/// Something that a residual may depend on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Covariate {
+    /// Place of the contact along its edge, 0 to 1.
+    P,
+    /// Angle of the push from the edge's inward normal, in rad.
+    Beta,
+    /// Speed of the pusher, in m/s.
+    Speed,
+    /// Yaw of the object in the world, in rad.
+    Orientation,
+    /// Direction of the pusher's motion in the world, in rad.
+    Direction,
+    /// Place of the object on the table along x, in m.
+    TableX,
+    /// Place of the object on the table along y, in m.
+    TableY,
+    /// Place of the push in the order of the set, 0 to 1.
+    Time,
+    /// The edge touched.
+    Edge,
+}
+
+/// Cells of a covariate: the lower ends, and the upper end of the last.
+pub(crate) struct Bins(Vec<f64>);
+
+impl Covariate {
+    /// Every covariate.
+    pub const ALL: [Self; 9] = [
+        Self::P,
+        Self::Beta,
+        Self::Speed,
+        Self::Orientation,
+        Self::Direction,
+        Self::TableX,
+        Self::TableY,
+        Self::Time,
+        Self::Edge,
+    ];
+
+    /// SI unit; `1` for none.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Beta | Self::Orientation | Self::Direction => "rad",
+            Self::Speed => "m/s",
+            Self::TableX | Self::TableY => "m",
+            Self::P | Self::Time | Self::Edge => "1",
+        }
+    }
+
+    /// Its value at each step.
+    pub(crate) fn values(self, observations: &Observations) -> Vec<f64> {
+        let steps = observations.steps.iter().zip(&observations.places);
+        let value = |(step, place): (&models::ChannelObservation, &crate::observations::Place)| {
+            let position = &step.input.pose_wb.position;
+            match self {
+                Self::P => place.p,
+                Self::Beta => place.beta,
+                Self::Speed => place.speed,
+                Self::Orientation => planar::wrap_angle(step.input.pose_wb.angle),
+                Self::Direction => {
+                    let velocity = step.input.track.mean_velocity();
+                    velocity.y.atan2(velocity.x)
+                }
+                Self::TableX => position.x,
+                Self::TableY => position.y,
+                Self::Time => step.input.progress,
+                Self::Edge => f64::from(place.edge),
+            }
+        };
+        steps.map(value).collect()
+    }
+
+    /// Cells of equal width where the range is known beforehand, of equal numbers of steps else.
+    pub(crate) fn bins(self, values: &[f64]) -> Bins {
+        use std::f64::consts::{FRAC_PI_2, PI};
+        match self {
+            Self::P | Self::Time => Bins::equal(0.0, 1.0, 5),
+            Self::Beta => Bins::equal(-FRAC_PI_2, FRAC_PI_2, 12),
+            Self::Orientation | Self::Direction => Bins::equal(-PI, PI, 12),
+            Self::Edge => {
+                let last = values.iter().fold(0.0_f64, |last, value| last.max(*value)) as usize;
+                Bins::equal(-0.5, last as f64 + 0.5, last + 1)
+            }
+            Self::Speed | Self::TableX | Self::TableY => Bins::quantiles(values, 6),
+        }
+    }
+}
+
+impl Bins {
+    fn equal(low: f64, high: f64, n: usize) -> Self {
+        Self((0..=n).map(|k| low + (high - low) * k as f64 / n as f64).collect())
+    }
+
+    fn quantiles(values: &[f64], n: usize) -> Self {
+        let mut sorted = values.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let at = |k: usize| sorted[(k * (sorted.len() - 1)) / n];
+        let mut bounds: Vec<f64> = (0..=n).map(at).collect();
+        bounds.dedup();
+        Self(bounds)
+    }
+
+    pub(crate) fn n_cells(&self) -> usize {
+        (self.0.len() - 1).max(1)
+    }
+
+    /// The ends of a cell.
+    pub(crate) fn ends(&self, cell: usize) -> [f64; 2] {
+        [self.0[cell], self.0[(cell + 1).min(self.0.len() - 1)]]
+    }
+
+    /// The cell of a value; those beyond the ends belong to the first and last.
+    pub(crate) fn cell(&self, value: f64) -> usize {
+        let above = self.0.iter().take_while(|bound| **bound <= value).count();
+        above.saturating_sub(1).min(self.n_cells() - 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Covariate;
+
+    #[test]
+    fn every_value_has_a_cell_that_holds_it() {
+        let values: Vec<f64> = (0..40).map(|k| (f64::from(k) * 0.7).sin().powi(3)).collect();
+        for covariate in [Covariate::Beta, Covariate::TableX, Covariate::Orientation] {
+            let bins = covariate.bins(&values);
+            for value in &values {
+                let [low, high] = bins.ends(bins.cell(*value));
+                assert!(low <= *value && *value <= high, "{covariate:?} {value}");
+            }
+        }
+        let bins = Covariate::Edge.bins(&[0.0, 3.0, 1.0]);
+        assert_eq!([0.0, 1.0, 3.0].map(|edge| bins.cell(edge)), [0, 1, 3]);
+        let one = Covariate::Speed.bins(&[0.02; 9]);
+        assert_eq!((one.n_cells(), one.cell(0.02), one.ends(0)), (1, 0, [0.02, 0.02]));
+    }
+}

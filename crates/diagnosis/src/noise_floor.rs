@@ -1,0 +1,207 @@
+//! How wrong a model may be at best.
+
+use std::collections::BTreeSet;
+
+use planar::wrap_angle;
+use serde::Serialize;
+
+use crate::quantile::{NORMAL_975, chi_square_per_freedom};
+use crate::repeats::cells;
+use crate::{DiagnosisError, Observations, Predictions, RepeatTolerance};
+
+/// The least error that a model can have, for each number of a step.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NoiseFloor {
+    /// What it was learnt from.
+    pub source: FloorSource,
+    /// Pushes that are repeats of another one.
+    pub n_repeats: usize,
+    /// Groups of repeats.
+    pub n_cells: usize,
+    /// In the order of [`effects::Channels`].
+    pub numbers: [Option<Floor>; 7],
+}
+
+/// What a noise floor was learnt from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FloorSource {
+    /// Repeated pushes.
+    Repeats,
+    /// Nearest neighbours among steps of different pushes: an estimate.
+    Neighbours,
+}
+
+/// The standard deviation of one number about what any model could predict, in its SI unit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Floor {
+    /// The estimate.
+    pub rms: f64,
+    /// Lower end of its 95 % interval.
+    pub low95: f64,
+    /// Upper end of its 95 % interval.
+    pub high95: f64,
+}
+
+/// Repeats beyond the first of their cells that a floor needs: fewer leave it open within a factor
+/// of two.
+const FEWEST_REPEATS: usize = 4;
+
+/// The noise floor of observations, by the residuals of a model.
+///
+/// What the model misses is common to repeats of a push and cancels; what their starts differ by it
+/// predicts. The variance within the cells of repeats is that of a push's own friction, pressure
+/// and noise. The interval takes each push's share of the scatter as one number.
+///
+/// # Errors
+/// `OtherSteps` if the predictions are of other observations.
+pub fn noise_floor(
+    observations: &Observations,
+    predictions: &Predictions,
+    tolerance: &RepeatTolerance,
+) -> Result<NoiseFloor, DiagnosisError> {
+    let residuals = predictions.residuals(observations)?;
+    let cells = cells(observations, tolerance);
+    let n_members = |cell: usize| cells.iter().filter(|other| **other == cell).count();
+    let groups: Vec<usize> = (0..cells.len()).filter(|push| n_members(*push) > 1).collect();
+    let n_members = groups.iter().map(|cell| n_members(*cell)).sum::<usize>();
+    let (n_cells, n_repeats) = (groups.len(), n_members - groups.len());
+    let (source, numbers) = if n_repeats >= FEWEST_REPEATS {
+        let of = |number| of_repeats(&residuals, observations, &cells, number);
+        (FloorSource::Repeats, std::array::from_fn(of))
+    } else {
+        let pairs = neighbours(observations);
+        let of = |number| of_neighbours(&residuals, observations, &pairs, number);
+        (FloorSource::Neighbours, std::array::from_fn(of))
+    };
+    Ok(NoiseFloor { source, n_repeats, n_cells, numbers })
+}
+
+/// Squares about the mean of steps that repeat each other, summed a push.
+fn of_repeats(
+    residuals: &[[Option<f64>; 7]],
+    observations: &Observations,
+    cells: &[usize],
+    number: usize,
+) -> Option<Floor> {
+    let mut known: Vec<((usize, u32), usize, f64)> = Vec::new();
+    for (index, values) in residuals.iter().enumerate() {
+        if let Some(value) = values[number] {
+            let push = observations.push_of[index];
+            known.push(((cells[push], observations.places[index].step), push, value));
+        }
+    }
+    known.sort_by_key(|(group, push, _)| (*group, *push));
+    let mut sums = vec![0.0; observations.pushes.len()];
+    let mut freedom = 0;
+    for group in known.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
+        let mean = group.iter().map(|(_, _, value)| value).sum::<f64>() / group.len() as f64;
+        freedom += group.len() - 1;
+        group.iter().for_each(|(_, push, value)| sums[*push] += (value - mean).powi(2));
+    }
+    let used = (0..sums.len()).filter(|push| sums[*push] > 0.0).map(|push| cells[push]);
+    let n_cells = used.collect::<BTreeSet<_>>().len();
+    floor(&sums, freedom as f64, n_cells)
+}
+
+/// The floor of squares summed a push, with `freedom` degrees in all.
+///
+/// The effective number of degrees follows from the scatter of the sums (Satterthwaite), and is at
+/// least that of pushes whose steps are all alike.
+fn floor(sums: &[f64], freedom: f64, n_cells: usize) -> Option<Floor> {
+    let sums: Vec<f64> = sums.iter().copied().filter(|sum| *sum > 0.0).collect();
+    let (n, total) = (sums.len() as f64, sums.iter().sum::<f64>());
+    if sums.len() <= n_cells || sums.len() < 2 {
+        return None;
+    }
+    let scatter = sums.iter().map(|sum| (sum - total / n).powi(2)).sum::<f64>() * n / (n - 1.0);
+    let least = n - n_cells as f64;
+    let effective = if scatter > 0.0 { 2.0 * total * total / scatter } else { freedom };
+    let effective = effective.clamp(least, freedom.max(least));
+    let rms = (total / freedom).sqrt();
+    let at = |z: f64| rms / chi_square_per_freedom(effective, z).sqrt().max(1e-3);
+    Some(Floor { rms, low95: at(NORMAL_975), high95: at(-NORMAL_975) })
+}
+
+/// Steps that are asked for their neighbour at most: an even choice of the set.
+const MOST_QUERIES: usize = 4000;
+/// The nearest share of pairs is used.
+const NEAREST_SHARE: f64 = 0.25;
+
+/// Pairs of steps of different pushes that are nearest to each other.
+fn neighbours(observations: &Observations) -> Vec<(usize, usize)> {
+    let n = observations.n_steps();
+    let features: Vec<_> = (0..n).map(|index| features(observations, index)).collect();
+    let stride = n.div_ceil(MOST_QUERIES).max(1);
+    let nearest = |a: usize| {
+        let is_other = |b: &usize| {
+            observations.push_of[*b] != observations.push_of[a]
+                && observations.places[*b].edge == observations.places[a].edge
+        };
+        let distances = (0..n).filter(is_other).map(|b| (distance(&features[a], &features[b]), b));
+        distances.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(distance, b)| (distance, a, b))
+    };
+    let mut pairs: Vec<_> = (0..n).step_by(stride).filter_map(nearest).collect();
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    pairs.truncate((NEAREST_SHARE * pairs.len() as f64).ceil() as usize);
+    pairs.into_iter().map(|(_, a, b)| (a, b)).collect()
+}
+
+/// What a step's outcome may depend on, each over a difference that hardly matters.
+fn features(observations: &Observations, index: usize) -> [f64; 8] {
+    let (step, place) = (&observations.steps[index].input, &observations.places[index]);
+    let position = &step.pose_wb.position;
+    let pusher_b = step.pose_wb.inverse_transform_point(&step.track.start());
+    let way = (step.track.end() - step.track.start()).norm();
+    [
+        pusher_b.x / 5e-3,
+        pusher_b.y / 5e-3,
+        position.x / 0.05,
+        position.y / 0.05,
+        place.speed.max(1e-4).ln() / 0.2,
+        way.max(1e-5).ln() / 0.1,
+        place.beta / 0.1,
+        step.pose_wb.angle,
+    ]
+}
+
+fn distance(a: &[f64; 8], b: &[f64; 8]) -> f64 {
+    let plain: f64 = (0..7).map(|k| (a[k] - b[k]).powi(2)).sum();
+    plain + (wrap_angle(a[7] - b[7]) / 0.25).powi(2)
+}
+
+/// Half the squared differences of neighbours, summed by the push of the first.
+fn of_neighbours(
+    residuals: &[[Option<f64>; 7]],
+    observations: &Observations,
+    pairs: &[(usize, usize)],
+    number: usize,
+) -> Option<Floor> {
+    let mut sums = vec![0.0; observations.pushes.len()];
+    let mut n_pairs = 0;
+    for (a, b) in pairs {
+        if let (Some(one), Some(other)) = (residuals[*a][number], residuals[*b][number]) {
+            sums[observations.push_of[*a]] += 0.5 * (one - other).powi(2);
+            n_pairs += 1;
+        }
+    }
+    floor(&sums, f64::from(n_pairs), 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::floor;
+
+    #[test]
+    fn a_floor_is_the_pooled_sd_and_narrows_with_pushes() {
+        // Ten pushes of five steps each, every deviation 2 in size.
+        let wide = floor(&[20.0; 10], 45.0, 5).unwrap();
+        assert!((wide.rms - (200.0_f64 / 45.0).sqrt()).abs() < 1e-15);
+        assert!(wide.low95 < wide.rms && wide.rms < wide.high95);
+        // Shares as unequal as they can be leave no more degrees than pushes beyond their cells.
+        let unequal = floor(&[1.0, 1.0, 1.0, 97.0], 12.0, 1).unwrap();
+        let three = |z: f64| unequal.rms / crate::quantile::chi_square_per_freedom(3.0, z).sqrt();
+        assert!((unequal.high95 - three(-crate::quantile::NORMAL_975)).abs() < 1e-12);
+        assert!(floor(&[1.0, 0.0], 1.0, 0).is_none());
+    }
+}

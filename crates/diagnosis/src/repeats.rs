@@ -1,0 +1,75 @@
+//! Pushes that repeat each other.
+
+use nalgebra::Vector2;
+use planar::wrap_angle;
+
+use crate::Observations;
+
+/// How much two pushes may differ and still count as repeats.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RepeatTolerance {
+    /// Of the object's place on the table and of the pusher's on the object, in m.
+    pub distance: f64,
+    /// Of the object's orientation and of the pusher's direction, in rad.
+    pub angle: f64,
+    /// Of the pusher's speed, relative.
+    pub speed: f64,
+}
+
+impl Default for RepeatTolerance {
+    /// 3 mm, 3° and 5 %: what differs within it shows in the prediction, too, and cancels.
+    fn default() -> Self {
+        Self { distance: 3e-3, angle: 0.05, speed: 0.05 }
+    }
+}
+
+/// Start of a push.
+struct Start {
+    step: u32,
+    place_w: Vector2<f64>,
+    yaw: f64,
+    pusher_b: Vector2<f64>,
+    direction: f64,
+    speed: f64,
+}
+
+/// The cell of repeats of each push; pushes alone have a cell of their own.
+pub(crate) fn cells(observations: &Observations, tolerance: &RepeatTolerance) -> Vec<usize> {
+    let mut starts: Vec<Option<Start>> = observations.pushes.iter().map(|_| None).collect();
+    for (index, push) in observations.push_of.iter().enumerate() {
+        starts[*push].get_or_insert_with(|| start(observations, index));
+    }
+    let mut cells: Vec<usize> = Vec::new();
+    for (push, start) in starts.iter().enumerate() {
+        let is_same = |first: &usize| match (&starts[*first], start) {
+            (Some(a), Some(b)) => are_same(a, b, tolerance),
+            _ => false,
+        };
+        let first = (0..push).filter(|other| cells[*other] == *other).find(is_same);
+        cells.push(first.unwrap_or(push));
+    }
+    cells
+}
+
+fn start(observations: &Observations, index: usize) -> Start {
+    let (step, place) = (&observations.steps[index].input, &observations.places[index]);
+    let velocity = step.track.mean_velocity();
+    Start {
+        step: place.step,
+        place_w: step.pose_wb.position,
+        yaw: step.pose_wb.angle,
+        pusher_b: step.pose_wb.inverse_transform_point(&step.track.start()),
+        direction: velocity.y.atan2(velocity.x),
+        speed: place.speed,
+    }
+}
+
+fn are_same(a: &Start, b: &Start, tolerance: &RepeatTolerance) -> bool {
+    let RepeatTolerance { distance, angle, speed } = *tolerance;
+    a.step == b.step
+        && (a.place_w - b.place_w).norm() <= distance
+        && (a.pusher_b - b.pusher_b).norm() <= distance
+        && wrap_angle(a.yaw - b.yaw).abs() <= angle
+        && wrap_angle(a.direction - b.direction).abs() <= angle
+        && (a.speed - b.speed).abs() <= speed * a.speed.max(b.speed)
+}

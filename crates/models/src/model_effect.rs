@@ -1,0 +1,32 @@
+//! An effect that a model carries, with what is known of its parameters.
+
+use std::collections::BTreeMap;
+
+use effects::Setting;
+
+use crate::Estimate;
+
+/// An effect by its id, with an estimate of each parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelEffect {
+    /// Id in the catalogue, or of an effect of one's own.
+    pub id: String,
+    /// Every parameter by its name, in its SI unit.
+    pub parameters: BTreeMap<String, Estimate>,
+}
+
+impl ModelEffect {
+    /// The values alone.
+    pub fn setting(&self) -> Setting {
+        let values = self.parameters.iter().map(|(name, known)| (name.clone(), known.value));
+        Setting { id: self.id.clone(), parameters: values.collect() }
+    }
+}
+
+impl From<Setting> for ModelEffect {
+    /// Values taken as exact, without a source.
+    fn from(Setting { id, parameters }: Setting) -> Self {
+        let exact = |(name, value)| (name, Estimate::exact(value, ""));
+        Self { id, parameters: parameters.into_iter().map(exact).collect() }
+    }
+}

@@ -1,0 +1,112 @@
+//! The effects of a model file, checked against the catalogue.
+
+use effects::{About, Effect, Parameter, all};
+use serde_spanned::Spanned;
+
+use super::raw::{Raw, RawEffect, RawParameter};
+use super::source::Source;
+use crate::{Estimate, ModelEffect, ModelError};
+
+impl Source<'_> {
+    /// The effects in the order of the file; `own` are those besides the catalogue.
+    pub(super) fn effects(
+        &self,
+        raw: &Raw,
+        own: &[&'static dyn Effect],
+    ) -> Result<Vec<ModelEffect>, ModelError> {
+        let base = raw.base.get_ref();
+        let mut effects: Vec<ModelEffect> = Vec::new();
+        for effect in &raw.effects {
+            let start = effect.span().start;
+            if base.kind.get_ref() != "analytical" {
+                let problem = "effects act in a model of kind analytical; remove the block";
+                return Err(self.invalid(start, "effects", problem));
+            }
+            let effect = self.effect(effect, own)?;
+            if effects.iter().any(|known| known.id == effect.id) {
+                let problem = format!("{} stands here for the second time; remove one", effect.id);
+                return Err(self.invalid(start, "effects", problem));
+            }
+            if effect.id == "pressure-radius" && base.characteristic_length.is_some() {
+                let problem = "pressure-radius and base.characteristic_length say the same; \
+                    give pressure = \"uniform\" instead of the length, or remove the block";
+                return Err(self.invalid(start, "effects", problem));
+            }
+            effects.push(effect);
+        }
+        Ok(effects)
+    }
+
+    fn effect(
+        &self,
+        raw: &Spanned<RawEffect>,
+        own: &[&'static dyn Effect],
+    ) -> Result<ModelEffect, ModelError> {
+        let RawEffect { id, parameters } = raw.get_ref();
+        let known = || own.iter().chain(all()).map(|effect| effect.about());
+        let Some(about) = known().find(|about| about.id == id.get_ref()) else {
+            let ids: Vec<_> = known().map(|about| about.id).collect();
+            return Err(self.unknown(id, "effects.id", &ids));
+        };
+        for parameter in about.parameters {
+            if !parameters.contains_key(parameter.name) {
+                let problem = format!("is missing; {} needs {}", about.id, described(about));
+                let key = format!("effects.parameters.{}", parameter.name);
+                return Err(self.invalid(raw.span().start, &key, problem));
+            }
+        }
+        let estimates = parameters.iter().map(|(name, value)| {
+            let key = format!("effects.parameters.{name}");
+            match about.parameters.iter().find(|parameter| parameter.name == name) {
+                Some(parameter) => Ok((name.clone(), self.parameter(value, parameter, &key)?)),
+                None => {
+                    let problem = format!("is not known; {} has {}", about.id, described(about));
+                    Err(self.invalid(value.span().start, &key, problem))
+                }
+            }
+        });
+        let parameters = estimates.collect::<Result<_, ModelError>>()?;
+        let effect = ModelEffect { id: id.get_ref().clone(), parameters };
+        let checked = effect.setting().values(about).and_then(|values| about.check(&values));
+        checked.map_err(|error| self.invalid(raw.span().start, "effects", error.to_string()))?;
+        Ok(effect)
+    }
+
+    fn parameter(
+        &self,
+        raw: &Spanned<RawParameter>,
+        parameter: &Parameter,
+        key: &str,
+    ) -> Result<Estimate, ModelError> {
+        let RawParameter { value, se, unit, source } = raw.get_ref();
+        let refuse = |name: &str, problem: String| {
+            Err(self.invalid(raw.span().start, &format!("{key}.{name}"), problem))
+        };
+        let (low, high) = parameter.range;
+        if !(low..=high).contains(value) {
+            let unit = parameter.unit;
+            return refuse(
+                "value",
+                format!("must be from {low} to {high} (unit {unit}), got {value}"),
+            );
+        }
+        if !(*se >= 0.0 && se.is_finite()) {
+            return refuse("se", format!("must be finite and not negative, got {se}"));
+        }
+        match unit {
+            Some(unit) if unit != parameter.unit => {
+                refuse("unit", format!("must be \"{}\", got \"{unit}\"", parameter.unit))
+            }
+            _ => Ok(Estimate { value: *value, se: *se, source: source.clone() }),
+        }
+    }
+}
+
+/// The parameters with their units and ranges, for messages.
+fn described(about: &About) -> String {
+    let one = |parameter: &Parameter| {
+        let Parameter { name, unit, range: (low, high), .. } = parameter;
+        format!("{name} (from {low} to {high}, unit {unit})")
+    };
+    about.parameters.iter().map(one).collect::<Vec<_>>().join(", ")
+}

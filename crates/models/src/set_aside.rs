@@ -1,0 +1,52 @@
+//! Rows of a table that are not used, by reason.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// The rows set aside, counted from 0, by the first reason that each had.
+///
+/// As text: how many by which reason, such as `3 after contact, 12 short`; empty for none.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SetAside {
+    /// Rows by reason.
+    pub rows: BTreeMap<SetAsideReason, Vec<usize>>,
+}
+
+/// Why a row is not an observation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SetAsideReason {
+    /// The pusher has left the object.
+    AfterContact,
+    /// The pusher rests: its direction is not defined.
+    PusherAtRest,
+    /// A flag of the selection, by its name in the table.
+    Flag(&'static str),
+}
+
+impl SetAside {
+    pub(crate) fn add(&mut self, reason: SetAsideReason, row: usize) {
+        self.rows.entry(reason).or_default().push(row);
+    }
+
+    /// How many rows were set aside for any reason.
+    pub fn n_rows(&self) -> usize {
+        self.rows.values().map(Vec::len).sum()
+    }
+}
+
+impl fmt::Display for SetAside {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let count = |(reason, rows): (&_, &Vec<usize>)| format!("{} {reason}", rows.len());
+        f.write_str(&self.rows.iter().map(count).collect::<Vec<_>>().join(", "))
+    }
+}
+
+impl fmt::Display for SetAsideReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::AfterContact => "after contact",
+            Self::PusherAtRest => "pusher at rest",
+            Self::Flag(name) => name,
+        })
+    }
+}

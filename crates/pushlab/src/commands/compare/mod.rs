@@ -1,0 +1,112 @@
+//! `pushlab compare`: where a model fails on recordings, and how wrong it may be at best.
+
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use dataset::{IngestSettings, RecordingSet};
+use diagnosis::{
+    ChannelChange, Comparison, MapSettings, Observations, Predictions, RepeatTolerance, change,
+    compare, noise_floor,
+};
+use models::ModelFile;
+use serde::Serialize;
+
+use crate::file_ending;
+use crate::origin::{Input, Origin, readable};
+use crate::recorded_steps::RecordedSteps;
+use crate::step_size::StepSize;
+use crate::terminal::Terminal;
+
+/// Tell how wrong a model is on recordings, where, and how wrong it may be at best
+///
+/// Each step is predicted from its measured start along the pusher's measured way. The floor is how
+/// far repeated pushes differ from each other; without repeats it is estimated from neighbours.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Args {
+    /// Recording set: a folder with dataset.toml
+    set: PathBuf,
+    /// Model file
+    #[arg(long, value_name = "FILE", default_value = "model.toml",
+          value_parser = file_ending::model)]
+    model: PathBuf,
+    /// Another model, to tell how the error changes from it on the same steps
+    #[arg(long, value_name = "FILE", value_parser = file_ending::model)]
+    against: Option<PathBuf>,
+    /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm); else 200ms
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    step: Option<StepSize>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  pushlab compare pushes --model model.toml
+  pushlab compare pushes --model better.toml --against model.toml
+  pushlab compare pushes --step 4mm --json";
+
+/// A model on a set, and how it does beside another one.
+#[derive(Serialize)]
+struct Compared {
+    /// The model's name.
+    model: String,
+    #[serde(flatten)]
+    comparison: Comparison,
+    against: Option<Against>,
+}
+
+/// How the error changes from another model.
+#[derive(Serialize)]
+struct Against {
+    /// The other model's name.
+    model: String,
+    changes: Vec<ChannelChange>,
+}
+
+pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let mut origin = args.origin();
+    let mut read = |path: &Path| -> Result<ModelFile> {
+        readable(path)?;
+        origin.inputs.push(Input::file(path)?);
+        Ok(ModelFile::read(path)?)
+    };
+    let model = read(&args.model)?;
+    let other = args.against.as_deref().map(&mut read).transpose()?;
+    readable(&args.set)?;
+    let set = RecordingSet::open(&args.set)?;
+    let mut settings = IngestSettings::default();
+    if let Some(StepSize(step)) = args.step {
+        settings.step = step;
+    }
+    let recorded = RecordedSteps::read(&set, &settings, terminal)?;
+    origin.inputs.extend(recorded.inputs);
+    let observations = Observations::of(&recorded.table, set.manifest())?;
+    let predict = |file: &ModelFile| Predictions::of(&file.description, &[], &observations);
+    let predictions = predict(&model)?;
+    let floor = noise_floor(&observations, &predictions, &RepeatTolerance::default())?;
+    let comparison = compare(&observations, &predictions, &floor, &MapSettings::default())?;
+    let against = match other {
+        Some(other) => {
+            let changes = change(&observations, &predict(&other)?, &predictions, &floor)?;
+            Some(Against { model: other.name, changes })
+        }
+        None => None,
+    };
+    let result = Compared { model: model.name, comparison, against };
+    terminal.finish(&origin, &result, &result)
+}
+
+impl Args {
+    fn origin(&self) -> Origin {
+        let path = |path: &Path| path.display().to_string();
+        let mut words = vec!["compare".to_owned(), path(&self.set)];
+        let mut option = |name: &str, value: Option<String>| {
+            words.extend(value.into_iter().flat_map(|value| [format!("--{name}"), value]));
+        };
+        option("model", Some(path(&self.model)));
+        option("against", self.against.as_deref().map(path));
+        option("step", self.step.map(|step| step.to_string()));
+        Origin::new(words)
+    }
+}

@@ -1,0 +1,67 @@
+//! The steps of a recording set, with what was read for them.
+
+use anyhow::Result;
+use dataset::{
+    IngestReport, IngestSettings, MANIFEST_NAME, Provenance, RecordingSet, Table, ingest_each,
+    provenance,
+};
+
+use crate::origin::Input;
+use crate::terminal::Terminal;
+
+/// Files of a set beside its recordings.
+pub(crate) const SET_FILES: [&str; 2] = [MANIFEST_NAME, "sessions.csv"];
+
+/// A step table fresh from recordings.
+pub(crate) struct RecordedSteps {
+    pub(crate) table: Table,
+    pub(crate) inputs: Vec<Input>,
+}
+
+impl RecordedSteps {
+    /// Reads every recording of a set.
+    ///
+    /// # Errors
+    /// If a recording or a file of the set cannot be read.
+    pub(crate) fn read(
+        set: &RecordingSet,
+        settings: &IngestSettings,
+        terminal: &Terminal,
+    ) -> Result<Self> {
+        let mut rows = Vec::new();
+        let mut progress = terminal.progress("recordings read:", set.recordings().len());
+        let report = ingest_each(set, settings, |_, mut own| {
+            rows.append(&mut own);
+            progress.advance();
+            Ok(())
+        });
+        progress.finish();
+        let report = report?;
+        let mut provenance = provenance(set, &report);
+        let inputs = recorded_inputs(set, &report, &mut provenance)?;
+        Ok(Self { table: Table { rows, provenance }, inputs })
+    }
+}
+
+/// What was read of a set: its files, which the provenance gets too, and its recordings.
+///
+/// # Errors
+/// If a file of the set cannot be read.
+pub(crate) fn recorded_inputs(
+    set: &RecordingSet,
+    report: &IngestReport,
+    provenance: &mut Provenance,
+) -> Result<Vec<Input>> {
+    let mut inputs = Vec::new();
+    for name in SET_FILES {
+        let path = set.dir().join(name);
+        if path.exists() && (set.preset().is_none() || name != MANIFEST_NAME) {
+            let input = Input::file(&path)?;
+            provenance.push("source", &format!("sha256 {} {name}", input.sha256));
+            inputs.push(input);
+        }
+    }
+    let read = report.recordings.iter().filter(|recording| !recording.sha256.is_empty());
+    inputs.extend(read.map(|recording| Input::known(&recording.path, recording.sha256.clone())));
+    Ok(inputs)
+}
