@@ -1,5 +1,7 @@
 //! Comparisons on sets of the simulator, whose truth no model knows.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
 use std::collections::BTreeMap;
 
 use dataset::{IngestSettings, Manifest, RecordingSet, Table, ingest};
