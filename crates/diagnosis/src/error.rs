@@ -24,6 +24,17 @@ pub enum DiagnosisError {
         /// Number of steps.
         n_steps: usize,
     },
+    /// A matrix that is no covariance.
+    #[error(
+        "the covariance of the {n_numbers} numbers of push {push} must be positive definite; check \
+         that no standard deviation is 0 or not finite"
+    )]
+    NotACovariance {
+        /// The push, counted from 0.
+        push: usize,
+        /// How many numbers of it are observed.
+        n_numbers: usize,
+    },
     /// The table or the model was refused.
     #[error(transparent)]
     Model(#[from] models::ModelError),

@@ -13,6 +13,8 @@ mod predictions;
 mod quantile;
 mod repeats;
 mod residual_map;
+mod steady_ingest;
+mod whitening;
 mod worst;
 
 pub use change::{ChannelChange, change};
@@ -25,4 +27,6 @@ pub use observations::{Observations, PushName};
 pub use predictions::Predictions;
 pub use repeats::RepeatTolerance;
 pub use residual_map::{Cell, MapSettings, ResidualMap};
+pub use steady_ingest::steady_ingest;
+pub use whitening::{PushWhitening, Whitening};
 pub use worst::WorstPush;

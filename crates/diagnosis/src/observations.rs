@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use dataset::{Manifest, StepRow, SupportSpec, Table};
+use dataset::{Flags, Manifest, StepRow, SupportSpec, Table};
 use models::{ChannelObservation, SetAside, StepSelection};
 use serde::Serialize;
 
@@ -41,6 +41,8 @@ pub(crate) struct Place {
 
 /// Fewer pushes say nothing about errors that are shared within a push.
 const FEWEST_PUSHES: usize = 3;
+/// Index of the gap at a step's start in [`effects::Channels`].
+const GAP_START: usize = 5;
 
 impl Observations {
     /// The steps in contact of a table about the set of a manifest.
@@ -48,11 +50,27 @@ impl Observations {
     /// # Errors
     /// `Model` for a row that is no step; `TooFewPushes`.
     pub fn of(table: &Table, manifest: &Manifest) -> Result<Self, DiagnosisError> {
-        let found = StepSelection::default().channel_steps(
-            table,
-            &manifest.object,
-            manifest.pusher.radius,
-        )?;
+        Self::selected(table, manifest, StepSelection::default())
+    }
+
+    /// The same without steps whose noise is of another kind: the first touch, with its peak of
+    /// force, and those near a vertex, where the outline's normal jumps. For tables that were made
+    /// with [`steady_ingest`].
+    ///
+    /// # Errors
+    /// As [`Observations::of`].
+    pub fn steady(table: &Table, manifest: &Manifest) -> Result<Self, DiagnosisError> {
+        let vertex = Flags::VERTEX | Flags::NEAR_VERTEX | Flags::EDGE_CHANGED;
+        let without = StepSelection::default().without | vertex | Flags::FIRST_TOUCH;
+        Self::selected(table, manifest, StepSelection { without })
+    }
+
+    fn selected(
+        table: &Table,
+        manifest: &Manifest,
+        selection: StepSelection,
+    ) -> Result<Self, DiagnosisError> {
+        let found = selection.channel_steps(table, &manifest.object, manifest.pusher.radius)?;
         let rows: Vec<&StepRow> = found.rows.iter().map(|row| &table.rows[*row]).collect();
         let (mut pushes, mut known) = (Vec::new(), HashMap::new());
         let mut push = |row: &&StepRow| {
@@ -95,6 +113,28 @@ impl Observations {
     /// What was observed of each step.
     pub fn steps(&self) -> &[ChannelObservation] {
         &self.steps
+    }
+
+    /// The numbers of each push that were measured, each as (step, index in
+    /// [`effects::Channels`]), without those that were measured before: the gap at the start of a
+    /// step is that at the end of the one before it.
+    pub fn numbers(&self) -> Vec<Vec<(usize, usize)>> {
+        let mut numbers = vec![Vec::new(); self.pushes.len()];
+        for (index, step) in self.steps.iter().enumerate() {
+            let is_known = |number: &usize| {
+                step.observed[*number].is_some() && !(*number == GAP_START && self.goes_on(index))
+            };
+            let own = (0..step.observed.len()).filter(is_known);
+            numbers[self.push_of[index]].extend(own.map(|number| (index, number)));
+        }
+        numbers
+    }
+
+    /// Whether a step begins where the one before it ends.
+    pub(crate) fn goes_on(&self, index: usize) -> bool {
+        index > 0
+            && self.push_of[index - 1] == self.push_of[index]
+            && self.places[index - 1].step + 1 == self.places[index].step
     }
 
     /// Rows of the table that are not compared.
