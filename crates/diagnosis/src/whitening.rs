@@ -118,7 +118,7 @@ mod tests {
         let whitening = Whitening::new([(numbers, covariance.clone())]).unwrap();
         let push = &whitening.pushes()[0];
         let values = DVector::from_vec(vec![0.5, -1.2, 2.0]);
-        let whitened = push.whiten(DMatrix::from_columns(&[values.clone()]));
+        let whitened = push.whiten(DMatrix::from_column_slice(3, 1, values.as_slice()));
         let expected = values.dot(&(covariance.clone().try_inverse().unwrap() * &values));
         assert!((whitened.norm_squared() - expected).abs() < 1e-12);
         assert!((whitening.log_determinant() - covariance.determinant().ln()).abs() < 1e-12);
