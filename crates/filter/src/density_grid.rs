@@ -145,12 +145,11 @@ impl Axis {
     }
 
     fn smoothed(&self, row: &[f64]) -> Vec<f64> {
-        let mut smooth = vec![0.0; row.len()];
+        let (mut smooth, reach) = (vec![0.0; row.len()], self.kernel.len() - 1);
         for (k, mass) in row.iter().enumerate().filter(|(_, mass)| **mass > 0.0) {
-            let reach = self.kernel.len() - 1;
-            for at in k.saturating_sub(reach)..=(k + reach).min(row.len() - 1) {
-                smooth[at] += mass * self.kernel[at.abs_diff(k)];
-            }
+            let first = k.saturating_sub(reach);
+            let near = smooth.iter_mut().enumerate().skip(first).take(k + reach + 1 - first);
+            near.for_each(|(at, value)| *value += mass * self.kernel[at.abs_diff(k)]);
         }
         smooth
     }
