@@ -14,6 +14,7 @@ mod quantile;
 mod repeats;
 mod residual_map;
 mod split;
+mod whitening;
 mod worst;
 
 pub use change::{ChannelChange, change};
@@ -27,4 +28,5 @@ pub use predictions::Predictions;
 pub use repeats::RepeatTolerance;
 pub use residual_map::{Cell, MapSettings, ResidualMap};
 pub use split::split;
+pub use whitening::{PushCovariance, Whitening};
 pub use worst::WorstPush;
