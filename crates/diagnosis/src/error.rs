@@ -24,16 +24,24 @@ pub enum DiagnosisError {
         /// Number of steps.
         n_steps: usize,
     },
-    /// A matrix that is no covariance.
-    #[error(
-        "the covariance of the {n_numbers} numbers of push {push} must be positive definite; check \
-         that no standard deviation is 0 or not finite"
-    )]
+    /// A matrix is no covariance of a push's numbers.
+    #[error("the covariance of push {push} is not positive definite, or not of its numbers' size")]
     NotACovariance {
-        /// The push, counted from 0.
+        /// 0-based index of the push.
         push: usize,
-        /// How many numbers of it are observed.
-        n_numbers: usize,
+    },
+    /// A search did not end.
+    #[error(
+        "{what} did not converge: after {iterations} iterations the likelihood still rises by \
+         {decrement:e}; check the recordings for pushes that do not belong"
+    )]
+    NotConverged {
+        /// What was searched for.
+        what: &'static str,
+        /// Iterations.
+        iterations: usize,
+        /// Twice the gain in log likelihood that a further step would expect.
+        decrement: f64,
     },
     /// The table or the model was refused.
     #[error(transparent)]

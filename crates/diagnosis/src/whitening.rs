@@ -1,106 +1,128 @@
-//! Errors of whole pushes, turned into independent numbers of variance 1.
+//! Residuals made independent and of unit variance, by what is known of their noise.
 
-use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
-use crate::{DiagnosisError, Observations};
+use effects::Channels;
+use nalgebra::linalg::Cholesky;
+use nalgebra::{DMatrix, DVector, Dyn};
 
-/// The covariance of all that is observed, push by push: pushes are independent of each other.
+use crate::{DiagnosisError, NoiseFloor, Observations};
+
+/// The covariance of the noise of observed numbers, a block for each push, in factored form.
+///
+/// With Σ = L Lᵀ the covariance of a push's numbers, its whitened residuals are L⁻¹r.
 #[derive(Clone, Debug)]
 pub struct Whitening {
-    pushes: Vec<PushWhitening>,
+    blocks: Vec<Block>,
 }
 
-/// The covariance of the numbers of one push, as its Cholesky factor.
+/// The numbers of one push and their covariance.
 #[derive(Clone, Debug)]
-pub struct PushWhitening {
-    numbers: Vec<(usize, usize)>,
-    factor: DMatrix<f64>,
-    log_determinant: f64,
+struct Block {
+    entries: Vec<(usize, usize)>,
+    factor: Cholesky<f64, Dyn>,
 }
+
+/// The numbers of a push that are used, each as (step, number of [`effects::Channels`]), and the
+/// covariance of their noise, in the products of their SI units.
+pub type PushCovariance = (Vec<(usize, usize)>, DMatrix<f64>);
+
+/// Share of a number's variance that the steps of a push have in common, where nothing else is
+/// known; the errors of estimates do not rely on it.
+const COMMON_SHARE: f64 = 0.5;
 
 impl Whitening {
-    /// From the numbers of each push, as (step, index in [`effects::Channels`]), and their
-    /// covariance in SI units.
+    /// From one covariance a push, in the order of the observations' pushes.
     ///
     /// # Errors
-    /// `NotACovariance` for a matrix that is not positive definite, or of another size.
+    /// `NotACovariance` for a matrix of another size or that is not positive definite.
     pub fn new(
-        pushes: impl IntoIterator<Item = (Vec<(usize, usize)>, DMatrix<f64>)>,
+        covariances: impl IntoIterator<Item = PushCovariance>,
     ) -> Result<Self, DiagnosisError> {
-        let whiten =
-            |(index, (numbers, covariance))| PushWhitening::new(index, numbers, covariance);
-        Ok(Self { pushes: pushes.into_iter().enumerate().map(whiten).collect::<Result<_, _>>()? })
+        let block = |(push, (entries, covariance)): (usize, PushCovariance)| {
+            let fits = covariance.shape() == (entries.len(), entries.len());
+            let factor = covariance.cholesky().filter(|_| fits);
+            let factor = factor.ok_or(DiagnosisError::NotACovariance { push })?;
+            Ok::<_, DiagnosisError>(Block { entries, factor })
+        };
+        let blocks = covariances.into_iter().enumerate().map(block).collect::<Result<_, _>>()?;
+        Ok(Self { blocks })
     }
 
-    /// Errors that are independent, with a standard deviation for each number of
-    /// [`effects::Channels`], in SI units.
+    /// Independent noise at each step and a part that a push's steps share, half of the floor's
+    /// variance each.
+    ///
+    /// A number without a floor is not used; of the two gaps at the time between steps that follow
+    /// each other, which are one measurement, the first is.
     ///
     /// # Errors
-    /// `NotACovariance` for a standard deviation that is not positive.
-    pub fn independent(observations: &Observations, sd: &[f64; 7]) -> Result<Self, DiagnosisError> {
-        Self::new(observations.numbers().into_iter().map(|numbers| {
-            let variances = numbers.iter().map(|(_, number)| sd[*number].powi(2));
-            let variances = DVector::from_iterator(numbers.len(), variances);
-            (numbers, DMatrix::from_diagonal(&variances))
-        }))
-    }
-
-    /// The pushes, in the order of the observations.
-    pub fn pushes(&self) -> &[PushWhitening] {
-        &self.pushes
-    }
-
-    /// How many numbers there are in all.
-    pub fn n_numbers(&self) -> usize {
-        self.pushes.iter().map(|push| push.numbers.len()).sum()
-    }
-
-    /// ln det of the covariance of everything, in SI units.
-    pub fn log_determinant(&self) -> f64 {
-        self.pushes.iter().map(|push| push.log_determinant).sum()
-    }
-}
-
-impl PushWhitening {
-    fn new(
-        push: usize,
-        numbers: Vec<(usize, usize)>,
-        covariance: DMatrix<f64>,
+    /// `NotACovariance` for a floor that is zero.
+    pub fn of_floor(
+        observations: &Observations,
+        floor: &NoiseFloor,
     ) -> Result<Self, DiagnosisError> {
-        let n = numbers.len();
-        let refused = DiagnosisError::NotACovariance { push, n_numbers: n };
-        if covariance.shape() != (n, n) {
-            return Err(refused);
+        let variance = floor.numbers.map(|floor| floor.map(|floor| floor.rms.powi(2)));
+        let mut entries = vec![Vec::new(); observations.pushes.len()];
+        for (step, push) in observations.push_of.iter().enumerate() {
+            let numbers = (0..Channels::NAMES.len()).filter(|number| variance[*number].is_some());
+            let used = numbers.filter(|number| observations.is_own(step, *number));
+            entries[*push].extend(used.map(|number| (step, number)));
         }
-        let factor = covariance.cholesky().ok_or(refused)?.unpack();
-        let log_determinant = 2.0 * factor.diagonal().iter().map(|root| root.ln()).sum::<f64>();
-        Ok(Self { numbers, factor, log_determinant })
+        let covariance = |entries: Vec<(usize, usize)>| {
+            let of = |i: usize, j: usize| {
+                let ((_, one), (_, other)) = (entries[i], entries[j]);
+                let common = if one == other { COMMON_SHARE } else { 0.0 };
+                let own = if i == j { 1.0 - COMMON_SHARE } else { 0.0 };
+                variance[one].unwrap_or_default() * (common + own)
+            };
+            (DMatrix::from_fn(entries.len(), entries.len(), of), entries)
+        };
+        Self::new(entries.into_iter().map(covariance).map(|(matrix, entries)| (entries, matrix)))
     }
 
-    /// The push's numbers: each as (step, index in [`effects::Channels`]).
-    pub fn numbers(&self) -> &[(usize, usize)] {
-        &self.numbers
+    /// How many numbers are used, over all pushes.
+    pub fn n_numbers(&self) -> usize {
+        self.blocks.iter().map(|block| block.entries.len()).sum()
     }
 
-    /// ln det of the covariance, in SI units.
-    pub fn log_determinant(&self) -> f64 {
-        self.log_determinant
+    /// The rows of [`Whitening::whiten`] that are each push's.
+    pub fn rows(&self) -> Vec<Range<usize>> {
+        let mut start = 0;
+        let rows = |block: &Block| {
+            let first = start;
+            start += block.entries.len();
+            first..start
+        };
+        self.blocks.iter().map(rows).collect()
     }
 
-    /// The covariance, in SI units.
-    pub fn covariance(&self) -> DMatrix<f64> {
-        &self.factor * self.factor.transpose()
+    /// The numbers of a push that are used, each as (step, number).
+    pub fn entries(&self, push: usize) -> &[(usize, usize)] {
+        &self.blocks[push].entries
     }
 
-    /// Turns numbers of this push, a column each set of them, into independent ones of variance 1.
-    ///
-    /// # Panics
-    /// If there are not as many rows as numbers.
-    pub fn whiten(&self, mut columns: DMatrix<f64>) -> DMatrix<f64> {
-        assert_eq!(columns.nrows(), self.numbers.len(), "a row for each number of the push");
-        // The factor of a positive definite matrix has a positive diagonal.
-        self.factor.solve_lower_triangular_mut(&mut columns);
+    /// The used ones among the numbers of each step, whitened, push after push.
+    pub fn whiten(&self, values: &[[f64; 7]]) -> DVector<f64> {
+        let mut white = DVector::zeros(self.n_numbers());
+        for (block, rows) in self.blocks.iter().zip(self.rows()) {
+            let mut part = white.rows_mut(rows.start, rows.len());
+            for (value, (step, number)) in part.iter_mut().zip(&block.entries) {
+                *value = values[*step][*number];
+            }
+            block.factor.l_dirty().solve_lower_triangular_mut(&mut part);
+        }
+        white
+    }
+
+    /// Several sets of the numbers of one push, a column each, whitened; a row for each entry.
+    pub(crate) fn whiten_columns(&self, push: usize, mut columns: DMatrix<f64>) -> DMatrix<f64> {
+        self.blocks[push].factor.l_dirty().solve_lower_triangular_mut(&mut columns);
         columns
+    }
+
+    /// ln |Σ| of all pushes together.
+    pub fn log_determinant(&self) -> f64 {
+        self.blocks.iter().map(|block| block.factor.ln_determinant()).sum()
     }
 }
 
@@ -111,28 +133,30 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
 
     #[test]
-    fn whitened_numbers_have_the_quadratic_form_of_their_covariance() {
-        let root = DMatrix::from_row_slice(3, 3, &[2.0, 0.0, 0.0, 0.3, 1.0, 0.0, -0.4, 0.2, 0.7]);
-        let covariance = &root * root.transpose();
-        let numbers = vec![(0, 0), (0, 1), (1, 0)];
-        let whitening = Whitening::new([(numbers, covariance.clone())]).unwrap();
-        let push = &whitening.pushes()[0];
-        let values = DVector::from_vec(vec![0.5, -1.2, 2.0]);
-        let whitened = push.whiten(DMatrix::from_column_slice(3, 1, values.as_slice()));
-        let expected = values.dot(&(covariance.clone().try_inverse().unwrap() * &values));
-        assert!((whitened.norm_squared() - expected).abs() < 1e-12);
-        assert!((whitening.log_determinant() - covariance.determinant().ln()).abs() < 1e-12);
-        assert!((push.covariance() - covariance).norm() < 1e-14);
-        assert_eq!(whitening.n_numbers(), 3);
+    fn whitened_residuals_have_the_quadratic_form_of_the_covariance() {
+        let matrix =
+            DMatrix::from_row_slice(3, 3, &[4.0, 1.0, 0.5, 1.0, 3.0, -1.0, 0.5, -1.0, 2.0]);
+        let other = DMatrix::from_element(1, 1, 9.0);
+        let entries = vec![(0, 0), (0, 2), (1, 2)];
+        let whitening = Whitening::new([(entries, matrix.clone()), (vec![(2, 5)], other)]).unwrap();
+        let mut values = [[f64::NAN; 7]; 3];
+        (values[0][0], values[0][2], values[1][2], values[2][5]) = (1.0, -2.0, 0.7, 6.0);
+        let white = whitening.whiten(&values);
+        let residuals = DVector::from_vec(vec![1.0, -2.0, 0.7]);
+        let square = residuals.dot(&(matrix.clone().try_inverse().unwrap() * &residuals));
+        assert!((white.rows(0, 3).norm_squared() - square).abs() < 1e-12);
+        assert!((white[3] - 2.0).abs() < 1e-15);
+        let determinant = (matrix.determinant() * 9.0).ln();
+        assert!((whitening.log_determinant() - determinant).abs() < 1e-12);
+        assert_eq!((whitening.rows(), whitening.n_numbers()), (vec![0..3, 3..4], 4));
     }
 
     #[test]
     fn what_is_no_covariance_is_refused() {
-        let numbers = vec![(0, 0), (0, 1)];
-        let indefinite = DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 2.0, 1.0]);
-        for wrong in [indefinite, DMatrix::identity(3, 3)] {
-            let error = Whitening::new([(numbers.clone(), wrong)]).unwrap_err();
-            assert!(matches!(error, DiagnosisError::NotACovariance { push: 0, n_numbers: 2 }));
+        for matrix in [DMatrix::zeros(1, 1), DMatrix::identity(2, 2)] {
+            let refused =
+                Whitening::new([(Vec::new(), DMatrix::zeros(0, 0)), (vec![(0, 0)], matrix)]);
+            assert!(matches!(refused, Err(DiagnosisError::NotACovariance { push: 1 })));
         }
     }
 }
