@@ -13,6 +13,8 @@ mod predictions;
 mod quantile;
 mod repeats;
 mod residual_map;
+mod split;
+mod whitening;
 mod worst;
 
 pub use change::{ChannelChange, change};
@@ -25,4 +27,6 @@ pub use observations::{Observations, PushName};
 pub use predictions::Predictions;
 pub use repeats::RepeatTolerance;
 pub use residual_map::{Cell, MapSettings, ResidualMap};
+pub use split::split;
+pub use whitening::{PushCovariance, Whitening};
 pub use worst::WorstPush;
