@@ -127,6 +127,12 @@ pub enum GpError {
         /// Version that can be read.
         supported: u32,
     },
+    /// Two things that were not made for each other.
+    #[error("{what} differ, so the two do not go together; make both from the same settings")]
+    Incompatible {
+        /// What differs.
+        what: &'static str,
+    },
     /// A user's kernel without a serialisable description.
     #[error("the kernel has no `KernelSpec`, so the model cannot be saved: {kernel}")]
     NotSerializable {
