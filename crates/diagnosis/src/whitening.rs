@@ -120,6 +120,21 @@ impl Whitening {
         columns
     }
 
+    /// The standard deviation of each number, as (step, number, standard deviation in its unit).
+    pub fn sd(&self) -> Vec<(usize, usize, f64)> {
+        let of = |block: &Block| {
+            let factor = block.factor.l();
+            let rows = block.entries.iter().zip(factor.row_iter().map(|row| row.norm()));
+            rows.map(|((step, number), sd)| (*step, *number, sd)).collect::<Vec<_>>()
+        };
+        self.blocks.iter().flat_map(of).collect()
+    }
+
+    /// ln |Σ| of each push.
+    pub(crate) fn log_determinants(&self) -> Vec<f64> {
+        self.blocks.iter().map(|block| block.factor.ln_determinant()).collect()
+    }
+
     /// ln |Σ| of all pushes together.
     pub fn log_determinant(&self) -> f64 {
         self.blocks.iter().map(|block| block.factor.ln_determinant()).sum()

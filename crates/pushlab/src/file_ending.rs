@@ -17,6 +17,11 @@ pub(crate) fn model(text: &str) -> Result<PathBuf, String> {
     ending(text, &["toml"])
 }
 
+/// An answer for programs.
+pub(crate) fn json(text: &str) -> Result<PathBuf, String> {
+    ending(text, &["json"])
+}
+
 fn ending(text: &str, allowed: &[&str]) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match path.extension().and_then(|ending| ending.to_str()) {

@@ -53,6 +53,20 @@ impl Terminal {
         }
     }
 
+    /// As [`Terminal::finish`], for a result whose JSON has a form of its own.
+    ///
+    /// # Errors
+    /// As [`Terminal::finish`].
+    pub(crate) fn finish_plain(&self, json: &str, text: impl Display) -> Result<()> {
+        if self.json {
+            self.print(json)
+        } else if self.quiet {
+            Ok(())
+        } else {
+            self.print(&text.to_string())
+        }
+    }
+
     /// Prints what the user asked for itself, whatever they want to see of the rest.
     ///
     /// # Errors

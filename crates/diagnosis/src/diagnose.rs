@@ -1,0 +1,113 @@
+//! Which physical effect a model lacks, how sure that is, and what else it could be.
+
+mod answer;
+mod confirmation;
+mod findings;
+mod leftover;
+mod rules;
+mod search;
+mod sentence;
+
+use effects::Effect;
+use models::{Description, Split};
+
+pub use self::answer::{
+    DataUsed, Diagnosis, EffectFinding, ErrorFall, Gain, Leftover, MadeBy, MadeFrom, MotionError,
+    NoiseOrigin, ParameterFinding, Status, Verdict,
+};
+
+use self::confirmation::Confirmation;
+use self::findings::findings;
+use self::leftover::leftover;
+use self::rules::{Claims, claims};
+use self::search::Search;
+use self::sentence::sentence;
+use crate::{DiagnosisError, NoiseModel, Nuisance, Observations, ScreenSettings, split};
+
+/// How a diagnosis is made.
+#[derive(Clone, Debug)]
+pub struct DiagnoseSettings {
+    /// Effects besides those of the catalogue.
+    pub own: Vec<&'static dyn Effect>,
+    /// The parts of the set, if they are chosen already; else a quarter is set aside.
+    pub split: Option<Split>,
+    /// Seed of that choice.
+    pub seed: u64,
+    /// Most effects that are added.
+    pub most_effects: usize,
+    /// How effects are screened.
+    pub screen: ScreenSettings,
+    /// Nominal numbers that every fit leaves open within their tolerances.
+    pub nuisances: Vec<Nuisance>,
+}
+
+impl Default for DiagnoseSettings {
+    fn default() -> Self {
+        Self {
+            own: Vec::new(),
+            split: None,
+            seed: 7,
+            most_effects: 3,
+            screen: ScreenSettings::default(),
+            nuisances: Nuisance::STANDARD.to_vec(),
+        }
+    }
+}
+
+/// What a diagnosis found, and the model with what it claims.
+#[derive(Clone, Debug)]
+pub struct Diagnosed {
+    /// The answer.
+    pub diagnosis: Diagnosis,
+    /// The model with the claimed effects at their estimates; of a group that cannot be told apart
+    /// the best one.
+    pub description: Description,
+}
+
+/// Finds the effects of the catalogue, and of `settings.own`, that a model lacks on observed steps.
+///
+/// A quarter of the clusters is set aside. On the others the noise is learnt, every effect is
+/// tested by its score with the signs of whole clusters flipped, the best are refitted together
+/// with the nominal numbers, and the best one that obeys every rule is added, up to three times.
+/// What is claimed has to predict the clusters set aside better.
+///
+/// # Errors
+/// `TooFewPushes`; `Model` for a learnt model or what an effect refuses; `NotConverged`.
+pub fn diagnose(
+    observations: &Observations,
+    model: &Description,
+    settings: &DiagnoseSettings,
+) -> Result<Diagnosed, DiagnosisError> {
+    let parts = match &settings.split {
+        Some(split) => split.clone(),
+        None => split(observations, settings.seed)?,
+    };
+    let (fitted, aside) = (observations.part(&parts.fit)?, observations.part(&parts.confirm)?);
+    let noise = NoiseModel::learn(model, &settings.own, &fitted)?;
+    let search = Search { model, fitted: &fitted, noise: &noise, settings };
+    let found = search.run()?;
+    let confirmation = Confirmation::of(&found, &aside, &noise, settings)?;
+    let left = leftover(&found, &confirmation, &fitted, settings)?;
+    let claims: Claims = claims(&found, &confirmation, &left);
+    let effects = findings(&found, &confirmation, &claims, settings);
+    let diagnosis = Diagnosis {
+        schema: Diagnosis::SCHEMA.to_owned(),
+        verdict: claims.verdict,
+        sentence: sentence(&claims, &effects, &confirmation.error, &left),
+        named: claims.named.iter().map(|id| (*id).to_owned()).collect(),
+        one_of: claims.groups.iter().map(|g| g.iter().map(|id| (*id).to_owned()).collect()).collect(),
+        error: confirmation.error.clone(),
+        effects,
+        leftover: left.summary(),
+        noise: NoiseOrigin::of(&noise),
+        data: DataUsed {
+            pushes_used: observations.pushes().len(),
+            pushes_set_aside: observations.n_pushes_set_aside(),
+            steps: observations.n_steps(),
+        },
+        split: parts,
+        made_by: None,
+    };
+    let description = found.model_with(claims.n_accepted).clone();
+    Ok(Diagnosed { diagnosis, description })
+}

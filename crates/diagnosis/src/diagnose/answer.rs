@@ -1,0 +1,224 @@
+//! The answer to "which effect is missing?", for people and programs.
+
+use models::Split;
+use serde::{Deserialize, Serialize};
+
+use crate::{FloorSource, NoiseModel};
+
+/// What a diagnosis found; written and read as `diagnosis.json` (docs/diagnosis.schema.json).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Diagnosis {
+    /// Name and version of this format.
+    pub schema: String,
+    /// What may be claimed.
+    pub verdict: Verdict,
+    /// Effects that the verdict claims, in the order of adding; empty unless it is `named`.
+    pub named: Vec<String>,
+    /// Groups of effects of which one is missing and these data cannot tell which.
+    pub one_of: Vec<Vec<String>>,
+    /// The answer in words.
+    pub sentence: String,
+    /// The error before and after, on pushes that no fit has seen.
+    pub error: ErrorFall,
+    /// Which pushes were fitted and which confirm.
+    pub split: Split,
+    /// Every effect that was asked for, those claimed first.
+    pub effects: Vec<EffectFinding>,
+    /// What the best model leaves over.
+    pub leftover: Leftover,
+    /// Where the noise was learnt.
+    pub noise: NoiseOrigin,
+    /// What was used.
+    pub data: DataUsed,
+    /// What made it, where a tool did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub made_by: Option<MadeBy>,
+}
+
+impl Diagnosis {
+    /// The format that this release writes and reads.
+    pub const SCHEMA: &str = "pushlab.diagnosis/1";
+}
+
+/// What a diagnosis may claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The effects in `named` are missing.
+    Named,
+    /// One effect of each group in `one_of` is missing.
+    OneOf,
+    /// The model fails in a way that no effect of the library explains.
+    StructureUnexplained,
+    /// Nothing is missing that these data could show.
+    NoneFound,
+    /// There are hints, and no more.
+    Weak,
+}
+
+/// An error before and after the claimed effects are added.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ErrorFall {
+    /// Root mean square of whitened residuals of the model asked about.
+    pub before: f64,
+    /// Of the model with the claimed effects.
+    pub after: f64,
+    /// Of a perfect model.
+    pub floor: f64,
+    /// (before − after)/(before − floor); none where before − floor is below twice its error.
+    pub gap_closed: Option<f64>,
+    /// What the numbers are.
+    pub unit: String,
+    /// Root mean square error of a step before, in SI units.
+    pub before_si: MotionError,
+    /// After.
+    pub after_si: MotionError,
+    /// Of a perfect model.
+    pub floor_si: MotionError,
+}
+
+/// Root mean square errors of a step's motion; none where no floor is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MotionError {
+    /// Along the body's x, in m.
+    pub dx_m: Option<f64>,
+    /// Along the body's y, in m.
+    pub dy_m: Option<f64>,
+    /// Of the turn, in rad.
+    pub dtheta_rad: Option<f64>,
+}
+
+/// What was found of one effect.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EffectFinding {
+    /// Its id.
+    pub id: String,
+    /// What may be said of it.
+    pub status: Status,
+    /// Probability of as strong a sign of any effect where none is missing; none if not tested.
+    pub p_adjusted: Option<f64>,
+    /// Share of the gap to the floor that it closes alone, on pushes that no fit has seen.
+    pub gap_closed: Option<f64>,
+    /// Gain in log predictive density on pushes that no fit has seen, in nats.
+    pub log_density_gain: Option<Gain>,
+    /// Its parameters as fitted.
+    pub parameters: Vec<ParameterFinding>,
+    /// Effects that these data can hardly tell from it.
+    pub rivals: Vec<String>,
+    /// Why it is not testable, or what else is to be known.
+    pub why: String,
+}
+
+/// What may be said of an effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// Claimed.
+    Present,
+    /// A member of a group in `one_of`.
+    Possible,
+    /// A hint.
+    Weak,
+    /// Not seen, with a limit to its size.
+    Bounded,
+    /// These data cannot show it.
+    NotTestable,
+}
+
+/// A mean with its standard error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Gain {
+    /// The sum over the confirming pushes, in nats.
+    pub mean: f64,
+    /// Its standard error, from whole pushes.
+    pub se: f64,
+}
+
+/// What was found of a parameter.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterFinding {
+    /// Its name.
+    pub name: String,
+    /// SI unit.
+    pub unit: String,
+    /// Its value when the effect is not there.
+    pub off: Option<f64>,
+    /// The best value.
+    pub estimate: Option<f64>,
+    /// Lower end of the 95 % interval.
+    pub low95: Option<f64>,
+    /// Upper end.
+    pub high95: Option<f64>,
+    /// The size that these data would show with 90 % probability.
+    pub smallest_detectable: Option<f64>,
+}
+
+/// Structure in the residuals of the best model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Leftover {
+    /// Probability of as much structure in noise.
+    pub p: Option<f64>,
+    /// Over what it shows most, in words; none where there is none.
+    pub covariate: Option<String>,
+}
+
+impl NoiseOrigin {
+    pub(super) fn of(noise: &NoiseModel) -> Self {
+        let source = match noise.source {
+            FloorSource::Repeats => "repeats",
+            FloorSource::Neighbours => "neighbours",
+        };
+        Self { source: source.to_owned(), n_cells: noise.n_cells }
+    }
+}
+
+/// Where the noise was learnt.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoiseOrigin {
+    /// `repeats` or `neighbours`.
+    pub source: String,
+    /// Groups of repeated pushes.
+    pub n_cells: usize,
+}
+
+/// What was used of a set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DataUsed {
+    /// Pushes with steps that were used.
+    pub pushes_used: usize,
+    /// Pushes without.
+    pub pushes_set_aside: usize,
+    /// Steps used.
+    pub steps: usize,
+}
+
+/// What made an answer.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MadeBy {
+    /// Name and version.
+    pub tool: String,
+    /// The command.
+    pub arguments: Vec<String>,
+    /// The files that were read.
+    pub inputs: Vec<MadeFrom>,
+}
+
+/// A file that was read.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MadeFrom {
+    /// Where.
+    pub path: String,
+    /// In lower-case hexadecimal digits.
+    pub sha256: String,
+}

@@ -1,0 +1,170 @@
+//! What may be claimed.
+
+use std::fmt;
+
+use super::confirmation::Confirmation;
+use super::leftover::Left;
+use super::search::Found;
+use super::{Gain, Verdict};
+use crate::{Fit, Nuisance};
+
+/// Rules for an effect that explains more than those before it.
+pub(super) struct Rules {
+    /// Fall of the sum of squares by the effects before.
+    pub(super) gain_so_far: f64,
+    pub(super) is_first: bool,
+}
+
+/// What speaks against naming an effect.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Objection {
+    NotSure { p: f64 },
+    Small { size: f64 },
+    LittleMore { share: f64 },
+    Undetermined { why: String },
+    WithinTolerance { parameter: &'static str },
+    NotConfirmed { gain: Gain },
+}
+
+/// The tolerance of the table's friction, which fits leave open altogether.
+const SUPPORT_TOLERANCE: f64 = 0.03;
+
+impl Rules {
+    /// Largest probability of a name, and of a hint.
+    pub(super) const NAME: f64 = 0.01;
+    pub(super) const HINT: f64 = 0.05;
+    /// Least difference of predictions over the noise; and what needs no other merit.
+    const SIZE: f64 = 0.3;
+    const LARGE: f64 = 0.75;
+    /// Least share of the gain so far that a later effect has to add.
+    const SHARE: f64 = 0.01;
+    /// Difference in twice the log likelihood that tells effects apart.
+    pub(super) const APART: f64 = 6.0;
+    /// Least gain in log density on pushes set aside, in nats and in standard errors.
+    const GAIN: f64 = 4.0;
+    const GAIN_OVER_SE: f64 = 3.0;
+
+    /// What speaks against an effect by its size alone.
+    pub(super) fn objection(&self, p: f64, gain: f64, size: f64) -> Option<Objection> {
+        let share = gain / self.gain_so_far;
+        if p > Self::NAME {
+            Some(Objection::NotSure { p })
+        } else if size < Self::SIZE {
+            Some(Objection::Small { size })
+        } else if !self.is_first && share < Self::SHARE && size < Self::LARGE {
+            Some(Objection::LittleMore { share })
+        } else {
+            None
+        }
+    }
+
+    /// What speaks against an effect by its estimate.
+    pub(super) fn objection_to(
+        &self,
+        fit: &Fit,
+        id: &str,
+        nuisances: &[Nuisance],
+    ) -> Option<Objection> {
+        let effect = fit.effects.iter().find(|effect| effect.id == id)?;
+        if let Some(why) = &effect.undetermined {
+            return Some(Objection::Undetermined { why: why.to_string() });
+        }
+        if effect.p > Self::NAME {
+            return Some(Objection::NotSure { p: effect.p });
+        }
+        let nuisance = nuisances.iter().find(|nuisance| nuisance.id == id)?;
+        let is_within = |parameter: &&crate::ParameterFit| {
+            let off = parameter.off.unwrap_or_default();
+            let tolerance = match id {
+                "support-friction" => SUPPORT_TOLERANCE * off,
+                _ => nuisance.sd(off),
+            };
+            (parameter.value - off).abs() <= 2.0 * tolerance + 2.0 * parameter.se
+        };
+        let mut within = effect.parameters.iter().filter(is_within);
+        let n_within = within.clone().count();
+        let first = within.next().filter(|_| n_within == effect.parameters.len());
+        first.map(|parameter| Objection::WithinTolerance { parameter: parameter.name })
+    }
+
+    fn confirms(gain: &Gain) -> bool {
+        gain.mean >= Self::GAIN.max(Self::GAIN_OVER_SE * gain.se)
+    }
+}
+
+impl fmt::Display for Objection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotSure { p } => write!(f, "it may be chance (p {p:.3})"),
+            Self::Small { size } => {
+                write!(f, "it changes what is predicted by {size:.2} of the noise alone")
+            }
+            Self::LittleMore { share } => {
+                let percent = 100.0 * share;
+                write!(f, "it adds {percent:.1} % to what is explained before it")
+            }
+            Self::Undetermined { why } => f.write_str(why),
+            Self::WithinTolerance { parameter } => {
+                write!(f, "{parameter} is within what the manifest leaves open")
+            }
+            Self::NotConfirmed { gain } => {
+                let Gain { mean, se } = gain;
+                write!(f, "pushes set aside gain {mean:.1} ± {se:.1} nats alone")
+            }
+        }
+    }
+}
+
+/// What may be claimed of a set.
+pub(super) struct Claims {
+    pub(super) verdict: Verdict,
+    /// Effects that are claimed, and groups of which one is.
+    pub(super) named: Vec<&'static str>,
+    pub(super) groups: Vec<Vec<&'static str>>,
+    /// Accepted effects that the pushes set aside confirm.
+    pub(super) n_accepted: usize,
+    /// Whether something is left that no effect explains.
+    pub(super) is_left: bool,
+}
+
+/// Share of the gap that a name has to close beside what is left.
+const HALF: f64 = 0.5;
+
+/// The verdict.
+pub(super) fn claims(found: &Found, confirmation: &Confirmation, left: &Left) -> Claims {
+    let n_accepted = confirmation.n_confirmed();
+    let confirmed = &found.accepted[..n_accepted];
+    let alone = confirmed.iter().filter(|one| one.rivals.is_empty());
+    let mut named: Vec<&'static str> = alone.map(|one| one.id).collect();
+    let shared = confirmed.iter().filter(|one| !one.rivals.is_empty());
+    let mut groups: Vec<Vec<&'static str>> =
+        shared.map(|one| [&[one.id], one.rivals.as_slice()].concat()).collect();
+    let is_left = left.is_left();
+    let closes = confirmation.error.gap_closed.is_none_or(|closed| closed >= HALF);
+    let has_hint = !found.refused.is_empty()
+        || n_accepted < found.accepted.len()
+        || left.p.is_some_and(|p| p <= Rules::HINT);
+    let verdict = if is_left && (n_accepted == 0 || !closes) {
+        Verdict::StructureUnexplained
+    } else if !named.is_empty() {
+        Verdict::Named
+    } else if !groups.is_empty() {
+        Verdict::OneOf
+    } else if has_hint {
+        Verdict::Weak
+    } else {
+        Verdict::NoneFound
+    };
+    if verdict == Verdict::StructureUnexplained {
+        named.clear();
+        groups.clear();
+    }
+    Claims { verdict, named, groups, n_accepted, is_left }
+}
+
+impl Confirmation {
+    /// How many of the accepted effects, in their order, predict the pushes set aside better.
+    pub(super) fn n_confirmed(&self) -> usize {
+        self.gains.iter().take_while(|gain| Rules::confirms(gain)).count()
+    }
+}

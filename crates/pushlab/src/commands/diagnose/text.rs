@@ -1,0 +1,135 @@
+//! A diagnosis in words.
+
+use std::fmt;
+
+use diagnosis::{Diagnosis, EffectFinding, ErrorFall, Gain, MotionError, ParameterFinding, Status};
+
+use crate::terminal::TITLE;
+
+/// A diagnosis of a model.
+pub(super) struct Answer<'a> {
+    pub(super) found: &'a Diagnosis,
+    /// The model's name.
+    pub(super) model: &'a str,
+}
+
+/// Width of a line of running text.
+const WIDTH: usize = 96;
+
+impl fmt::Display for Answer<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let found = self.found;
+        let data = &found.data;
+        let (steps, pushes) = (data.steps, data.pushes_used);
+        writeln!(f, "{TITLE}{}{TITLE:#} on {steps} steps of {pushes} pushes", self.model)?;
+        let (fitted, aside) = (found.split.fit.len(), found.split.confirm.len());
+        writeln!(f, "  fitted to {fitted}, confirmed on {aside}")?;
+        let cells = found.noise.n_cells;
+        match found.noise.source.as_str() {
+            "repeats" => writeln!(f, "  noise from {cells} groups of repeated pushes")?,
+            _ => writeln!(f, "  noise estimated from {cells} pairs of neighbours: no repeats")?,
+        }
+        for line in wrapped(&found.sentence) {
+            writeln!(f, "{TITLE}{line}{TITLE:#}")?;
+        }
+        write_error(f, &found.error)?;
+        for (status, title) in [
+            (Status::Present, "claimed"),
+            (Status::Possible, "one of these"),
+            (Status::Weak, "hints"),
+        ] {
+            let effects: Vec<_> =
+                found.effects.iter().filter(|effect| effect.status == status).collect();
+            if !effects.is_empty() {
+                writeln!(f, "{TITLE}{title}{TITLE:#}")?;
+                effects.into_iter().try_for_each(|effect| write_effect(f, effect))?;
+            }
+        }
+        write_rest(f, &found.effects)
+    }
+}
+
+fn write_error(f: &mut fmt::Formatter<'_>, error: &ErrorFall) -> fmt::Result {
+    writeln!(f, "{TITLE}error of a step, RMS{TITLE:#}, on the pushes set aside")?;
+    let ErrorFall { before_si, after_si, floor_si, .. } = error;
+    let row = |of: fn(&MotionError) -> Option<f64>| [before_si, after_si, floor_si].map(of);
+    for (name, unit, per, values) in [
+        ("dx", "mm", 1e3, row(|one| one.dx_m)),
+        ("dy", "mm", 1e3, row(|one| one.dy_m)),
+        ("dtheta", "°", 1.0_f64.to_degrees(), row(|one| one.dtheta_rad)),
+    ] {
+        if let [Some(before), Some(after), floor] = values {
+            let (before, after) = (per * before, per * after);
+            write!(f, "  {name:8} {before:7.3} → {after:.3} {unit}")?;
+            match floor {
+                Some(floor) => writeln!(f, "  floor {:.3}", per * floor)?,
+                None => writeln!(f)?,
+            }
+        }
+    }
+    Ok(())
+}
+
+fn write_effect(f: &mut fmt::Formatter<'_>, effect: &EffectFinding) -> fmt::Result {
+    let EffectFinding { id, p_adjusted, log_density_gain, rivals, why, parameters, .. } = effect;
+    write!(f, "  {id:26}")?;
+    if let Some(p) = p_adjusted {
+        write!(f, " p {p:.4}")?;
+    }
+    if let Some(Gain { mean, se }) = log_density_gain {
+        write!(f, "  gain {mean:.0} ± {se:.0} nats")?;
+    }
+    writeln!(f)?;
+    if matches!(effect.status, Status::Present | Status::Possible) {
+        parameters.iter().try_for_each(|parameter| write_parameter(f, parameter))?;
+    }
+    if !why.is_empty() {
+        wrapped(why).into_iter().try_for_each(|line| writeln!(f, "    {line}"))?;
+    }
+    match rivals.is_empty() {
+        true => Ok(()),
+        false => writeln!(f, "    looks like {}", rivals.join(", ")),
+    }
+}
+
+fn write_parameter(f: &mut fmt::Formatter<'_>, parameter: &ParameterFinding) -> fmt::Result {
+    let Some(estimate) = parameter.estimate else { return Ok(()) };
+    let unit = if parameter.unit == "1" { "" } else { parameter.unit.as_str() };
+    write!(f, "    {} = {estimate:.4} {unit}", parameter.name)?;
+    match (parameter.low95, parameter.high95) {
+        (Some(low), Some(high)) => writeln!(f, " ({low:.4} to {high:.4})"),
+        _ => writeln!(f),
+    }
+}
+
+/// The effects that are not claimed: named alone, for `--json` has their limits.
+fn write_rest(f: &mut fmt::Formatter<'_>, effects: &[EffectFinding]) -> fmt::Result {
+    for (status, title) in [
+        (Status::Bounded, "not seen (their limits: -o diagnosis.json)"),
+        (Status::NotTestable, "not testable with these pushes (pushlab check says why)"),
+    ] {
+        let ids = effects.iter().filter(|effect| effect.status == status);
+        let ids: Vec<&str> = ids.map(|effect| effect.id.as_str()).collect();
+        if !ids.is_empty() {
+            writeln!(f, "{TITLE}{title}{TITLE:#}")?;
+            wrapped(&ids.join(", ")).into_iter().try_for_each(|line| writeln!(f, "  {line}"))?;
+        }
+    }
+    Ok(())
+}
+
+fn wrapped(text: &str) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let last = lines.len() - 1;
+        if !lines[last].is_empty() && lines[last].chars().count() + word.chars().count() >= WIDTH {
+            lines.push(word.to_owned());
+            continue;
+        }
+        if !lines[last].is_empty() {
+            lines[last].push(' ');
+        }
+        lines[last].push_str(word);
+    }
+    lines
+}
