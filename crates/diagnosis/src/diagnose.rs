@@ -37,6 +37,8 @@ pub struct DiagnoseSettings {
     pub most_effects: usize,
     /// How effects are screened.
     pub screen: ScreenSettings,
+    /// Pushes of the set that gave no steps: told in the answer.
+    pub n_pushes_set_aside: usize,
     /// Nominal numbers that every fit leaves open within their tolerances.
     pub nuisances: Vec<Nuisance>,
 }
@@ -49,6 +51,7 @@ impl Default for DiagnoseSettings {
             seed: 7,
             most_effects: 3,
             screen: ScreenSettings::default(),
+            n_pushes_set_aside: 0,
             nuisances: Nuisance::STANDARD.to_vec(),
         }
     }
@@ -102,7 +105,7 @@ pub fn diagnose(
         noise: NoiseOrigin::of(&noise),
         data: DataUsed {
             pushes_used: observations.pushes().len(),
-            pushes_set_aside: observations.n_pushes_set_aside(),
+            pushes_set_aside: settings.n_pushes_set_aside,
             steps: observations.n_steps(),
         },
         split: parts,

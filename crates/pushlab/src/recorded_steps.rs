@@ -16,6 +16,8 @@ pub(crate) const SET_FILES: [&str; 2] = [MANIFEST_NAME, "sessions.csv"];
 pub(crate) struct RecordedSteps {
     pub(crate) table: Table,
     pub(crate) inputs: Vec<Input>,
+    /// Pushes that were found, with steps or without.
+    pub(crate) n_pushes: usize,
 }
 
 impl RecordedSteps {
@@ -37,9 +39,11 @@ impl RecordedSteps {
         });
         progress.finish();
         let report = report?;
+        let n_pushes =
+            report.summary.pushes_used + report.summary.set_aside.values().sum::<usize>();
         let mut provenance = provenance(set, &report);
         let inputs = recorded_inputs(set, &report, &mut provenance)?;
-        Ok(Self { table: Table { rows, provenance }, inputs })
+        Ok(Self { table: Table { rows, provenance }, inputs, n_pushes })
     }
 }
 

@@ -3,6 +3,7 @@
 mod compare;
 mod completions;
 mod describe;
+mod diagnose;
 mod effects;
 mod generate;
 mod ingest;
@@ -27,6 +28,7 @@ pub(crate) enum Command {
     Effects(effects::Args),
     Generate(generate::Args),
     Compare(compare::Args),
+    Diagnose(diagnose::Args),
     Completions(completions::Args),
 }
 
@@ -45,6 +47,7 @@ impl Command {
             Self::Effects(args) => effects::run(args, terminal),
             Self::Generate(args) => generate::run(args, terminal),
             Self::Compare(args) => compare::run(args, terminal),
+            Self::Diagnose(args) => diagnose::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
         }
     }

@@ -61,8 +61,14 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let recorded = RecordedSteps::read(&set, &steady_ingest(), terminal)?;
     origin.inputs.extend(recorded.inputs);
     let observations = Observations::steady(&recorded.table, set.manifest())?;
-    let split = model.split.clone().filter(|split| observations.fits(split));
-    let settings = DiagnoseSettings { split, seed: args.seed, ..DiagnoseSettings::default() };
+    let split = model.split.clone().filter(|split| observations.are_of(split));
+    let n_pushes_set_aside = recorded.n_pushes - observations.pushes().len();
+    let settings = DiagnoseSettings {
+        split,
+        seed: args.seed,
+        n_pushes_set_aside,
+        ..DiagnoseSettings::default()
+    };
     let mut found = diagnose(&observations, &model.description, &settings)?.diagnosis;
     found.made_by = Some(made_by(&origin));
     if let Some(output) = output {
