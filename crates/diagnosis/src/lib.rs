@@ -7,6 +7,7 @@ mod comparison;
 mod covariate;
 mod error;
 mod errors;
+mod fit;
 mod noise_floor;
 mod observations;
 mod predictions;
@@ -22,6 +23,10 @@ pub use comparison::{Comparison, compare};
 pub use covariate::Covariate;
 pub use error::DiagnosisError;
 pub use errors::ChannelError;
+pub use fit::{
+    EffectFit, Fit, FitSettings, Interval, Nuisance, NuisanceFit, ParameterFit, Resemblance,
+    Undetermined, fit,
+};
 pub use noise_floor::{Floor, FloorSource, NoiseFloor, noise_floor};
 pub use observations::{Observations, PushName};
 pub use predictions::Predictions;
