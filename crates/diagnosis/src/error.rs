@@ -35,18 +35,6 @@ pub enum DiagnosisError {
     /// Nothing that was measured, nor a prior, depends on a number that is to be fitted.
     #[error("nothing depends on one of the numbers to be fitted; free fewer")]
     Flat,
-    /// A fit ended before it reached its tolerance.
-    #[error(
-        "the fit did not converge in {iterations} iterations (still {} standard errors off); free \
-         fewer parameters, or start from a model that is nearer",
-        decrement.sqrt()
-    )]
-    NotConverged {
-        /// Steps taken.
-        iterations: usize,
-        /// Squared distance to the minimum of the quadratic there, in standard errors.
-        decrement: f64,
-    },
     /// The data do not determine an effect.
     #[error("{effect} cannot be determined: {why}")]
     Undetermined {
@@ -54,6 +42,19 @@ pub enum DiagnosisError {
         effect: &'static str,
         /// Why, and what to do.
         why: Undetermined,
+    },
+    /// A search did not end.
+    #[error(
+        "{what} did not converge: after {iterations} iterations the likelihood still rises by \
+         {decrement:e}; check the recordings for pushes that do not belong"
+    )]
+    NotConverged {
+        /// What was searched for.
+        what: &'static str,
+        /// Iterations.
+        iterations: usize,
+        /// Twice the gain in log likelihood that a further step would expect.
+        decrement: f64,
     },
     /// The table or the model was refused.
     #[error(transparent)]

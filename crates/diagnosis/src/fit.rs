@@ -4,7 +4,6 @@ mod descent;
 mod estimates;
 mod interval;
 mod member;
-mod nuisance;
 mod problem;
 mod resemblance;
 mod robust;
@@ -19,7 +18,6 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 pub use self::interval::Interval;
-pub use self::nuisance::Nuisance;
 pub use self::resemblance::Resemblance;
 pub use self::undetermined::Undetermined;
 
@@ -27,18 +25,15 @@ use self::estimates::estimates;
 use self::problem::Problem;
 use self::robust::Robust;
 use self::space::Space;
-use crate::{DiagnosisError, Observations, Whitening};
+use crate::{DiagnosisError, NoiseModel, Observations, Tolerances, Whitening};
 
 /// What a fit moves beside what it is asked for, and what it tells.
 #[derive(Clone, Debug)]
 pub struct FitSettings {
     /// Effects besides those of the catalogue.
     pub own: Vec<&'static dyn Effect>,
-    /// Effects that are always moved and written, where a channel shows them: the friction of the
-    /// table, which changes little else than the force.
-    pub open: Vec<&'static str>,
-    /// Nominal numbers that are left open within their tolerances.
-    pub nuisances: Vec<Nuisance>,
+    /// How exactly the nominal values are known: they are nuisances of every fit.
+    pub tolerances: Tolerances,
     /// Whether standard errors in the model are priors: right where they come from other
     /// recordings. Without, what has one is fitted anew.
     pub priors: bool,
@@ -48,8 +43,8 @@ pub struct FitSettings {
 
 impl Default for FitSettings {
     fn default() -> Self {
-        let (open, nuisances) = (vec!["support-friction"], Nuisance::STANDARD.to_vec());
-        Self { own: Vec::new(), open, nuisances, priors: true, intervals: true }
+        let tolerances = Tolerances::default();
+        Self { own: Vec::new(), tolerances, priors: true, intervals: true }
     }
 }
 
@@ -132,8 +127,8 @@ pub struct NuisanceFit {
     pub unit: &'static str,
     /// What it was taken to be.
     pub nominal: f64,
-    /// How far it was left open, as a standard deviation.
-    pub tolerance: f64,
+    /// Its standard error beforehand; none where it was left open.
+    pub tolerance: Option<f64>,
     /// The estimate.
     pub value: f64,
     /// Its standard error.
@@ -172,6 +167,24 @@ pub fn fit(
     let mut problem = Problem::new(space, whitening, robust);
     let found = problem.search()?;
     estimates(&problem, &found, observations, model, settings)
+}
+
+/// The same with the covariance of a noise model: linearised about the model, and once more about
+/// what was fitted with it, for pushes at the edge of sliding change sides.
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_with_noise(
+    observations: &Observations,
+    model: &Description,
+    free: &[&str],
+    noise: &NoiseModel,
+    settings: &FitSettings,
+) -> Result<Fit, DiagnosisError> {
+    let whitening = |model| noise.whitening(model, &settings.own, observations);
+    let first = FitSettings { intervals: false, ..settings.clone() };
+    let first = fit(observations, model, free, &whitening(model)?, &first)?;
+    fit(observations, model, free, &whitening(&first.with_nuisances)?, settings)
 }
 
 impl Fit {

@@ -99,11 +99,19 @@ impl Problem<'_> {
                 return Ok(quadratic.end(at, whole, iterations));
             }
             if is_fresh && self.narrow(&mut widths) {
-                return Err(DiagnosisError::NotConverged { iterations, decrement });
+                return Err(DiagnosisError::NotConverged {
+                    what: "the fit",
+                    iterations,
+                    decrement,
+                });
             }
             damping = DAMPING;
         }
-        Err(DiagnosisError::NotConverged { iterations: MAX_ITERATIONS, decrement: last })
+        Err(DiagnosisError::NotConverged {
+            what: "the fit",
+            iterations: MAX_ITERATIONS,
+            decrement: last,
+        })
     }
 
     /// The quadratic at a place, over the numbers that do not press against a bound.

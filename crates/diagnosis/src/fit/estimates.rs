@@ -57,7 +57,7 @@ pub(super) fn estimates(
         description: ending.description(model, &source, |part| part != Part::Nuisance)?,
         with_nuisances: ending.description(model, &source, |_| true)?,
         effects: effects.collect::<Result<_, _>>()?,
-        nuisances: nuisances.flat_map(|(index, _)| ending.nuisance(index)).collect(),
+        nuisances: nuisances.flat_map(|(index, _)| ending.nuisance(index, settings)).collect(),
         coordinates: minimum.moved.iter().map(|k| names[*k].clone()).collect(),
         covariance: ending.sandwich.covariance.clone(),
         cluster,
@@ -200,7 +200,7 @@ impl Ending<'_> {
         (!is_seen).then_some(Undetermined::Invisible)
     }
 
-    fn nuisance(&self, index: usize) -> Vec<NuisanceFit> {
+    fn nuisance(&self, index: usize, settings: &FitSettings) -> Vec<NuisanceFit> {
         let member = &self.problem.space.members[index];
         let (values, [covariance, _]) = self.values(index);
         let parameters = member.parameters().iter().zip(values).enumerate();
@@ -209,7 +209,7 @@ impl Ending<'_> {
             name: parameter.name,
             unit: parameter.unit,
             nominal: member.start[k],
-            tolerance: member.prior_sd[k],
+            tolerance: settings.tolerances.of(member.id()).filter(|sd| sd.is_finite()),
             value,
             se: covariance[(k, k)].sqrt(),
         };

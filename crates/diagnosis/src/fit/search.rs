@@ -62,7 +62,11 @@ impl Problem<'_> {
             }
             start.is_final = false;
         }
-        Err(DiagnosisError::NotConverged { iterations: MOST_ROUNDS, decrement: f64::INFINITY })
+        Err(DiagnosisError::NotConverged {
+            what: "the fit",
+            iterations: MOST_ROUNDS,
+            decrement: f64::INFINITY,
+        })
     }
 
     fn switched_on(&self, x: &[f64]) -> Vec<f64> {

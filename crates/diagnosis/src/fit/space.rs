@@ -12,6 +12,10 @@ use super::FitSettings;
 use super::member::{Chart, Member, Part};
 use crate::{DiagnosisError, Observations};
 
+/// The friction of the table changes little but the force, and every force shows it: it is moved
+/// and written wherever there are forces.
+const OPEN: &str = "support-friction";
+
 /// A model whose effects stand at any place, on observed steps.
 #[derive(Clone, Debug)]
 pub(super) struct Space<'a> {
@@ -48,18 +52,18 @@ impl<'a> Space<'a> {
         };
         let mut ids: Vec<&str> = asked.to_vec();
         ids.extend(model.effects.iter().map(|effect| effect.id.as_str()));
-        ids.extend(&settings.open);
-        ids.extend(settings.nuisances.iter().map(|nuisance| nuisance.id));
+        let known = effects::all().iter().map(|effect| effect.about().id);
+        ids.extend(known.filter(|id| settings.tolerances.of(id).is_some()));
         let (mut members, mut seen) = (Vec::new(), Vec::new());
         for id in ids {
             let effect = find(id).map_err(models::ModelError::from)?;
             if !seen.contains(&effect.about().id) {
                 seen.push(effect.about().id);
                 let carried = model.effects.iter().find(|carried| carried.id == id);
-                let is_shown = observations.show(effect.about().reaches);
+                let is_open = id == OPEN && observations.show(effect.about().reaches);
                 let wish = match asked.contains(&id) {
                     true => Some(Part::Asked),
-                    false => (settings.open.contains(&id) && is_shown).then_some(Part::Carried),
+                    false => is_open.then_some(Part::Carried),
                 };
                 members.extend(member(effect, wish, carried, &rig, settings)?);
             }
@@ -179,18 +183,17 @@ fn member(
     let se = |name: &str| carried.and_then(|c| c.parameters.get(name)).map_or(0.0, |e| e.se);
     let se: Vec<f64> = about.parameters.iter().map(|parameter| se(parameter.name)).collect();
     let is_estimate = se.iter().any(|se| *se > 0.0);
-    let nuisance = settings.nuisances.iter().find(|nuisance| nuisance.id == about.id);
-    let part = match (wish, carried, nuisance) {
+    let tolerance = settings.tolerances.of(about.id);
+    let part = match (wish, carried, tolerance) {
         (Some(part), ..) => part,
         (_, Some(_), _) if is_estimate => Part::Carried,
         (_, _, Some(_)) => Part::Nuisance,
         _ => return Ok(None),
     };
     let member = Member::new(effect, part, &start, rig);
-    Ok(Some(match (part, nuisance) {
-        (Part::Nuisance, Some(nuisance)) => {
-            let sd: Vec<f64> = start.iter().map(|nominal| nuisance.sd(*nominal)).collect();
-            member.with_prior(&sd)
+    Ok(Some(match (part, tolerance) {
+        (Part::Nuisance, Some(tolerance)) if tolerance.is_finite() => {
+            member.with_prior(&vec![tolerance; start.len()])
         }
         _ if is_estimate && settings.priors => member.with_prior(&se),
         _ => member,
