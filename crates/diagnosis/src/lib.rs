@@ -10,6 +10,7 @@ mod coverage;
 mod error;
 mod error_shapes;
 mod errors;
+mod fit;
 mod noise_floor;
 mod noise_model;
 mod observations;
@@ -36,6 +37,10 @@ pub use covariate::Covariate;
 pub use coverage::Coverage;
 pub use error::DiagnosisError;
 pub use errors::ChannelError;
+pub use fit::{
+    EffectFit, Fit, FitSettings, Interval, NuisanceFit, ParameterFit, Resemblance, Undetermined,
+    fit, fit_with_noise,
+};
 pub use noise_floor::{Floor, FloorSource, NoiseFloor, noise_floor};
 pub use noise_model::{ErrorSource, NoiseModel};
 pub use observations::{Observations, PushName};

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::fmt;
 
 use dataset::{Flags, MANIFEST_NAME, Manifest, StepRow, SupportSpec, Table};
-use effects::Track;
+use effects::{Channel, Channels, Track};
 use models::{ChannelObservation, ChannelSteps, SetAside, SetAsideReason, Split, StepSelection};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -22,6 +22,8 @@ pub struct Observations {
     pub(crate) support: SupportSpec,
     /// SHA-256 over the hashes of the recordings.
     pub(crate) set: String,
+    /// The set's name in its manifest.
+    name: String,
     set_aside: SetAside,
 }
 
@@ -119,6 +121,7 @@ impl Observations {
             pushes,
             support: manifest.support,
             set: set_digest(table),
+            name: manifest.name.clone(),
             set_aside,
         };
         observations.checked()
@@ -144,6 +147,7 @@ impl Observations {
             pushes: kept.iter().map(|push| self.pushes[*push].clone()).collect(),
             support: self.support,
             set: self.set.clone(),
+            name: self.name.clone(),
             set_aside: self.set_aside.clone(),
         };
         part.checked()
@@ -152,6 +156,20 @@ impl Observations {
     /// Whether a split is of these recordings.
     pub fn are_of(&self, split: &Split) -> bool {
         split.set == self.set
+    }
+
+    /// Whether a number of one of the channels was observed at some step.
+    pub(crate) fn show(&self, channels: &[Channel]) -> bool {
+        let is_shown = |(number, value): (usize, &Option<f64>)| {
+            value.is_some() && channels.contains(&Channels::KINDS[number])
+        };
+        self.steps.iter().any(|step| step.observed.iter().enumerate().any(is_shown))
+    }
+
+    /// What an estimate from these observations names as its source.
+    pub(crate) fn source(&self) -> String {
+        let (pushes, steps) = (self.pushes.len(), self.steps.len());
+        format!("fit to {pushes} pushes ({steps} steps) of {}, sha256:{}", self.name, self.set)
     }
 
     /// Whether a number of a step is observed, and is not the gap that ends the step before.
