@@ -4,6 +4,7 @@ mod answer;
 mod confirmation;
 mod findings;
 mod leftover;
+mod nominal;
 mod rules;
 mod search;
 mod sentence;
@@ -22,7 +23,7 @@ use self::leftover::leftover;
 use self::rules::{Claims, claims};
 use self::search::Search;
 use self::sentence::sentence;
-use crate::{DiagnosisError, NoiseModel, Nuisance, Observations, ScreenSettings, split};
+use crate::{DiagnosisError, NoiseModel, Observations, ScreenSettings, split};
 
 /// How a diagnosis is made.
 #[derive(Clone, Debug)]
@@ -39,8 +40,6 @@ pub struct DiagnoseSettings {
     pub screen: ScreenSettings,
     /// Pushes of the set that gave no steps: told in the answer.
     pub n_pushes_set_aside: usize,
-    /// Nominal numbers that every fit leaves open within their tolerances.
-    pub nuisances: Vec<Nuisance>,
 }
 
 impl Default for DiagnoseSettings {
@@ -52,7 +51,6 @@ impl Default for DiagnoseSettings {
             most_effects: 3,
             screen: ScreenSettings::default(),
             n_pushes_set_aside: 0,
-            nuisances: Nuisance::STANDARD.to_vec(),
         }
     }
 }
@@ -111,6 +109,7 @@ pub fn diagnose(
         split: parts,
         made_by: None,
     };
-    let description = found.model_with(claims.n_accepted).clone();
+    let accepted = found.accepted[..claims.n_accepted].last();
+    let description = accepted.map_or(model, |accepted| &accepted.description).clone();
     Ok(Diagnosed { diagnosis, description })
 }

@@ -7,6 +7,7 @@ mod clusters;
 mod comparison;
 mod covariate;
 mod coverage;
+mod diagnose;
 mod error;
 mod error_shapes;
 mod errors;
@@ -35,6 +36,10 @@ pub use change::{ChannelChange, change};
 pub use comparison::{Comparison, compare};
 pub use covariate::Covariate;
 pub use coverage::Coverage;
+pub use diagnose::{
+    DataUsed, DiagnoseSettings, Diagnosed, Diagnosis, EffectFinding, ErrorFall, Gain, Leftover, MadeBy,
+    MadeFrom, MotionError, NoiseOrigin, ParameterFinding, Status, Verdict, diagnose,
+};
 pub use error::DiagnosisError;
 pub use errors::ChannelError;
 pub use fit::{

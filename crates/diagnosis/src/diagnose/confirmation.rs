@@ -38,9 +38,9 @@ impl Confirmation {
     ) -> Result<Self, DiagnosisError> {
         let n = found.accepted.len();
         let own = &settings.own;
-        let last = noise.whitening(&found.fit_with(n).with_nuisances, own, aside)?;
+        let last = noise.whitening(found.predictor(n), own, aside)?;
         let outcome = |k: usize| {
-            let model = &found.fit_with(k).with_nuisances;
+            let model = found.predictor(k);
             let residuals = Predictions::of(model, own, aside)?.residuals(aside)?;
             Outcome::of(&residuals, aside, &noise.whitening(model, own, aside)?, &last)
         };

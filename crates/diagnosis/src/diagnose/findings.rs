@@ -108,8 +108,7 @@ impl Finding<'_> {
     }
 
     fn parameters(&self, accepted: Option<usize>) -> Vec<ParameterFinding> {
-        let fits = accepted.map(|k| &self.found.accepted[k].fit.effects);
-        let fit = fits.and_then(|fits| fits.iter().find(|fit| fit.id == self.screened.id));
+        let fit = accepted.map(|k| &self.found.accepted[k].effect);
         let coordinates = &self.screened.coordinates;
         match fit {
             Some(fit) => self.fitted(fit),

@@ -29,13 +29,13 @@ pub(super) fn leftover(
     settings: &DiagnoseSettings,
 ) -> Result<Left, DiagnosisError> {
     let n = confirmation.n_confirmed();
-    let model = &found.fit_with(n).with_nuisances;
+    let model = found.predictor(n);
     let predictions = Predictions::of(model, &settings.own, fitted)?;
     let floor = noise_floor(fitted, &predictions, &RepeatTolerance::default())?;
     let map_settings = MapSettings { seed: settings.seed, ..MapSettings::default() };
     let comparison = compare(fitted, &predictions, &floor, &map_settings)?;
     let p = comparison.maps.iter().map(|map| map.p_adjusted).min_by(f64::total_cmp);
-    let sentence = comparison.findings.first().map(|finding| finding.sentence.clone());
+    let sentence = comparison.maps.first().map(|map| format!("{:?}", map.covariate));
     Ok(Left { p, sentence, rms: confirmation.rms[n] })
 }
 

@@ -6,7 +6,7 @@ use super::confirmation::Confirmation;
 use super::leftover::Left;
 use super::search::Found;
 use super::{Gain, Verdict};
-use crate::{Fit, Nuisance};
+use crate::{Fit, Tolerances};
 
 /// Rules for an effect that explains more than those before it.
 pub(super) struct Rules {
@@ -26,15 +26,12 @@ pub(super) enum Objection {
     NotConfirmed { gain: Gain },
 }
 
-/// The tolerance of the table's friction, which fits leave open altogether.
-const SUPPORT_TOLERANCE: f64 = 0.03;
-
 impl Rules {
     /// Largest probability of a name, and of a hint.
     pub(super) const NAME: f64 = 0.01;
     pub(super) const HINT: f64 = 0.05;
     /// Least difference of predictions over the noise; and what needs no other merit.
-    const SIZE: f64 = 0.3;
+    pub(super) const SIZE: f64 = 0.3;
     const LARGE: f64 = 0.75;
     /// Least share of the gain so far that a later effect has to add.
     const SHARE: f64 = 0.01;
@@ -63,7 +60,7 @@ impl Rules {
         &self,
         fit: &Fit,
         id: &str,
-        nuisances: &[Nuisance],
+        tolerances: &Tolerances,
     ) -> Option<Objection> {
         let effect = fit.effects.iter().find(|effect| effect.id == id)?;
         if let Some(why) = &effect.undetermined {
@@ -72,13 +69,9 @@ impl Rules {
         if effect.p > Self::NAME {
             return Some(Objection::NotSure { p: effect.p });
         }
-        let nuisance = nuisances.iter().find(|nuisance| nuisance.id == id)?;
+        let tolerance = tolerances.of(id).filter(|tolerance| tolerance.is_finite())?;
         let is_within = |parameter: &&crate::ParameterFit| {
             let off = parameter.off.unwrap_or_default();
-            let tolerance = match id {
-                "support-friction" => SUPPORT_TOLERANCE * off,
-                _ => nuisance.sd(off),
-            };
             (parameter.value - off).abs() <= 2.0 * tolerance + 2.0 * parameter.se
         };
         let mut within = effect.parameters.iter().filter(is_within);

@@ -6,7 +6,7 @@ use models::Description;
 use super::DiagnoseSettings;
 use super::rules::{Objection, Rules};
 use crate::{
-    DiagnosisError, Fit, FitSettings, NoiseModel, Observations, Predictions, Screen, Whitening, fit,
+    DiagnosisError, EffectFit, Fit, FitSettings, NoiseModel, Observations, Predictions, Screen, Whitening, fit,
     screen,
 };
 
@@ -20,8 +20,8 @@ pub(super) struct Search<'a> {
 
 /// What a search found.
 pub(super) struct Found {
-    /// The model asked about, its nuisances fitted.
-    pub(super) base: Fit,
+    /// The model asked about: its nuisances fitted, but for those that are claimed to be wrong.
+    pub(super) base: Description,
     /// The screen of the model asked about.
     pub(super) first_screen: Screen,
     /// The screen of the last model.
@@ -33,19 +33,23 @@ pub(super) struct Found {
 }
 
 /// An effect that was added.
+#[derive(Clone)]
 pub(super) struct Accepted {
     pub(super) id: &'static str,
     pub(super) p_adjusted: f64,
     /// Effects that explain as much.
     pub(super) rivals: Vec<&'static str>,
+    /// The effect as fitted beside those before it.
+    pub(super) effect: EffectFit,
     /// The model with it, and those before.
-    pub(super) fit: Fit,
+    pub(super) description: Description,
+    /// The same with the nuisances, for predictions.
+    pub(super) with_nuisances: Description,
 }
 
 /// An effect that passed the screen and was not added.
 pub(super) struct Refused {
     pub(super) id: &'static str,
-    pub(super) p_adjusted: f64,
     pub(super) objection: Objection,
 }
 
@@ -63,16 +67,12 @@ const MOST_REFITS: usize = 6;
 const LEAST_SHARE: f64 = 0.05;
 
 impl Found {
-    /// The model with the first `n` accepted effects.
-    pub(super) fn fit_with(&self, n: usize) -> &Fit {
+    /// The model with the first `n` accepted effects and the nuisances, for predictions.
+    pub(super) fn predictor(&self, n: usize) -> &Description {
         match n {
             0 => &self.base,
-            _ => &self.accepted[n - 1].fit,
+            _ => &self.accepted[n - 1].with_nuisances,
         }
-    }
-
-    pub(super) fn model_with(&self, n: usize) -> &Description {
-        &self.fit_with(n).description
     }
 }
 
@@ -80,10 +80,10 @@ impl Search<'_> {
     pub(super) fn run(&self) -> Result<Found, DiagnosisError> {
         let own = &self.settings.own;
         let mut whitening = self.noise.whitening(self.model, own, self.fitted)?;
-        let base = self.fit(&[], &whitening, false)?;
-        let first_screen = self.screen(&base.description)?;
+        let mut here = self.fit(&[], &whitening, false)?;
+        let first_screen = self.screen(&here.description)?;
         let mut found = Found {
-            base,
+            base: here.with_nuisances.clone(),
             last_screen: first_screen.clone(),
             first_screen,
             accepted: Vec::new(),
@@ -91,16 +91,17 @@ impl Search<'_> {
         };
         while found.accepted.len() < self.settings.most_effects {
             let known: Vec<&'static str> = found.accepted.iter().map(|one| one.id).collect();
-            let here = found.fit_with(known.len());
             whitening = self.noise.whitening(&here.with_nuisances, own, self.fitted)?;
-            let here = self.fit(&known, &whitening, false)?;
-            let (accepted, refused) = self.next(&here, &known, &found, &whitening)?;
+            here = self.fit(&known, &whitening, false)?;
+            let (best, refused) = self.next(&here, &known, &found.last_screen, &whitening)?;
             found.refused.extend(refused);
-            let Some(accepted) = accepted else { break };
+            let Some((accepted, fit)) = best else { break };
             found.refused.retain(|one| one.id != accepted.id);
-            found.last_screen = self.screen(&accepted.fit.description)?;
+            found.last_screen = self.screen(&fit.description)?;
             found.accepted.push(accepted);
+            here = fit;
         }
+        self.add_nominal(&mut found, &here, &whitening)?;
         Ok(found)
     }
 
@@ -109,10 +110,10 @@ impl Search<'_> {
         &self,
         here: &Fit,
         known: &[&'static str],
-        found: &Found,
+        screen: &Screen,
         whitening: &Whitening,
-    ) -> Result<(Option<Accepted>, Vec<Refused>), DiagnosisError> {
-        let mut attempts = self.attempts(known, &found.last_screen, whitening)?;
+    ) -> Result<(Option<(Accepted, Fit)>, Vec<Refused>), DiagnosisError> {
+        let mut attempts = self.attempts(known, screen, whitening)?;
         let cost =
             |attempt: &Attempt| misfit(&attempt.fit, whitening) + 2.0 * attempt.freedom as f64;
         attempts.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
@@ -124,25 +125,22 @@ impl Search<'_> {
         let rules = Rules { gain_so_far, is_first: known.is_empty() };
         let mut refused = Vec::new();
         for (index, attempt) in attempts.iter().enumerate() {
-            let gain = misfit(here, whitening) - misfit(&attempt.fit, whitening);
-            let size = self.size(here, &attempt.fit)?;
-            let ids: Vec<&str> = known.iter().copied().chain([attempt.id]).collect();
             let Attempt { id, p_adjusted, .. } = *attempt;
-            let objection = match rules.objection(p_adjusted, gain, size) {
-                Some(objection) => Some(objection),
-                None => {
-                    let whole = self.fit(&ids, whitening, true)?;
-                    match rules.objection_to(&whole, id, &self.settings.nuisances) {
-                        Some(objection) => Some(objection),
-                        None => {
-                            let rivals = rivals(&attempts, index, whitening);
-                            let accepted = Accepted { id, p_adjusted, rivals, fit: whole };
-                            return Ok((Some(accepted), refused));
-                        }
-                    }
+            let gain = misfit(here, whitening) - misfit(&attempt.fit, whitening);
+            let size = self.size(&here.with_nuisances, &attempt.fit.with_nuisances)?;
+            let mut objection = rules.objection(p_adjusted, gain, size);
+            if objection.is_none() {
+                let ids: Vec<&str> = known.iter().copied().chain([id]).collect();
+                let whole = self.fit(&ids, whitening, true)?;
+                objection = rules.objection_to(&whole, id, &self.settings.screen.tolerances);
+                if objection.is_none()
+                    && let Some(accepted) = Accepted::of(&whole, id, p_adjusted)
+                {
+                    let rivals = rivals(&attempts, index, whitening);
+                    return Ok((Some((Accepted { rivals, ..accepted }, whole)), refused));
                 }
-            };
-            refused.extend(objection.map(|objection| Refused { id, p_adjusted, objection }));
+            }
+            refused.extend(objection.map(|objection| Refused { id, objection }));
         }
         Ok((None, refused))
     }
@@ -174,38 +172,50 @@ impl Search<'_> {
 
     /// The largest root mean square difference that two models' predictions have in one number of a
     /// step, over the standard deviation of its noise.
-    fn size(&self, one: &Fit, other: &Fit) -> Result<f64, DiagnosisError> {
+    pub(super) fn size(
+        &self,
+        one: &Description,
+        other: &Description,
+    ) -> Result<f64, DiagnosisError> {
         let own = &self.settings.own;
-        let predict = |fit: &Fit| Predictions::of(&fit.with_nuisances, own, self.fitted);
+        let predict = |model: &Description| Predictions::of(model, own, self.fitted);
         let (one, other) = (predict(one)?, predict(other)?);
         let sd = self.noise.whitening(self.model, own, self.fitted)?.sd();
         let of_number = |number: usize| {
-            let mut squares = (0.0, 0);
-            for (step, number, sd) in sd.iter().filter(|(_, other, _)| *other == number) {
-                let values = [&one, &other].map(|p| p.values[*step][*number]);
-                if let [Some(a), Some(b)] = values {
-                    squares = (squares.0 + ((a - b) / sd).powi(2), squares.1 + 1);
-                }
-            }
-            (squares.0 / f64::from(squares.1.max(1))).sqrt()
+            let own = sd.iter().filter(|(_, other, _)| *other == number);
+            let squares: Vec<f64> = own
+                .filter_map(|(step, number, sd)| {
+                    let difference = one.values[*step][*number]? - other.values[*step][*number]?;
+                    Some((difference / sd).powi(2))
+                })
+                .collect();
+            (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
         };
         Ok((0..Channels::NAMES.len()).map(of_number).fold(0.0, f64::max))
     }
 
-    fn fit(
+    pub(super) fn fit(
         &self,
         ids: &[&str],
         whitening: &Whitening,
         intervals: bool,
     ) -> Result<Fit, DiagnosisError> {
-        let DiagnoseSettings { own, nuisances, .. } = self.settings;
-        let (own, nuisances) = (own.clone(), nuisances.clone());
-        let settings = FitSettings { own, nuisances, priors: true, intervals };
+        let (own, tolerances) = (self.settings.own.clone(), self.settings.screen.tolerances);
+        let settings = FitSettings { own, tolerances, priors: true, intervals };
         fit(self.fitted, self.model, ids, whitening, &settings)
     }
 
     fn screen(&self, model: &Description) -> Result<Screen, DiagnosisError> {
         screen(model, &self.settings.own, self.fitted, self.noise, &self.settings.screen)
+    }
+}
+
+impl Accepted {
+    /// An effect of a fit, without rivals.
+    pub(super) fn of(fit: &Fit, id: &'static str, p_adjusted: f64) -> Option<Self> {
+        let effect = fit.effects.iter().find(|effect| effect.id == id)?.clone();
+        let (description, with_nuisances) = (fit.description.clone(), fit.with_nuisances.clone());
+        Some(Self { id, p_adjusted, rivals: Vec::new(), effect, description, with_nuisances })
     }
 }
 
