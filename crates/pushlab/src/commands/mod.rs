@@ -1,9 +1,11 @@
 //! The commands: one file each, with its arguments and its work, and one list.
 
+mod add;
 mod compare;
 mod completions;
 mod describe;
 mod effects;
+mod fit;
 mod generate;
 mod ingest;
 mod init;
@@ -27,6 +29,8 @@ pub(crate) enum Command {
     Effects(effects::Args),
     Generate(generate::Args),
     Compare(compare::Args),
+    Fit(fit::Args),
+    Add(add::Args),
     Completions(completions::Args),
 }
 
@@ -45,6 +49,8 @@ impl Command {
             Self::Effects(args) => effects::run(args, terminal),
             Self::Generate(args) => generate::run(args, terminal),
             Self::Compare(args) => compare::run(args, terminal),
+            Self::Fit(args) => fit::run(args, terminal),
+            Self::Add(args) => add::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
         }
     }
