@@ -4,6 +4,7 @@ mod cells;
 mod described;
 mod figure;
 mod page;
+mod words;
 
 use std::fs;
 use std::path::{Path, PathBuf};
