@@ -4,8 +4,11 @@ use std::collections::{HashMap, HashSet};
 use std::fmt;
 
 use dataset::{Flags, MANIFEST_NAME, Manifest, StepRow, SupportSpec, Table};
-use effects::{Channel, Channels, Track};
-use models::{ChannelObservation, ChannelSteps, SetAside, SetAsideReason, Split, StepSelection};
+use effects::{About, Channel, Channels, Track};
+use models::{
+    ChannelModel, ChannelObservation, ChannelSteps, Description, SetAside, SetAsideReason, Split,
+    StepSelection,
+};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
@@ -156,6 +159,16 @@ impl Observations {
     /// Whether a split is of these recordings.
     pub fn are_of(&self, split: &Split) -> bool {
         split.set == self.set
+    }
+
+    /// Values at which an effect changes nothing of a model on these steps.
+    ///
+    /// # Errors
+    /// `Model` for a learnt model, or for what the model refuses.
+    pub fn off(&self, model: &Description, about: &About) -> Result<Vec<f64>, DiagnosisError> {
+        let model = ChannelModel::new(model, self.support, &[])?;
+        let physics = model.physics(&self.steps[0].input.object)?;
+        Ok(about.off(physics.rig()))
     }
 
     /// Whether a number of one of the channels was observed at some step.

@@ -176,7 +176,7 @@ fn contrasts(cells: &[&[(usize, f64)]], n_pushes: usize) -> Vec<Vec<f64>> {
 /// there is none, as with a single cell.
 fn whitened(sums: Vec<Vec<f64>>) -> Option<(Vec<DVector<f64>>, f64)> {
     let sums: Vec<DVector<f64>> = sums.into_iter().map(DVector::from_vec).collect();
-    let n = sums.first()?.len();
+    let n = sums.first().map(DVector::len).filter(|n| *n > 0)?;
     let scatter = sums.iter().fold(DMatrix::zeros(n, n), |all, sum| all + sum * sum.transpose());
     let eigen = scatter.symmetric_eigen();
     let least = 1e-10 * eigen.eigenvalues.max();

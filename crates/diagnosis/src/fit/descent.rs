@@ -49,8 +49,11 @@ const MAX_ITERATIONS: usize = 60;
 const CONVERGED: f64 = 1e-4;
 /// The same where the sum alone counts.
 const SETTLED: f64 = 1e-3;
-/// Where no step leads further down, a tenth of a standard error is near enough.
-const STUCK: f64 = 1e-2;
+/// Where no step leads further down, a fifth of a standard error is near enough: predictions jump a
+/// little where pushes come to slide or let go. What is left widens the errors of the estimates.
+const STUCK: f64 = 0.04;
+/// Where slopes over the narrowest secants lead no further either, half of one.
+const AT_MOST: f64 = 0.25;
 /// Slopes that leave more than this of the distance are worked out anew.
 const SLOW: f64 = 0.3;
 /// Damping at first, and of slopes that were just worked out.
@@ -99,6 +102,9 @@ impl Problem<'_> {
                 return Ok(quadratic.end(at, whole, iterations));
             }
             if is_fresh && self.narrow(&mut widths) {
+                if decrement < AT_MOST {
+                    return Ok(quadratic.end(at, whole, iterations));
+                }
                 return Err(DiagnosisError::NotConverged {
                     what: "the fit",
                     iterations,

@@ -30,7 +30,7 @@ pub(super) struct Target {
     pub(super) quantile: f64,
 }
 
-/// Refits a side.
+/// Refits of a side.
 const MOST_REFITS: usize = 8;
 /// Share of the quantile to which an end is found.
 const NEAR: f64 = 0.02;

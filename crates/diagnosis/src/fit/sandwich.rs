@@ -23,7 +23,7 @@ impl Sandwich {
     /// With A the curvature, u and A₁ a cluster's share of the slope and of A, leaving the cluster
     /// out moves the estimate by δ = (A − A₁)⁻¹u; V = (G−1)/G Σ δδᵀ + A⁻¹PA⁻¹, with P the priors'
     /// share of A, for each prior stands for one measurement of its own. To each variance
-    /// (1 % of the estimate)² is added.
+    /// (1 % of the estimate)² is added, and to V what the descent left undone.
     ///
     /// # Source
     /// Bell & McCaffrey (2002), Bias reduction in standard errors for linear regression with
@@ -51,10 +51,12 @@ impl Sandwich {
         let first = problem.whitening.n_numbers();
         let priors = slopes.rows(first, slopes.nrows() - first);
         let of_priors = &inverse * (priors.transpose() * priors) * &inverse;
+        let of_curvature = &inverse * problem.robust.scale().powi(2);
         let mut covariance = sum * ((n_clusters - 1.0) / n_clusters) + of_priors;
+        covariance += minimum.decrement * &of_curvature;
         for (column, &k) in moved.iter().enumerate() {
             covariance[(column, column)] += (MODEL_TOLERANCE * at.x[k]).powi(2);
         }
-        Some(Self { covariance, of_curvature: inverse * problem.robust.scale().powi(2) })
+        Some(Self { covariance, of_curvature })
     }
 }

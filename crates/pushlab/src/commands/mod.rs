@@ -1,10 +1,12 @@
 //! The commands: one file each, with its arguments and its work, and one list.
 
+mod add;
 mod compare;
 mod completions;
 mod describe;
 mod diagnose;
 mod effects;
+mod fit;
 mod generate;
 mod ingest;
 mod init;
@@ -29,6 +31,8 @@ pub(crate) enum Command {
     Generate(generate::Args),
     Compare(compare::Args),
     Diagnose(diagnose::Args),
+    Fit(fit::Args),
+    Add(add::Args),
     Completions(completions::Args),
 }
 
@@ -48,6 +52,8 @@ impl Command {
             Self::Generate(args) => generate::run(args, terminal),
             Self::Compare(args) => compare::run(args, terminal),
             Self::Diagnose(args) => diagnose::run(args, terminal),
+            Self::Fit(args) => fit::run(args, terminal),
+            Self::Add(args) => add::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
         }
     }

@@ -6,6 +6,7 @@ mod bad_input;
 mod commands;
 mod comparison;
 mod documentation;
+mod fitting;
 mod generated;
 mod small_set;
 mod usage;

@@ -5,6 +5,8 @@ mod list;
 mod parameters;
 mod show;
 
+pub(super) use self::parameters::Parameters;
+
 use anyhow::Result;
 use clap::Subcommand;
 

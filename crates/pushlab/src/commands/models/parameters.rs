@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use models::{Analytical, Base, CharacteristicLength, Estimate, ModelEffect, ModelFile, OUTPUTS};
+use models::{
+    Analytical, Base, CharacteristicLength, Cluster, Estimate, ModelEffect, ModelFile, OUTPUTS,
+    Split,
+};
 use serde::Serialize;
 
 use crate::terminal::TITLE;
@@ -17,6 +20,26 @@ pub(crate) struct Parameters {
     parameters: Vec<Parameter>,
     /// Outputs with a Gaussian process, for the kinds that learn.
     learned: Vec<&'static str>,
+    split: Option<Parts>,
+}
+
+/// The parts of the recordings that the model was fitted to.
+#[derive(Serialize)]
+struct Parts {
+    /// SHA-256 over the hashes of the recordings.
+    set: String,
+    seed: u64,
+    cluster: Cluster,
+    n_fit: usize,
+    n_confirm: usize,
+}
+
+impl Parts {
+    fn of(split: &Split) -> Self {
+        let Split { set, seed, cluster, fit, confirm } = split;
+        let (n_fit, n_confirm) = (fit.len(), confirm.len());
+        Self { set: set.clone(), seed: *seed, cluster: *cluster, n_fit, n_confirm }
+    }
 }
 
 #[derive(Serialize)]
@@ -45,7 +68,8 @@ impl Parameters {
             Some(_) => OUTPUTS.to_vec(),
             None => Vec::new(),
         };
-        Self { name: file.name.clone(), kind, limit_surface, parameters, learned }
+        let split = file.split.as_ref().map(Parts::of);
+        Self { name: file.name.clone(), kind, limit_surface, parameters, learned, split }
     }
 }
 
@@ -116,6 +140,10 @@ impl fmt::Display for Parameters {
         }
         for output in &self.learned {
             writeln!(f, "  {output}: Gaussian process of p and beta")?;
+        }
+        if let Some(Parts { set, seed, n_fit, n_confirm, .. }) = &self.split {
+            writeln!(f, "  fitted to {n_fit} pushes of recordings with sha256:{set};")?;
+            writeln!(f, "  {n_confirm} others are kept to confirm it (seed {seed})")?;
         }
         Ok(())
     }
