@@ -73,8 +73,7 @@ impl HeteroscedasticGp {
         let log_noise_mean = best.point[n_kernel + n_noise];
         let precisions: Vec<f64> =
             best.point[n_kernel + n_noise + 1..].iter().map(|value| value.exp()).collect();
-        let values =
-            |kernel: &dyn Kernel| kernel.parameters().iter().map(|p| p.value).collect();
+        let values = |kernel: &dyn Kernel| kernel.parameters().iter().map(|p| p.value).collect();
         let mut report = HeteroscedasticReport {
             kernel: values(&*kernel),
             noise_kernel: values(&*noise_kernel),
@@ -85,15 +84,8 @@ impl HeteroscedasticGp {
             stop: best.stop,
         };
         let (kernel, noise_kernel) = (Arc::from(kernel), Arc::from(noise_kernel));
-        let learnt = Self::condition(
-            kernel,
-            noise_kernel,
-            x,
-            y,
-            options.mean,
-            log_noise_mean,
-            precisions,
-        )?;
+        let learnt =
+            Self::condition(kernel, noise_kernel, x, y, options.mean, log_noise_mean, precisions)?;
         report.bound = learnt.bound();
         Ok((learnt, report))
     }

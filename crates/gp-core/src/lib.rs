@@ -7,6 +7,7 @@ pub mod checks;
 pub mod cholesky;
 mod error;
 mod gp;
+mod gp_rows;
 mod heteroscedastic;
 mod joint_gaussian;
 pub mod kernel;
@@ -29,8 +30,9 @@ pub use gp::{Gp, Mean};
 pub use heteroscedastic::{HeteroscedasticGp, HeteroscedasticGpModel};
 pub use joint_gaussian::JointGaussian;
 pub use kernel::{
-    ActiveInputs, Constant, Kernel, KernelSpec, Linear, Matern32, Matern32Profile, Matern52, Matern52Profile, Parameter, Periodic,
-    Product, Profile, Radial, Role, SquaredExponential, SquaredExponentialProfile, Sum, cross, gram,
+    ActiveInputs, Constant, Kernel, KernelSpec, Linear, Matern32, Matern32Profile, Matern52,
+    Matern52Profile, Parameter, Periodic, Product, Profile, Radial, Role, SquaredExponential,
+    SquaredExponentialProfile, Sum, cross, gram,
 };
 pub use learn::{HyperPrior, LearnOptions, LearnReport, StartReport, check_learnable};
 pub use learn_noise::HeteroscedasticReport;

@@ -101,8 +101,7 @@ impl<'a> NoiseBound<'a> {
             self.factor_f[(i, i)] += (noise_mean[i] - 0.5 * variance).exp();
         }
         factorize(COVARIANCE, self.factor_f.as_mut())?;
-        let (constant, weights, value) =
-            solve_residual(self.factor_f.as_ref(), self.y, self.mean);
+        let (constant, weights, value) = solve_residual(self.factor_f.as_ref(), self.y, self.mean);
         (self.constant, self.weights) = (constant, weights);
         Ok(value - 0.25 * trace - divergence)
     }
@@ -220,8 +219,8 @@ impl<'a> NoiseBound<'a> {
             let (slope, inverse) = (column_mut(&mut self.slope, j), column(&self.inverse_g, j));
             for i in j..n {
                 let scale = (precisions[i] * precisions[j]).sqrt();
-                let outer = by_log_noise[i] * beta[j] + beta[i] * by_log_noise[j]
-                    - beta[i] * beta[j];
+                let outer =
+                    by_log_noise[i] * beta[j] + beta[i] * by_log_noise[j] - beta[i] * beta[j];
                 slope[i] = scale * (slope[i] - 0.5 * inverse[i]) + 0.5 * outer;
             }
         }

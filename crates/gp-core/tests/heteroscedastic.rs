@@ -114,8 +114,7 @@ fn a_saved_model_predicts_the_same_bits() {
 fn kernels_of_different_inputs_are_refused() {
     let (x, y) = data(10, 5);
     let (kernel, other) = (SquaredExponential::unit(1).unwrap(), Matern32::unit(2).unwrap());
-    let result =
-        HeteroscedasticGp::learn(kernel, other, x.as_ref(), &y, &LearnOptions::default());
+    let result = HeteroscedasticGp::learn(kernel, other, x.as_ref(), &y, &LearnOptions::default());
     let what = "inputs of the noise kernel";
     assert_eq!(result.unwrap_err(), GpError::ShapeMismatch { what, expected: 1, actual: 2 });
 }

@@ -28,7 +28,10 @@ fn kernels(n_inputs: usize, scales: &[f64]) -> Vec<Box<dyn Kernel>> {
     let reversed = ActiveInputs::new(squared.clone(), &all, n_inputs).unwrap();
     vec![
         Box::new(Sum::new(offset.clone(), linear.clone()).unwrap()),
-        Box::new(Product::new(Sum::new(linear.clone(), squared.clone()).unwrap(), active.clone()).unwrap()),
+        Box::new(
+            Product::new(Sum::new(linear.clone(), squared.clone()).unwrap(), active.clone())
+                .unwrap(),
+        ),
         Box::new(linear),
         Box::new(offset),
         Box::new(active),

@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used)]
 
 use gp_core::GpError;
-use gp_core::scores::{calibration_curve, calibration_error, coverage, crps, msll, nlpd, nmse, rmse};
+use gp_core::scores::{
+    calibration_curve, calibration_error, coverage, crps, msll, nlpd, nmse, rmse,
+};
 
 const Y: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
 const MEAN: [f64; 4] = [1.0, 2.0, 3.0, 6.0];
@@ -74,10 +76,7 @@ fn the_calibration_curve_of_the_truth_is_the_diagonal() {
     assert!(calibration_error(&y, &[0.0; 1000], &[1.0; 1000]).unwrap() < 2e-3);
     let sharp = calibration_error(&y, &[0.0; 1000], &[1e-12; 1000]).unwrap();
     assert!((sharp - 0.5).abs() < 2e-3, "{sharp}");
-    assert!(matches!(
-        calibration_curve(&y, &y, &y, 0),
-        Err(GpError::NotPositive { .. })
-    ));
+    assert!(matches!(calibration_curve(&y, &y, &y, 0), Err(GpError::NotPositive { .. })));
 }
 
 #[test]

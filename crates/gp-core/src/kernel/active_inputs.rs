@@ -45,11 +45,7 @@ impl ActiveInputs {
     }
 
     /// Calls `body` with the active columns: as they are if they stand together, else copied.
-    fn with_columns<R>(
-        &self,
-        x: MatRef<'_, f64>,
-        body: impl FnOnce(MatRef<'_, f64>) -> R,
-    ) -> R {
+    fn with_columns<R>(&self, x: MatRef<'_, f64>, body: impl FnOnce(MatRef<'_, f64>) -> R) -> R {
         if self.columns.windows(2).all(|pair| pair[1] == pair[0] + 1) {
             body(x.subcols(self.columns[0], self.columns.len()))
         } else {
@@ -80,9 +76,7 @@ impl Kernel for ActiveInputs {
             let role = match parameter.role {
                 Role::Lengthscale { input } => Role::Lengthscale { input: self.columns[input] },
                 Role::Period { input } => Role::Period { input: self.columns[input] },
-                Role::SlopeVariance { input } => {
-                    Role::SlopeVariance { input: self.columns[input] }
-                }
+                Role::SlopeVariance { input } => Role::SlopeVariance { input: self.columns[input] },
                 other => other,
             };
             Parameter { role, ..parameter }

@@ -56,7 +56,9 @@ impl Kernel for Product {
             }
         };
         let unitless = |parameter: Parameter| match parameter.role {
-            Role::Variance | Role::SlopeVariance { .. } => Parameter { role: Role::Shape, ..parameter },
+            Role::Variance | Role::SlopeVariance { .. } => {
+                Parameter { role: Role::Shape, ..parameter }
+            }
             _ => parameter,
         };
         let first = self.first.parameters().into_iter().map(named("first"));
