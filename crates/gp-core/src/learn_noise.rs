@@ -169,7 +169,7 @@ impl Search<'_> {
     }
 
     /// The kernels of f and g at a point.
-    fn kernels(&self, point: &[f64]) -> Result<(Box<dyn Kernel>, Box<dyn Kernel>), GpError> {
+    fn kernels(&self, point: &[f64]) -> Result<Kernels, GpError> {
         let (n_kernel, n_noise) = self.counts();
         let of_kernel = self.space.parameters(&point[..n_kernel]);
         let of_noise = self.noise_space.parameters(&point[n_kernel..n_kernel + n_noise]);
@@ -179,6 +179,9 @@ impl Search<'_> {
         ))
     }
 }
+
+/// The kernels of f and of g.
+type Kernels = (Box<dyn Kernel>, Box<dyn Kernel>);
 
 /// A step that takes a ln λ further is refused: beyond it (1 − B⁻¹)/λ has no digits.
 const FARTHEST: f64 = 14.0;

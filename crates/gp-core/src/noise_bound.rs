@@ -89,16 +89,15 @@ impl<'a> NoiseBound<'a> {
     /// # Errors
     /// `NotPositiveDefinite`.
     pub(crate) fn value(&mut self, point: &NoisePoint<'_>) -> Result<f64, GpError> {
-        let n = self.y.len();
         let divergence = self.solve_noise(point)?;
         fill_lower_gram(point.kernel, self.x, &mut self.gram_f);
         self.factor_f.copy_from(&self.gram_f);
         let noise_mean = self.noise_mean(point);
         let mut trace = 0.0;
-        for i in 0..n {
+        for (i, mean) in noise_mean.iter().enumerate() {
             let variance = self.noise_variance(point, i);
             trace += variance;
-            self.factor_f[(i, i)] += (noise_mean[i] - 0.5 * variance).exp();
+            self.factor_f[(i, i)] += (mean - 0.5 * variance).exp();
         }
         factorize(COVARIANCE, self.factor_f.as_mut())?;
         let (constant, weights, value) = solve_residual(self.factor_f.as_ref(), self.y, self.mean);

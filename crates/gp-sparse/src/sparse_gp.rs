@@ -35,6 +35,32 @@ pub struct SparseGp {
     pub(crate) objective: f64,
 }
 
+/// The objective and its gradient at the parameters of a process, on data of its own.
+pub struct Evaluator {
+    kernel: Arc<dyn Kernel>,
+    noise_variance: f64,
+    z: Vec<f64>,
+    objective: Objective,
+    gradient: Vec<f64>,
+}
+
+impl Evaluator {
+    /// The objective in nats; fills the gradient. O(N M²).
+    ///
+    /// # Errors
+    /// `NotPositiveDefinite` if pseudo-inputs are too close to each other for the jitter.
+    pub fn evaluate(&mut self) -> Result<f64, GpError> {
+        let value = self.objective.value(&*self.kernel, self.noise_variance, &self.z)?;
+        self.objective.differentiate(&*self.kernel, self.noise_variance, &mut self.gradient);
+        Ok(value)
+    }
+
+    /// What `evaluate` found: by the kernel's log-parameters, ln σₙ², and the pseudo-inputs.
+    pub fn gradient(&self) -> &[f64] {
+        &self.gradient
+    }
+}
+
 impl SparseGp {
     /// Conditions known parameters on data through the pseudo-inputs `z`; O(N M²).
     ///
@@ -98,15 +124,25 @@ impl SparseGp {
         x: MatRef<'_, f64>,
         y: &[f64],
     ) -> Result<(f64, Vec<f64>), GpError> {
+        let mut evaluator = self.evaluator(x, y)?;
+        let value = evaluator.evaluate()?;
+        Ok((value, evaluator.gradient))
+    }
+
+    /// The same again and again without allocating, as while learning.
+    ///
+    /// # Errors
+    /// As `fit`.
+    pub fn evaluator(&self, x: MatRef<'_, f64>, y: &[f64]) -> Result<Evaluator, GpError> {
         check_data(&*self.kernel, x, y)?;
-        let n_parameters = self.kernel.parameters().len();
-        let m = self.weights.len();
-        let mut objective = Objective::new(x, y, m, n_parameters, self.settings);
-        let mut gradient = vec![0.0; n_parameters + 1 + m * x.ncols()];
-        let value =
-            objective.value(&*self.kernel, self.noise_variance, &rows_of(self.z.as_ref()))?;
-        objective.differentiate(&*self.kernel, self.noise_variance, &mut gradient);
-        Ok((value, gradient))
+        let (m, n_parameters) = (self.weights.len(), self.kernel.parameters().len());
+        Ok(Evaluator {
+            kernel: self.kernel.clone(),
+            noise_variance: self.noise_variance,
+            z: rows_of(self.z.as_ref()),
+            objective: Objective::new(x, y, m, n_parameters, self.settings),
+            gradient: vec![0.0; n_parameters + 1 + m * x.ncols()],
+        })
     }
 
     /// The kernel, with its parameters in the user's units.
