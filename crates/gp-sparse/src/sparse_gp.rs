@@ -7,11 +7,11 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, Mat, MatRef, Par};
 use gp_core::checks::{check_inputs, check_outputs, check_positive};
 use gp_core::kernel::{column, copy_row, fill_cross, fill_lower_gram, mirror_lower};
-use gp_core::vector::dot;
 use gp_core::{GpError, JointGaussian, Kernel, Posterior};
 use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
 
 use crate::SparseSettings;
+use crate::block::{add_multiple, add_square};
 use crate::objective::Objective;
 
 /// A Gaussian process seen through its values u at M pseudo-inputs Z; it keeps none of the data.
@@ -177,22 +177,25 @@ impl SparseGp {
 
     /// Mean and variance for the rows of a block.
     fn predict_block(&self, x_star: MatRef<'_, f64>, mean: &mut [f64], variance: &mut [f64]) {
-        let mut cross = Mat::zeros(self.weights.len(), x_star.nrows());
-        fill_cross(&*self.kernel, self.z.as_ref(), x_star, &mut cross);
-        for (j, mean) in mean.iter_mut().enumerate() {
-            *mean = self.constant + dot(column(&cross, j), &self.weights);
+        // One input a row: solves by the transpose run along columns, which is much the faster way.
+        let mut cross = Mat::zeros(x_star.nrows(), self.weights.len());
+        fill_cross(&*self.kernel, x_star, self.z.as_ref(), &mut cross);
+        mean.fill(self.constant);
+        for (a, weight) in self.weights.iter().enumerate() {
+            add_multiple(mean, *weight, column(&cross, a));
         }
         self.kernel.diagonal(x_star, variance);
-        let square = |cross: &Mat<f64>, j| dot(column(cross, j), column(cross, j));
-        solve_lower_triangular_in_place(self.factor.as_ref(), cross.as_mut(), Par::Seq);
-        for (j, variance) in variance.iter_mut().enumerate() {
-            *variance -= square(&cross, j);
-        }
-        solve_lower_triangular_in_place(self.root.as_ref(), cross.as_mut(), Par::Seq);
-        for (j, variance) in variance.iter_mut().enumerate() {
-            // Rounding alone can make the difference of two nearly equal variances negative.
-            *variance = variance.max(0.0) + square(&cross, j);
-        }
+        let add_squares = |sign: f64, cross: &Mat<f64>, sums: &mut [f64]| {
+            for a in 0..cross.ncols() {
+                add_square(sums, sign, column(cross, a));
+            }
+        };
+        solve_lower_triangular_in_place(self.factor.as_ref(), cross.transpose_mut(), Par::Seq);
+        add_squares(-1.0, &cross, variance);
+        // Rounding alone can make the difference of two nearly equal variances negative.
+        variance.iter_mut().for_each(|variance| *variance = variance.max(0.0));
+        solve_lower_triangular_in_place(self.root.as_ref(), cross.transpose_mut(), Par::Seq);
+        add_squares(1.0, &cross, variance);
     }
 }
 
@@ -205,12 +208,14 @@ impl Posterior for SparseGp {
         check_inputs("inputs", x_star, self.n_inputs())?;
         let mut mean = vec![0.0; x_star.nrows()];
         mean.par_chunks_mut(BLOCK).enumerate().for_each(|(block, mean)| {
-            let mut values = vec![0.0; self.weights.len()];
-            let mut row = vec![0.0; x_star.ncols()];
-            for (j, mean) in mean.iter_mut().enumerate() {
-                copy_row(x_star, block * BLOCK + j, &mut row);
-                self.kernel.column(self.z.as_ref(), &row, &mut values);
-                *mean = self.constant + dot(&values, &self.weights);
+            let rows = x_star.subrows(block * BLOCK, mean.len());
+            let mut values = vec![0.0; mean.len()];
+            let mut z = vec![0.0; x_star.ncols()];
+            mean.fill(self.constant);
+            for (a, weight) in self.weights.iter().enumerate() {
+                copy_row(self.z.as_ref(), a, &mut z);
+                self.kernel.column(rows, &z, &mut values);
+                add_multiple(mean, *weight, &values);
             }
         });
         Ok(mean)
@@ -254,7 +259,7 @@ impl Posterior for SparseGp {
 }
 
 /// Inputs predicted together; the results do not depend on who computes which block.
-const BLOCK: usize = 64;
+const BLOCK: usize = 128;
 
 pub(crate) fn check_data(
     kernel: &dyn Kernel,
