@@ -89,8 +89,8 @@ impl HeteroscedasticGp {
         let value = bound.value(&point)?;
         check_outputs("bound", &[value], 1)?;
         let (constant, weights) = (bound.constant, bound.weights);
-        let cholesky = Cholesky::from_factor(bound.factor_f);
-        let noise_cholesky = Cholesky::from_factor(bound.factor_g);
+        let cholesky = Cholesky::from_factor(bound.factor);
+        let noise_cholesky = Cholesky::from_factor(bound.noise_factor);
         Ok(Self {
             x: x.to_owned(),
             y: y.to_vec(),

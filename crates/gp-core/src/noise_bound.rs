@@ -28,13 +28,13 @@ pub(crate) struct NoiseBound<'a> {
     x: MatRef<'a, f64>,
     y: &'a [f64],
     mean: Mean,
-    gram_f: Mat<f64>,
-    gram_g: Mat<f64>,
+    gram: Mat<f64>,
+    noise_gram: Mat<f64>,
     /// The Cholesky factors of K_f + R and of B.
-    pub(crate) factor_f: Mat<f64>,
-    pub(crate) factor_g: Mat<f64>,
-    inverse_f: Mat<f64>,
-    inverse_g: Mat<f64>,
+    pub(crate) factor: Mat<f64>,
+    pub(crate) noise_factor: Mat<f64>,
+    inverse: Mat<f64>,
+    noise_inverse: Mat<f64>,
     work: Mat<f64>,
     slope: Mat<f64>,
     memory: MemBuffer,
@@ -70,12 +70,12 @@ impl<'a> NoiseBound<'a> {
             x,
             y,
             mean,
-            gram_f: square(),
-            gram_g: square(),
-            factor_f: square(),
-            factor_g: square(),
-            inverse_f: square(),
-            inverse_g: square(),
+            gram: square(),
+            noise_gram: square(),
+            factor: square(),
+            noise_factor: square(),
+            inverse: square(),
+            noise_inverse: square(),
             work: square(),
             slope: square(),
             memory: MemBuffer::new(inverse_scratch::<f64>(n, Par::Seq)),
@@ -90,17 +90,17 @@ impl<'a> NoiseBound<'a> {
     /// `NotPositiveDefinite`.
     pub(crate) fn value(&mut self, point: &NoisePoint<'_>) -> Result<f64, GpError> {
         let divergence = self.solve_noise(point)?;
-        fill_lower_gram(point.kernel, self.x, &mut self.gram_f);
-        self.factor_f.copy_from(&self.gram_f);
+        fill_lower_gram(point.kernel, self.x, &mut self.gram);
+        self.factor.copy_from(&self.gram);
         let noise_mean = self.noise_mean(point);
         let mut trace = 0.0;
         for (i, mean) in noise_mean.iter().enumerate() {
             let variance = self.noise_variance(point, i);
             trace += variance;
-            self.factor_f[(i, i)] += (mean - 0.5 * variance).exp();
+            self.factor[(i, i)] += (mean - 0.5 * variance).exp();
         }
-        factorize(COVARIANCE, self.factor_f.as_mut())?;
-        let (constant, weights, value) = solve_residual(self.factor_f.as_ref(), self.y, self.mean);
+        factorize(COVARIANCE, self.factor.as_mut())?;
+        let (constant, weights, value) = solve_residual(self.factor.as_ref(), self.y, self.mean);
         (self.constant, self.weights) = (constant, weights);
         Ok(value - 0.25 * trace - divergence)
     }
@@ -108,36 +108,37 @@ impl<'a> NoiseBound<'a> {
     /// Fills K_g, the factor of B and B⁻¹; returns the divergence.
     fn solve_noise(&mut self, point: &NoisePoint<'_>) -> Result<f64, GpError> {
         let (n, precisions) = (self.y.len(), point.precisions);
-        fill_lower_gram(point.noise_kernel, self.x, &mut self.gram_g);
-        mirror_lower(&mut self.gram_g);
+        fill_lower_gram(point.noise_kernel, self.x, &mut self.noise_gram);
+        mirror_lower(&mut self.noise_gram);
         for j in 0..n {
             for i in j..n {
                 let scale = (precisions[i] * precisions[j]).sqrt();
-                self.factor_g[(i, j)] = scale * self.gram_g[(i, j)];
+                self.noise_factor[(i, j)] = scale * self.noise_gram[(i, j)];
             }
-            self.factor_g[(j, j)] += 1.0;
+            self.noise_factor[(j, j)] += 1.0;
         }
-        factorize(NOISE_PRECISION, self.factor_g.as_mut())?;
+        factorize(NOISE_PRECISION, self.noise_factor.as_mut())?;
         let memory = MemStack::new(&mut self.memory);
-        inverse(self.inverse_g.as_mut(), self.factor_g.as_ref(), Par::Seq, memory);
-        mirror_lower(&mut self.inverse_g);
+        inverse(self.noise_inverse.as_mut(), self.noise_factor.as_ref(), Par::Seq, memory);
+        mirror_lower(&mut self.noise_inverse);
         let beta = beta(precisions);
-        let quadratic: f64 = (0..n).map(|j| beta[j] * dot(column(&self.gram_g, j), &beta)).sum();
-        let trace: f64 = (0..n).map(|i| self.inverse_g[(i, i)]).sum();
-        let determinant = log_determinant(self.factor_g.as_ref());
+        let quadratic: f64 =
+            (0..n).map(|j| beta[j] * dot(column(&self.noise_gram, j), &beta)).sum();
+        let trace: f64 = (0..n).map(|i| self.noise_inverse[(i, i)]).sum();
+        let determinant = log_determinant(self.noise_factor.as_ref());
         Ok(0.5 * (trace + quadratic - n as f64 + determinant))
     }
 
     /// μ.
     fn noise_mean(&self, point: &NoisePoint<'_>) -> Vec<f64> {
         let beta = beta(point.precisions);
-        let mean = |j| point.log_noise_mean + dot(column(&self.gram_g, j), &beta);
+        let mean = |j| point.log_noise_mean + dot(column(&self.noise_gram, j), &beta);
         (0..self.y.len()).map(mean).collect()
     }
 
     /// Σᵢᵢ.
     fn noise_variance(&self, point: &NoisePoint<'_>, i: usize) -> f64 {
-        (1.0 - self.inverse_g[(i, i)]) / point.precisions[i]
+        (1.0 - self.noise_inverse[(i, i)]) / point.precisions[i]
     }
 
     /// The slopes at the place of the last `value`; O(N³).
@@ -148,25 +149,31 @@ impl<'a> NoiseBound<'a> {
     pub(crate) fn differentiate(&mut self, point: &NoisePoint<'_>, slopes: NoiseSlopes<'_>) {
         let n = self.y.len();
         let memory = MemStack::new(&mut self.memory);
-        inverse(self.inverse_f.as_mut(), self.factor_f.as_ref(), Par::Seq, memory);
+        inverse(self.inverse.as_mut(), self.factor.as_ref(), Par::Seq, memory);
         let noise_mean = self.noise_mean(point);
         let by_log_noise: Vec<f64> = (0..n)
             .map(|i| {
                 let noise = (noise_mean[i] - 0.5 * self.noise_variance(point, i)).exp();
-                0.5 * noise * (self.weights[i].powi(2) - self.inverse_f[(i, i)])
+                0.5 * noise * (self.weights[i].powi(2) - self.inverse[(i, i)])
             })
             .collect();
         *slopes.log_noise_mean = by_log_noise.iter().sum();
         self.differentiate_precisions(point, &by_log_noise, slopes.precisions);
         for j in 0..n {
-            let (slope, inverse) = (column_mut(&mut self.slope, j), column(&self.inverse_f, j));
+            let (slope, inverse) = (column_mut(&mut self.slope, j), column(&self.inverse, j));
             for i in j..n {
                 slope[i] = 0.5 * (self.weights[i] * self.weights[j] - inverse[i]);
             }
         }
-        contract(point.kernel, self.x, &self.gram_f, &mut self.slope, slopes.kernel);
+        contract(point.kernel, self.x, &self.gram, &mut self.slope, slopes.kernel);
         self.fill_noise_slope(point, &by_log_noise);
-        contract(point.noise_kernel, self.x, &self.gram_g, &mut self.slope, slopes.noise_kernel);
+        contract(
+            point.noise_kernel,
+            self.x,
+            &self.noise_gram,
+            &mut self.slope,
+            slopes.noise_kernel,
+        );
     }
 
     fn differentiate_precisions(
@@ -183,12 +190,12 @@ impl<'a> NoiseBound<'a> {
             .map(|i| (0.5 * (precisions[i] - by_log_noise[i]) - 0.25) / precisions[i])
             .collect();
         for (j, slope) in slopes.iter_mut().enumerate() {
-            let inverse = column(&self.inverse_g, j);
+            let inverse = column(&self.noise_inverse, j);
             let mut squares: f64 =
                 inverse.iter().zip(&scaled).map(|(entry, scaled)| entry * entry * scaled).sum();
             // On the diagonal stands 1 − B⁻¹.
             squares += (1.0 - 2.0 * inverse[j]) * scaled[j];
-            *slope = precisions[j] * dot(column(&self.gram_g, j), &difference) - squares;
+            *slope = precisions[j] * dot(column(&self.noise_gram, j), &difference) - squares;
         }
     }
 
@@ -197,7 +204,7 @@ impl<'a> NoiseBound<'a> {
         let (n, precisions) = (self.y.len(), point.precisions);
         let beta = beta(precisions);
         for j in 0..n {
-            let (work, inverse) = (column_mut(&mut self.work, j), column(&self.inverse_g, j));
+            let (work, inverse) = (column_mut(&mut self.work, j), column(&self.noise_inverse, j));
             for i in 0..n {
                 let factor = (-0.5 * by_log_noise[i] - 0.25) / precisions[i] + 0.5;
                 work[i] = factor * inverse[i];
@@ -207,7 +214,7 @@ impl<'a> NoiseBound<'a> {
             self.slope.as_mut(),
             BlockStructure::TriangularLower,
             Accum::Replace,
-            &self.inverse_g,
+            &self.noise_inverse,
             BlockStructure::Rectangular,
             &self.work,
             BlockStructure::Rectangular,
@@ -215,7 +222,7 @@ impl<'a> NoiseBound<'a> {
             Par::Seq,
         );
         for j in 0..n {
-            let (slope, inverse) = (column_mut(&mut self.slope, j), column(&self.inverse_g, j));
+            let (slope, inverse) = (column_mut(&mut self.slope, j), column(&self.noise_inverse, j));
             for i in j..n {
                 let scale = (precisions[i] * precisions[j]).sqrt();
                 let outer =
