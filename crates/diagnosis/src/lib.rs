@@ -13,6 +13,7 @@ mod predictions;
 mod quantile;
 mod repeats;
 mod residual_map;
+mod split;
 mod worst;
 
 pub use change::{ChannelChange, change};
@@ -25,4 +26,5 @@ pub use observations::{Observations, PushName};
 pub use predictions::Predictions;
 pub use repeats::RepeatTolerance;
 pub use residual_map::{Cell, MapSettings, ResidualMap};
+pub use split::split;
 pub use worst::WorstPush;

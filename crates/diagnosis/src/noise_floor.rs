@@ -45,7 +45,7 @@ pub struct Floor {
 
 /// Repeats beyond the first of their cells that a floor needs: fewer leave it open within a factor
 /// of two.
-const FEWEST_REPEATS: usize = 4;
+pub(crate) const FEWEST_REPEATS: usize = 4;
 
 /// The noise floor of observations, by the residuals of a model.
 ///

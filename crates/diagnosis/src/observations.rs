@@ -1,10 +1,12 @@
 //! The steps of a table with what a comparison asks of them.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::fmt;
 
-use dataset::{Manifest, StepRow, SupportSpec, Table};
-use models::{ChannelObservation, SetAside, StepSelection};
+use dataset::{MANIFEST_NAME, Manifest, StepRow, SupportSpec, Table};
+use models::{ChannelObservation, SetAside, Split, StepSelection};
 use serde::Serialize;
+use sha2::{Digest, Sha256};
 
 use crate::DiagnosisError;
 
@@ -17,16 +19,25 @@ pub struct Observations {
     pub(crate) push_of: Vec<usize>,
     pub(crate) pushes: Vec<PushName>,
     pub(crate) support: SupportSpec,
+    /// SHA-256 over the hashes of the recordings.
+    pub(crate) set: String,
     set_aside: SetAside,
 }
 
 /// A push by its recording and its number there.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 pub struct PushName {
     /// The recording.
     pub recording: String,
     /// 0-based number within the recording.
     pub push: u32,
+}
+
+impl fmt::Display for PushName {
+    /// `recording#push`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}#{}", self.recording, self.push)
+    }
 }
 
 /// Where and how a step is, as the table states it.
@@ -40,7 +51,7 @@ pub(crate) struct Place {
 }
 
 /// Fewer pushes say nothing about errors that are shared within a push.
-const FEWEST_PUSHES: usize = 3;
+pub(crate) const FEWEST_PUSHES: usize = 3;
 
 impl Observations {
     /// The steps in contact of a table about the set of a manifest.
@@ -63,23 +74,62 @@ impl Observations {
             })
         };
         let push_of = rows.iter().map(&mut push).collect();
-        if pushes.len() < FEWEST_PUSHES {
-            let (n_pushes, needed) = (pushes.len(), FEWEST_PUSHES);
-            let set_aside = found.set_aside.to_string();
-            return Err(DiagnosisError::TooFewPushes { n_pushes, needed, set_aside });
-        }
         let place = |row: &&StepRow| {
             let StepRow { step, edge, p, beta, speed, .. } = **row;
             Place { step, edge, p, beta, speed }
         };
-        Ok(Self {
+        let observations = Self {
             places: rows.iter().map(place).collect(),
             steps: found.steps,
             push_of,
             pushes,
             support: manifest.support,
+            set: set_digest(table),
             set_aside: found.set_aside,
-        })
+        };
+        observations.checked()
+    }
+
+    /// The pushes that a part of a split names, such as `recording#0`; names of pushes that have no
+    /// step here are passed over.
+    ///
+    /// # Errors
+    /// `TooFewPushes`.
+    pub fn part(&self, names: &[String]) -> Result<Self, DiagnosisError> {
+        let names: HashSet<&str> = names.iter().map(String::as_str).collect();
+        let is_kept = |push: &usize| names.contains(self.pushes[*push].to_string().as_str());
+        let kept: Vec<usize> = (0..self.pushes.len()).filter(is_kept).collect();
+        let place_of: HashMap<usize, usize> = kept.iter().copied().zip(0..).collect();
+        let steps: Vec<usize> = (0..self.n_steps())
+            .filter(|step| place_of.contains_key(&self.push_of[*step]))
+            .collect();
+        let part = Self {
+            steps: steps.iter().map(|step| self.steps[*step].clone()).collect(),
+            places: steps.iter().map(|step| self.places[*step]).collect(),
+            push_of: steps.iter().map(|step| place_of[&self.push_of[*step]]).collect(),
+            pushes: kept.iter().map(|push| self.pushes[*push].clone()).collect(),
+            support: self.support,
+            set: self.set.clone(),
+            set_aside: self.set_aside.clone(),
+        };
+        part.checked()
+    }
+
+    /// Whether a split is of these recordings.
+    pub fn are_of(&self, split: &Split) -> bool {
+        split.set == self.set
+    }
+
+    fn checked(self) -> Result<Self, DiagnosisError> {
+        match self.pushes.len() {
+            FEWEST_PUSHES.. => Ok(self),
+            n_pushes => Err(self.too_few(n_pushes, FEWEST_PUSHES)),
+        }
+    }
+
+    /// The error for fewer pushes than are needed.
+    pub(crate) fn too_few(&self, n_pushes: usize, needed: usize) -> DiagnosisError {
+        DiagnosisError::TooFewPushes { n_pushes, needed, set_aside: self.set_aside.to_string() }
     }
 
     /// How many steps there are.
@@ -97,8 +147,25 @@ impl Observations {
         &self.steps
     }
 
-    /// Rows of the table that are not compared.
+    /// Rows of the whole table that are not compared.
     pub fn set_aside(&self) -> &SetAside {
         &self.set_aside
     }
 }
+
+/// SHA-256 over the sources of a table that are not the set's own files, in their order.
+fn set_digest(table: &Table) -> String {
+    let mut hash = Sha256::new();
+    let is_recording =
+        |source: &str| !SET_FILES.iter().any(|name| source.ends_with(&format!(" {name}")));
+    for (key, source) in &table.provenance.entries {
+        if key == "source" && is_recording(source) {
+            hash.update(source);
+            hash.update("\n");
+        }
+    }
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// What may be edited without making it another set.
+const SET_FILES: [&str; 2] = [MANIFEST_NAME, "sessions.csv"];

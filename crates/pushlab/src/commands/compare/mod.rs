@@ -1,5 +1,6 @@
 //! `pushlab compare`: where a model fails on recordings, and how wrong it may be at best.
 
+mod part;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -13,6 +14,7 @@ use diagnosis::{
 use models::ModelFile;
 use serde::Serialize;
 
+use self::part::Part;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
 use crate::recorded_steps::RecordedSteps;
@@ -22,7 +24,8 @@ use crate::terminal::Terminal;
 /// Tell how wrong a model is on recordings, where, and how wrong it may be at best
 ///
 /// Each step is predicted from its measured start along the pusher's measured way. The floor is how
-/// far repeated pushes differ from each other; without repeats it is estimated from neighbours.
+/// far repeated pushes differ from each other; without repeats it is estimated from neighbours. Where
+/// a model was fitted to a part of these recordings, only the pushes that no fit has seen count.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
@@ -51,6 +54,8 @@ Examples:
 struct Compared {
     /// The model's name.
     model: String,
+    /// Which pushes are compared.
+    part: Part,
     #[serde(flatten)]
     comparison: Comparison,
     against: Option<Against>,
@@ -82,6 +87,10 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let recorded = RecordedSteps::read(&set, &settings, terminal)?;
     origin.inputs.extend(recorded.inputs);
     let observations = Observations::of(&recorded.table, set.manifest())?;
+    let splits =
+        [Some(&model), other.as_ref()].into_iter().flatten().filter_map(|f| f.split.as_ref());
+    let part = Part::of(splits, &observations);
+    let observations = part.observations(observations)?;
     let predict = |file: &ModelFile| Predictions::of(&file.description, &[], &observations);
     let predictions = predict(&model)?;
     let floor = noise_floor(&observations, &predictions, &RepeatTolerance::default())?;
@@ -93,7 +102,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         }
         None => None,
     };
-    let result = Compared { model: model.name, comparison, against };
+    let result = Compared { model: model.name, part, comparison, against };
     terminal.finish(&origin, &result, &result)
 }
 
