@@ -48,6 +48,11 @@ impl Predictions {
         Ok(Self { values })
     }
 
+    /// The numbers of each step.
+    pub fn steps(&self) -> &[[Option<f64>; 7]] {
+        &self.values
+    }
+
     /// Observed less predicted, where both are there.
     pub(crate) fn residuals(
         &self,
