@@ -16,6 +16,7 @@ mod repeats;
 mod residual_map;
 mod rollout;
 mod split;
+mod whitening;
 mod worst;
 
 pub use change::{ChannelChange, change};
@@ -31,4 +32,5 @@ pub use repeats::RepeatTolerance;
 pub use residual_map::{Cell, MapSettings, ResidualMap};
 pub use rollout::{Rollout, roll_out};
 pub use split::split;
+pub use whitening::{PushCovariance, Whitening};
 pub use worst::WorstPush;

@@ -50,6 +50,10 @@ pub(crate) struct Place {
     pub(crate) speed: f64,
 }
 
+/// Places of the gaps among the numbers of a step.
+const GAP_START: usize = 5;
+const GAP_END: usize = 6;
+
 /// Fewer pushes say nothing about errors that are shared within a push.
 pub(crate) const FEWEST_PUSHES: usize = 3;
 
@@ -118,6 +122,17 @@ impl Observations {
     /// Whether a split is of these recordings.
     pub fn are_of(&self, split: &Split) -> bool {
         split.set == self.set
+    }
+
+    /// Whether a number of a step is observed, and is not the gap that ends the step before.
+    pub(crate) fn is_own(&self, step: usize, number: usize) -> bool {
+        let follows = |before: usize| {
+            self.push_of[before] == self.push_of[step]
+                && self.places[before].step + 1 == self.places[step].step
+                && self.steps[before].observed[GAP_END].is_some()
+        };
+        let is_repeated = number == GAP_START && step.checked_sub(1).is_some_and(follows);
+        self.steps[step].observed[number].is_some() && !is_repeated
     }
 
     fn checked(self) -> Result<Self, DiagnosisError> {
