@@ -15,7 +15,7 @@ fn drawing() -> Drawing {
         .with(Cells::new(vec![cell(0.0), cell(1.0)], "error in mm"))
         .with(Line::new(&[0.0, 2.0], &[0.5, 1.5]).color(Color::GREEN))
         .with(Hover::new().cell([0.0, 0.0], [1.0, 2.0], NASTY).disc([1.5, 1.0], 5.0, "a disc"));
-    Drawing::new(&Figure::single(panel).named(NASTY), NASTY).unwrap()
+    Drawing::new(&Figure::single(panel).named(NASTY), NASTY).expect("the drawing is sound")
 }
 
 fn player() -> Player {
@@ -45,7 +45,7 @@ fn html() -> String {
         .drawings(vec![drawing()])
         .folded_drawings(NASTY, vec![drawing(), drawing()])
         .player(player());
-    Page::new(NASTY, NASTY, provenance).with(section).single_file().unwrap()
+    Page::new(NASTY, NASTY, provenance).with(section).single_file().expect("the page is sound")
 }
 
 #[test]
