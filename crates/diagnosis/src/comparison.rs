@@ -3,10 +3,12 @@
 use serde::Serialize;
 
 use crate::errors::channel_errors;
+use crate::finding::findings;
 use crate::residual_map::residual_maps;
+use crate::structure::Structure;
 use crate::worst::worst_pushes;
 use crate::{
-    ChannelError, DiagnosisError, MapSettings, NoiseFloor, Observations, Predictions, ResidualMap,
+    ChannelError, DiagnosisError, Finding, MapSettings, NoiseFloor, Observations, Predictions, ResidualMap,
     WorstPush,
 };
 
@@ -27,7 +29,9 @@ pub struct Comparison {
     pub floor: NoiseFloor,
     /// The pushes with the largest errors of motion.
     pub worst: Vec<WorstPush>,
-    /// Mean residuals over covariates, the surest structure first.
+    /// Where the model fails, in words: the regions that hold most of the error first.
+    pub findings: Vec<Finding>,
+    /// Mean residuals over covariates and pairs of them, the surest structure first.
     pub maps: Vec<ResidualMap>,
 }
 
@@ -44,6 +48,7 @@ pub fn compare(
     settings: &MapSettings,
 ) -> Result<Comparison, DiagnosisError> {
     let residuals = predictions.residuals(observations)?;
+    let structure = Structure::of(&residuals, observations, predictions, floor, settings);
     let channels = channel_errors(&residuals, observations, floor);
     Ok(Comparison {
         n_pushes: observations.pushes().len(),
@@ -53,6 +58,7 @@ pub fn compare(
         worst: worst_pushes(&residuals, observations, &channels, N_WORST),
         channels,
         floor: floor.clone(),
-        maps: residual_maps(&residuals, observations, settings),
+        findings: findings(&structure),
+        maps: residual_maps(&structure),
     })
 }

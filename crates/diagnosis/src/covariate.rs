@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::Observations;
 
 /// Something that a residual may depend on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Covariate {
     /// Place of the contact along its edge, 0 to 1.
@@ -29,6 +29,7 @@ pub enum Covariate {
 }
 
 /// Cells of a covariate: the lower ends, and the upper end of the last.
+#[derive(Clone, Debug)]
 pub(crate) struct Bins(Vec<f64>);
 
 impl Covariate {
@@ -45,6 +46,17 @@ impl Covariate {
         Self::Edge,
     ];
 
+    /// The pairs over which a residual is mapped.
+    pub const PAIRS: [[Self; 2]; 7] = [
+        [Self::P, Self::Beta],
+        [Self::P, Self::Edge],
+        [Self::Beta, Self::Edge],
+        [Self::P, Self::Speed],
+        [Self::Beta, Self::Speed],
+        [Self::Orientation, Self::Direction],
+        [Self::TableX, Self::TableY],
+    ];
+
     /// SI unit; `1` for none.
     pub fn unit(self) -> &'static str {
         match self {
@@ -53,6 +65,11 @@ impl Covariate {
             Self::TableX | Self::TableY => "m",
             Self::P | Self::Time | Self::Edge => "1",
         }
+    }
+
+    /// Whether its last cell is next to its first.
+    pub(crate) fn is_periodic(self) -> bool {
+        matches!(self, Self::Orientation | Self::Direction)
     }
 
     /// Its value at each step.

@@ -43,6 +43,14 @@ pub struct Floor {
     pub high95: f64,
 }
 
+impl NoiseFloor {
+    /// The floor of one number at each step; none where it is not known.
+    pub(crate) fn of_steps(&self, number: usize, observations: &Observations) -> Option<Vec<f64>> {
+        let floor = self.numbers[number].filter(|floor| floor.rms > 0.0)?;
+        Some(vec![floor.rms; observations.n_steps()])
+    }
+}
+
 /// Repeats beyond the first of their cells that a floor needs: fewer leave it open within a factor
 /// of two.
 const FEWEST_REPEATS: usize = 4;

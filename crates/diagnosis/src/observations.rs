@@ -6,7 +6,7 @@ use dataset::{Manifest, StepRow, SupportSpec, Table};
 use models::{ChannelObservation, SetAside, StepSelection};
 use serde::Serialize;
 
-use crate::DiagnosisError;
+use crate::{Covariate, DiagnosisError};
 
 /// Observed steps, the push of each, and the nominal table.
 #[derive(Clone, Debug)]
@@ -17,6 +17,8 @@ pub struct Observations {
     pub(crate) push_of: Vec<usize>,
     pub(crate) pushes: Vec<PushName>,
     pub(crate) support: SupportSpec,
+    /// What was not measured.
+    pub(crate) unknown: Vec<Covariate>,
     set_aside: SetAside,
 }
 
@@ -78,8 +80,14 @@ impl Observations {
             push_of,
             pushes,
             support: manifest.support,
+            unknown: Vec::new(),
             set_aside: found.set_aside,
         })
+    }
+
+    /// Whether the covariate was measured.
+    pub(crate) fn knows(&self, covariate: Covariate) -> bool {
+        !self.unknown.contains(&covariate)
     }
 
     /// How many steps there are.

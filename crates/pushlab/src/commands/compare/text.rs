@@ -2,15 +2,13 @@
 
 use std::fmt;
 
-use diagnosis::{Cell, ChannelChange, ChannelError, Covariate, Floor, FloorSource, ResidualMap};
+use diagnosis::{ChannelChange, ChannelError, Comparison, Floor, FloorSource};
 
 use super::{Against, Compared};
 use crate::terminal::TITLE;
 
 /// Pushes that a screen has room for.
 const MOST_LINES: usize = 6;
-/// Probability below which a map is shown as structure.
-const SURE: f64 = 0.05;
 
 impl fmt::Display for Compared {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -32,7 +30,7 @@ impl fmt::Display for Compared {
                 writeln!(f, "  floor: an estimate from neighbours, for there are no repeats")?;
             }
         }
-        write_maps(f, &found.maps)?;
+        write_findings(f, found)?;
         writeln!(f, "{TITLE}worst pushes{TITLE:#}, error of a step")?;
         for push in found.worst.iter().take(MOST_LINES) {
             let [x, y, turn] = push.rms;
@@ -70,54 +68,35 @@ fn write_error(f: &mut fmt::Formatter<'_>, error: &ChannelError) -> fmt::Result 
     }
 }
 
-fn write_maps(f: &mut fmt::Formatter<'_>, maps: &[ResidualMap]) -> fmt::Result {
-    let sure = maps.iter().filter(|map| map.p_adjusted <= SURE);
-    let sure: Vec<_> = sure.map(|map| (map.name, map)).collect();
-    // The surest of each number: structure shows in several covariates at once.
-    let first = |(index, (name, _)): &(usize, &(&str, _))| {
-        sure[..*index].iter().all(|(other, _)| other != name)
-    };
-    let first = sure.iter().enumerate().filter(first).map(|(_, (_, map))| *map);
-    if sure.is_empty() {
-        let n = maps.len();
-        return writeln!(f, "{TITLE}no structure{TITLE:#} in {n} maps of the mean residual");
+fn write_findings(f: &mut fmt::Formatter<'_>, found: &Comparison) -> fmt::Result {
+    if found.findings.is_empty() {
+        let n = found.maps.len();
+        return writeln!(f, "{TITLE}where it fails{TITLE:#}: nowhere more than chance, in {n} maps");
     }
-    let title = format!("{TITLE}where it fails{TITLE:#}: observed less predicted, on average");
-    writeln!(f, "{title}")?;
-    for map in first.clone() {
-        // The cell whose interval is farthest from zero, in its own widths.
-        let distance = |cell: &Cell| cell.mean.abs() / (cell.high95 - cell.low95);
-        let worst = map.cells.iter().max_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let Some(cell) = worst else { continue };
-        let (per, unit) = people(map.unit);
-        let half = 0.5 * per * (cell.high95 - cell.low95);
-        let place = place(map.covariate, cell);
-        let (mean, name, p) = (per * cell.mean, map.name, map.p_adjusted);
-        writeln!(f, "  {name} {mean:+.3} ± {half:.3} {unit} {place} (p {p:.3})")?;
+    writeln!(f, "{TITLE}where it fails{TITLE:#}: the model")?;
+    for finding in found.findings.iter().take(MOST_LINES) {
+        let share = 100.0 * finding.share;
+        let (steps, pushes) = (finding.n_steps, finding.n_pushes);
+        writeln!(f, "  {}", finding.sentence)?;
+        writeln!(
+            f,
+            "    {share:.0} % of the squared error of {}, {steps} steps of {pushes} pushes",
+            number_of(finding.name)
+        )?;
     }
-    let n_more = sure.len() - first.count();
+    let n_more = found.findings.len().saturating_sub(MOST_LINES);
     if n_more > 0 {
-        writeln!(f, "  and {n_more} more maps; --json has them all")?;
+        writeln!(f, "  and {n_more} more; --json has them and all maps")?;
     }
     Ok(())
 }
 
-fn place(covariate: Covariate, cell: &Cell) -> String {
-    let (per, unit) = people(covariate.unit());
-    let (from, to) = (per * cell.from, per * cell.to);
-    let range = |name: &str| format!("at {name} from {from:.1}{unit} to {to:.1}{unit}");
-    match covariate {
-        Covariate::Edge => format!("on edge {:.0}", 0.5 * (from + to)),
-        Covariate::P => format!("at p from {from:.1} to {to:.1}"),
-        Covariate::Beta => range("β"),
-        Covariate::Orientation => range("a yaw"),
-        Covariate::Direction => range("a push towards"),
-        Covariate::TableX => range("x "),
-        Covariate::TableY => range("y "),
-        Covariate::Time => format!("from {:.0} to {:.0} % of the set", 100.0 * from, 100.0 * to),
-        Covariate::Speed => {
-            format!("at {:.0} to {:.0} mm/s", 1e3 * cell.from, 1e3 * cell.to)
-        }
+/// The number that a reading in the sense of the model is of.
+fn number_of(reading: &str) -> &str {
+    match reading {
+        "drift" => "dy",
+        "turn" => "dtheta",
+        other => other,
     }
 }
 
