@@ -57,6 +57,21 @@ impl Covariate {
         [Self::TableX, Self::TableY],
     ];
 
+    /// Name for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::P => "p",
+            Self::Beta => "β",
+            Self::Speed => "speed",
+            Self::Orientation => "orientation",
+            Self::Direction => "direction",
+            Self::TableX => "table x",
+            Self::TableY => "table y",
+            Self::Time => "order of the pushes",
+            Self::Edge => "edge",
+        }
+    }
+
     /// SI unit; `1` for none.
     pub fn unit(self) -> &'static str {
         match self {

@@ -24,6 +24,15 @@ pub enum DiagnosisError {
         /// Number of steps.
         n_steps: usize,
     },
+    /// A matrix is no covariance of a push's numbers.
+    #[error("the covariance of push {push} is not positive definite, or not of its numbers' size")]
+    NotACovariance {
+        /// 0-based index of the push.
+        push: usize,
+    },
+    /// A score could not be computed.
+    #[error("the model's intervals cannot be scored")]
+    Scores(#[from] gp_core::GpError),
     /// The table or the model was refused.
     #[error(transparent)]
     Model(#[from] models::ModelError),

@@ -35,7 +35,7 @@ pub struct Finding {
     pub is_further: bool,
     /// The mean over the noise floor; none without floor.
     pub over_floor: Option<f64>,
-    /// Share of the number's mean square error that goes when this mean is taken off.
+    /// Share of the number's mean square error, that goes when this mean is taken off.
     pub share: f64,
     /// That of the map in which it was found.
     pub p_adjusted: f64,
@@ -61,15 +61,15 @@ const FEWEST_SE: f64 = 3.0;
 /// Least mean of a finding, in noise floors: what is smaller does not matter.
 const LEAST_OVER_FLOOR: f64 = 0.3;
 /// Least share of a number's mean square error.
-const LEAST_SHARE: f64 = 0.03;
+const LEAST_SHARE: f64 = 0.05;
 /// A region with fewer conditions is preferred if its gain is this share of the best.
 const SIMPLER: f64 = 0.8;
 /// How much more a gain is worth in the sense of the model.
 const IN_SENSE: f64 = 1.05;
 /// Gain by which one more condition has to pay.
-const ONE_MORE: f64 = 1.25;
+const ONE_MORE: f64 = 1.5;
 
-/// The findings of every number, those with the largest share first.
+/// The findings of every number, those first that take most off its square over the floor's.
 ///
 /// In turn the region whose mean takes most off the squared error is found in the maps that are
 /// surer than chance, and taken off; what is left is searched again. A region over p alone that is
@@ -83,8 +83,8 @@ pub(crate) fn findings(structure: &Structure<'_>) -> Vec<Finding> {
     for series in by_number.values() {
         Search::new(structure, series).run(&mut found);
     }
-    found.sort_by(|a: &Finding, b| b.share.total_cmp(&a.share));
-    found
+    found.sort_by(|a: &(f64, Finding), b| b.0.total_cmp(&a.0));
+    found.into_iter().map(|(_, finding)| finding).collect()
 }
 
 /// The search in the residuals of one number.
@@ -121,13 +121,13 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn run(mut self, found: &mut Vec<Finding>) {
+    fn run(mut self, found: &mut Vec<(f64, Finding)>) {
         let mut n_found = 0;
         while let Some(region) = self.best().filter(|_| n_found < MOST) {
             match self.finding(&region) {
                 Some((finding, steps)) => {
                     self.take_off(&region, finding.mean, &steps);
-                    found.push(finding);
+                    found.push((region.gain, finding));
                     n_found += 1;
                 }
                 None => self.is_spent[region.map] = true,
@@ -168,7 +168,7 @@ impl<'a> Search<'a> {
     fn region(&self, index: usize) -> Option<Region> {
         let (structure, map) = (self.structure, &self.structure.maps[index]);
         let white = self.white(map);
-        let quantile = map.test.normal_quantile(&white, &structure.observations.push_of);
+        let quantile = map.test.normal_quantile(&white, &structure.observations.cluster_of);
         let p = structure.largest.probability(quantile);
         if p > SURE {
             return None;
@@ -243,7 +243,7 @@ impl<'a> Search<'a> {
         let structure = self.structure;
         let series = &structure.series[structure.maps[region.map].series];
         let left = self.left_of(structure.maps[region.map].series);
-        let (steps, clusters) = (self.steps(region), &structure.observations.push_of);
+        let (steps, clusters) = (self.steps(region), &structure.observations.cluster_of);
         let of = |value: &dyn Fn(usize) -> f64| {
             let values: Vec<_> = steps.iter().map(|k| (clusters[*k], value(*k))).collect();
             ClusterMean::of(&values)
@@ -252,7 +252,7 @@ impl<'a> Search<'a> {
         let mean = of(&|k| left[k])?;
         let share = gained_share(series, left, &steps, mean.mean);
         let is_enough = mean.n_steps >= structure.settings.fewest_steps
-            && mean.n_pushes >= structure.settings.fewest_pushes
+            && mean.n_clusters >= structure.settings.fewest_pushes
             && mean.mean.abs() >= FEWEST_SE * mean.se
             && white.mean.abs() >= LEAST_OVER_FLOOR
             && share >= LEAST_SHARE
@@ -268,7 +268,7 @@ impl<'a> Search<'a> {
             unit: series.reading.unit(),
             conditions: region.ranges.iter().filter_map(|range| self.condition(range)).collect(),
             n_steps: mean.n_steps,
-            n_pushes: mean.n_pushes,
+            n_pushes: structure.observations.n_pushes_of(&steps),
             mean: mean.mean,
             low95,
             high95,

@@ -1,11 +1,16 @@
 //! The steps of a table with what a comparison asks of them.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::fmt;
 
-use dataset::{Manifest, StepRow, SupportSpec, Table};
-use models::{ChannelObservation, SetAside, StepSelection};
+use dataset::{
+    MANIFEST_NAME, Manifest, ObjectChoice, StepRow, SupportSpec, Table, TableMapping,
+};
+use models::{ChannelObservation, Cluster, SetAside, Split, StepSelection};
 use serde::Serialize;
+use sha2::{Digest, Sha256};
 
+use crate::split::FEWEST_SESSIONS;
 use crate::{Covariate, DiagnosisError};
 
 /// Observed steps, the push of each, and the nominal table.
@@ -15,20 +20,32 @@ pub struct Observations {
     pub(crate) places: Vec<Place>,
     /// Index of the push of each step.
     pub(crate) push_of: Vec<usize>,
+    /// Index of what shares errors, for each step: the session where there are enough, else the push.
+    pub(crate) cluster_of: Vec<usize>,
+    pub(crate) cluster: Cluster,
     pub(crate) pushes: Vec<PushName>,
     pub(crate) support: SupportSpec,
+    /// SHA-256 over the hashes of the recordings.
+    pub(crate) set: String,
     /// What was not measured.
     pub(crate) unknown: Vec<Covariate>,
     set_aside: SetAside,
 }
 
 /// A push by its recording and its number there.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 pub struct PushName {
     /// The recording.
     pub recording: String,
     /// 0-based number within the recording.
     pub push: u32,
+}
+
+impl fmt::Display for PushName {
+    /// `recording#push`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}#{}", self.recording, self.push)
+    }
 }
 
 /// Where and how a step is, as the table states it.
@@ -41,8 +58,12 @@ pub(crate) struct Place {
     pub(crate) speed: f64,
 }
 
+/// Places of the gaps among the numbers of a step.
+const GAP_START: usize = 5;
+const GAP_END: usize = 6;
+
 /// Fewer pushes say nothing about errors that are shared within a push.
-const FEWEST_PUSHES: usize = 3;
+pub(crate) const FEWEST_PUSHES: usize = 3;
 
 impl Observations {
     /// The steps in contact of a table about the set of a manifest.
@@ -50,11 +71,37 @@ impl Observations {
     /// # Errors
     /// `Model` for a row that is no step; `TooFewPushes`.
     pub fn of(table: &Table, manifest: &Manifest) -> Result<Self, DiagnosisError> {
-        let found = StepSelection::default().channel_steps(
-            table,
-            &manifest.object,
-            manifest.pusher.radius,
-        )?;
+        Self::about(table, &manifest.object, manifest.pusher.radius, manifest.support)
+    }
+
+    /// The steps of a table of others, read through its mapping.
+    ///
+    /// What the mapping does not give was not measured: without poses the contact gap, the object's
+    /// place and orientation and the direction in the world, without times the order.
+    ///
+    /// # Errors
+    /// As [`Observations::of`].
+    pub fn of_mapped(table: &Table, mapping: &TableMapping) -> Result<Self, DiagnosisError> {
+        let object = ObjectChoice::Fixed(Box::new(mapping.object.clone()));
+        let mut all = Self::about(table, &object, mapping.pusher.radius, mapping.support)?;
+        if !mapping.gives("object_x_m") {
+            all.steps.iter_mut().for_each(|step| step.observed[GAP_START..].fill(None));
+            all.unknown.extend([Covariate::Orientation, Covariate::Direction]);
+            all.unknown.extend([Covariate::TableX, Covariate::TableY]);
+        }
+        if !mapping.gives("t_s") {
+            all.unknown.push(Covariate::Time);
+        }
+        Ok(all)
+    }
+
+    fn about(
+        table: &Table,
+        object: &ObjectChoice,
+        pusher_radius: f64,
+        support: SupportSpec,
+    ) -> Result<Self, DiagnosisError> {
+        let found = StepSelection::default().channel_steps(table, object, pusher_radius)?;
         let rows: Vec<&StepRow> = found.rows.iter().map(|row| &table.rows[*row]).collect();
         let (mut pushes, mut known) = (Vec::new(), HashMap::new());
         let mut push = |row: &&StepRow| {
@@ -64,30 +111,105 @@ impl Observations {
                 pushes.len() - 1
             })
         };
-        let push_of = rows.iter().map(&mut push).collect();
-        if pushes.len() < FEWEST_PUSHES {
-            let (n_pushes, needed) = (pushes.len(), FEWEST_PUSHES);
-            let set_aside = found.set_aside.to_string();
-            return Err(DiagnosisError::TooFewPushes { n_pushes, needed, set_aside });
-        }
+        let push_of: Vec<usize> = rows.iter().map(&mut push).collect();
+        let (cluster, cluster_of) = clusters(&found.steps, &push_of);
         let place = |row: &&StepRow| {
             let StepRow { step, edge, p, beta, speed, .. } = **row;
             Place { step, edge, p, beta, speed }
         };
-        Ok(Self {
+        let observations = Self {
             places: rows.iter().map(place).collect(),
             steps: found.steps,
             push_of,
+            cluster_of,
+            cluster,
             pushes,
-            support: manifest.support,
+            support,
+            set: set_digest(table),
             unknown: Vec::new(),
             set_aside: found.set_aside,
-        })
+        };
+        observations.checked()
+    }
+
+    /// The pushes that a part of a split names, such as `recording#0`; names of pushes that have no
+    /// step here are passed over.
+    ///
+    /// # Errors
+    /// `TooFewPushes`.
+    pub fn part(&self, names: &[String]) -> Result<Self, DiagnosisError> {
+        let names: HashSet<&str> = names.iter().map(String::as_str).collect();
+        let is_kept = |push: &usize| names.contains(self.pushes[*push].to_string().as_str());
+        let kept: Vec<usize> = (0..self.pushes.len()).filter(is_kept).collect();
+        let place_of: HashMap<usize, usize> = kept.iter().copied().zip(0..).collect();
+        let steps: Vec<usize> = (0..self.n_steps())
+            .filter(|step| place_of.contains_key(&self.push_of[*step]))
+            .collect();
+        let kept_steps: Vec<_> = steps.iter().map(|step| self.steps[*step].clone()).collect();
+        let push_of: Vec<usize> = steps.iter().map(|step| place_of[&self.push_of[*step]]).collect();
+        let (cluster, cluster_of) = clusters(&kept_steps, &push_of);
+        let part = Self {
+            steps: kept_steps,
+            places: steps.iter().map(|step| self.places[*step]).collect(),
+            push_of,
+            cluster_of,
+            cluster,
+            pushes: kept.iter().map(|push| self.pushes[*push].clone()).collect(),
+            support: self.support,
+            set: self.set.clone(),
+            unknown: self.unknown.clone(),
+            set_aside: self.set_aside.clone(),
+        };
+        part.checked()
+    }
+
+    /// Whether a split is of these recordings.
+    pub fn are_of(&self, split: &Split) -> bool {
+        split.set == self.set
+    }
+
+    /// Whether a number of a step is observed, and is not the gap that ends the step before.
+    pub(crate) fn is_own(&self, step: usize, number: usize) -> bool {
+        let follows = |before: usize| {
+            self.push_of[before] == self.push_of[step]
+                && self.places[before].step + 1 == self.places[step].step
+                && self.steps[before].observed[GAP_END].is_some()
+        };
+        let is_repeated = number == GAP_START && step.checked_sub(1).is_some_and(follows);
+        self.steps[step].observed[number].is_some() && !is_repeated
+    }
+
+    fn checked(self) -> Result<Self, DiagnosisError> {
+        match self.pushes.len() {
+            FEWEST_PUSHES.. => Ok(self),
+            n_pushes => Err(self.too_few(n_pushes, FEWEST_PUSHES)),
+        }
+    }
+
+    /// The error for fewer pushes than are needed.
+    pub(crate) fn too_few(&self, n_pushes: usize, needed: usize) -> DiagnosisError {
+        DiagnosisError::TooFewPushes { n_pushes, needed, set_aside: self.set_aside.to_string() }
     }
 
     /// Whether the covariate was measured.
     pub(crate) fn knows(&self, covariate: Covariate) -> bool {
         !self.unknown.contains(&covariate)
+    }
+
+    /// How far the pusher moves in a step, in m.
+    pub(crate) fn way(&self, step: usize) -> f64 {
+        let track = &self.steps[step].input.track;
+        (track.end() - track.start()).norm()
+    }
+
+    /// How many clusters there are.
+    pub(crate) fn n_clusters(&self) -> usize {
+        self.cluster_of.iter().max().map_or(0, |last| last + 1)
+    }
+
+    /// How many pushes some steps are of.
+    pub(crate) fn n_pushes_of(&self, steps: &[usize]) -> usize {
+        steps.iter().map(|step| self.push_of[*step]).collect::<HashSet<_>>().len()
     }
 
     /// How many steps there are.
@@ -105,8 +227,39 @@ impl Observations {
         &self.steps
     }
 
-    /// Rows of the table that are not compared.
+    /// Rows of the whole table that are not compared.
     pub fn set_aside(&self) -> &SetAside {
         &self.set_aside
     }
 }
+
+/// What shares errors, and its index for each step.
+fn clusters(steps: &[ChannelObservation], push_of: &[usize]) -> (Cluster, Vec<usize>) {
+    let mut places = HashMap::new();
+    let place = |step: &ChannelObservation| {
+        let next = places.len();
+        *places.entry(step.input.session).or_insert(next)
+    };
+    let sessions: Vec<usize> = steps.iter().map(place).collect();
+    match places.len() {
+        FEWEST_SESSIONS.. => (Cluster::Session, sessions),
+        _ => (Cluster::Push, push_of.to_vec()),
+    }
+}
+
+/// SHA-256 over the sources of a table that are not the set's own files, in their order.
+fn set_digest(table: &Table) -> String {
+    let mut hash = Sha256::new();
+    let is_recording =
+        |source: &str| !SET_FILES.iter().any(|name| source.ends_with(&format!(" {name}")));
+    for (key, source) in &table.provenance.entries {
+        if key == "source" && is_recording(source) {
+            hash.update(source);
+            hash.update("\n");
+        }
+    }
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// What may be edited without making it another set.
+const SET_FILES: [&str; 2] = [MANIFEST_NAME, "sessions.csv"];

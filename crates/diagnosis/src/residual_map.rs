@@ -82,7 +82,7 @@ fn shown(structure: &Structure<'_>, map: &TestedMap) -> ResidualMap {
         cell.iter().for_each(|cell| by_cell[*cell].push(step));
     }
     let cell = |(index, steps): (usize, &Vec<usize>)| {
-        let clusters = &structure.observations.push_of;
+        let clusters = &structure.observations.cluster_of;
         let values: Vec<_> = steps.iter().map(|k| (clusters[*k], series.values[*k])).collect();
         let mean = ClusterMean::of(&values)?;
         let [low95, high95] = mean.interval();
@@ -94,7 +94,8 @@ fn shown(structure: &Structure<'_>, map: &TestedMap) -> ResidualMap {
         }
         let white = steps.iter().map(|k| series.values[*k] / series.scales[*k]).sum::<f64>();
         let over_floor = series.has_floor.then(|| white / steps.len() as f64);
-        let ClusterMean { mean, n_steps, n_pushes, .. } = mean;
+        let ClusterMean { mean, n_steps, .. } = mean;
+        let n_pushes = structure.observations.n_pushes_of(steps);
         Some(Cell { ranges, n_steps, n_pushes, mean, low95, high95, over_floor })
     };
     ResidualMap {

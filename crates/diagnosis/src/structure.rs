@@ -49,8 +49,8 @@ impl<'a> Structure<'a> {
         let axes = Axis::all(observations);
         let series = |reading| Series::of(reading, residuals, observations, predictions, floor);
         let series: Vec<Series> = Reading::all().filter_map(series).collect();
-        let clusters = &observations.push_of;
-        let flips = Flips::new(settings.n_flips, observations.pushes.len(), settings.seed);
+        let clusters = &observations.cluster_of;
+        let flips = Flips::new(settings.n_flips, observations.n_clusters(), settings.seed);
         let (mut maps, mut flipped) = (Vec::new(), Vec::new());
         for (index, series) in series.iter().enumerate() {
             let white = series.white();

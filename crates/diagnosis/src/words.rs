@@ -49,12 +49,17 @@ fn place(conditions: &[Condition]) -> String {
     }
     let mut ordered: Vec<_> = conditions.iter().collect();
     ordered.sort_by_key(|condition| rank(condition.covariate));
-    let (edges, others): (Vec<_>, Vec<_>) =
+    let (edges, others): (Vec<&Condition>, Vec<&Condition>) =
         ordered.into_iter().partition(|condition| condition.covariate == Covariate::Edge);
-    let others: Vec<String> = others.into_iter().map(condition).collect();
     let mut text = String::new();
-    if !others.is_empty() {
-        text += &format!(" {}", others.join(" and "));
+    for (index, other) in others.iter().enumerate() {
+        let at_contact = other.covariate == Covariate::Beta && index > 0;
+        let said = condition(other);
+        text += &match said.strip_prefix("at ").filter(|_| at_contact) {
+            Some(rest) => format!(" with {rest}"),
+            None if index == 0 => format!(" {said}"),
+            None => format!(", {said}"),
+        };
     }
     for edge in edges {
         text += if others.is_empty() { " " } else { ", " };

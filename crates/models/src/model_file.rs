@@ -12,7 +12,7 @@ use effects::Effect;
 
 use self::raw::{Raw, RawBase, RawEffect, RawOut};
 use self::source::Source;
-use crate::{Description, ModelError};
+use crate::{Description, ModelError, Split};
 
 /// A model with its name, as it is kept in a file.
 ///
@@ -23,6 +23,8 @@ pub struct ModelFile {
     pub name: String,
     /// The model.
     pub description: Description,
+    /// The pushes that it was fitted to and those kept from every fit, if it was fitted to some.
+    pub split: Option<Split>,
 }
 
 impl ModelFile {
@@ -52,7 +54,8 @@ impl ModelFile {
             Some(learned) => Some(weights_file::read(&source, learned)?),
             None => None,
         };
-        Ok(Self { name: raw.name, description: Description { base, effects, weights } })
+        let split = source.split(raw.split)?;
+        Ok(Self { name: raw.name, description: Description { base, effects, weights }, split })
     }
 
     /// Writes the model, and beside it its weights as `<stem>.weights.json` if it has some.
@@ -68,7 +71,8 @@ impl ModelFile {
         };
         let base = RawBase::of(&self.description.base);
         let effects = self.description.effects.iter().map(RawEffect::of).collect();
-        let raw = RawOut { schema: Self::SCHEMA, name: &self.name, base, effects, learned };
+        let (name, split) = (&self.name, self.split.as_ref());
+        let raw = RawOut { schema: Self::SCHEMA, name, base, effects, learned, split };
         let text = toml::to_string(&raw).map_err(|error| ModelError::Weights {
             path: path.into(),
             problem: format!("cannot be written as TOML: {error}"),

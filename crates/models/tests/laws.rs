@@ -143,7 +143,7 @@ fn every_kind_comes_back_from_its_file_as_it_was() {
     for model in trained(30).into_iter().chain(SURFACES.map(on)) {
         let path = folder.path().join("model.toml");
         let description = model.describe().unwrap();
-        let file = ModelFile { name: "a \"name\"".into(), description };
+        let file = ModelFile { name: "a \"name\"".into(), description, split: None };
         file.write(&path).unwrap();
         let back = ModelFile::read(&path).unwrap();
         assert_eq!(back, file);
@@ -300,7 +300,7 @@ fn weights_that_were_changed_are_refused() {
     let path = folder.path().join("square.toml");
     let (model, _) = GpPushModel::learn(&steps(20, 1.0), &learn_options()).unwrap();
     let description: Description = model.describe().unwrap();
-    ModelFile { name: "square".into(), description }.write(&path).unwrap();
+    ModelFile { name: "square".into(), description, split: None }.write(&path).unwrap();
     let weights = folder.path().join("square.weights.json");
     let text = std::fs::read_to_string(&weights).unwrap();
     std::fs::write(&weights, text.replacen('1', "2", 1)).unwrap();

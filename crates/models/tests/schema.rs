@@ -3,8 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a test that fails shall stop")]
 
 use models::{
-    Analytical, CharacteristicLength, Description, Estimate, GpPushModel, Hybrid, ModelEffect,
-    ModelFile, PushModel, StepInput, StepObservation, SurfaceKind, learn_options, model_kinds,
+    Analytical, CharacteristicLength, Cluster, Description, Estimate, GpPushModel, Hybrid,
+    ModelEffect, ModelFile, PushModel, Split, StepInput, StepObservation, SurfaceKind,
+    learn_options, model_kinds,
 };
 use nalgebra::{Matrix3, Vector3};
 use planar::Shape;
@@ -77,7 +78,16 @@ fn written(description: &Description) -> Value {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.toml");
     let description = description.clone();
-    ModelFile { name: "x".into(), description }.write(&path).unwrap();
+    let split = Some(Split {
+        set: "00ff".into(),
+        seed: 7,
+        cluster: Cluster::Push,
+        fit: vec!["push-0#0".into(), "push-0#1".into()],
+        confirm: vec!["push-1#0".into()],
+    });
+    let file = ModelFile { name: "x".into(), description, split };
+    file.write(&path).unwrap();
+    assert_eq!(ModelFile::read(&path).unwrap(), file);
     toml::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap()
 }
 
@@ -143,6 +153,10 @@ fn the_schema_refuses_what_the_reader_refuses() {
         ("", "effects", json!([{ "id": "inertia", "parameters": { "kappa": { "value": "on" } } }])),
         ("", "extra", json!(1)),
         ("", "learned", json!({})),
+        ("", "split", json!({ "set": "", "seed": 7, "cluster": "push", "fit": ["a#0"] })),
+        ("/split", "cluster", json!("block")),
+        ("/split", "confirm", json!([])),
+        ("/split", "seed", json!(-1)),
         ("/base", "kind", json!("oracle")),
         ("/base", "kind", json!("gp")),
         ("/base", "kind", json!("hybrid")),

@@ -7,7 +7,7 @@ use super::ModelFile;
 use super::raw::{Raw, RawBase, RawEstimate};
 use super::source::Source;
 use crate::{
-    Analytical, Base, CharacteristicLength, Estimate, ModelError, SurfaceKind, model_kinds,
+    Analytical, Base, CharacteristicLength, Estimate, ModelError, Split, SurfaceKind, model_kinds,
 };
 
 const PRESSURES: [&str; 1] = ["uniform"];
@@ -35,6 +35,15 @@ impl Source<'_> {
             "analytical" => Ok(Base::Analytical(self.analytical(&raw.base)?)),
             "hybrid" => Ok(Base::Hybrid(self.analytical(&raw.base)?)),
             _ => self.without_mechanics(raw.base.get_ref()).map(|()| Base::Gp),
+        }
+    }
+
+    /// The split, if it does not contradict itself.
+    pub(super) fn split(&self, raw: Option<Spanned<Split>>) -> Result<Option<Split>, ModelError> {
+        let Some(raw) = raw else { return Ok(None) };
+        match raw.get_ref().problem() {
+            Some(problem) => Err(self.invalid(raw.span().start, "split", problem)),
+            None => Ok(Some(raw.into_inner())),
         }
     }
 

@@ -7,7 +7,7 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 use serde_spanned::Spanned;
 
-use crate::{Analytical, Base, CharacteristicLength, Estimate, ModelEffect, SurfaceKind};
+use crate::{Analytical, Base, CharacteristicLength, Estimate, ModelEffect, Split, SurfaceKind};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -18,6 +18,7 @@ pub(super) struct Raw {
     #[serde(default)]
     pub effects: Vec<Spanned<RawEffect>>,
     pub learned: Option<Spanned<RawLearned>>,
+    pub split: Option<Spanned<Split>>,
 }
 
 #[derive(Serialize)]
@@ -29,6 +30,8 @@ pub(super) struct RawOut<'a> {
     pub effects: Vec<RawEffect>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub learned: Option<RawLearned>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub split: Option<&'a Split>,
 }
 
 #[derive(Deserialize, Serialize)]

@@ -2,21 +2,30 @@
 
 use std::fmt;
 
-use diagnosis::{ChannelChange, ChannelError, Comparison, Floor, FloorSource};
+use diagnosis::{
+    Calibration, ChannelChange, ChannelError, Comparison, Floor, FloorSource, PushEnds, Spread,
+};
+use models::Cluster;
 
 use super::{Against, Compared};
 use crate::terminal::TITLE;
 
 /// Pushes that a screen has room for.
 const MOST_LINES: usize = 6;
+/// Findings that a screen has room for.
+const MOST_FINDINGS: usize = 8;
 
 impl fmt::Display for Compared {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let found = &self.comparison;
         let (steps, pushes) = (found.n_steps, found.n_pushes);
         writeln!(f, "{TITLE}{}{TITLE:#} on {steps} steps of {pushes} pushes", self.model)?;
+        write!(f, "{}", self.part)?;
         if found.n_set_aside > 0 {
             writeln!(f, "  rows set aside: {}", found.set_aside)?;
+        }
+        for what in &found.not_asked {
+            writeln!(f, "  {what}")?;
         }
         writeln!(f, "{TITLE}error of a step, RMS{TITLE:#}")?;
         found.channels.iter().try_for_each(|error| write_error(f, error))?;
@@ -30,6 +39,12 @@ impl fmt::Display for Compared {
                 writeln!(f, "  floor: an estimate from neighbours, for there are no repeats")?;
             }
         }
+        write_growth(f, found)?;
+        if found.cluster == Cluster::Session {
+            writeln!(f, "  ± and tests take whole measuring sessions for independent")?;
+        }
+        write_ends(f, self.roll_outs.as_ref())?;
+        write_calibration(f, &found.calibration)?;
         write_findings(f, found)?;
         writeln!(f, "{TITLE}worst pushes{TITLE:#}, error of a step")?;
         for push in found.worst.iter().take(MOST_LINES) {
@@ -68,23 +83,73 @@ fn write_error(f: &mut fmt::Formatter<'_>, error: &ChannelError) -> fmt::Result 
     }
 }
 
+/// Where the floor grows with the motion.
+fn write_growth(f: &mut fmt::Formatter<'_>, found: &Comparison) -> fmt::Result {
+    let floors = found.channels.iter().filter_map(|error| Some((error, error.floor?)));
+    let growing: Vec<_> = floors
+        .filter(|(_, floor)| floor.per_meter > 0.0)
+        .map(|(error, floor)| {
+            let (per, unit) = people(error.unit);
+            let (constant, growth) = (per * floor.constant, 1e-3 * per * floor.per_meter);
+            format!("{} {constant:.3} {unit} and {growth:.4} {unit} per mm", error.name)
+        })
+        .collect();
+    if growing.is_empty() {
+        return Ok(());
+    }
+    writeln!(f, "  it grows with the pusher's way in a step: {}", growing.join("; "))
+}
+
+fn write_ends(f: &mut fmt::Formatter<'_>, ends: Option<&PushEnds>) -> fmt::Result {
+    let Some(ends) = ends else { return Ok(()) };
+    let PushEnds { position, angle, n_lost, pushes } = ends;
+    let n = pushes.len();
+    writeln!(f, "{TITLE}error at the end of a push{TITLE:#}, rolled out from its start, {n} pushes")?;
+    for (name, per, unit, Spread { mean, median, p90 }) in
+        [("place", 1e3, "mm", position), ("angle", 1.0_f64.to_degrees(), "°", angle)]
+    {
+        let (mean, median, p90) = (per * mean, per * median, per * p90);
+        writeln!(
+            f,
+            "  {name:16} {mean:7.3} {unit:2}  median {median:.3}  90th percentile {p90:.3}"
+        )?;
+    }
+    if *n_lost > 0 {
+        writeln!(f, "  {n_lost} pushes lose contact in the model and not in truth")?;
+    }
+    Ok(())
+}
+
+fn write_calibration(f: &mut fmt::Formatter<'_>, found: &[Calibration]) -> fmt::Result {
+    if found.is_empty() {
+        return Ok(());
+    }
+    writeln!(f, "{TITLE}what the model's own intervals hold{TITLE:#}")?;
+    for number in found {
+        let (per, unit) = people(number.unit);
+        let [half, ninety, most] = number.coverage.map(|covered| 100.0 * covered.share);
+        let (crps, nlpd) = (per * number.crps, number.nlpd);
+        writeln!(
+            f,
+            "  {:16} 50 %: {half:.0} %  90 %: {ninety:.0} %  95 %: {most:.0} %  CRPS {crps:.3} \
+             {unit}  NLPD {nlpd:.2}",
+            number.name
+        )?;
+    }
+    Ok(())
+}
+
 fn write_findings(f: &mut fmt::Formatter<'_>, found: &Comparison) -> fmt::Result {
     if found.findings.is_empty() {
         let n = found.maps.len();
         return writeln!(f, "{TITLE}where it fails{TITLE:#}: nowhere more than chance, in {n} maps");
     }
-    writeln!(f, "{TITLE}where it fails{TITLE:#}: the model")?;
-    for finding in found.findings.iter().take(MOST_LINES) {
-        let share = 100.0 * finding.share;
-        let (steps, pushes) = (finding.n_steps, finding.n_pushes);
-        writeln!(f, "  {}", finding.sentence)?;
-        writeln!(
-            f,
-            "    {share:.0} % of the squared error of {}, {steps} steps of {pushes} pushes",
-            number_of(finding.name)
-        )?;
+    writeln!(f, "{TITLE}where it fails{TITLE:#}, with the share of the squared error: the model")?;
+    for finding in found.findings.iter().take(MOST_FINDINGS) {
+        let (share, number) = (100.0 * finding.share, number_of(finding.name));
+        writeln!(f, "  {share:3.0} % of {number:16} {}", finding.sentence)?;
     }
-    let n_more = found.findings.len().saturating_sub(MOST_LINES);
+    let n_more = found.findings.len().saturating_sub(MOST_FINDINGS);
     if n_more > 0 {
         writeln!(f, "  and {n_more} more; --json has them and all maps")?;
     }

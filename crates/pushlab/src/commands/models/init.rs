@@ -103,6 +103,6 @@ impl Nominal {
         let model = Analytical::nominal(self.pusher_friction)?;
         let model = Analytical::new(friction, model.length().clone(), *model.scatter())?;
         let name = format!("nominal model of {}", self.name);
-        Ok(ModelFile { name, description: model.describe()? })
+        Ok(ModelFile { name, description: model.describe()?, split: None })
     }
 }

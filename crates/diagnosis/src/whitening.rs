@@ -1,0 +1,156 @@
+//! Residuals made independent and of unit variance, by what is known of their noise.
+
+use std::ops::Range;
+
+use effects::Channels;
+use nalgebra::linalg::Cholesky;
+use nalgebra::{DMatrix, DVector, Dyn};
+
+use crate::{DiagnosisError, NoiseFloor, Observations};
+
+/// The covariance of the noise of observed numbers, a block for each push, in factored form.
+///
+/// With Σ = L Lᵀ the covariance of a push's numbers, its whitened residuals are L⁻¹r.
+#[derive(Clone, Debug)]
+pub struct Whitening {
+    blocks: Vec<Block>,
+}
+
+/// The numbers of one push and their covariance.
+#[derive(Clone, Debug)]
+struct Block {
+    entries: Vec<(usize, usize)>,
+    factor: Cholesky<f64, Dyn>,
+}
+
+/// The numbers of a push that are used, each as (step, number of [`effects::Channels`]), and the
+/// covariance of their noise, in the products of their SI units.
+pub type PushCovariance = (Vec<(usize, usize)>, DMatrix<f64>);
+
+/// Share of a number's variance that the steps of a push have in common, where nothing else is
+/// known; the errors of estimates do not rely on it.
+const COMMON_SHARE: f64 = 0.5;
+
+impl Whitening {
+    /// From one covariance a push, in the order of the observations' pushes.
+    ///
+    /// # Errors
+    /// `NotACovariance` for a matrix of another size or that is not positive definite.
+    pub fn new(
+        covariances: impl IntoIterator<Item = PushCovariance>,
+    ) -> Result<Self, DiagnosisError> {
+        let block = |(push, (entries, covariance)): (usize, PushCovariance)| {
+            let fits = covariance.shape() == (entries.len(), entries.len());
+            let factor = covariance.cholesky().filter(|_| fits);
+            let factor = factor.ok_or(DiagnosisError::NotACovariance { push })?;
+            Ok::<_, DiagnosisError>(Block { entries, factor })
+        };
+        let blocks = covariances.into_iter().enumerate().map(block).collect::<Result<_, _>>()?;
+        Ok(Self { blocks })
+    }
+
+    /// Independent noise at each step and a part that a push's steps share, half of the floor's
+    /// variance each.
+    ///
+    /// A number without a floor is not used; of the two gaps at the time between steps that follow
+    /// each other, which are one measurement, the first is.
+    ///
+    /// # Errors
+    /// `NotACovariance` for a floor that is zero.
+    pub fn of_floor(
+        observations: &Observations,
+        floor: &NoiseFloor,
+    ) -> Result<Self, DiagnosisError> {
+        let variance = floor.numbers.map(|floor| floor.map(|floor| floor.rms.powi(2)));
+        let mut entries = vec![Vec::new(); observations.pushes.len()];
+        for (step, push) in observations.push_of.iter().enumerate() {
+            let numbers = (0..Channels::NAMES.len()).filter(|number| variance[*number].is_some());
+            let used = numbers.filter(|number| observations.is_own(step, *number));
+            entries[*push].extend(used.map(|number| (step, number)));
+        }
+        let covariance = |entries: Vec<(usize, usize)>| {
+            let of = |i: usize, j: usize| {
+                let ((_, one), (_, other)) = (entries[i], entries[j]);
+                let common = if one == other { COMMON_SHARE } else { 0.0 };
+                let own = if i == j { 1.0 - COMMON_SHARE } else { 0.0 };
+                variance[one].unwrap_or_default() * (common + own)
+            };
+            (DMatrix::from_fn(entries.len(), entries.len(), of), entries)
+        };
+        Self::new(entries.into_iter().map(covariance).map(|(matrix, entries)| (entries, matrix)))
+    }
+
+    /// How many numbers are used, over all pushes.
+    pub fn n_numbers(&self) -> usize {
+        self.blocks.iter().map(|block| block.entries.len()).sum()
+    }
+
+    /// The rows of [`Whitening::whiten`] that are each push's.
+    pub fn rows(&self) -> Vec<Range<usize>> {
+        let mut start = 0;
+        let rows = |block: &Block| {
+            let first = start;
+            start += block.entries.len();
+            first..start
+        };
+        self.blocks.iter().map(rows).collect()
+    }
+
+    /// The numbers of a push that are used, each as (step, number).
+    pub fn entries(&self, push: usize) -> &[(usize, usize)] {
+        &self.blocks[push].entries
+    }
+
+    /// The used ones among the numbers of each step, whitened, push after push.
+    pub fn whiten(&self, values: &[[f64; 7]]) -> DVector<f64> {
+        let mut white = DVector::zeros(self.n_numbers());
+        for (block, rows) in self.blocks.iter().zip(self.rows()) {
+            let mut part = white.rows_mut(rows.start, rows.len());
+            for (value, (step, number)) in part.iter_mut().zip(&block.entries) {
+                *value = values[*step][*number];
+            }
+            block.factor.l_dirty().solve_lower_triangular_mut(&mut part);
+        }
+        white
+    }
+
+    /// ln |Σ| of all pushes together.
+    pub fn log_determinant(&self) -> f64 {
+        self.blocks.iter().map(|block| block.factor.ln_determinant()).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Whitening;
+    use crate::DiagnosisError;
+    use nalgebra::{DMatrix, DVector};
+
+    #[test]
+    fn whitened_residuals_have_the_quadratic_form_of_the_covariance() {
+        let matrix =
+            DMatrix::from_row_slice(3, 3, &[4.0, 1.0, 0.5, 1.0, 3.0, -1.0, 0.5, -1.0, 2.0]);
+        let other = DMatrix::from_element(1, 1, 9.0);
+        let entries = vec![(0, 0), (0, 2), (1, 2)];
+        let whitening = Whitening::new([(entries, matrix.clone()), (vec![(2, 5)], other)]).unwrap();
+        let mut values = [[f64::NAN; 7]; 3];
+        (values[0][0], values[0][2], values[1][2], values[2][5]) = (1.0, -2.0, 0.7, 6.0);
+        let white = whitening.whiten(&values);
+        let residuals = DVector::from_vec(vec![1.0, -2.0, 0.7]);
+        let square = residuals.dot(&(matrix.clone().try_inverse().unwrap() * &residuals));
+        assert!((white.rows(0, 3).norm_squared() - square).abs() < 1e-12);
+        assert!((white[3] - 2.0).abs() < 1e-15);
+        let determinant = (matrix.determinant() * 9.0).ln();
+        assert!((whitening.log_determinant() - determinant).abs() < 1e-12);
+        assert_eq!((whitening.rows(), whitening.n_numbers()), (vec![0..3, 3..4], 4));
+    }
+
+    #[test]
+    fn what_is_no_covariance_is_refused() {
+        for matrix in [DMatrix::zeros(1, 1), DMatrix::identity(2, 2)] {
+            let refused =
+                Whitening::new([(Vec::new(), DMatrix::zeros(0, 0)), (vec![(0, 0)], matrix)]);
+            assert!(matches!(refused, Err(DiagnosisError::NotACovariance { push: 1 })));
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! A Gaussian, and what becomes of it in a nonlinear motion.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{DMatrix, DVector};
+use rand::{Rng, RngExt};
+use rand_distr::StandardNormal;
+
+use crate::{FilterError, Rule};
+
+/// A Gaussian over vectors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gaussian {
+    mean: DVector<f64>,
+    covariance: DMatrix<f64>,
+    /// A square root R of the covariance, R Rᵀ, by its eigenvectors: it may be singular.
+    root: DMatrix<f64>,
+}
+
+/// Eigenvalues above −tolerance times the largest are rounding.
+const ROUNDING: f64 = 1e-10;
+
+impl Gaussian {
+    /// A Gaussian of a mean and a covariance.
+    ///
+    /// # Errors
+    /// `ShapeMismatch`; `NotPositiveSemiDefinite` for a covariance that is none, or not symmetric.
+    pub fn new(mean: DVector<f64>, covariance: DMatrix<f64>) -> Result<Self, FilterError> {
+        let (expected, dimension) = (mean.len(), mean.len());
+        for actual in [covariance.nrows(), covariance.ncols()] {
+            if actual != expected {
+                return Err(FilterError::ShapeMismatch { what: "covariance", expected, actual });
+            }
+        }
+        let scale = covariance.amax();
+        let is_symmetric = (&covariance - covariance.transpose()).amax() <= ROUNDING * scale;
+        if !is_symmetric || !mean.iter().chain(&covariance).all(|value| value.is_finite()) {
+            return Err(FilterError::NotPositiveSemiDefinite { dimension });
+        }
+        let eigen = covariance.clone().symmetric_eigen();
+        if eigen.eigenvalues.iter().any(|value| *value < -ROUNDING * scale) {
+            return Err(FilterError::NotPositiveSemiDefinite { dimension });
+        }
+        let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
+        let root = eigen.eigenvectors * DMatrix::from_diagonal(&roots);
+        Ok(Self { mean, covariance, root })
+    }
+
+    /// The mean.
+    #[must_use]
+    pub fn mean(&self) -> &DVector<f64> {
+        &self.mean
+    }
+
+    /// The covariance.
+    #[must_use]
+    pub fn covariance(&self) -> &DMatrix<f64> {
+        &self.covariance
+    }
+
+    /// A draw.
+    pub fn sample(&self, random: &mut dyn Rng) -> DVector<f64> {
+        let normal = DVector::from_fn(self.mean.len(), |_, _| random.sample(StandardNormal));
+        &self.mean + &self.root * normal
+    }
+
+    /// The log density, in nats.
+    ///
+    /// # Errors
+    /// `ShapeMismatch`; `NotPositiveSemiDefinite` for a singular covariance, which has none.
+    pub fn log_density(&self, at: &DVector<f64>) -> Result<f64, FilterError> {
+        let (expected, actual) = (self.mean.len(), at.len());
+        if actual != expected {
+            return Err(FilterError::ShapeMismatch { what: "point", expected, actual });
+        }
+        let factor = self.covariance.clone().cholesky();
+        let factor = factor.ok_or(FilterError::NotPositiveSemiDefinite { dimension: expected })?;
+        let off = at - &self.mean;
+        let log_determinant = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
+        let square = off.dot(&factor.solve(&off));
+        Ok(-0.5 * (square + log_determinant + expected as f64 * TAU.ln()))
+    }
+
+    /// The Gaussian with the moments of what a motion makes of this one, where the motion gives a
+    /// Gaussian for each state: mean E[m], covariance E[C] + Cov[m].
+    ///
+    /// # Errors
+    /// What `motion` says; `ShapeMismatch` if its Gaussians differ in dimension.
+    pub fn propagated<E: From<FilterError>>(
+        &self,
+        rule: &dyn Rule,
+        motion: impl Fn(&DVector<f64>) -> Result<Self, E>,
+    ) -> Result<Self, E> {
+        let moved = self.points(rule).into_iter().map(|(point, w)| Ok((motion(&point)?, w)));
+        let moved = moved.collect::<Result<Vec<_>, E>>()?;
+        Ok(Self::of_mixture(&moved)?)
+    }
+
+    /// The rule's points in the state's own coordinates.
+    pub(crate) fn points(&self, rule: &dyn Rule) -> Vec<(DVector<f64>, f64)> {
+        let points = rule.points(self.mean.len()).into_iter();
+        points.map(|(point, weight)| (&self.mean + &self.root * point, weight)).collect()
+    }
+
+    /// The Gaussian with the moments of weighted ones, of any sum of weights.
+    pub(crate) fn of_mixture(parts: &[(Self, f64)]) -> Result<Self, FilterError> {
+        let first = parts.first().ok_or(FilterError::Empty { what: "components" })?;
+        let expected = first.0.mean.len();
+        if let Some((other, _)) = parts.iter().find(|(part, _)| part.mean.len() != expected) {
+            let actual = other.mean.len();
+            return Err(FilterError::ShapeMismatch { what: "component", expected, actual });
+        }
+        let total: f64 = parts.iter().map(|(_, weight)| weight).sum();
+        let mut mean = DVector::zeros(expected);
+        parts.iter().for_each(|(part, weight)| mean.axpy(weight / total, &part.mean, 1.0));
+        let mut covariance = DMatrix::zeros(expected, expected);
+        for (part, weight) in parts {
+            let off = &part.mean - &mean;
+            covariance += weight / total * (&part.covariance + &off * off.transpose());
+        }
+        Self::new(mean, covariance)
+    }
+}

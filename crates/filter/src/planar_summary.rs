@@ -1,0 +1,137 @@
+//! Mean, covariance and quantiles of a distribution over planar poses.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+
+use crate::{FilterError, Weights};
+
+/// A state of which a planar pose is a part.
+pub trait PlanarState {
+    /// x and y in m, and the angle in rad, of any turn.
+    fn planar(&self) -> [f64; 3];
+}
+
+impl PlanarState for [f64; 3] {
+    fn planar(&self) -> [f64; 3] {
+        *self
+    }
+}
+
+impl PlanarState for Vector3<f64> {
+    fn planar(&self) -> [f64; 3] {
+        (*self).into()
+    }
+}
+
+/// Where a cloud of weighted poses is, and how wide.
+///
+/// The mean angle is the direction of the mean of (cos θ, sin θ), which knows no seam; deviations
+/// from it are in (−π, π].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlanarSummary {
+    /// Mean x and y in m, and mean angle in rad in (−π, π].
+    pub mean: Vector3<f64>,
+    /// Covariance of x, y and angle about the mean, in m², m·rad and rad².
+    pub covariance: Matrix3<f64>,
+    /// Length of the mean of (cos θ, sin θ): 1 for one angle, 0 for none at all.
+    pub concentration: f64,
+}
+
+impl PlanarSummary {
+    /// The summary of weighted states.
+    ///
+    /// # Errors
+    /// `Empty` without states; `ShapeMismatch` for another number of weights; `NotANumber` for a
+    /// state that is not finite, with its number.
+    pub fn of<S: PlanarState>(states: &[S], weights: &Weights) -> Result<Self, FilterError> {
+        let poses = poses(states, weights)?;
+        let (mut position, mut heading) = ([0.0; 2], [0.0; 2]);
+        for ([x, y, angle], weight) in &poses {
+            position[0] += weight * x;
+            position[1] += weight * y;
+            heading[0] += weight * angle.cos();
+            heading[1] += weight * angle.sin();
+        }
+        let mean = Vector3::new(position[0], position[1], heading[1].atan2(heading[0]));
+        let deviation = |[x, y, angle]: &[f64; 3]| {
+            Vector3::new(x - mean.x, y - mean.y, wrapped(angle - mean.z))
+        };
+        let covariance = poses.iter().fold(Matrix3::zeros(), |sum, (pose, weight)| {
+            let deviation = deviation(pose);
+            sum + *weight * deviation * deviation.transpose()
+        });
+        Ok(Self { mean, covariance, concentration: heading[0].hypot(heading[1]) })
+    }
+
+    /// For each probability the quantiles of x, y and angle, each on its own; the angle's are
+    /// counted from the mean and may lie beyond ±π.
+    ///
+    /// # Errors
+    /// As [`PlanarSummary::of`]; `OutOfRange` for a probability beyond 0 to 1.
+    pub fn quantiles<S: PlanarState>(
+        &self,
+        states: &[S],
+        weights: &Weights,
+        probabilities: &[f64],
+    ) -> Result<Vec<Vector3<f64>>, FilterError> {
+        let poses = poses(states, weights)?;
+        if let Some(value) = probabilities.iter().find(|value| !(0.0..=1.0).contains(*value)) {
+            let (name, expected) = ("probability", "from 0 to 1");
+            return Err(FilterError::OutOfRange { name, expected, value: *value });
+        }
+        let of_axis = |axis: usize| {
+            let value = |pose: &[f64; 3]| match axis {
+                2 => self.mean.z + wrapped(pose[2] - self.mean.z),
+                _ => pose[axis],
+            };
+            let mut sorted: Vec<_> = poses.iter().map(|(pose, w)| (value(pose), *w)).collect();
+            sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+            probabilities.iter().map(|share| quantile(&sorted, *share)).collect::<Vec<_>>()
+        };
+        let [x, y, angle] = [0, 1, 2].map(of_axis);
+        let rows = x.into_iter().zip(y).zip(angle);
+        Ok(rows.map(|((x, y), angle)| Vector3::new(x, y, angle)).collect())
+    }
+}
+
+/// The pose and weight of each state.
+pub(crate) fn poses<S: PlanarState>(
+    states: &[S],
+    weights: &Weights,
+) -> Result<Vec<([f64; 3], f64)>, FilterError> {
+    let (expected, actual) = (states.len(), weights.as_slice().len());
+    if states.is_empty() {
+        return Err(FilterError::Empty { what: "states" });
+    }
+    if actual != expected {
+        return Err(FilterError::ShapeMismatch { what: "weights", expected, actual });
+    }
+    let pose = |(particle, (state, weight)): (usize, (&S, &f64))| {
+        let pose = state.planar();
+        match pose.into_iter().find(|value| !value.is_finite()) {
+            Some(value) => {
+                Err(FilterError::NotANumber { step: 0, what: "a coordinate", particle, value })
+            }
+            None => Ok((pose, *weight)),
+        }
+    };
+    states.iter().zip(weights.as_slice()).enumerate().map(pose).collect()
+}
+
+/// The least value at which the weights up to it reach a share.
+fn quantile(sorted: &[(f64, f64)], share: f64) -> f64 {
+    let mut sum = 0.0;
+    let reached = sorted.iter().find(|(_, weight)| {
+        sum += weight;
+        sum >= share
+    });
+    reached.or(sorted.last()).map_or(0.0, |(value, _)| *value)
+}
+
+/// An angle in (−π, π].
+fn wrapped(angle: f64) -> f64 {
+    let angle = angle.rem_euclid(TAU);
+    if angle > PI { angle - TAU } else { angle }
+}

@@ -1,0 +1,107 @@
+//! Gaussians and mixtures carried through motion.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+use filter::{FilterError, GaussHermite, Gaussian, Mixture, Rule, Unscented};
+use nalgebra::{DMatrix, DVector, dmatrix, dvector};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+fn rules() -> [(&'static dyn Rule, u32); 3] {
+    [(&Unscented, 3), (&GaussHermite { order: 3 }, 5), (&GaussHermite { order: 5 }, 9)]
+}
+
+/// E zᵏ of a standard normal: the double factorial of k − 1 for even k.
+fn moment(k: u32) -> f64 {
+    if k % 2 == 1 { 0.0 } else { (1..k).step_by(2).map(f64::from).product() }
+}
+
+#[test]
+fn rules_are_exact_up_to_their_degree() {
+    for (rule, degree) in rules() {
+        for dimension in 1..=3 {
+            let points = rule.points(dimension);
+            assert!((points.iter().map(|(_, weight)| weight).sum::<f64>() - 1.0).abs() < 1e-13);
+            assert!(points.iter().all(|(_, weight)| *weight >= 0.0));
+            for axis in 0..dimension {
+                for k in 0..=degree {
+                    let found: f64 =
+                        points.iter().map(|(z, weight)| weight * z[axis].powi(k as i32)).sum();
+                    assert!((found - moment(k)).abs() < 1e-11, "{dimension} {k}: {found}");
+                }
+            }
+        }
+    }
+}
+
+fn gaussian() -> Gaussian {
+    Gaussian::new(dvector![1.0, -0.5], dmatrix![0.5, 0.2; 0.2, 0.3]).unwrap()
+}
+
+#[test]
+fn a_linear_motion_is_exact() {
+    let (a, q) = (dmatrix![1.0, 0.3; -0.2, 0.8], dmatrix![0.05, 0.01; 0.01, 0.02]);
+    for (rule, _) in rules() {
+        let moved: Gaussian = gaussian()
+            .propagated(rule, |x| Gaussian::new(&a * x + dvector![0.1, 0.2], q.clone()))
+            .unwrap();
+        let mean = &a * gaussian().mean() + dvector![0.1, 0.2];
+        let covariance = &a * gaussian().covariance() * a.transpose() + &q;
+        assert!((moved.mean() - mean).amax() < 1e-13);
+        assert!((moved.covariance() - covariance).amax() < 1e-13);
+    }
+}
+
+#[test]
+fn a_density_is_that_of_its_own_draws() {
+    // E log p = −½ (d + d ln 2π + ln |C|).
+    let one = gaussian();
+    let mixture = Mixture::new(vec![(one.clone(), 2.0)]).unwrap();
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let n = 40_000;
+    let mean: f64 =
+        (0..n).map(|_| mixture.log_density(&mixture.sample(&mut random)).unwrap()).sum::<f64>()
+            / f64::from(n);
+    let entropy = 1.0 + std::f64::consts::TAU.ln() + 0.5 * one.covariance().determinant().ln();
+    // The sum of two squared normals has a standard deviation of 2, of which half counts.
+    assert!((mean + entropy).abs() < 5.0 / f64::from(n).sqrt(), "{mean} {entropy}");
+}
+
+#[test]
+fn a_motion_of_two_ways_splits_and_joins_to_the_same_moments() {
+    let start = Mixture::new(vec![(Gaussian::new(dvector![0.0], dmatrix![1.0]).unwrap(), 1.0)]);
+    let motion = |x: &DVector<f64>| -> Result<(usize, Gaussian), FilterError> {
+        let way = usize::from(x[0] > 0.0);
+        Ok((way, Gaussian::new(dvector![x[0].abs()], DMatrix::zeros(1, 1))?))
+    };
+    let moved = start.unwrap().propagated(&GaussHermite { order: 40 }, motion).unwrap();
+    assert_eq!(moved.components().len(), 2);
+    for (part, weight) in moved.components() {
+        // A half normal.
+        assert!((weight - 0.5).abs() < 1e-12);
+        assert!((part.mean()[0] - (2.0 / std::f64::consts::PI).sqrt()).abs() < 0.02);
+    }
+    let (whole, joined) = (moved.moments().unwrap(), moved.reduced(1).unwrap());
+    assert!((joined.components()[0].0.covariance() - whole.covariance()).amax() < 1e-14);
+}
+
+#[test]
+fn the_two_that_are_alike_are_joined_first() {
+    let at = |x: f64| Gaussian::new(dvector![x], dmatrix![0.1]).unwrap();
+    let mixture = Mixture::new(vec![(at(0.0), 0.4), (at(5.0), 0.3), (at(0.1), 0.3)]).unwrap();
+    let reduced = mixture.reduced(2).unwrap();
+    let mut means: Vec<f64> = reduced.components().iter().map(|(part, _)| part.mean()[0]).collect();
+    means.sort_by(f64::total_cmp);
+    assert!((means[0] - 0.03 / 0.7).abs() < 1e-12 && (means[1] - 5.0).abs() < 1e-12);
+}
+
+#[test]
+fn what_is_no_covariance_is_refused() {
+    let bad = Gaussian::new(dvector![0.0, 0.0], dmatrix![1.0, 2.0; 2.0, 1.0]);
+    assert!(matches!(bad, Err(FilterError::NotPositiveSemiDefinite { dimension: 2 })));
+    let bad = Gaussian::new(dvector![0.0, 0.0], dmatrix![1.0, 0.5; 0.0, 1.0]);
+    assert!(matches!(bad, Err(FilterError::NotPositiveSemiDefinite { dimension: 2 })));
+    let bad = Gaussian::new(dvector![0.0], dmatrix![1.0, 0.0; 0.0, 1.0]);
+    assert!(matches!(bad, Err(FilterError::ShapeMismatch { expected: 1, actual: 2, .. })));
+    assert!(matches!(Mixture::new(Vec::new()), Err(FilterError::Empty { .. })));
+}

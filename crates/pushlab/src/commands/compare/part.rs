@@ -1,0 +1,67 @@
+//! Which pushes of a set a comparison may use.
+
+use std::fmt;
+
+use anyhow::{Context, Result};
+use diagnosis::Observations;
+use models::Split;
+use serde::Serialize;
+
+/// The pushes compared.
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case", tag = "pushes")]
+pub(super) enum Part {
+    /// All of the set, which no model says that it was fitted to.
+    All,
+    /// Those that no fit has seen.
+    Confirm {
+        /// How many pushes the split leaves out, for a model was fitted to them.
+        n_fitted: usize,
+        #[serde(skip)]
+        names: Vec<String>,
+    },
+}
+
+impl Part {
+    /// What the splits of the models leave: the pushes that each of those of this set confirms with.
+    pub(super) fn of<'a>(
+        splits: impl Iterator<Item = &'a Split>,
+        observations: &Observations,
+    ) -> Self {
+        splits.filter(|split| observations.are_of(split)).fold(Self::All, |part, split| {
+            let names = split.confirm.iter().filter(|name| part.has(name)).cloned().collect();
+            Self::Confirm { n_fitted: split.fit.len(), names }
+        })
+    }
+
+    fn has(&self, push: &String) -> bool {
+        match self {
+            Self::All => true,
+            Self::Confirm { names, .. } => names.contains(push),
+        }
+    }
+
+    /// The observations of these pushes.
+    ///
+    /// # Errors
+    /// If they are too few.
+    pub(super) fn observations(&self, all: Observations) -> Result<Observations> {
+        match self {
+            Self::All => Ok(all),
+            Self::Confirm { names, .. } => all
+                .part(names)
+                .context("the pushes that no fit has seen are too few; fit both models anew"),
+        }
+    }
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::All => Ok(()),
+            Self::Confirm { n_fitted, .. } => {
+                writeln!(f, "  the pushes that no fit has seen; {n_fitted} others were fitted to")
+            }
+        }
+    }
+}
