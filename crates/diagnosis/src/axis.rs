@@ -24,6 +24,12 @@ impl Axis {
         known.filter_map(axis).collect()
     }
 
+    /// The first and the last cell with steps.
+    pub(crate) fn used(&self) -> [usize; 2] {
+        let cells = || self.cell_of.iter().copied();
+        [cells().min().unwrap_or_default(), cells().max().unwrap_or_default()]
+    }
+
     pub(crate) fn n_cells(&self) -> usize {
         self.bins.n_cells()
     }

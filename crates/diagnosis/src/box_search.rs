@@ -49,7 +49,11 @@ pub(crate) fn best_range(cells: &[Tally], is_periodic: bool) -> CellRange {
 }
 
 /// The ranges of two axes with the largest gain; `cells` row by row of the first axis.
-pub(crate) fn best_ranges(cells: &[Tally], periodic: [bool; 2], n_columns: usize) -> [CellRange; 2] {
+pub(crate) fn best_ranges(
+    cells: &[Tally],
+    periodic: [bool; 2],
+    n_columns: usize,
+) -> [CellRange; 2] {
     let n_rows = cells.len() / n_columns;
     let mut best = (f64::NEG_INFINITY, [CellRange { first: 0, n: 1 }; 2]);
     for rows in CellRange::all(n_rows, periodic[0]) {
@@ -84,7 +88,9 @@ mod tests {
         assert_eq!(range(&[1.0, 1.0, 1.0], false), CellRange { first: 0, n: 3 });
         assert_eq!(range(&[-2.0, 0.1, 0.1, -1.8], false), CellRange { first: 0, n: 1 });
         assert_eq!(range(&[-2.0, 0.1, 0.1, -1.8], true), CellRange { first: 3, n: 2 });
-        assert!(CellRange { first: 3, n: 2 }.holds(0, 4) && !CellRange { first: 3, n: 2 }.holds(1, 4));
+        assert!(
+            CellRange { first: 3, n: 2 }.holds(0, 4) && !CellRange { first: 3, n: 2 }.holds(1, 4)
+        );
     }
 
     #[test]

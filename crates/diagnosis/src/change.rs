@@ -55,7 +55,8 @@ pub fn change(
             pairs.map(|((cluster, old), (_, new))| (*cluster, new - old)).collect();
         let mean = ClusterMean::of(&changes)?;
         let pushes = of_number(&before, &observations.push_of, number);
-        let pushes: Vec<_> = pushes.iter().zip(&changes).map(|((push, _), c)| (*push, c.1)).collect();
+        let pushes: Vec<_> =
+            pushes.iter().zip(&changes).map(|((push, _), c)| (*push, c.1)).collect();
         let sums: Vec<f64> = pushes
             .chunk_by(|a, b| a.0 == b.0)
             .map(|push| push.iter().map(|(_, change)| change).sum())

@@ -77,10 +77,7 @@ pub fn compare(
 }
 
 /// What is not answered, for it was not measured or does not vary.
-fn not_asked(
-    observations: &Observations,
-    channels: &[ChannelError],
-) -> Vec<String> {
+fn not_asked(observations: &Observations, channels: &[ChannelError]) -> Vec<String> {
     let axes = Axis::all(observations);
     let list = |which: &dyn Fn(Covariate) -> bool| {
         let names: Vec<_> =
@@ -90,8 +87,10 @@ fn not_asked(
     let is_axis = |covariate| axes.iter().any(|axis| axis.covariate == covariate);
     let unknown = list(&|covariate| !observations.knows(covariate));
     let constant = list(&|covariate| observations.knows(covariate) && !is_axis(covariate));
-    let missing: Vec<_> =
-        Channels::NAMES.into_iter().filter(|name| !channels.iter().any(|c| c.name == *name)).collect();
+    let missing: Vec<_> = Channels::NAMES
+        .into_iter()
+        .filter(|name| !channels.iter().any(|c| c.name == *name))
+        .collect();
     let mut said = Vec::new();
     let mut say = |what: &str, list: String| {
         if !list.is_empty() {

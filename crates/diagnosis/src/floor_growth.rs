@@ -103,7 +103,7 @@ mod tests {
         let quantiles = [0.01, 0.1, 0.3, 0.7, 1.3, 3.59];
         let one = |k: usize| {
             let way = [0.004, 0.01, 0.02, 0.04, 0.08][k % 5];
-            Deviation { push: k / 5, way, square: variance(way) * quantiles[(k / 5 + k) % 6] }
+            Deviation { push: k / 5, way, square: variance(way) * quantiles[(k / 5 + k % 5) % 6] }
         };
         (0..300).map(one).collect()
     }

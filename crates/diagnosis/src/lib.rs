@@ -24,6 +24,8 @@ mod residual_map;
 mod rollout;
 mod split;
 mod structure;
+#[cfg(test)]
+mod synthetic;
 mod whitening;
 mod words;
 mod worst;

@@ -152,7 +152,8 @@ impl Largest {
     /// Over the quantiles of the flips of each map.
     pub(crate) fn of(maps: &[Vec<f64>]) -> Self {
         let n_flips = maps.first().map_or(0, Vec::len);
-        let largest = |flip: usize| maps.iter().map(|map| map[flip]).fold(f64::NEG_INFINITY, f64::max);
+        let largest =
+            |flip: usize| maps.iter().map(|map| map[flip]).fold(f64::NEG_INFINITY, f64::max);
         Self((0..n_flips).map(largest).collect())
     }
 

@@ -71,13 +71,7 @@ impl Floor {
         let rms = (variance / n as f64).sqrt();
         let ratio = rms / self.rms;
         let (constant, per_meter) = (growth.constant.sqrt(), growth.per_square.sqrt());
-        Self {
-            rms,
-            low95: ratio * self.low95,
-            high95: ratio * self.high95,
-            constant,
-            per_meter,
-        }
+        Self { rms, low95: ratio * self.low95, high95: ratio * self.high95, constant, per_meter }
     }
 }
 

@@ -3,9 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::fmt;
 
-use dataset::{
-    MANIFEST_NAME, Manifest, ObjectChoice, StepRow, SupportSpec, Table, TableMapping,
-};
+use dataset::{MANIFEST_NAME, Manifest, ObjectChoice, StepRow, SupportSpec, Table, TableMapping};
 use models::{ChannelObservation, Cluster, SetAside, Split, StepSelection};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -29,7 +27,7 @@ pub struct Observations {
     pub(crate) set: String,
     /// What was not measured.
     pub(crate) unknown: Vec<Covariate>,
-    set_aside: SetAside,
+    pub(crate) set_aside: SetAside,
 }
 
 /// A push by its recording and its number there.

@@ -76,15 +76,10 @@ impl Predictions {
         })
     }
 
-    fn of_learnt(
-        model: &Description,
-        observations: &Observations,
-    ) -> Result<Self, DiagnosisError> {
+    fn of_learnt(model: &Description, observations: &Observations) -> Result<Self, DiagnosisError> {
         let inputs = motion_inputs(observations)?;
         let predicted = model.build()?.predict(&inputs, Noise::Included)?;
-        let motion = |values: [f64; 3]| {
-            std::array::from_fn(|k| values.get(k).copied())
-        };
+        let motion = |values: [f64; 3]| std::array::from_fn(|k| values.get(k).copied());
         let variance = |k: usize, of: &models::StepPrediction| of.covariance[(k, k)];
         Ok(Self {
             values: predicted.iter().map(|of| motion(of.mean.into())).collect(),
@@ -117,10 +112,7 @@ impl Predictions {
 }
 
 /// The model with each of its uncertain parameters a standard error lower and higher.
-fn secants(
-    model: &Description,
-    base: &Analytical,
-) -> Vec<[Result<Description, ModelError>; 2]> {
+fn secants(model: &Description, base: &Analytical) -> Vec<[Result<Description, ModelError>; 2]> {
     let mut ends = Vec::new();
     let moved = |estimate: &Estimate, sign: f64| Estimate {
         value: estimate.value + sign * estimate.se,

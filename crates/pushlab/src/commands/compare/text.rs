@@ -71,7 +71,7 @@ fn write_error(f: &mut fmt::Formatter<'_>, error: &ChannelError) -> fmt::Result 
     let ChannelError { name, rms, rms_se, nmse, floor, .. } = error;
     let (per, unit) = people(error.unit);
     write!(f, "  {name:16} {:7.3} ± {:.3} {unit:2}", per * rms, per * rms_se)?;
-    if let Some(Floor { rms, low95, high95 }) = floor {
+    if let Some(Floor { rms, low95, high95, .. }) = floor {
         let (rms, low, high) = (per * rms, per * low95, per * high95);
         write!(f, "  floor {rms:.3} ({low:.3} to {high:.3})")?;
     }
@@ -104,7 +104,10 @@ fn write_ends(f: &mut fmt::Formatter<'_>, ends: Option<&PushEnds>) -> fmt::Resul
     let Some(ends) = ends else { return Ok(()) };
     let PushEnds { position, angle, n_lost, pushes } = ends;
     let n = pushes.len();
-    writeln!(f, "{TITLE}error at the end of a push{TITLE:#}, rolled out from its start, {n} pushes")?;
+    writeln!(
+        f,
+        "{TITLE}error at the end of a push{TITLE:#}, rolled out from its start, {n} pushes"
+    )?;
     for (name, per, unit, Spread { mean, median, p90 }) in
         [("place", 1e3, "mm", position), ("angle", 1.0_f64.to_degrees(), "°", angle)]
     {
@@ -142,7 +145,10 @@ fn write_calibration(f: &mut fmt::Formatter<'_>, found: &[Calibration]) -> fmt::
 fn write_findings(f: &mut fmt::Formatter<'_>, found: &Comparison) -> fmt::Result {
     if found.findings.is_empty() {
         let n = found.maps.len();
-        return writeln!(f, "{TITLE}where it fails{TITLE:#}: nowhere more than chance, in {n} maps");
+        return writeln!(
+            f,
+            "{TITLE}where it fails{TITLE:#}: nowhere more than chance, in {n} maps"
+        );
     }
     writeln!(f, "{TITLE}where it fails{TITLE:#}, with the share of the squared error: the model")?;
     for finding in found.findings.iter().take(MOST_FINDINGS) {
