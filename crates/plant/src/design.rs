@@ -4,11 +4,13 @@ use planar::Shape;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
+use crate::error::check_range;
 use crate::outline::Outline;
 use crate::random::{Purpose, Random};
 use crate::truth::Wear;
 use crate::{PlannedPush, PlantError};
 
+const USUAL_SPEEDS: [f64; 1] = [0.02];
 const THESIS_SPEEDS: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.4];
 const N_PLACES: usize = 11;
 const N_ANGLES: usize = 9;
@@ -27,7 +29,7 @@ pub struct Design {
     pub layout: Layout,
     /// Number of pushes; 0 for all of a grid or list.
     pub n_pushes: usize,
-    /// Speeds to choose from, in m/s; the thesis' layout has its own.
+    /// Speeds to choose from, in m/s; if there are none, 20 mm/s, or the thesis' five.
     pub speeds: Vec<f64>,
     /// Share of the pushes of a drawn layout that repeat a few of them over and over.
     pub repeat_share: f64,
@@ -53,7 +55,7 @@ pub struct Design {
 pub enum Layout {
     /// Any place of the outline, angle, orientation and place on the table.
     Rich,
-    /// The thesis' grid: 11 places on each edge, 9 angles up to 80°, 5 speeds.
+    /// The thesis' grid: 11 places on each edge, 9 angles up to 80°, each at every speed.
     Thesis,
     /// One edge, one orientation, one place on the table and the first of the speeds; places along
     /// the edge and angles are drawn.
@@ -72,7 +74,7 @@ impl Default for Design {
         Self {
             layout: Layout::Rich,
             n_pushes: 200,
-            speeds: vec![0.02],
+            speeds: Vec::new(),
             repeat_share: 0.15,
             n_repeated: 3,
             n_sessions: 1,
@@ -115,8 +117,11 @@ impl Design {
             pushes.truncate(self.n_pushes);
         }
         let n = pushes.len();
-        for push in &pushes {
-            push.check(shape)?;
+        for (index, push) in pushes.iter().enumerate() {
+            push.check(shape).map_err(|source| PlantError::Push {
+                name: push_name(index),
+                source: Box::new(source),
+            })?;
         }
         if !is_list {
             pushes.retain(|push| planner.is_free(push));
@@ -133,10 +138,19 @@ impl Design {
         Ok(Plan { pushes, n_blocked: n - n_kept })
     }
 
+    /// The speeds that are chosen from.
+    fn speeds(&self) -> &[f64] {
+        match self.layout {
+            _ if !self.speeds.is_empty() => &self.speeds,
+            Layout::Thesis => &THESIS_SPEEDS,
+            _ => &USUAL_SPEEDS,
+        }
+    }
+
     fn check(&self) -> Result<(), PlantError> {
         let needs_pushes = !matches!(self.layout, Layout::Thesis | Layout::List(_));
-        if needs_pushes && (self.n_pushes == 0 || self.speeds.is_empty()) {
-            let what = "a drawn design needs a number of pushes and at least one speed";
+        if needs_pushes && self.n_pushes == 0 {
+            let what = "a drawn design needs a number of pushes";
             return Err(PlantError::Design { what: what.into() });
         }
         let repeats = matches!(self.layout, Layout::Repeats) || self.repeat_share > 0.0;
@@ -153,14 +167,15 @@ impl Design {
             ("the rest before", self.rests[0], "s", 0.0, 60.0),
             ("the rest after", self.rests[1], "s", 0.0, 60.0),
         ];
-        for (name, value, unit, low, high) in ranges {
-            if !(low..=high).contains(&value) {
-                let allowed = format!("a number from {low} to {high}");
-                return Err(PlantError::OutOfRange { name: name.into(), value, unit, allowed });
-            }
-        }
-        Ok(())
+        ranges.into_iter().try_for_each(|(name, value, unit, low, high)| {
+            check_range(name, value, unit, (low, high))
+        })
     }
+}
+
+/// Name of a push, and of its recording.
+pub(crate) fn push_name(index: usize) -> String {
+    format!("push-{index:04}")
 }
 
 struct Planner<'a> {
@@ -179,7 +194,7 @@ impl Planner<'_> {
             (0..4).map(|k| k * n_edges / 4).collect()
         };
         let mut pushes = Vec::new();
-        for &speed in &THESIS_SPEEDS {
+        for &speed in self.design.speeds() {
             for &edge in &edges {
                 for place in 0..N_PLACES {
                     for turn in 0..N_ANGLES {
@@ -224,13 +239,14 @@ impl Planner<'_> {
             let angle = self.random.uniform(-design.steepest, design.steepest);
             let p = self.random.uniform(0.01, 0.99);
             let push = if let Layout::Narrow { edge } = design.layout {
-                self.push(edge, p, angle, design.speeds[0], [0.0; 3])
+                self.push(edge, p, angle, design.speeds()[0], [0.0; 3])
             } else {
                 let edge = self.edge();
                 let mut axis = || self.random.uniform(-design.spread, design.spread);
                 let (x, y) = (axis(), axis());
                 let place = [x, y, self.random.uniform(-PI, PI)];
-                let speed = design.speeds[self.random.below(design.speeds.len())];
+                let speeds = design.speeds();
+                let speed = speeds[self.random.below(speeds.len())];
                 self.push(edge, p, angle, speed, place)
             };
             push.check(self.shape)?;

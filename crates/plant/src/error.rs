@@ -111,6 +111,20 @@ pub enum PlantError {
     },
 }
 
+/// Refuses a number outside of its range.
+pub(crate) fn check_range(
+    name: &str,
+    value: f64,
+    unit: &'static str,
+    (low, high): (f64, f64),
+) -> Result<(), PlantError> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    let allowed = format!("a number from {low} to {high}");
+    Err(PlantError::OutOfRange { name: name.to_owned(), value, unit, allowed })
+}
+
 impl PlantError {
     pub(crate) fn io(what: &'static str, path: &std::path::Path, source: std::io::Error) -> Self {
         Self::Io { what, path: path.to_owned(), source }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use dataset::{Recording, RecordingWriter, all_writers};
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
+use crate::design::push_name;
 use crate::pushed_object::{manifest_text, object_of};
 use crate::random::{Purpose, Random};
 use crate::sealed_truth::{SealedPush, SealedTruth};
@@ -181,6 +182,8 @@ pub(crate) struct Set<'a> {
 
 impl<'a> Set<'a> {
     fn new(settings: &'a GenerateSettings) -> Result<Self, PlantError> {
+        settings.sensors.check()?;
+        settings.scatter.check()?;
         let nominal = &settings.nominal;
         let manifest = manifest_text(&settings.name, &settings.object, nominal, "csv");
         let object = object_of(&manifest, Path::new(dataset::MANIFEST_NAME))?;
@@ -251,10 +254,6 @@ impl<'a> Set<'a> {
             Recording::made(push_name(index), self.epochs[index], robot, object, wrench);
         Ok(SimulatedPush { plan: plan.clone(), variation, start, trajectory, recording })
     }
-}
-
-fn push_name(index: usize) -> String {
-    format!("push-{index:04}")
 }
 
 fn writer(name: &str) -> Result<&'static dyn RecordingWriter, PlantError> {

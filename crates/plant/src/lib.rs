@@ -40,7 +40,7 @@ pub use numerics::Numerics;
 pub use planned_push::PlannedPush;
 pub use plant::Plant;
 pub use push_list::read_push_list;
-pub use pushed_object::{Nominal, PushedObject};
+pub use pushed_object::{Nominal, PushedObject, read_rig};
 pub use scatter::Scatter;
 pub use sensors::{Sensor, Sensors};
 pub use tip_path::TipPath;

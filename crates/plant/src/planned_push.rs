@@ -6,6 +6,7 @@ use planar::{Ellipse, Pose, Shape};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
+use crate::error::check_range;
 use crate::rig::rotation;
 use crate::{PlantError, TipPath};
 
@@ -63,13 +64,9 @@ impl PlannedPush {
             ("y of the object", self.place[1], "m", -10.0, 10.0),
             ("turn of the object", self.place[2], "rad", -TAU, TAU),
         ];
-        for (name, value, unit, low, high) in ranges {
-            if !(low..=high).contains(&value) {
-                let allowed = format!("a number from {low} to {high}");
-                return Err(PlantError::OutOfRange { name: name.into(), value, unit, allowed });
-            }
-        }
-        Ok(())
+        ranges.into_iter().try_for_each(|(name, value, unit, low, high)| {
+            check_range(name, value, unit, (low, high))
+        })
     }
 
     /// The path of a tip with a nominal radius (m) that makes this push.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use dataset::{Manifest, ObjectSpec};
+use dataset::{Manifest, ObjectChoice, ObjectSpec};
 use serde::{Deserialize, Serialize};
 
 use crate::{PlantError, Truth};
@@ -45,6 +45,11 @@ pub enum PushedObject {
         semi_axes: [f64; 2],
         /// Mass, in kg.
         mass: f64,
+    },
+    /// An object as a manifest tells it.
+    Told {
+        /// The keys of `[object]` in `dataset.toml`.
+        object: toml::Table,
     },
 }
 
@@ -110,8 +115,40 @@ impl PushedObject {
             Self::Ellipse { semi_axes, mass } => {
                 format!("shape = \"ellipse\"\nsemi_axes_m = {semi_axes:?}\nmass_kg = {mass:?}")
             }
+            Self::Told { object } => object.to_string().trim_end().to_owned(),
         }
     }
+}
+
+/// The object that a recording set is about, and what is nominally known of its rig.
+///
+/// - `path`: a `dataset.toml`, or the folder of the set.
+///
+/// # Errors
+/// `Dataset` for a manifest that cannot be read or is wrong; `Design` for one that tells the object
+/// by the names of its recordings.
+pub fn read_rig(path: &Path) -> Result<(PushedObject, Nominal), PlantError> {
+    let path = if path.is_dir() { path.join(dataset::MANIFEST_NAME) } else { path.to_owned() };
+    let text = std::fs::read_to_string(&path).map_err(|e| PlantError::io("read", &path, e))?;
+    let manifest = Manifest::parse(&text, &path)?;
+    if manifest.object == ObjectChoice::ByFileName {
+        let what = "tells the object by the names of its recordings; name an object instead";
+        return Err(PlantError::Design { what: format!("{} {what}", path.display()) });
+    }
+    let mut tables: toml::Table = text
+        .parse()
+        .map_err(|error: toml::de::Error| PlantError::Design { what: error.to_string() })?;
+    let object = match tables.remove("object") {
+        Some(toml::Value::Table(object)) => object,
+        _ => toml::Table::new(),
+    };
+    let nominal = Nominal {
+        pusher_radius: manifest.pusher.radius,
+        pusher_friction: manifest.pusher.friction,
+        support_friction: manifest.support.friction,
+        gravity: manifest.support.gravity,
+    };
+    Ok((PushedObject::Told { object }, nominal))
 }
 
 /// The text of `dataset.toml`: what a user of the set is told.
@@ -155,13 +192,39 @@ fn quoted(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Nominal, PushedObject, manifest_text, object_of};
+    use super::{Nominal, PushedObject, manifest_text, object_of, read_rig};
     use crate::Truth;
     use std::path::Path;
 
     #[test]
     fn the_usual_claims_are_true_of_the_usual_rig() {
         assert_eq!(Nominal::default().truth(), Truth::default());
+    }
+
+    #[test]
+    fn a_rig_is_read_from_a_manifest_or_its_folder_and_told_again() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join(dataset::MANIFEST_NAME);
+        let nominal = Nominal { pusher_radius: 0.006, gravity: 9.8, ..Nominal::default() };
+        let told =
+            PushedObject::Polygon { vertices: vec![[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]], mass: 1.5 };
+        let text = manifest_text("a", &told, &nominal, "csv")
+            .replace("mass_kg", "center_of_mass_m = [0.02, 0.03]\nmass_kg");
+        std::fs::write(&path, &text).unwrap();
+        for from in [dir.path(), &path] {
+            let (object, read) = read_rig(from).unwrap();
+            assert_eq!(read, nominal);
+            let again = manifest_text("a", &object, &read, "csv");
+            assert_eq!(object_of(&again, &path).unwrap(), object_of(&text, &path).unwrap());
+        }
+        std::fs::write(&path, text.replace("vertices_m", "vertices_mm")).unwrap();
+        let message = read_rig(&path).unwrap_err().to_string();
+        assert!(message.contains("dataset.toml:5"), "{message}");
+        let by_name = "shape = \"by-file-name\"\n\n[pusher]";
+        let (start, end) = (text.find("shape").unwrap(), text.find("[pusher]").unwrap());
+        std::fs::write(&path, text.replace(&text[start..end + 8], by_name)).unwrap();
+        let message = read_rig(&path).unwrap_err().to_string();
+        assert!(message.contains("by the names of its recordings"), "{message}");
     }
 
     #[test]

@@ -144,7 +144,7 @@ impl<'a> Rig<'a> {
             resistance: self.damping + step * (self.stiffness + hysteresis.stiffness),
             velocity: to_body * ((there - here) / step),
         };
-        let place = (&arm, self.contact_shift);
+        let place = (&arm, self.contact_shift, plant.truth.tip.radius);
         TipContact::new(&touch, place, &holder, step, self.tip_friction, state.slip_speed)
     }
 
@@ -165,6 +165,7 @@ impl<'a> Rig<'a> {
         next.place += step * next.motion;
         next.force = turn * response.force;
         next.impulse += step * next.force;
+        next.twisting += step * response.torque;
         next.slip_speed = response.slip.abs();
         let rate = turn * response.deflection_rate;
         next.deflection += step * rate;

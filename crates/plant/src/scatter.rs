@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::Variation;
+use crate::error::check_range;
 use crate::random::{Purpose, Random};
+use crate::{PlantError, Variation};
 
 /// Standard deviations from push to push, and their share from session to session.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,6 +59,27 @@ impl Scatter {
         turning_sd: 0.0,
         session_share: 0.0,
     };
+
+    /// Refuses numbers that no rig scatters by.
+    ///
+    /// # Errors
+    /// `OutOfRange` with the first of them.
+    pub(crate) fn check(&self) -> Result<(), PlantError> {
+        for (key, value, unit, high) in [
+            ("support_friction_sd", self.support_friction_sd, "", 1.0),
+            ("tip_friction_sd", self.tip_friction_sd, "", 1.0),
+            ("pressure_radius_sd", self.pressure_radius_sd, "", 1.0),
+            ("pressure_center_sd", self.pressure_center_sd, "m", 0.5),
+            ("contact_sd", self.contact_sd, "m", 0.1),
+            ("force_bias_sd", self.force_bias_sd, "N", 100.0),
+            ("placing_sd", self.placing_sd, "m", 0.1),
+            ("turning_sd", self.turning_sd, "rad", 1.0),
+            ("session_share", self.session_share, "", 1e6),
+        ] {
+            check_range(&format!("scatter.{key}"), value, unit, (0.0, high))?;
+        }
+        Ok(())
+    }
 
     /// The variation of one push.
     pub(crate) fn draw(&self, seed: u64, session: usize, push: usize) -> Variation {

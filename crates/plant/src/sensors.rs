@@ -4,9 +4,10 @@ use dataset::{PoseStream, WrenchStream};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
+use crate::error::check_range;
 use crate::random::{Purpose, Random};
 use crate::rig::rotation;
-use crate::{Plant, Trajectory, Variation};
+use crate::{Plant, PlantError, Trajectory, Variation};
 
 /// The sensors of the rig.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,7 +17,8 @@ pub struct Sensors {
     pub robot: Sensor,
     /// Motion capture of the object.
     pub object: Sensor,
-    /// The force sensor at the tip; each reading is the mean since the one before.
+    /// The sensor of force and torque at the tip; each reading is the mean since the one before.
+    /// The torque is that about the tip's axis.
     pub force: Sensor,
 }
 
@@ -28,7 +30,7 @@ pub struct Sensor {
     pub rate: f64,
     /// Standard deviation of the noise along each axis, in m or N.
     pub noise_sd: f64,
-    /// Standard deviation of the yaw, in rad.
+    /// Standard deviation of the yaw in rad, or of the torque in N·m.
     pub yaw_noise_sd: f64,
     /// Share of samples with a wider noise.
     pub outlier_share: f64,
@@ -72,7 +74,7 @@ impl Default for Sensors {
         Self {
             robot: Sensor { rate: 86.0, noise_sd: 3e-5, ..clock },
             object: Sensor { noise_sd: 6e-5, yaw_noise_sd: 1e-3, ..clock },
-            force: Sensor { noise_sd: 0.03, ..clock },
+            force: Sensor { noise_sd: 0.03, yaw_noise_sd: 3e-4, ..clock },
         }
     }
 }
@@ -98,6 +100,41 @@ impl Sensors {
         };
         let Self { robot, object, force } = Self::default();
         Self { robot: dirty(robot), object: dirty(object), force: dirty(force) }
+    }
+}
+
+impl Sensors {
+    /// Refuses numbers that no sensor has.
+    ///
+    /// # Errors
+    /// `OutOfRange` with the first of them.
+    pub(crate) fn check(&self) -> Result<(), PlantError> {
+        for (name, sensor, unit, turn) in [
+            ("robot", &self.robot, "m", "rad"),
+            ("object", &self.object, "m", "rad"),
+            ("force", &self.force, "N", "N·m"),
+        ] {
+            for (key, value, unit, high) in [
+                ("rate", sensor.rate, "Hz", 1e5),
+                ("noise_sd", sensor.noise_sd, unit, 100.0),
+                ("yaw_noise_sd", sensor.yaw_noise_sd, turn, 10.0),
+                ("outlier_share", sensor.outlier_share, "", 1.0),
+                ("outlier_ratio", sensor.outlier_ratio, "", 1e4),
+                ("jitter_sd", sensor.jitter_sd, "s", 1.0),
+                ("clock_drift_sd", sensor.clock_drift_sd, "", 0.1),
+                ("gap_rate", sensor.gap_rate, "1/s", 1e3),
+                ("gap_length", sensor.gap_length, "s", 100.0),
+                ("duplicate_share", sensor.duplicate_share, "", 1.0),
+                ("late_share", sensor.late_share, "", 1.0),
+            ] {
+                check_range(&format!("sensors.{name}.{key}"), value, unit, (0.0, high))?;
+            }
+        }
+        // A set without poses is no recording of pushes.
+        for (name, rate) in [("robot", self.robot.rate), ("object", self.object.rate)] {
+            check_range(&format!("sensors.{name}.rate"), rate, "Hz", (1.0, 1e5))?;
+        }
+        Ok(())
     }
 }
 
@@ -142,7 +179,7 @@ impl Sensors {
         let force = self.force.samples(&mut random, duration, latency, |time, before| {
             // The object pushes back at the tip.
             let reading = sensor.reading(&-trajectory.mean_force(before, time));
-            [reading.x, reading.y, 0.0]
+            [reading.x, reading.y, trajectory.mean_torque(before, time)]
         });
         Streams {
             robot: poses(&robot),
@@ -220,6 +257,7 @@ fn forces(samples: &[Sample]) -> WrenchStream {
         t: samples.iter().map(|(stamp, _)| *stamp).collect(),
         fx: column(0),
         fy: column(1),
+        tz: column(2),
         ..WrenchStream::default()
     }
 }

@@ -19,6 +19,8 @@ pub(crate) struct State {
     pub(crate) force: Vector2<f64>,
     /// Its integral over time, in N·s.
     pub(crate) impulse: Vector2<f64>,
+    /// Integral of the object's torque on the tip about the tip's axis, in N·m·s.
+    pub(crate) twisting: f64,
     /// Sums of work since the start, in J.
     pub(crate) energy: Energy,
     /// Speed of the tip over the outline in the latest step, in m/s; 0 if it sticks.
@@ -34,6 +36,7 @@ impl State {
             grip: Vector2::zeros(),
             force: Vector2::zeros(),
             impulse: Vector2::zeros(),
+            twisting: 0.0,
             energy: Energy::default(),
             slip_speed: 0.0,
         }
@@ -47,6 +50,7 @@ impl State {
             motion: beyond(&self.motion, &whole.motion),
             deflection: beyond(&self.deflection, &whole.deflection),
             impulse: beyond(&self.impulse, &whole.impulse),
+            twisting: self.twisting + (self.twisting - whole.twisting),
             energy: self.energy.beyond(&whole.energy),
             ..*self
         }

@@ -33,6 +33,9 @@ pub(crate) struct TipContact {
     /// Spring force of the deflection at the start, in N.
     spring: Vector2<f64>,
     normal: Vector2<f64>,
+    /// The tip's radius and how far beside the contact point the force acts, in m.
+    radius: f64,
+    shift: f64,
 }
 
 /// What the contact does to an object with some motion.
@@ -50,6 +53,8 @@ pub(crate) struct Response {
     pub(crate) slip: f64,
     /// Heat of that sliding, in W.
     pub(crate) slip_power: f64,
+    /// Torque of the object on the tip about the tip's axis, in N·m.
+    pub(crate) torque: f64,
     /// Power of the couple by which the force acts beside the contact point, in W.
     pub(crate) couple_power: f64,
 }
@@ -67,10 +72,10 @@ pub(crate) struct Holder {
 
 impl TipContact {
     /// - `arm`: the contact point from the center of mass, in m; - `shift`: how far beside it, along
-    ///   the tangent, the force acts, in m; - `step`: in s.
+    ///   the tangent, the force acts, in m; - `radius`: the tip's, in m; - `step`: in s.
     pub(crate) fn new(
         touch: &Touch,
-        (arm, shift): (&Vector2<f64>, f64),
+        (arm, shift, radius): (&Vector2<f64>, f64, f64),
         holder: &Holder,
         step: f64,
         friction: TipFriction,
@@ -99,6 +104,8 @@ impl TipContact {
             slip_speed,
             spring: holder.spring,
             normal,
+            radius,
+            shift,
         }
     }
 
@@ -114,6 +121,7 @@ impl TipContact {
                 deflection_rate: -self.spring / self.resistance,
                 slip: 0.0,
                 slip_power: 0.0,
+                torque: 0.0,
                 couple_power: 0.0,
             };
         }
@@ -144,6 +152,7 @@ impl TipContact {
             deflection_rate: normal_rate * self.normal + tangent_rate * tangent,
             slip,
             slip_power: tangent_force * slip,
+            torque: self.shift * normal_force - self.radius * tangent_force,
             couple_power: normal_force * (self.normal_load - self.normal_row).z * motion.z,
         }
     }
@@ -155,6 +164,7 @@ mod tests {
     use crate::outline::Touch;
     use crate::truth::TipFriction;
     use nalgebra::{Vector2, Vector3};
+    use planar::cross;
     use proptest::prelude::{ProptestConfig, prop_assert, proptest};
     use proptest::test_runner::RngSeed;
 
@@ -162,7 +172,14 @@ mod tests {
         let touch =
             Touch { point: Vector2::new(-0.045, 0.01), normal: Vector2::new(1.0, 0.0), gap };
         let holder = Holder { spring, resistance: 200.0, velocity };
-        TipContact::new(&touch, (&touch.point, 1e-3), &holder, 1e-3, TipFriction::default(), 0.0)
+        TipContact::new(
+            &touch,
+            (&touch.point, 1e-3, 0.005),
+            &holder,
+            1e-3,
+            TipFriction::default(),
+            0.0,
+        )
     }
 
     #[test]
@@ -194,6 +211,9 @@ mod tests {
             let balance = force + spring + 200.0 * response.deflection_rate;
             prop_assert!(balance.norm() < 1e-9 || force == Vector2::zeros());
             prop_assert!(response.slip * force.y >= -1e-12);
+            // The force acts 5 mm before the tip's axis and 1 mm to the left of it.
+            let arm = Vector2::new(0.005, 0.001);
+            prop_assert!((response.torque + cross(&arm, &force)).abs() < 1e-12);
             for k in 0..3 {
                 let mut step = Vector3::zeros();
                 step[k] = 1e-9;

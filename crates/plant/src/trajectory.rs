@@ -106,6 +106,16 @@ impl Trajectory {
         (self.impulse_at(to) - self.impulse_at(from)) / (to - from)
     }
 
+    /// Mean torque of the object on the tip about the tip's axis between two times (s), in N·m.
+    #[must_use]
+    pub fn mean_torque(&self, from: f64, to: f64) -> f64 {
+        let twisting = |time: f64| {
+            let (before, after, share) = self.between(time);
+            before.twisting + share * (after.twisting - before.twisting)
+        };
+        (twisting(to) - twisting(from)) / (to - from)
+    }
+
     /// Whether the tip pushes at the time step before a time (s).
     #[must_use]
     pub fn touches_at(&self, time: f64) -> bool {
@@ -126,9 +136,14 @@ impl Trajectory {
     }
 
     fn impulse_at(&self, time: f64) -> Vector2<f64> {
+        let (before, after, share) = self.between(time);
+        before.impulse + share * (after.impulse - before.impulse)
+    }
+
+    /// The states before and after a time, and how far it is from one to the other, 0 to 1.
+    fn between(&self, time: f64) -> (&State, &State, f64) {
         let (from, to) = self.around(time);
-        let share = share_between(from, to, time);
-        from.state.impulse + share * (to.state.impulse - from.state.impulse)
+        (&from.state, &to.state, share_between(from, to, time))
     }
 
     fn last(&self) -> &Knot {

@@ -5,7 +5,7 @@ mod rig;
 use nalgebra::{Rotation2, Vector2};
 use planar::Pose;
 use plant::{FrictionMap, Grain, Plant, PlantError, TipPath, Truth, Variation};
-use rig::{push, square};
+use rig::{RADIUS, push, square};
 
 const NONE: Variation = Variation {
     support_friction: 1.0,
@@ -161,4 +161,20 @@ fn a_tip_that_begins_inside_and_a_path_without_speed_are_refused() {
     assert!(error.to_string().contains("its speed = 0 m/s"), "{error}");
     let skewed = TipPath { direction: [1.0, 1.0], ..push(0.0, 0.0, 0.02, 0.01) };
     assert!(plant.push(&Pose::default(), &skewed, &NONE).is_err());
+}
+
+#[test]
+fn the_torque_on_a_sliding_tip_is_its_radius_times_friction() {
+    let plant = square(&Truth::default());
+    let path = push(0.0, 1.2, 0.02, 0.03);
+    let push = run(&plant, &path);
+    let (from, to) = (1.0, 1.4);
+    let force = push.mean_force(from, to);
+    // The left edge hardly turns: its normal is along x.
+    assert!(force.x > 0.5 && push.motion_at(to).1.abs() < 0.05);
+    let expected = -RADIUS * 0.25 * force.x;
+    let torque = push.mean_torque(from, to);
+    assert!((torque / expected - 1.0).abs() < 0.02, "{torque} {expected}");
+    let mirrored = run(&plant, &self::push(0.0, -1.2, 0.02, 0.03)).mean_torque(from, to);
+    assert!((torque + mirrored).abs() < 1e-6, "{torque} {mirrored}");
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use dataset::{IngestSettings, RecordingSet, Table, ingest};
 use plant::{
     Design, GenerateReport, GenerateSettings, Hidden, Layout, PlannedPush, PlantError,
-    PushedObject, Sensors, generate,
+    PushedObject, Scatter, Sensors, generate,
 };
 
 fn small() -> GenerateSettings {
@@ -165,6 +165,35 @@ fn the_thesis_design_is_eleven_places_nine_angles_four_edges_and_five_speeds() {
         pushes.iter().map(|push| (1e3 * push.plan.speed).round() as i64).collect();
     assert!(speeds.iter().all(|speed| [20, 50, 100, 200, 400].contains(speed)));
     assert!(speeds.len() > 2);
+}
+
+#[test]
+fn a_grid_at_one_speed_has_a_fifth_of_the_pushes() {
+    let design =
+        Design { layout: Layout::Thesis, n_pushes: 3, speeds: vec![0.05], ..small().design };
+    let pushes = plant::simulate(&GenerateSettings { design, ..small() }).unwrap();
+    assert!(pushes.iter().all(|push| push.plan.speed == 0.05));
+}
+
+#[test]
+fn impossible_sensors_scatter_and_pushes_are_named() {
+    let refuse = |settings: GenerateSettings| plant::simulate(&settings).unwrap_err().to_string();
+    let mut sensors = Sensors::default();
+    sensors.object.rate = 0.0;
+    let message = refuse(GenerateSettings { sensors, ..small() });
+    assert!(message.contains("sensors.object.rate = 0 Hz"), "{message}");
+    sensors = Sensors::default();
+    sensors.force.late_share = 2.0;
+    let message = refuse(GenerateSettings { sensors, ..small() });
+    assert!(message.contains("sensors.force.late_share = 2"), "{message}");
+    let scatter = Scatter { contact_sd: -1.0, ..Scatter::default() };
+    let message = refuse(GenerateSettings { scatter, ..small() });
+    assert!(message.contains("scatter.contact_sd = -1 m"), "{message}");
+    let plan = plant::simulate(&small()).unwrap()[0].plan.clone();
+    let far = PlannedPush { edge: 7, ..plan.clone() };
+    let design = Design { layout: Layout::List(vec![plan, far]), n_pushes: 0, ..Design::default() };
+    let error = plant::simulate(&GenerateSettings { design, ..small() }).unwrap_err();
+    assert!(matches!(&error, PlantError::Push { name, .. } if name == "push-0001"), "{error}");
 }
 
 #[test]

@@ -30,6 +30,11 @@ impl Chapter {
     pub(crate) const ALL: [Self; 4] =
         [Self::Mechanics, Self::Learning, Self::Recordings, Self::Models];
 
+    /// Whether its figures are drawn from pushes.
+    pub(crate) fn needs_data(self) -> bool {
+        matches!(self, Self::Recordings | Self::Models)
+    }
+
     pub(crate) fn anchor(self) -> &'static str {
         match self {
             Self::Mechanics => "mechanics",
@@ -100,6 +105,8 @@ pub(crate) const ALL: &[Entry] = &[
     entry("5.1", Chapter::Models, "noise of the sensors", recordings::noise::draw),
     entry("5.2", Chapter::Models, "the learned push", models::gp_maps::draw)
         .settles(&models::gp_maps::CLAIMS),
+    entry("5.6", Chapter::Models, "speeds pooled and apart", models::pooled_speeds::draw)
+        .settles(&models::pooled_speeds::CLAIMS),
     entry("5.7", Chapter::Models, "learning curves", models::learning_curves::draw)
         .settles(&models::learning_curves::CLAIMS),
 ];

@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use dataset::{
     DatasetError, IngestReport, IngestSettings, ObjectSpec, PusherSpec, Recording, RecordingSet,
     StepLength, SupportSpec, Table, TableMapping, ingest,
@@ -16,7 +16,7 @@ use crate::cargo::workspace_root;
 /// The seed of every random stream in the figures.
 pub(crate) const SEED: u64 = 7;
 
-/// The recording set that figures are drawn from unless they are told otherwise.
+/// The recording set for a first look.
 const FIXTURES: &str = "fixtures/pushes";
 
 /// The pusher's way in a step, in m: 0.2 s at 20 mm/s. Steps of one length can be compared at all
@@ -28,6 +28,8 @@ pub(crate) struct Inputs {
     name: String,
     source: Source,
     quick: bool,
+    /// The same pushes at other speeds, each as it would be for itself.
+    faster: Vec<Inputs>,
     ingested: OnceLock<Result<(Table, IngestReport), Arc<DatasetError>>>,
 }
 
@@ -44,14 +46,38 @@ pub(crate) struct Lacking {
 }
 
 impl Inputs {
-    /// Opens the fixtures, a recording set, or a table of steps (a file, or a folder with one).
+    /// Opens the 60 pushes of the fixtures.
     ///
     /// # Errors
-    /// A path that is none of these, or a table that cannot be read.
-    pub(crate) fn open(data: Option<&Path>, quick: bool) -> Result<Self> {
-        let path = data.map_or_else(|| workspace_root().join(FIXTURES), Path::to_path_buf);
-        let (name, source) = open_source(&path)?;
-        Ok(Self { name, source, quick, ingested: OnceLock::new() })
+    /// Fixtures that cannot be read.
+    pub(crate) fn fixtures(quick: bool) -> Result<Self> {
+        Self::open(&workspace_root().join(FIXTURES), quick)
+    }
+
+    /// Opens recording sets of the same pushes, one for each speed, the slowest first.
+    ///
+    /// # Errors
+    /// No set at all, or one that cannot be read.
+    pub(crate) fn at_speeds(sets: &[PathBuf]) -> Result<Self> {
+        let mut speeds =
+            sets.iter().map(|set| Self::open(set, false)).collect::<Result<Vec<_>>>()?;
+        ensure!(!speeds.is_empty(), "no recording set at any speed");
+        let slowest = speeds.remove(0);
+        Ok(Self { faster: speeds, ..slowest })
+    }
+
+    /// Opens a recording set, or a table of steps (a file, or a folder with one).
+    ///
+    /// # Errors
+    /// A path that is neither, or a table that cannot be read.
+    pub(crate) fn open(path: &Path, quick: bool) -> Result<Self> {
+        let (name, source) = open_source(path)?;
+        Ok(Self { name, source, quick, faster: Vec::new(), ingested: OnceLock::new() })
+    }
+
+    /// The same pushes at higher speeds, in their order; none for data of one speed.
+    pub(crate) fn faster(&self) -> &[Self] {
+        &self.faster
     }
 
     /// Title of the data.
@@ -147,6 +173,11 @@ impl Inputs {
 
     /// Name and SHA-256 of what was read so far: of one file, or of the list of many.
     pub(crate) fn sources(&self) -> Vec<(String, String)> {
+        let faster = self.faster.iter().flat_map(Self::sources);
+        self.own_sources().into_iter().chain(faster).collect()
+    }
+
+    fn own_sources(&self) -> Vec<(String, String)> {
         let table = match &self.source {
             Source::Recordings(_) => match self.ingested.get() {
                 Some(Ok((table, _))) => table,
@@ -266,7 +297,7 @@ mod tests {
 
     #[test]
     fn the_fixtures_give_recordings_and_a_table() {
-        let inputs = Inputs::open(None, false).unwrap();
+        let inputs = Inputs::fixtures(false).unwrap();
         assert!(inputs.sources().is_empty(), "nothing is read before it is asked for");
         let rows = &inputs.table().unwrap().rows;
         let name = &rows[0].recording;
@@ -282,7 +313,7 @@ mod tests {
     fn a_table_is_found_in_its_folder_and_lacks_recordings() {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("steps.csv"), MIT_TABLE).unwrap();
-        let inputs = Inputs::open(Some(folder.path()), true).unwrap();
+        let inputs = Inputs::open(folder.path(), true).unwrap();
         assert_eq!(inputs.table().unwrap().len(), 2);
         assert!(inputs.quick() && (inputs.pusher().unwrap().radius - 0.00475).abs() < 1e-12);
         assert_eq!(inputs.sources().len(), 1);
@@ -294,7 +325,7 @@ mod tests {
     #[test]
     fn what_is_neither_set_nor_table_is_refused() {
         let folder = tempfile::tempdir().unwrap();
-        let error = |path: &std::path::Path| Inputs::open(Some(path), false).err().unwrap();
+        let error = |path: &std::path::Path| Inputs::open(path, false).err().unwrap();
         assert!(error(folder.path()).to_string().contains("dataset.toml"));
         let table = folder.path().join("other.csv");
         fs::write(&table, "a,b\n1,2\n").unwrap();

@@ -2,6 +2,7 @@
 
 use super::Truth;
 use crate::PlantError;
+use crate::error::check_range;
 
 /// Name, value, unit, and least and largest value of a number.
 type Range = (&'static str, f64, &'static str, f64, f64);
@@ -14,15 +15,9 @@ impl Truth {
     pub fn check(&self) -> Result<(), PlantError> {
         let parts = [self.table_ranges().to_vec(), self.rig_ranges().to_vec()];
         let mut all = parts.into_iter().flatten().chain(self.vector_ranges());
-        match all.find(|(_, value, _, low, high)| !(low..=high).contains(&value)) {
-            None => Ok(()),
-            Some((name, value, unit, low, high)) => Err(PlantError::OutOfRange {
-                name: name.into(),
-                value,
-                unit,
-                allowed: format!("a number from {low} to {high}"),
-            }),
-        }
+        all.try_for_each(|(name, value, unit, low, high)| {
+            check_range(name, value, unit, (low, high))
+        })
     }
 
     /// Of what is between object and table.

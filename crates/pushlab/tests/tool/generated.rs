@@ -70,8 +70,89 @@ fn a_list_of_pushes_is_made_as_it_stands() {
     assert_eq!(document["inputs"][0]["path"], "list.csv");
     set.write("bad.csv", "edge,p,angle_deg,speed_mm_s\n0,0.5,0,50\n1,wide,20,100\n");
     let message = set.error(&["generate", "bad", "--design", "bad.csv"]);
-    assert!(message.contains("bad.csv:3: "), "{message}");
+    assert!(message.contains("bad.csv:3: p = `wide` is not a number"), "{message}");
+    set.write("bad.csv", "edge,p,angle_deg,speed_mm_s\n0,0.5,0,50\n9,0.5,20,100\n");
+    let message = set.error(&["generate", "bad", "--design", "bad.csv"]);
+    assert!(message.contains("push push-0001") && message.contains("edge = 9"), "{message}");
     assert!(!set.exists("bad"));
+}
+
+const POLYGON: &str = r#"name = "mine"
+
+[object]
+shape = "polygon"
+vertices_m = [[0.0, 0.0], [0.08, 0.0], [0.06, 0.05], [0.0, 0.06]]
+mass_kg = 0.7
+center_of_mass_m = [0.03, 0.03]
+
+[pusher]
+radius_m = 0.006
+friction = 0.3
+
+[support]
+friction = 0.4
+
+[recordings]
+path = "pushes"
+"#;
+
+#[test]
+fn a_rig_of_ones_own_is_simulated_from_its_manifest() {
+    let set = SmallSet::new();
+    set.write("mine.toml", POLYGON);
+    set.write("oval.toml", &POLYGON.replace(
+        "shape = \"polygon\"\nvertices_m = [[0.0, 0.0], [0.08, 0.0], [0.06, 0.05], [0.0, 0.06]]",
+        "shape = \"ellipse\"\nsemi_axes_m = [0.05, 0.035]",
+    ).replace("center_of_mass_m = [0.03, 0.03]\n", ""));
+    for (file, shape) in [("mine.toml", "polygon"), ("oval.toml", "ellipse")] {
+        let name = format!("twin-{shape}");
+        let run = set.done(&[
+            "generate", &name, "--shape", file, "--pushes", "6", "--format", "csv", "--json",
+        ]);
+        let document: Value = serde_json::from_str(&run.stdout).unwrap();
+        assert_eq!(document["inputs"][0]["path"], file);
+        let manifest = dataset::Manifest::read(&set.path(&format!("{name}/dataset.toml"))).unwrap();
+        assert_eq!((manifest.pusher.radius, manifest.support.friction), (0.006, 0.4));
+        let object = manifest.object.of("").unwrap();
+        assert_eq!((object.name.as_str(), object.mass), (shape, 0.7));
+        let text = set.done(&["ingest", &name, "--step", "4mm"]).stdout;
+        assert!(text.contains("6 pushes used"), "{text}");
+        assert!(set.read(&format!("{name}.truth.toml")).contains("coefficient = 0.4"));
+    }
+    set.edit("mine.toml", "mass_kg = 0.7", "mass_kg = -0.7");
+    let message = set.error(&["generate", "bad", "--shape", "mine.toml"]);
+    assert!(message.contains("mine.toml:6: object.mass_kg = -0.7 kg"), "{message}");
+}
+
+#[test]
+fn settings_and_sessions_reach_sensors_and_scatter() {
+    let set = SmallSet::new();
+    set.write(
+        "rig.toml",
+        "[sensors.object]\nrate = 250.0\n\n[scatter]\nsupport_friction_sd = 1e-5\n\
+         tip_friction_sd = 0.0\npressure_radius_sd = 0.0\npressure_center_sd = 0.0\n\
+         contact_sd = 0.0\nforce_bias_sd = 0.0\n\
+         session_share = 1000.0\n\n[truth.clocks]\nforce_latency = 0.25\n",
+    );
+    let common = ["--settings", "rig.toml", "--sessions", "3", "--pushes", "6", "--format", "csv"];
+    set.done(&[&["generate", "new"][..], &common].concat());
+    let object = set.read("new/pushes/push-0000/object.csv");
+    let wrench = set.read("new/pushes/push-0000/wrench.csv");
+    assert!(object.lines().count() > 2 * wrench.lines().count());
+    assert!(wrench.starts_with("t_s,fx_n,fy_n,tz_nm\n1000.2"), "{}", &wrench[..40]);
+    let truth: toml::Table = set.read("new.truth.toml").parse().unwrap();
+    let frictions: Vec<f64> = truth["pushes"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|push| push["variation"]["support_friction"].as_float().unwrap())
+        .collect();
+    let apart = |a: usize, b: usize| (frictions[a] - frictions[b]).abs();
+    assert!((0..3).all(|k| apart(2 * k, 2 * k + 1) < 1e-4), "{frictions:?}");
+    assert!(apart(0, 2) > 1e-3 && apart(2, 4) > 1e-3, "{frictions:?}");
+    set.edit("rig.toml", "rate = 250.0", "rates = 250.0");
+    let message = set.error(&["generate", "bad", "--settings", "rig.toml"]);
+    assert!(message.contains("rig.toml") && message.contains("line 2"), "{message}");
 }
 
 #[test]

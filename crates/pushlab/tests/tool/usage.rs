@@ -59,10 +59,15 @@ fn wrong_usage_names_what_is_allowed() {
         (&["generate", "new", "--format", "xlsx"], "mcap-ros2, mcap-ros1"),
         (&["generate", "new", "--design", "grid"], "random, thesis, narrow, repeats or a FILE.csv"),
         (&["generate", "new", "--speed", "20"], "such as 20mm/s"),
-        (&["generate", "new", "--design", "thesis", "--speed", "20mm/s"], "leave out --speed"),
+        (&["generate", "new", "--sessions", "0"], "1..=1000000"),
     ] {
         let message = set.wrong_usage(arguments);
         assert!(message.contains(part), "{arguments:?}: no {part:?} in {message}");
+    }
+    set.write("list.csv", "edge,p,angle_deg,speed_mm_s\n0,0.5,0,50\n");
+    for (option, value) in [("--speed", "20mm/s"), ("--sessions", "2")] {
+        let list = ["generate", "new", "--design", "list.csv", option, value];
+        assert!(set.wrong_usage(&list).contains(&format!("leave out {option}")));
     }
     set.write("theirs.csv", "c,phi_rad\n");
     let message =

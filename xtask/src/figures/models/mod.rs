@@ -2,4 +2,5 @@
 
 pub(crate) mod gp_maps;
 pub(crate) mod learning_curves;
+pub(crate) mod pooled_speeds;
 mod steps;

@@ -8,6 +8,7 @@ use models::{StepObservation, StepSelection};
 use planar::Shape;
 
 use crate::figures::inputs::Inputs;
+use crate::held_out::quantile;
 
 /// Fewer steps are too few to train on a half and be tested on the other.
 const FEWEST: usize = 80;
@@ -19,6 +20,8 @@ pub(super) struct Steps {
     pub pusher_radius: f64,
     /// Between pusher and object, nominal.
     pub friction: f64,
+    /// The pusher's, in the median of all rows, in m/s.
+    pub speed: f64,
 }
 
 impl Steps {
@@ -29,6 +32,7 @@ impl Steps {
         let first = table.rows.first().ok_or_else(too_few)?;
         let object = inputs.object(&first.recording)?;
         let rows = table.rows.iter().filter(|row| row.shape == first.shape).cloned().collect();
+        let speed = quantile(table.rows.iter().map(|row| row.speed).collect(), 0.5);
         let table = Table { rows, provenance: table.provenance.clone() };
         let shape = Arc::new(object.shape.clone());
         let objects = ObjectChoice::Fixed(Box::new(object));
@@ -36,6 +40,6 @@ impl Steps {
         if steps.len() < FEWEST {
             return Err(too_few());
         }
-        Ok(Self { steps, shape, pusher_radius: pusher.radius, friction: pusher.friction })
+        Ok(Self { steps, shape, pusher_radius: pusher.radius, friction: pusher.friction, speed })
     }
 }

@@ -31,7 +31,7 @@ impl Generated {
         Self {
             set: plain(&report.set),
             sealed_truth: plain(&report.sealed_truth),
-            shape: args.shape.clone(),
+            shape: args.shape.to_string(),
             format: args.format.clone(),
             n_pushes: report.n_pushes,
             n_blocked: report.n_blocked,

@@ -2,6 +2,8 @@
 
 mod design_name;
 mod generated;
+mod settings_file;
+mod shape_name;
 mod speed;
 
 use std::path::{Path, PathBuf};
@@ -11,15 +13,16 @@ use anyhow::{Context, Result, bail};
 use clap::builder::PossibleValuesParser;
 use clap::value_parser;
 use dataset::all_writers;
-use planar::MIT_NAMES;
-use plant::{Design, GenerateSettings, Hidden, Layout, PushedObject, generate_each};
+use plant::{GenerateSettings, Hidden, Layout, generate_each};
 
 use self::design_name::DesignName;
 use self::generated::Generated;
+use self::settings_file::SettingsFile;
+use self::shape_name::ShapeName;
 use self::speed::Speed;
 use crate::destination::Destination;
 use crate::failure::WrongUsage;
-use crate::origin::{Input, Origin};
+use crate::origin::{Input, Origin, readable};
 use crate::progress::Progress;
 use crate::terminal::Terminal;
 
@@ -42,16 +45,21 @@ pub(crate) struct Args {
     /// Seed of everything random
     #[arg(long, value_name = "SEED", default_value_t = 7)]
     seed: u64,
-    /// Which pushes: random, thesis, narrow, repeats, or a FILE.csv with one push a line
-    #[arg(long, value_name = "DESIGN", default_value = "random")]
-    design: DesignName,
-    /// The pusher's speeds to choose from, such as 20mm/s or 20mm/s,100mm/s; else 20mm/s
+    /// Which pushes: random (the default), thesis, narrow, repeats, or a FILE.csv with one a line
+    #[arg(long, value_name = "DESIGN")]
+    design: Option<DesignName>,
+    /// Measuring sessions that the pushes are spread over, each with friction of its own; else 1
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1_000_000))]
+    sessions: Option<u32>,
+    /// The pusher's speeds, such as 20mm/s or 20mm/s,100mm/s; else 20mm/s, or the thesis' five
     #[arg(long, value_name = "SPEED", value_delimiter = ',')]
     speed: Vec<Speed>,
-    /// The object: one of the MIT push data set's
-    #[arg(long, value_name = "NAME", default_value = "rect1", hide_possible_values = true,
-          value_parser = PossibleValuesParser::new(MIT_NAMES))]
-    shape: String,
+    /// The object: one of the MIT push data set's, or a dataset.toml, whose rig is taken with it
+    #[arg(long, value_name = "NAME|FILE", default_value = "rect1")]
+    shape: ShapeName,
+    /// Sensors, scatter, the design's details and the truth from this file
+    #[arg(long, value_name = "FILE")]
+    settings: Option<PathBuf>,
     /// How recordings are written
     #[arg(long, value_name = "FORMAT", default_value = "mcap-ros2", value_parser = format_parser())]
     format: String,
@@ -62,7 +70,8 @@ Examples:
   pushlab generate set --hidden 'table-anisotropy: ratio=1.3, direction_deg=34'
   pushlab generate set --hidden surprise --pushes 400 --seed 12
   pushlab generate set --design thesis --shape tri1 --format csv
-  pushlab generate set --design pushes.csv --hidden table-tilt --hidden pusher-radius";
+  pushlab generate set --design pushes.csv --hidden table-tilt --hidden pusher-radius
+  pushlab generate twin --shape my-pushes/dataset.toml --settings rig.toml --sessions 5";
 
 fn format_parser() -> PossibleValuesParser {
     PossibleValuesParser::new(all_writers().iter().map(|writer| writer.id()))
@@ -71,8 +80,8 @@ fn format_parser() -> PossibleValuesParser {
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let settings = args.settings()?;
     let mut origin = args.origin();
-    if let DesignName::File(path) = &args.design {
-        origin.inputs.push(Input::file(path)?);
+    for path in args.files() {
+        origin.inputs.push(Input::file(&path)?);
     }
     let progress: Mutex<Option<Progress>> = Mutex::new(None);
     let report = generate_each(&settings, &args.out, |n_pushes| {
@@ -99,28 +108,60 @@ impl Args {
     fn settings(&self) -> Result<GenerateSettings> {
         let hidden =
             self.hidden.iter().map(|text| Ok(text.parse()?)).collect::<Result<Vec<Hidden>>>()?;
-        let mut design = Design { layout: self.design.layout()?, ..Design::default() };
-        if matches!(design.layout, Layout::Thesis | Layout::List(_)) {
-            design.n_pushes = 0;
+        let file = self.settings.as_deref().map_or_else(
+            || Ok(SettingsFile::default()),
+            |path| {
+                readable(path)?;
+                SettingsFile::read(path)
+            },
+        )?;
+        let SettingsFile { mut design, sensors, scatter, numerics, truth } = file;
+        if let Some(name) = &self.design {
+            design.layout = name.layout()?;
+            if matches!(design.layout, Layout::Thesis | Layout::List(_)) {
+                design.n_pushes = 0;
+            }
+        }
+        if matches!(design.layout, Layout::List(_)) {
             if !self.speed.is_empty() {
                 bail!(WrongUsage("this design has its own speeds: leave out --speed"));
+            }
+            if self.sessions.is_some() {
+                bail!(WrongUsage("this design has its own sessions: leave out --sessions"));
             }
         }
         if let Some(n_pushes) = self.pushes {
             design.n_pushes = n_pushes as usize;
         }
+        if let Some(n_sessions) = self.sessions {
+            design.n_sessions = n_sessions as usize;
+        }
         if !self.speed.is_empty() {
             design.speeds = self.speed.iter().map(|Speed(speed)| *speed).collect();
         }
+        let (object, nominal) = self.shape.rig()?;
         Ok(GenerateSettings {
             name: format!("simulated pushes of {}", self.shape),
-            object: PushedObject::Mit { name: self.shape.clone() },
+            object,
+            nominal,
+            truth: truth.unwrap_or_else(|| nominal.truth()),
             hidden,
             design,
+            scatter,
+            sensors,
+            numerics,
             format: self.format.clone(),
             seed: self.seed,
-            ..GenerateSettings::default()
         })
+    }
+
+    /// The files that are read.
+    fn files(&self) -> Vec<PathBuf> {
+        let list = match &self.design {
+            Some(DesignName::File(path)) => Some(path.clone()),
+            _ => None,
+        };
+        [list, self.shape.manifest(), self.settings.clone()].into_iter().flatten().collect()
     }
 
     /// What decides the result.
@@ -134,11 +175,19 @@ impl Args {
             option("pushes", n_pushes.to_string());
         }
         option("seed", self.seed.to_string());
-        option("design", self.design.to_string());
+        if let Some(design) = &self.design {
+            option("design", design.to_string());
+        }
+        if let Some(n_sessions) = self.sessions {
+            option("sessions", n_sessions.to_string());
+        }
         for speed in &self.speed {
             option("speed", speed.to_string());
         }
-        option("shape", self.shape.clone());
+        option("shape", self.shape.to_string());
+        if let Some(path) = &self.settings {
+            option("settings", path.display().to_string());
+        }
         option("format", self.format.clone());
         Origin::new(words)
     }
