@@ -3,12 +3,13 @@
 use std::collections::{HashMap, HashSet};
 use std::fmt;
 
-use dataset::{MANIFEST_NAME, Manifest, StepRow, SupportSpec, Table};
-use models::{ChannelObservation, SetAside, Split, StepSelection};
+use dataset::{MANIFEST_NAME, Manifest, ObjectChoice, StepRow, SupportSpec, Table, TableMapping};
+use models::{ChannelObservation, Cluster, SetAside, Split, StepSelection};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use crate::DiagnosisError;
+use crate::split::FEWEST_SESSIONS;
+use crate::{Covariate, DiagnosisError};
 
 /// Observed steps, the push of each, and the nominal table.
 #[derive(Clone, Debug)]
@@ -17,11 +18,16 @@ pub struct Observations {
     pub(crate) places: Vec<Place>,
     /// Index of the push of each step.
     pub(crate) push_of: Vec<usize>,
+    /// Index of what shares errors, for each step: the session where there are enough, else the push.
+    pub(crate) cluster_of: Vec<usize>,
+    pub(crate) cluster: Cluster,
     pub(crate) pushes: Vec<PushName>,
     pub(crate) support: SupportSpec,
     /// SHA-256 over the hashes of the recordings.
     pub(crate) set: String,
-    set_aside: SetAside,
+    /// What was not measured.
+    pub(crate) unknown: Vec<Covariate>,
+    pub(crate) set_aside: SetAside,
 }
 
 /// A push by its recording and its number there.
@@ -63,11 +69,37 @@ impl Observations {
     /// # Errors
     /// `Model` for a row that is no step; `TooFewPushes`.
     pub fn of(table: &Table, manifest: &Manifest) -> Result<Self, DiagnosisError> {
-        let found = StepSelection::default().channel_steps(
-            table,
-            &manifest.object,
-            manifest.pusher.radius,
-        )?;
+        Self::about(table, &manifest.object, manifest.pusher.radius, manifest.support)
+    }
+
+    /// The steps of a table of others, read through its mapping.
+    ///
+    /// What the mapping does not give was not measured: without poses the contact gap, the object's
+    /// place and orientation and the direction in the world, without times the order.
+    ///
+    /// # Errors
+    /// As [`Observations::of`].
+    pub fn of_mapped(table: &Table, mapping: &TableMapping) -> Result<Self, DiagnosisError> {
+        let object = ObjectChoice::Fixed(Box::new(mapping.object.clone()));
+        let mut all = Self::about(table, &object, mapping.pusher.radius, mapping.support)?;
+        if !mapping.gives("object_x_m") {
+            all.steps.iter_mut().for_each(|step| step.observed[GAP_START..].fill(None));
+            all.unknown.extend([Covariate::Orientation, Covariate::Direction]);
+            all.unknown.extend([Covariate::TableX, Covariate::TableY]);
+        }
+        if !mapping.gives("t_s") {
+            all.unknown.push(Covariate::Time);
+        }
+        Ok(all)
+    }
+
+    fn about(
+        table: &Table,
+        object: &ObjectChoice,
+        pusher_radius: f64,
+        support: SupportSpec,
+    ) -> Result<Self, DiagnosisError> {
+        let found = StepSelection::default().channel_steps(table, object, pusher_radius)?;
         let rows: Vec<&StepRow> = found.rows.iter().map(|row| &table.rows[*row]).collect();
         let (mut pushes, mut known) = (Vec::new(), HashMap::new());
         let mut push = |row: &&StepRow| {
@@ -77,7 +109,8 @@ impl Observations {
                 pushes.len() - 1
             })
         };
-        let push_of = rows.iter().map(&mut push).collect();
+        let push_of: Vec<usize> = rows.iter().map(&mut push).collect();
+        let (cluster, cluster_of) = clusters(&found.steps, &push_of);
         let place = |row: &&StepRow| {
             let StepRow { step, edge, p, beta, speed, .. } = **row;
             Place { step, edge, p, beta, speed }
@@ -86,9 +119,12 @@ impl Observations {
             places: rows.iter().map(place).collect(),
             steps: found.steps,
             push_of,
+            cluster_of,
+            cluster,
             pushes,
-            support: manifest.support,
+            support,
             set: set_digest(table),
+            unknown: Vec::new(),
             set_aside: found.set_aside,
         };
         observations.checked()
@@ -107,13 +143,19 @@ impl Observations {
         let steps: Vec<usize> = (0..self.n_steps())
             .filter(|step| place_of.contains_key(&self.push_of[*step]))
             .collect();
+        let kept_steps: Vec<_> = steps.iter().map(|step| self.steps[*step].clone()).collect();
+        let push_of: Vec<usize> = steps.iter().map(|step| place_of[&self.push_of[*step]]).collect();
+        let (cluster, cluster_of) = clusters(&kept_steps, &push_of);
         let part = Self {
-            steps: steps.iter().map(|step| self.steps[*step].clone()).collect(),
+            steps: kept_steps,
             places: steps.iter().map(|step| self.places[*step]).collect(),
-            push_of: steps.iter().map(|step| place_of[&self.push_of[*step]]).collect(),
+            push_of,
+            cluster_of,
+            cluster,
             pushes: kept.iter().map(|push| self.pushes[*push].clone()).collect(),
             support: self.support,
             set: self.set.clone(),
+            unknown: self.unknown.clone(),
             set_aside: self.set_aside.clone(),
         };
         part.checked()
@@ -147,6 +189,27 @@ impl Observations {
         DiagnosisError::TooFewPushes { n_pushes, needed, set_aside: self.set_aside.to_string() }
     }
 
+    /// Whether the covariate was measured.
+    pub(crate) fn knows(&self, covariate: Covariate) -> bool {
+        !self.unknown.contains(&covariate)
+    }
+
+    /// How far the pusher moves in a step, in m.
+    pub(crate) fn way(&self, step: usize) -> f64 {
+        let track = &self.steps[step].input.track;
+        (track.end() - track.start()).norm()
+    }
+
+    /// How many clusters there are.
+    pub(crate) fn n_clusters(&self) -> usize {
+        self.cluster_of.iter().max().map_or(0, |last| last + 1)
+    }
+
+    /// How many pushes some steps are of.
+    pub(crate) fn n_pushes_of(&self, steps: &[usize]) -> usize {
+        steps.iter().map(|step| self.push_of[*step]).collect::<HashSet<_>>().len()
+    }
+
     /// How many steps there are.
     pub fn n_steps(&self) -> usize {
         self.steps.len()
@@ -165,6 +228,20 @@ impl Observations {
     /// Rows of the whole table that are not compared.
     pub fn set_aside(&self) -> &SetAside {
         &self.set_aside
+    }
+}
+
+/// What shares errors, and its index for each step.
+fn clusters(steps: &[ChannelObservation], push_of: &[usize]) -> (Cluster, Vec<usize>) {
+    let mut places = HashMap::new();
+    let place = |step: &ChannelObservation| {
+        let next = places.len();
+        *places.entry(step.input.session).or_insert(next)
+    };
+    let sessions: Vec<usize> = steps.iter().map(place).collect();
+    match places.len() {
+        FEWEST_SESSIONS.. => (Cluster::Session, sessions),
+        _ => (Cluster::Push, push_of.to_vec()),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Where along an object's outline a model fails.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use effects::Object;
@@ -33,7 +33,7 @@ pub struct OutlineCell {
     /// Mean of observed less predicted: motion of the object along x and y, in m, axes of the body
     /// at the start of the step, and its turn, in rad.
     pub mean: [f64; 3],
-    /// Half widths of the 95 % intervals of `mean`, from whole pushes.
+    /// Half widths of the 95 % intervals of `mean`, from whole clusters.
     pub half95: [f64; 3],
 }
 
@@ -68,6 +68,7 @@ pub fn outline_maps(
         let (first_edge, stretch) = stretch_of(input.object.shape(), edge, place.p);
         let step = Step {
             push: observations.push_of[index],
+            cluster: observations.cluster_of[index],
             edge,
             contact_b: input.object.shape().point_at(edge, place.p),
             residual: [moved_b.x, moved_b.y, dtheta],
@@ -85,6 +86,7 @@ pub fn outline_maps(
 /// A step as the outline sees it.
 struct Step {
     push: usize,
+    cluster: usize,
     edge: usize,
     contact_b: Vector2<f64>,
     residual: [f64; 3],
@@ -92,11 +94,12 @@ struct Step {
 
 fn cell(steps: &[Step], settings: &MapSettings) -> Option<OutlineCell> {
     let of = |k: usize| {
-        let values: Vec<_> = steps.iter().map(|step| (step.push, step.residual[k])).collect();
+        let values: Vec<_> = steps.iter().map(|step| (step.cluster, step.residual[k])).collect();
         ClusterMean::of(&values)
     };
     let means = [of(0)?, of(1)?, of(2)?];
-    let ClusterMean { n_steps, n_pushes, .. } = means[0];
+    let n_steps = steps.len();
+    let n_pushes = steps.iter().map(|step| step.push).collect::<BTreeSet<_>>().len();
     let is_enough = n_steps >= settings.fewest_steps && n_pushes >= settings.fewest_pushes;
     let sum: Vector2<f64> = steps.iter().map(|step| step.contact_b).sum();
     is_enough.then(|| OutlineCell {
@@ -160,9 +163,11 @@ mod tests {
             let [dx, dy, dtheta, ..] = step.observed;
             [dx.map(|dx| dx - 1e-3), dy, dtheta.map(|turn| turn - 0.01), None, None, None, None]
         };
-        let values = observations.steps().iter().map(behind).collect();
+        let values: Vec<_> = observations.steps().iter().map(behind).collect();
+        let variances = vec![[None; 7]; values.len()];
+        let predictions = Predictions { values, variances };
         let settings = MapSettings { fewest_steps: 1, fewest_pushes: 2, ..MapSettings::default() };
-        let maps = outline_maps(&observations, &Predictions { values }, &settings).unwrap();
+        let maps = outline_maps(&observations, &predictions, &settings).unwrap();
         assert_eq!(maps.len(), 1);
         let shape = maps[0].object.shape();
         assert!(maps[0].cells.len() > 25, "{}", maps[0].cells.len());
