@@ -137,7 +137,7 @@ impl Player {
         }
         let (n, all) = (chosen.len(), self.pushes.len());
         let share = if n == all {
-            format!("all {n} pushes")
+            format!("All {n} pushes")
         } else {
             format!("{n} of {all} pushes: the first of the list, and an even choice of the rest")
         };
@@ -269,7 +269,7 @@ mod tests {
         let steps: Vec<usize> = chosen[20..].windows(2).map(|pair| pair[1] - pair[0]).collect();
         assert!(steps.iter().all(|step| *step == 19), "{steps:?}");
         assert!(html(&some).contains("40 of 400 pushes"));
-        assert!(html(&all).contains("all 400 pushes"));
+        assert!(html(&all).contains("All 400 pushes"));
         let embedded = html(&some).len() - html(&player(1, usize::MAX)).len();
         assert!(embedded < 40 * (each + 100), "{embedded}");
         assert_eq!(player(400, each / 2).n_embedded(), 0);

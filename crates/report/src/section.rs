@@ -199,7 +199,7 @@ fn push_table<'a>(
     let head: Vec<String> = head.into_iter().map(|cell| escape(cell).into()).collect();
     let _ = write!(
         out,
-        "<div class=\"scroll\" role=\"region\" aria-label=\"table\" tabindex=\"0\">\n<table>\n<thead><tr><th scope=\"col\">{}</th></tr></thead>\n\
+        "<div class=\"scroll\" role=\"group\" aria-label=\"table\" tabindex=\"0\">\n<table>\n<thead><tr><th scope=\"col\">{}</th></tr></thead>\n\
          <tbody>\n",
         head.join("</th><th scope=\"col\">")
     );

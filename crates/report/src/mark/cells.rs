@@ -2,9 +2,9 @@
 
 use super::{Extent, Mark};
 use crate::canvas::Canvas;
-use crate::color::{ColorMap, ColorScale};
+use crate::color::{Color, ColorMap, ColorScale};
 use crate::error::{ReportError, check_finite, check_positive, check_some};
-use crate::scene::Ink;
+use crate::scene::{Ink, Stroke};
 
 /// Rectangles about the values of some cells of a plane, with a color bar.
 #[derive(Debug, Clone)]
@@ -75,9 +75,11 @@ impl Mark for Cells {
 
     fn draw(&self, canvas: &mut Canvas<'_>) {
         let scale = self.scale();
+        // So that a cell about 0 can be told from none.
+        let edge = Stroke::new(Color::GRAY, 0.6);
         for ColoredCell { x, y, value } in &self.cells {
             let ring = vec![[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]];
-            canvas.area(&[ring], Some(Ink::from(scale.color(*value))), None);
+            canvas.area(&[ring], Some(Ink::from(scale.color(*value))), Some(edge));
         }
     }
 
