@@ -1,49 +1,64 @@
 //! What was found, in sentences.
 
+use std::fmt;
+
 use ::report::Section;
 use diagnosis::ChannelError;
 use models::Cluster;
+use serde::Serialize;
 
 use super::errors::floor_source;
 use super::measure::Measure;
 use super::{Report, Tried, tag};
 
-/// Findings that are told on the page, and in a headline.
-const MOST_FINDINGS: usize = 6;
-const MOST_IN_HEADLINE: usize = 2;
+/// What there is to say of a model.
+#[derive(Serialize)]
+pub(super) struct Headline {
+    /// How wrong it is, beside the noise floor.
+    error: String,
+    /// Where it fails, the most first; none where it fails nowhere more than chance.
+    findings: Vec<String>,
+}
 
-/// For each model: its error against the floor, and where it fails most.
-pub(super) fn headlines(report: &Report) -> Vec<String> {
-    let headline = |(index, model): (usize, &Tried)| {
-        let mut text = error(index, model);
-        match told(model, MOST_IN_HEADLINE)[..] {
-            [] => text += " It fails nowhere more than chance.",
-            ref findings => text += &format!(" It {}.", findings.join("; it ")),
+/// Findings that are told on the page, and on a terminal.
+const MOST_FINDINGS: usize = 6;
+const MOST_LINES: usize = 2;
+
+impl Headline {
+    /// One a model.
+    pub(super) fn all(report: &Report) -> Vec<Self> {
+        let of = |(index, model): (usize, &Tried)| {
+            let findings = model.comparison.findings.iter().take(MOST_FINDINGS);
+            let findings = findings.map(|finding| format!("It {}.", finding.sentence)).collect();
+            Self { error: error(index, model), findings }
+        };
+        report.models.iter().enumerate().map(of).collect()
+    }
+}
+
+const NOWHERE: &str = "It fails nowhere more than chance.";
+
+impl fmt::Display for Headline {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.error)?;
+        if self.findings.is_empty() {
+            return writeln!(f, "  {NOWHERE}");
         }
-        text
-    };
-    report.models.iter().enumerate().map(headline).collect()
+        self.findings.iter().take(MOST_LINES).try_for_each(|finding| writeln!(f, "  {finding}"))
+    }
 }
 
 /// The section that a reader begins with.
-pub(super) fn section(report: &Report) -> Section {
+pub(super) fn section(report: &Report, headlines: &[Headline]) -> Section {
     let mut section = Section::new("found", "What was found");
-    for (index, model) in report.models.iter().enumerate() {
-        section = section.text(&error(index, model));
-        let findings = told(model, MOST_FINDINGS);
-        section = if findings.is_empty() {
-            section.text("It fails nowhere more than chance.")
-        } else {
-            section.list(findings.iter().map(|finding| format!("It {finding}.")).collect())
+    for Headline { error, findings } in headlines {
+        section = section.text(error);
+        section = match findings[..] {
+            [] => section.text(NOWHERE),
+            _ => section.list(findings.clone()),
         };
     }
     section.text(&compared(report))
-}
-
-/// Where a model fails, the most first.
-fn told(model: &Tried, most: usize) -> Vec<&str> {
-    let findings = model.comparison.findings.iter().take(most);
-    findings.map(|finding| finding.sentence.as_str()).collect()
 }
 
 /// How wrong a model is.

@@ -21,6 +21,7 @@ use diagnosis::{
 use models::ModelFile;
 use serde::Serialize;
 
+use self::headline::Headline;
 use super::compare::Part;
 use crate::destination::Destination;
 use crate::file_ending;
@@ -88,7 +89,7 @@ struct Written {
     n_steps: usize,
     /// Pushes that the page can play.
     n_played: usize,
-    headlines: Vec<String>,
+    headlines: Vec<Headline>,
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
@@ -156,30 +157,30 @@ impl Report {
 
     /// The page, and what programs want to know of it.
     fn written(&self, origin: &Origin, page: &Path) -> Result<(String, Written)> {
-        let headlines = headline::headlines(self);
+        let headlines = Headline::all(self);
         let player = pushes::player(self);
-        let written = |bytes| Written {
-            page: page.to_owned(),
-            bytes,
-            models: self.models.iter().map(|model| model.name.clone()).collect(),
-            n_pushes: self.observations.pushes().len(),
-            n_steps: self.observations.n_steps(),
-            n_played: player.n_embedded(),
-            headlines: headlines.clone(),
-        };
+        let n_played = player.n_embedded();
         let html = Page::new(
             &format!("{}: models and measurements", self.set),
             &self.lead(),
             made_by(origin),
         )
-        .with(headline::section(self))
+        .with(headline::section(self, &headlines))
         .with(errors::section(self)?)
-        .with(pushes::section(player.clone()))
+        .with(pushes::section(player))
         .with(outlines::section(self)?)
         .with(maps::section(self)?)
         .with(parameters::section(self))
         .single_file()?;
-        let written = written(html.len());
+        let written = Written {
+            page: page.to_owned(),
+            bytes: html.len(),
+            models: self.models.iter().map(|model| model.name.clone()).collect(),
+            n_pushes: self.observations.pushes().len(),
+            n_steps: self.observations.n_steps(),
+            n_played,
+            headlines,
+        };
         Ok((html, written))
     }
 
@@ -231,7 +232,7 @@ fn distinct_names(files: &[(&Path, ModelFile)]) -> Vec<String> {
 impl std::fmt::Display for Written {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { page, n_pushes, n_played, .. } = self;
-        self.headlines.iter().try_for_each(|headline| writeln!(f, "{headline}"))?;
+        self.headlines.iter().try_for_each(|headline| write!(f, "{headline}"))?;
         let played = if n_played == n_pushes {
             "all pushes can be played".to_owned()
         } else {
