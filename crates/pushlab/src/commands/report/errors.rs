@@ -5,6 +5,7 @@ use ::report::{
     Section,
 };
 use diagnosis::{ChannelError, FloorSource, PushEnds};
+use effects::Channels;
 
 use super::measure::{Measure, title};
 use super::{Report, Tried, tag};
@@ -13,8 +14,8 @@ use super::{Report, Tried, tag};
 const NORMAL_975: f64 = 1.96;
 
 pub(super) fn section(report: &Report) -> Result<Section, ReportError> {
-    let names: Vec<&str> =
-        report.models[0].comparison.channels.iter().map(|channel| channel.name).collect();
+    let known = |name: &&str| of(report, name).next().is_some();
+    let names: Vec<&str> = Channels::NAMES.into_iter().filter(known).collect();
     let drawings = names.iter().map(|name| drawing(report, name)).collect::<Result<Vec<_>, _>>()?;
     let tags: Vec<String> = (0..report.models.len()).map(tag).collect();
     let columns = |tag: &String| [tag.clone(), format!("{tag} over floor"), format!("{tag} bias")];

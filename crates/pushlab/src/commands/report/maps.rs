@@ -5,6 +5,7 @@ use ::report::{
     ReportError, Section,
 };
 use diagnosis::{Cell, Covariate, ResidualMap};
+use effects::Channels;
 
 use super::measure::{Measure, covariate, title};
 use super::{Report, tag};
@@ -47,9 +48,8 @@ pub(super) fn section(report: &Report) -> Result<Section, ReportError> {
             names.push(kind.name);
         }
     });
-    let rank = |name: &&str| {
-        effects::Channels::NAMES.iter().position(|known| known == name).unwrap_or(usize::MAX)
-    };
+    let rank =
+        |name: &&str| Channels::NAMES.iter().position(|known| known == name).unwrap_or(usize::MAX);
     names.sort_by_key(rank);
     for name in names {
         let rest = |kind: &&&Kind| {
