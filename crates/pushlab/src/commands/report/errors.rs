@@ -174,19 +174,26 @@ fn calibration(report: &Report) -> Option<Vec<Vec<String>>> {
 
 /// How far off whole pushes end.
 fn end_rows(report: &Report) -> Vec<Vec<String>> {
-    let rows: [(&str, fn(&PushEnds) -> String); 5] = [
-        ("distance, mean", |ends| Measure::of("m").text(ends.position.mean)),
-        ("distance, exceeded in a tenth", |ends| Measure::of("m").text(ends.position.p90)),
-        ("turn, mean", |ends| Measure::of("rad").text(ends.angle.mean)),
-        ("turn, exceeded in a tenth", |ends| Measure::of("rad").text(ends.angle.p90)),
-        ("gets away from the pusher in", |ends| match ends.n_lost {
-            1 => "1 push".to_owned(),
-            n => format!("{n} pushes"),
-        }),
-    ];
-    let row = |(name, text): &(&str, fn(&PushEnds) -> String)| {
-        let text = |model: &Tried| model.ends.as_ref().map_or_else(|| "–".to_owned(), text);
-        std::iter::once((*name).to_owned()).chain(report.models.iter().map(text)).collect()
+    let texts = |model: &Tried| match &model.ends {
+        Some(PushEnds { position, angle, n_lost, .. }) => {
+            let (length, turn) = (Measure::of("m"), Measure::of("rad"));
+            let [mean, high] = [position.mean, position.p90].map(|value| length.text(value));
+            let [turned, far] = [angle.mean, angle.p90].map(|value| turn.text(value));
+            [mean, high, turned, far, format!("{n_lost}")]
+        }
+        None => ["–"; 5].map(str::to_owned),
     };
-    rows.iter().map(row).collect()
+    let columns: Vec<[String; 5]> = report.models.iter().map(texts).collect();
+    let names = [
+        "distance, mean",
+        "distance, exceeded in a tenth of the pushes",
+        "turn, mean",
+        "turn, exceeded in a tenth of the pushes",
+        "pushes in which the model's object gets away",
+    ];
+    let row = |(k, name): (usize, &&str)| {
+        let values = columns.iter().map(|column| column[k].clone());
+        std::iter::once((*name).to_owned()).chain(values).collect()
+    };
+    names.iter().enumerate().map(row).collect()
 }
