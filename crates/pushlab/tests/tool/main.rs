@@ -7,5 +7,6 @@ mod commands;
 mod comparison;
 mod documentation;
 mod generated;
+mod schema;
 mod small_set;
 mod usage;
