@@ -40,7 +40,7 @@ const LEAST_RATIO: f64 = 3.0;
 /// Most of the steps.
 const MOST_STEPS: f64 = 0.25;
 /// Standard errors, from whole clusters, between the mean square there and that of all.
-const FEWEST_SE: f64 = 3.0;
+const FEWEST_SE: f64 = 2.5;
 /// A region over fewer covariates is preferred if its gain is this share of the best.
 const SIMPLER: f64 = 0.8;
 

@@ -13,13 +13,13 @@ pub(super) fn text(table: &Compared, corner: &Corner, raw: &Compared) -> String 
     page += TABLE_HEAD;
     page += &errors(table);
     page += &fitted(table.fitted.as_ref());
-    page += "\nThe nominal model, with the share of the squared error:\n\n";
+    page += "\nWhere it fails, with the share of the squared error; the nominal model\n\n";
     page += &findings(&table.nominal);
     page += &corner_text(corner);
     page += RAW_HEAD;
     page += &errors(raw);
     page += &ends(raw.ends.as_ref());
-    page += "\nThe nominal model, with the share of the squared error:\n\n";
+    page += "\nWhere it fails, with the share of the squared error; the nominal model\n\n";
     page += &findings(&raw.nominal);
     page
 }
@@ -93,18 +93,19 @@ fn errors(compared: &Compared) -> String {
             [error.rms, error.rms_se, error.bias, error.bias_se].map(|x| per * x);
         let _ = writeln!(
             text,
-            "| {} / {unit} | {rms:.3} ± {se:.3} | {floor} | {bias:+.3} ± {bias_se:.3} | {nmse} |",
-            error.name
+            "| {} / {unit} | {rms:.3} ± {se:.3} | {floor} | {} ± {bias_se:.3} | {nmse} |",
+            error.name,
+            format!("{bias:+.3}").replace('-', "−"),
         );
     }
     let source = match found.floor.source {
         FloorSource::Repeats => "The floor is the scatter of repeated pushes.",
         FloorSource::Neighbours => {
-            "Repeats are not known, so the floor is an estimate from neighbours: half the mean square \
-             of the difference of their residuals."
+            "Repeats are not known, so the floor is an estimate:\nhalf the mean square of the \
+             difference between the residuals of nearest neighbours."
         }
     };
-    let _ = writeln!(text, "\n{source}");
+    let _ = writeln!(text, "\n{source} What these data cannot tell:\n");
     for what in &found.not_asked {
         let _ = writeln!(text, "- {what}");
     }
@@ -123,12 +124,14 @@ fn fitted(fitted: Option<&Fitted>) -> String {
         .map(|error| {
             let (per, unit) = people(error.unit);
             let nmse = error.nmse.unwrap_or_default();
-            format!("{} {:.3} {unit} (error²/variance {nmse:.3})", error.name, per * error.rms)
+            let space = if unit == "°" { "" } else { " " };
+            let size = format!("{:.3}{space}{unit}", per * error.rms);
+            format!("{} {size} (error²/variance {nmse:.3})", error.name)
         })
         .collect();
     format!(
-        "\nFitted to every second push, μp = {value:.3} ± {se:.3} and c = {c:.2} ± {c_se:.2} mm; on the \
-         other half: {}.\n",
+        "\nFitted to every second push, μp = {value:.3} ± {se:.3} and c = {c:.2} ± {c_se:.2} mm. The error \
+         on\nthe other half: {}.\n",
         shown.join(", ")
     )
 }
@@ -157,8 +160,8 @@ fn corner_text(corner: &Corner) -> String {
     let mut text = format!(
         "\n### One corner and its mirror image\n\n\
          ![Root mean square error of the three outputs over p and β](real-data-corner.svg)\n\n\
-         The square, its pressure and its friction are symmetric: a push at 1 − p with −β mirrors one \
-         at p with β, and the model errs alike on both. The measurements do not:\n\n\
+         The nominal square, its pressure and its friction are symmetric, so a push at 1 − p with −β is\n\
+         the mirror image of one at p with β, and the model should err alike on both. It does not:\n\n\
          | | p > 0.8 and β > 0.3 rad, {} steps | mirror image, {} steps | ratio of mean squares |\n\
          |---|---|---|---|\n",
         here.n_steps, mirrored.n_steps
@@ -178,8 +181,8 @@ fn corner_text(corner: &Corner) -> String {
         .collect();
     let _ = writeln!(
         text,
-        "\nA hundredth of all pushes carries {} squared error. Medians and root mean squares differ, \
-         so a few pushes fail, not each a little; nobody has established why.",
+        "\nA hundredth of all pushes carries {} squared error.\nIn the corner the median is far below the \
+         root mean square: a few pushes fail, not each a little.\nNobody has established why.",
         shares.join(", ")
     );
     text
@@ -197,8 +200,8 @@ fn ends(ends: Option<&PushEnds>) -> String {
         )
     };
     format!(
-        "\nRolled out from its measured start, the end of a push ({n} of them) is off by {} and by {}; \
-         {n_lost} lose contact in the model alone.\n",
+        "\nRolled out from its measured start, the end of a push ({n} of them) is off by\n{},\nand by \
+         {};\npushes that lose contact in the model alone: {n_lost}.\n",
         line(position, 1e3, "mm"),
         line(angle, 1.0_f64.to_degrees(), "°"),
     )

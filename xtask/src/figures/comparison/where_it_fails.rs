@@ -73,11 +73,13 @@ fn against(
     let every = pairs.len().div_ceil(MOST_POINTS).max(1);
     let shown: Vec<[f64; 2]> = pairs.into_iter().step_by(every).collect();
     let error = found.channels.iter().find(|error| error.name == *name);
-    let title = error.map_or_else(String::new, |error| match error.over_floor {
-        Some(ratio) => {
-            format!("{sign}: RMS error {:.2} {unit}, {ratio:.1} times the floor", per * error.rms)
+    let space = if *unit == "°" { "" } else { " " };
+    let title = error.map_or_else(String::new, |error| {
+        let size = format!("{sign}: error {:.2}{space}{unit}", per * error.rms);
+        match error.over_floor {
+            Some(ratio) => format!("{size}, {ratio:.1} × floor"),
+            None => size,
         }
-        None => format!("{sign}: RMS error {:.2} {unit}", per * error.rms),
     });
     let axis = |what: &str| Axis::new(&format!("{what} {sign} / {unit}")).range(ends[0], ends[1]);
     let points = Points::at(&shown).radius(1.6).opacity(0.5).color(Color::BLUE).label("a step");
