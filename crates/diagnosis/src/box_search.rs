@@ -35,8 +35,13 @@ impl CellRange {
     }
 }
 
+/// The gain of means above zero alone.
+pub(crate) fn gain_above((n, sum): Tally) -> f64 {
+    gain((n, sum.max(0.0)))
+}
+
 /// The range of an axis with the largest gain.
-pub(crate) fn best_range(cells: &[Tally], is_periodic: bool) -> CellRange {
+pub(crate) fn best_range(cells: &[Tally], is_periodic: bool, gain: fn(Tally) -> f64) -> CellRange {
     let mut best = (f64::NEG_INFINITY, CellRange { first: 0, n: cells.len() });
     for range in CellRange::all(cells.len(), is_periodic) {
         let own = range.cells(cells.len()).map(|cell| cells[cell]);
@@ -53,6 +58,7 @@ pub(crate) fn best_ranges(
     cells: &[Tally],
     periodic: [bool; 2],
     n_columns: usize,
+    gain: fn(Tally) -> f64,
 ) -> [CellRange; 2] {
     let n_rows = cells.len() / n_columns;
     let mut best = (f64::NEG_INFINITY, [CellRange { first: 0, n: 1 }; 2]);
@@ -63,7 +69,7 @@ pub(crate) fn best_ranges(
                 *column = (column.0 + cell.0, column.1 + cell.1);
             }
         }
-        let range = best_range(&columns, periodic[1]);
+        let range = best_range(&columns, periodic[1], gain);
         let own = range.cells(n_columns).map(|column| columns[column]);
         let found = gain(own.fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1)));
         if found > best.0 {
@@ -75,7 +81,7 @@ pub(crate) fn best_ranges(
 
 #[cfg(test)]
 mod tests {
-    use super::{CellRange, Tally, best_range, best_ranges};
+    use super::{CellRange, Tally, best_range, best_ranges, gain};
 
     fn cells(means: &[f64]) -> Vec<Tally> {
         means.iter().map(|mean| (20.0, 20.0 * mean)).collect()
@@ -83,7 +89,7 @@ mod tests {
 
     #[test]
     fn neighbours_with_half_of_the_mean_belong_together() {
-        let range = |means: &[f64], periodic| best_range(&cells(means), periodic);
+        let range = |means: &[f64], periodic| best_range(&cells(means), periodic, gain);
         assert_eq!(range(&[0.1, 2.0, 1.5, 0.2, -0.4], false), CellRange { first: 1, n: 2 });
         assert_eq!(range(&[1.0, 1.0, 1.0], false), CellRange { first: 0, n: 3 });
         assert_eq!(range(&[-2.0, 0.1, 0.1, -1.8], false), CellRange { first: 0, n: 1 });
@@ -100,7 +106,7 @@ mod tests {
             plane[index] = (20.0, -30.0);
         }
         plane[13] = (0.0, 0.0);
-        let [rows, columns] = best_ranges(&plane, [false; 2], 5);
+        let [rows, columns] = best_ranges(&plane, [false; 2], 5, gain);
         assert_eq!((rows, columns), (CellRange { first: 0, n: 2 }, CellRange { first: 3, n: 2 }));
     }
 }

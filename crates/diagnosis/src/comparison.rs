@@ -6,14 +6,15 @@ use serde::Serialize;
 
 use crate::axis::Axis;
 use crate::calibration::calibrations;
+use crate::concentration::concentrations;
 use crate::errors::channel_errors;
 use crate::finding::findings;
 use crate::residual_map::residual_maps;
 use crate::structure::Structure;
 use crate::worst::worst_pushes;
 use crate::{
-    Calibration, ChannelError, Covariate, DiagnosisError, Finding, MapSettings, NoiseFloor,
-    Observations, Predictions, ResidualMap, WorstPush,
+    Calibration, ChannelError, Concentration, Covariate, DiagnosisError, Finding, MapSettings,
+    NoiseFloor, Observations, Predictions, ResidualMap, WorstPush,
 };
 
 /// How wrong a model is, where, and how wrong it may be at best; in SI units.
@@ -41,6 +42,8 @@ pub struct Comparison {
     pub worst: Vec<WorstPush>,
     /// Where the model fails, in words: the regions that hold most of the error first.
     pub findings: Vec<Finding>,
+    /// Where squared error gathers, whether or not it has a sign.
+    pub concentrations: Vec<Concentration>,
     /// Mean residuals over covariates and pairs of them, the surest structure first.
     pub maps: Vec<ResidualMap>,
 }
@@ -72,6 +75,7 @@ pub fn compare(
         channels,
         floor: floor.clone(),
         findings: findings(&structure),
+        concentrations: concentrations(&structure),
         maps: residual_maps(&structure),
     })
 }

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::Covariate;
-use crate::box_search::{CellRange, Tally, best_range, best_ranges, gain};
+use crate::Condition;
+use crate::box_search::{CellRange, Tally, best_range, gain};
 use crate::clusters::ClusterMean;
 use crate::structure::{Series, Structure, TestedMap};
 use crate::words::sentence;
@@ -39,17 +39,6 @@ pub struct Finding {
     pub share: f64,
     /// That of the map in which it was found.
     pub p_adjusted: f64,
-}
-
-/// A range of a covariate.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Condition {
-    /// Of what.
-    pub covariate: Covariate,
-    /// Lower end; none where the range goes down to the end of the data. Angles may pass π.
-    pub from: Option<f64>,
-    /// Upper end; none where the range goes up to the end of the data. For edges the last of them.
-    pub to: Option<f64>,
 }
 
 /// Most findings of one number.
@@ -179,16 +168,7 @@ impl<'a> Search<'a> {
                 cells[*cell] = (cells[*cell].0 + 1.0, cells[*cell].1 + value);
             }
         }
-        let is_periodic = |axis: usize| structure.axes[axis].covariate.is_periodic();
-        let ranges = match map.axes[..] {
-            [] => Vec::new(),
-            [axis] => vec![(axis, best_range(&cells, is_periodic(axis)))],
-            [a, b, ..] => {
-                let periodic = [is_periodic(a), is_periodic(b)];
-                let [first, second] = best_ranges(&cells, periodic, structure.axes[b].n_cells());
-                vec![(a, first), (b, second)]
-            }
-        };
+        let ranges = structure.best_box(map, &cells, gain);
         let mut region = Region { map: index, ranges, gain: 0.0, p };
         region.gain = gain(self.tally(&region, &white));
         Some(region)
@@ -208,7 +188,7 @@ impl<'a> Search<'a> {
                 let cell = &mut cells[axis.cell_of[step]];
                 *cell = (cell.0 + 1.0, cell.1 + white[step]);
             }
-            let range = best_range(&cells, axis.covariate.is_periodic());
+            let range = best_range(&cells, axis.covariate.is_periodic(), gain);
             let mut narrower = region.clone();
             narrower.ranges.push((index, range));
             narrower.gain = gain(self.tally(&narrower, &white));
@@ -223,11 +203,7 @@ impl<'a> Search<'a> {
     fn steps(&self, region: &Region) -> Vec<usize> {
         let series = &self.structure.series[self.structure.maps[region.map].series];
         let inside = |step: &usize| {
-            series.signs[*step] != 0.0
-                && region.ranges.iter().all(|(axis, range)| {
-                    let axis = &self.structure.axes[*axis];
-                    range.holds(axis.cell_of[*step], axis.n_cells())
-                })
+            series.signs[*step] != 0.0 && self.structure.is_in(*step, &region.ranges)
         };
         (0..self.structure.observations.n_steps()).filter(inside).collect()
     }
@@ -265,7 +241,7 @@ impl<'a> Search<'a> {
             sentence: String::new(),
             name: series.reading.name,
             unit: series.reading.unit(),
-            conditions: region.ranges.iter().filter_map(|range| self.condition(range)).collect(),
+            conditions: structure.conditions(&region.ranges),
             n_steps: mean.n_steps,
             n_pushes: structure.observations.n_pushes_of(&steps),
             mean: mean.mean,
@@ -278,27 +254,6 @@ impl<'a> Search<'a> {
         };
         finding.sentence = sentence(&finding);
         Some((finding, steps))
-    }
-
-    /// None for a range that holds every step.
-    fn condition(&self, (axis, range): &(usize, CellRange)) -> Option<Condition> {
-        let axis = &self.structure.axes[*axis];
-        let (covariate, n) = (axis.covariate, axis.n_cells());
-        let (last, [first_used, last_used]) = (range.first + range.n - 1, axis.used());
-        let is_open = [range.first <= first_used, last >= last_used];
-        if range.n == n || (is_open == [true; 2] && !covariate.is_periodic()) {
-            return None;
-        }
-        let [from, to] = [axis.bins.ends(range.first)[0], axis.bins.ends(last % n)[1]];
-        let condition = |from, to| Some(Condition { covariate, from, to });
-        match covariate {
-            Covariate::Edge => condition(Some(from + 0.5), Some(to - 0.5)),
-            _ if covariate.is_periodic() => {
-                let to = if last >= n { to + std::f64::consts::TAU } else { to };
-                condition(Some(from), Some(to))
-            }
-            _ => condition((!is_open[0]).then_some(from), (!is_open[1]).then_some(to)),
-        }
     }
 
     /// Takes the mean off every reading of the number.
@@ -322,6 +277,8 @@ fn gained_share(series: &Series, left: &[f64], steps: &[usize], mean: f64) -> f6
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::FRAC_PI_6;
+
     use super::{Finding, findings};
     use crate::structure::Structure;
     use crate::synthetic::{Made, made};
@@ -371,10 +328,10 @@ mod tests {
     #[test]
     fn faults_of_both_signs_and_across_the_cut_of_the_circle_are_each_told() {
         let found = found(1, |step| {
-            let behind = step.direction.abs() > 2.6179;
+            let behind = step.direction.abs() > 5.0 * FRAC_PI_6;
             if behind {
                 4e-4
-            } else if step.direction.abs() < 0.5236 {
+            } else if step.direction.abs() < FRAC_PI_6 {
                 -4e-4
             } else {
                 0.0

@@ -173,7 +173,7 @@ mod tests {
         let clusters: Vec<usize> = (0..240).map(|k| k / 6).collect();
         let value = |k: usize| {
             let noise = (k as f64 * 12.9898).sin() + (clusters[k] as f64 * 78.233).sin();
-            bias + noise + if k % 6 == 0 { effect } else { 0.0 }
+            bias + noise + if k.is_multiple_of(6) { effect } else { 0.0 }
         };
         let values: Vec<f64> = (0..240).map(value).collect();
         let cells = (0..240).map(|k| Some(k % 6)).collect();

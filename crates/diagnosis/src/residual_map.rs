@@ -37,6 +37,8 @@ pub struct Cell {
     pub low95: f64,
     /// Upper end of its 95 % interval.
     pub high95: f64,
+    /// Root mean square of observed less predicted.
+    pub rms: f64,
     /// Mean of observed less predicted over the noise floor, by which numbers of all units compare;
     /// none without floor.
     pub over_floor: Option<f64>,
@@ -94,9 +96,10 @@ fn shown(structure: &Structure<'_>, map: &TestedMap) -> ResidualMap {
         }
         let white = steps.iter().map(|k| series.values[*k] / series.scales[*k]).sum::<f64>();
         let over_floor = series.has_floor.then(|| white / steps.len() as f64);
+        let rms = (values.iter().map(|(_, x)| x * x).sum::<f64>() / values.len() as f64).sqrt();
         let ClusterMean { mean, n_steps, .. } = mean;
         let n_pushes = structure.observations.n_pushes_of(steps);
-        Some(Cell { ranges, n_steps, n_pushes, mean, low95, high95, over_floor })
+        Some(Cell { ranges, n_steps, n_pushes, mean, low95, high95, rms, over_floor })
     };
     ResidualMap {
         name: series.reading.name,

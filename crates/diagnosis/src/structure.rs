@@ -1,9 +1,10 @@
 //! What of the residuals depends on something, over every map.
 
 use crate::axis::{Axis, sets};
+use crate::box_search::{CellRange, Tally, best_range, best_ranges};
 use crate::map_test::{Flips, Largest, MapTest};
 use crate::reading::Reading;
-use crate::{MapSettings, NoiseFloor, Observations, Predictions};
+use crate::{Condition, MapSettings, NoiseFloor, Observations, Predictions};
 
 /// Every map of every reading with its test, and what chance does to the surest of them.
 pub(crate) struct Structure<'a> {
@@ -71,6 +72,40 @@ impl<'a> Structure<'a> {
         }
         let largest = Largest::of(&flipped);
         Self { observations, settings, axes, series, maps, largest }
+    }
+}
+
+impl Structure<'_> {
+    /// The ranges of a map's axes with the largest gain, from the tally of each of its cells.
+    pub(crate) fn best_box(
+        &self,
+        map: &TestedMap,
+        cells: &[Tally],
+        gain: fn(Tally) -> f64,
+    ) -> Vec<(usize, CellRange)> {
+        let is_periodic = |axis: usize| self.axes[axis].covariate.is_periodic();
+        match map.axes[..] {
+            [] => Vec::new(),
+            [axis] => vec![(axis, best_range(cells, is_periodic(axis), gain))],
+            [a, b, ..] => {
+                let periodic = [is_periodic(a), is_periodic(b)];
+                let [first, second] = best_ranges(cells, periodic, self.axes[b].n_cells(), gain);
+                vec![(a, first), (b, second)]
+            }
+        }
+    }
+
+    /// Whether a step is in all ranges.
+    pub(crate) fn is_in(&self, step: usize, ranges: &[(usize, CellRange)]) -> bool {
+        ranges.iter().all(|(axis, range)| {
+            let axis = &self.axes[*axis];
+            range.holds(axis.cell_of[step], axis.n_cells())
+        })
+    }
+
+    /// The ranges as conditions, but for those that hold every step.
+    pub(crate) fn conditions(&self, ranges: &[(usize, CellRange)]) -> Vec<Condition> {
+        ranges.iter().filter_map(|(axis, range)| Condition::of(&self.axes[*axis], *range)).collect()
     }
 }
 

@@ -91,14 +91,17 @@ pub(crate) fn made(
         set_aside: SetAside::default(),
     };
     let predictions = Predictions { variances: vec![[None; 7]; values.len()], values };
+    (observations, predictions, floor())
+}
+
+fn floor() -> NoiseFloor {
     let floor = |rms: f64| {
         Some(Floor { rms, low95: 0.9 * rms, high95: 1.1 * rms, constant: rms, per_meter: 0.0 })
     };
-    let floor = NoiseFloor {
+    NoiseFloor {
         source: FloorSource::Repeats,
         n_repeats: 9,
         n_cells: 3,
         numbers: FLOORS.map(floor),
-    };
-    (observations, predictions, floor)
+    }
 }

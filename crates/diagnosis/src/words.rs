@@ -2,7 +2,7 @@
 
 use planar::wrap_angle;
 
-use crate::{Condition, Covariate, Finding};
+use crate::{Concentration, Condition, Covariate, Finding};
 
 /// `turns 1.30° too little per step at p < 0.2 and β > 20°, on edge 3 only`.
 pub(crate) fn sentence(finding: &Finding) -> String {
@@ -29,6 +29,17 @@ pub(crate) fn sentence(finding: &Finding) -> String {
         _ => format!("ends {size} too {} the pusher", pick("near", "far from")),
     };
     what + &place(&finding.conditions)
+}
+
+/// `misses dx by 1.1 mm at p > 0.8: 2 % of the steps hold 21 % of its squared error`.
+pub(crate) fn gathered(found: &Concentration) -> String {
+    let Concentration { name, conditions, step_share, error_share, .. } = found;
+    let (size, place) = (size(found.rms, found.unit), place(conditions));
+    let (steps, error) = (100.0 * step_share, 100.0 * error_share);
+    format!(
+        "misses {name} by {size}{place}: {steps:.0} % of the steps hold {error:.0} % of its \
+         squared error"
+    )
 }
 
 /// A size with two significant digits, in the unit for people.

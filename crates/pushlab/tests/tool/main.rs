@@ -8,5 +8,6 @@ mod comparison;
 mod documentation;
 mod generated;
 mod report_page;
+mod schema;
 mod small_set;
 mod usage;

@@ -143,7 +143,7 @@ fn write_calibration(f: &mut fmt::Formatter<'_>, found: &[Calibration]) -> fmt::
 }
 
 fn write_findings(f: &mut fmt::Formatter<'_>, found: &Comparison) -> fmt::Result {
-    if found.findings.is_empty() {
+    if found.findings.is_empty() && found.concentrations.is_empty() {
         let n = found.maps.len();
         return writeln!(
             f,
@@ -154,6 +154,9 @@ fn write_findings(f: &mut fmt::Formatter<'_>, found: &Comparison) -> fmt::Result
     for finding in found.findings.iter().take(MOST_FINDINGS) {
         let (share, number) = (100.0 * finding.share, number_of(finding.name));
         writeln!(f, "  {share:3.0} % of {number:16} {}", finding.sentence)?;
+    }
+    for gathered in &found.concentrations {
+        writeln!(f, "  {}", gathered.sentence)?;
     }
     let n_more = found.findings.len().saturating_sub(MOST_FINDINGS);
     if n_more > 0 {
