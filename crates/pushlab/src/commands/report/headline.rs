@@ -23,13 +23,18 @@ pub(super) struct Headline {
 /// Findings that are told on the page, and on a terminal.
 const MOST_FINDINGS: usize = 6;
 const MOST_LINES: usize = 2;
+/// Places where error gathers without a sign that are told on the page.
+const MOST_GATHERED: usize = 3;
 
 impl Headline {
     /// One a model.
     pub(super) fn all(report: &Report) -> Vec<Self> {
         let of = |(index, model): (usize, &Tried)| {
-            let findings = model.comparison.findings.iter().take(MOST_FINDINGS);
-            let findings = findings.map(|finding| format!("It {}.", finding.sentence)).collect();
+            let found = &model.comparison;
+            let findings = found.findings.iter().take(MOST_FINDINGS).map(|found| &found.sentence);
+            let gathered = found.concentrations.iter().take(MOST_GATHERED);
+            let all = findings.chain(gathered.map(|found| &found.sentence));
+            let findings = all.map(|sentence| format!("It {sentence}.")).collect();
             Self { error: error(index, model), findings }
         };
         report.models.iter().enumerate().map(of).collect()
@@ -93,6 +98,9 @@ fn compared(report: &Report) -> String {
     }
     if first.cluster == Cluster::Session {
         text += " Intervals and tests take whole measuring sessions for independent.";
+    }
+    if !first.not_asked.is_empty() {
+        text += &format!(" Not told: {}.", first.not_asked.join("; "));
     }
     if first.n_set_aside > 0 {
         text += &format!(" Rows set aside: {}.", first.set_aside);
