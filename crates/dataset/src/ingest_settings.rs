@@ -10,7 +10,8 @@ use crate::{error::DatasetError, spline::EndCondition};
 pub struct IngestSettings {
     /// Length of a step.
     pub step: StepLength,
-    /// A rest shorter than this makes no row of its own, in s.
+    /// A step by the way of the pusher is no shorter than this, and a rest shorter than this makes no
+    /// row of its own, in s.
     pub shortest_step: f64,
     /// The curve through the samples of a pose stream.
     pub curve: Curve,

@@ -67,7 +67,11 @@ fn boundaries(context: &StepContext<'_>, curves: &PhaseCurves) -> Vec<f64> {
             bounds.extend((1..=n).map(|k| from + k as f64 * length));
         }
         (StepLength::Distance(length), Phase::Contact) => {
-            bounds.extend(times_at_ways(context, curves, length));
+            for time in times_at_ways(context, curves, length) {
+                if time - bounds[bounds.len() - 1] >= context.settings.shortest_step {
+                    bounds.push(time);
+                }
+            }
         }
         (StepLength::Distance(_), Phase::After) => {}
     }

@@ -9,7 +9,7 @@ use crate::{DiagnosisError, Observations, Predictions};
 
 /// How honest a model is about one number of a step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Calibration {
+pub struct IntervalCalibration {
     /// Which number.
     pub name: &'static str,
     /// Its SI unit.
@@ -41,7 +41,7 @@ const LEVELS: [f64; 3] = [0.5, 0.9, 0.95];
 pub(crate) fn calibrations(
     observations: &Observations,
     predictions: &Predictions,
-) -> Result<Vec<Calibration>, DiagnosisError> {
+) -> Result<Vec<IntervalCalibration>, DiagnosisError> {
     let numbers = 0..Channels::NAMES.len();
     numbers.filter_map(|number| of_number(observations, predictions, number).transpose()).collect()
 }
@@ -50,7 +50,7 @@ fn of_number(
     observations: &Observations,
     predictions: &Predictions,
     number: usize,
-) -> Result<Option<Calibration>, DiagnosisError> {
+) -> Result<Option<IntervalCalibration>, DiagnosisError> {
     let (mut y, mut mean, mut variance) = (Vec::new(), Vec::new(), Vec::new());
     for (index, step) in observations.steps.iter().enumerate() {
         let predicted = predictions.values[index][number];
@@ -70,7 +70,7 @@ fn of_number(
     let shares = |levels: &[f64]| coverage(&y, &mean, &variance, levels);
     let covered = |(level, share): (&f64, &f64)| Covered { level: *level, share: *share };
     let three = shares(&LEVELS)?;
-    Ok(Some(Calibration {
+    Ok(Some(IntervalCalibration {
         name: Channels::NAMES[number],
         unit: UNITS[number],
         n_steps: y.len(),

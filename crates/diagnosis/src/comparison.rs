@@ -13,8 +13,8 @@ use crate::residual_map::residual_maps;
 use crate::structure::Structure;
 use crate::worst::worst_pushes;
 use crate::{
-    Calibration, ChannelError, Concentration, Covariate, DiagnosisError, Finding, MapSettings,
-    NoiseFloor, Observations, Predictions, ResidualMap, WorstPush,
+    ChannelError, Concentration, Covariate, DiagnosisError, Finding, IntervalCalibration,
+    MapSettings, NoiseFloor, Observations, Predictions, ResidualMap, WorstPush,
 };
 
 /// How wrong a model is, where, and how wrong it may be at best; in SI units.
@@ -37,7 +37,7 @@ pub struct Comparison {
     /// What the floors were learnt from.
     pub floor: NoiseFloor,
     /// How honest the model's own intervals are, for each number with a variance.
-    pub calibration: Vec<Calibration>,
+    pub calibration: Vec<IntervalCalibration>,
     /// The pushes with the largest errors of motion.
     pub worst: Vec<WorstPush>,
     /// Where the model fails, in words: the regions that hold most of the error first.

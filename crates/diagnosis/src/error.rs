@@ -33,6 +33,19 @@ pub enum DiagnosisError {
     /// A score could not be computed.
     #[error("the model's intervals cannot be scored")]
     Scores(#[from] gp_core::GpError),
+    /// A search did not end.
+    #[error(
+        "{what} did not converge: after {iterations} iterations the likelihood still rises by \
+         {decrement:e}; check the recordings for pushes that do not belong"
+    )]
+    NotConverged {
+        /// What was searched for.
+        what: &'static str,
+        /// Iterations.
+        iterations: usize,
+        /// Twice the gain in log likelihood that a further step would expect.
+        decrement: f64,
+    },
     /// The table or the model was refused.
     #[error(transparent)]
     Model(#[from] models::ModelError),

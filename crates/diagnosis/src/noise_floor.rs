@@ -194,7 +194,7 @@ fn neighbours(observations: &Observations) -> Vec<(usize, usize)> {
 }
 
 /// What a step's outcome may depend on, each over a difference that hardly matters.
-fn features(observations: &Observations, index: usize) -> [f64; 8] {
+pub(crate) fn features(observations: &Observations, index: usize) -> [f64; 8] {
     let (step, place) = (&observations.steps[index].input, &observations.places[index]);
     let position = &step.pose_wb.position;
     let pusher_b = step.pose_wb.inverse_transform_point(&step.track.start());
@@ -211,7 +211,7 @@ fn features(observations: &Observations, index: usize) -> [f64; 8] {
     ]
 }
 
-fn distance(a: &[f64; 8], b: &[f64; 8]) -> f64 {
+pub(crate) fn distance(a: &[f64; 8], b: &[f64; 8]) -> f64 {
     let plain: f64 = (0..7).map(|k| (a[k] - b[k]).powi(2)).sum();
     plain + (wrap_angle(a[7] - b[7]) / 0.25).powi(2)
 }

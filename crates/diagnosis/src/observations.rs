@@ -3,8 +3,13 @@
 use std::collections::{HashMap, HashSet};
 use std::fmt;
 
-use dataset::{MANIFEST_NAME, Manifest, ObjectChoice, StepRow, SupportSpec, Table, TableMapping};
-use models::{ChannelObservation, Cluster, SetAside, Split, StepSelection};
+use dataset::{
+    Flags, MANIFEST_NAME, Manifest, ObjectChoice, StepRow, SupportSpec, Table, TableMapping,
+};
+use effects::Track;
+use models::{
+    ChannelObservation, ChannelSteps, Cluster, SetAside, SetAsideReason, Split, StepSelection,
+};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
@@ -54,6 +59,23 @@ pub(crate) struct Place {
     pub(crate) p: f64,
     pub(crate) beta: f64,
     pub(crate) speed: f64,
+    /// Of the object's pose at both ends, from the samples' noise: position (m) and yaw (rad).
+    pub(crate) pose_sd: [[f64; 2]; 2],
+}
+
+/// What steps are about.
+struct About<'a> {
+    object: &'a ObjectChoice,
+    /// In m.
+    pusher_radius: f64,
+    support: SupportSpec,
+}
+
+impl<'a> About<'a> {
+    fn of(manifest: &'a Manifest) -> Self {
+        let (pusher_radius, support) = (manifest.pusher.radius, manifest.support);
+        Self { object: &manifest.object, pusher_radius, support }
+    }
 }
 
 /// Places of the gaps among the numbers of a step.
@@ -69,7 +91,7 @@ impl Observations {
     /// # Errors
     /// `Model` for a row that is no step; `TooFewPushes`.
     pub fn of(table: &Table, manifest: &Manifest) -> Result<Self, DiagnosisError> {
-        Self::about(table, &manifest.object, manifest.pusher.radius, manifest.support)
+        Self::selected(table, &About::of(manifest), StepSelection::default(), |_| true)
     }
 
     /// The steps of a table of others, read through its mapping.
@@ -81,7 +103,9 @@ impl Observations {
     /// As [`Observations::of`].
     pub fn of_mapped(table: &Table, mapping: &TableMapping) -> Result<Self, DiagnosisError> {
         let object = ObjectChoice::Fixed(Box::new(mapping.object.clone()));
-        let mut all = Self::about(table, &object, mapping.pusher.radius, mapping.support)?;
+        let (pusher_radius, support) = (mapping.pusher.radius, mapping.support);
+        let about = About { object: &object, pusher_radius, support };
+        let mut all = Self::selected(table, &about, StepSelection::default(), |_| true)?;
         if !mapping.gives("object_x_m") {
             all.steps.iter_mut().for_each(|step| step.observed[GAP_START..].fill(None));
             all.unknown.extend([Covariate::Orientation, Covariate::Direction]);
@@ -93,14 +117,35 @@ impl Observations {
         Ok(all)
     }
 
-    fn about(
+    /// As [`Observations::of`], without steps whose noise is of another kind: the first touch, with its peak of
+    /// force, those near a vertex, where the outline's normal jumps, and those within which the
+    /// pusher starts or stops. For tables that were made with [`crate::steady_ingest`].
+    ///
+    /// # Errors
+    /// As [`Observations::of`].
+    pub fn steady(table: &Table, manifest: &Manifest) -> Result<Self, DiagnosisError> {
+        let vertex = Flags::VERTEX | Flags::NEAR_VERTEX | Flags::EDGE_CHANGED;
+        let without = StepSelection::default().without | vertex | Flags::FIRST_TOUCH;
+        Self::selected(table, &About::of(manifest), StepSelection { without }, goes_steadily)
+    }
+
+    fn selected(
         table: &Table,
-        object: &ObjectChoice,
-        pusher_radius: f64,
-        support: SupportSpec,
+        about: &About<'_>,
+        selection: StepSelection,
+        is_wanted: fn(&Track) -> bool,
     ) -> Result<Self, DiagnosisError> {
-        let found = StepSelection::default().channel_steps(table, object, pusher_radius)?;
-        let rows: Vec<&StepRow> = found.rows.iter().map(|row| &table.rows[*row]).collect();
+        let About { object, pusher_radius, support } = *about;
+        let found = selection.channel_steps(table, object, pusher_radius)?;
+        let ChannelSteps { steps, rows, mut set_aside } = found;
+        let (wanted, unwanted): (Vec<_>, Vec<_>) =
+            steps.into_iter().zip(rows).partition(|(step, _)| is_wanted(&step.input.track));
+        if !unwanted.is_empty() {
+            let resting = set_aside.rows.entry(SetAsideReason::PusherAtRest).or_default();
+            resting.extend(unwanted.into_iter().map(|(_, row)| row));
+        }
+        let (steps, rows): (Vec<_>, Vec<usize>) = wanted.into_iter().unzip();
+        let rows: Vec<&StepRow> = rows.iter().map(|row| &table.rows[*row]).collect();
         let (mut pushes, mut known) = (Vec::new(), HashMap::new());
         let mut push = |row: &&StepRow| {
             let name = PushName { recording: row.recording.to_string(), push: row.push };
@@ -110,14 +155,16 @@ impl Observations {
             })
         };
         let push_of: Vec<usize> = rows.iter().map(&mut push).collect();
-        let (cluster, cluster_of) = clusters(&found.steps, &push_of);
+        let (cluster, cluster_of) = clusters(&steps, &push_of);
         let place = |row: &&StepRow| {
             let StepRow { step, edge, p, beta, speed, .. } = **row;
-            Place { step, edge, p, beta, speed }
+            let start_sd = [row.start_position_sd, row.start_angle_sd];
+            let pose_sd = [start_sd, [row.end_position_sd, row.end_angle_sd]];
+            Place { step, edge, p, beta, speed, pose_sd }
         };
         let observations = Self {
             places: rows.iter().map(place).collect(),
-            steps: found.steps,
+            steps,
             push_of,
             cluster_of,
             cluster,
@@ -125,7 +172,7 @@ impl Observations {
             support,
             set: set_digest(table),
             unknown: Vec::new(),
-            set_aside: found.set_aside,
+            set_aside,
         };
         observations.checked()
     }
@@ -168,12 +215,9 @@ impl Observations {
 
     /// Whether a number of a step is observed, and is not the gap that ends the step before.
     pub(crate) fn is_own(&self, step: usize, number: usize) -> bool {
-        let follows = |before: usize| {
-            self.push_of[before] == self.push_of[step]
-                && self.places[before].step + 1 == self.places[step].step
-                && self.steps[before].observed[GAP_END].is_some()
-        };
-        let is_repeated = number == GAP_START && step.checked_sub(1).is_some_and(follows);
+        let is_repeated = number == GAP_START
+            && self.goes_on(step)
+            && self.steps[step - 1].observed[GAP_END].is_some();
         self.steps[step].observed[number].is_some() && !is_repeated
     }
 
@@ -225,6 +269,24 @@ impl Observations {
         &self.steps
     }
 
+    /// The numbers of each push that are observed and its own, each as (step, number of
+    /// [`effects::Channels`]).
+    pub(crate) fn own_numbers(&self) -> Vec<Vec<(usize, usize)>> {
+        let mut numbers = vec![Vec::new(); self.pushes.len()];
+        for (step, push) in self.push_of.iter().enumerate() {
+            let own = (0..effects::Channels::NAMES.len()).filter(|k| self.is_own(step, *k));
+            numbers[*push].extend(own.map(|number| (step, number)));
+        }
+        numbers
+    }
+
+    /// Whether a step begins where the one before it ends.
+    pub(crate) fn goes_on(&self, index: usize) -> bool {
+        index > 0
+            && self.push_of[index - 1] == self.push_of[index]
+            && self.places[index - 1].step + 1 == self.places[index].step
+    }
+
     /// Rows of the whole table that are not compared.
     pub fn set_aside(&self) -> &SetAside {
         &self.set_aside
@@ -243,6 +305,13 @@ fn clusters(steps: &[ChannelObservation], push_of: &[usize]) -> (Cluster, Vec<us
         FEWEST_SESSIONS.. => (Cluster::Session, sessions),
         _ => (Cluster::Push, push_of.to_vec()),
     }
+}
+
+/// Whether the pusher moves on during all of a step: at its ends it is no slower than half its
+/// mean velocity.
+fn goes_steadily(track: &Track) -> bool {
+    let mean = track.mean_velocity();
+    [0.0, track.duration()].iter().all(|time| track.at(*time).1.dot(&mean) > 0.5 * mean.dot(&mean))
 }
 
 /// SHA-256 over the sources of a table that are not the set's own files, in their order.

@@ -95,6 +95,11 @@ impl Predictions {
         &self.values
     }
 
+    /// The predicted numbers of each step.
+    pub fn values(&self) -> &[[Option<f64>; 7]] {
+        &self.values
+    }
+
     /// Observed less predicted, where both are there.
     pub(crate) fn residuals(
         &self,

@@ -68,7 +68,7 @@ pub fn split(observations: &Observations, seed: u64) -> Result<Split, DiagnosisE
 }
 
 /// The pushes of each cluster, in an order that is not the table's.
-fn clusters(observations: &Observations) -> (Cluster, Vec<Vec<usize>>) {
+pub(crate) fn clusters(observations: &Observations) -> (Cluster, Vec<Vec<usize>>) {
     let mut sessions: BTreeMap<u32, BTreeSet<usize>> = BTreeMap::new();
     for (step, push) in observations.steps.iter().zip(&observations.push_of) {
         sessions.entry(step.input.session).or_default().insert(*push);

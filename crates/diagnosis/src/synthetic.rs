@@ -72,7 +72,8 @@ pub(crate) fn made(
                 session: 0,
             };
             steps.push(ChannelObservation { input, observed });
-            places.push(Place { step: step as u32, edge, p, beta, speed });
+            let pose_sd = [[0.0; 2]; 2];
+            places.push(Place { step: step as u32, edge, p, beta, speed, pose_sd });
             push_of.push(push);
             values.push(predicted.map(Some));
         }

@@ -114,6 +114,12 @@ impl Whitening {
         white
     }
 
+    /// Several sets of the numbers of one push, a column each, whitened; a row for each entry.
+    pub(crate) fn whiten_columns(&self, push: usize, mut columns: DMatrix<f64>) -> DMatrix<f64> {
+        self.blocks[push].factor.l_dirty().solve_lower_triangular_mut(&mut columns);
+        columns
+    }
+
     /// ln |Σ| of all pushes together.
     pub fn log_determinant(&self) -> f64 {
         self.blocks.iter().map(|block| block.factor.ln_determinant()).sum()

@@ -2,22 +2,34 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::GpError;
+
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Limits {
-    pub(crate) max_iterations: usize,
-    pub(crate) gradient_tolerance: f64,
+pub struct Limits {
+    /// Most iterations.
+    pub max_iterations: usize,
+    /// Largest component of the gradient at convergence.
+    pub gradient_tolerance: f64,
+    /// Converged, too, where so many iterations together gain less than the value beside them.
+    pub progress: Option<(usize, f64)>,
 }
 
 /// The last point of a minimisation.
 #[derive(Clone, Debug)]
-pub(crate) struct Minimum {
-    pub(crate) point: Vec<f64>,
-    pub(crate) value: f64,
-    pub(crate) gradient_norm: f64,
-    pub(crate) iterations: usize,
-    pub(crate) evaluations: usize,
-    pub(crate) stop: StopReason,
+pub struct Minimum {
+    /// Where it is.
+    pub point: Vec<f64>,
+    /// The function there.
+    pub value: f64,
+    /// Largest component of the gradient there.
+    pub gradient_norm: f64,
+    /// Steps taken.
+    pub iterations: usize,
+    /// Calls of the function.
+    pub evaluations: usize,
+    /// Why it stopped.
+    pub stop: StopReason,
 }
 
 /// Why a minimisation stopped.
@@ -29,6 +41,8 @@ pub enum StopReason {
     GradientBelowTolerance,
     /// The next step would gain less than rounding: converged.
     DecreaseBelowRounding,
+    /// The last iterations gained less than asked for: converged.
+    ProgressBelowTolerance,
     /// Too many iterations: not converged.
     IterationLimit,
     /// No acceptable step along the steepest descent: not converged.
@@ -38,7 +52,7 @@ pub enum StopReason {
 impl StopReason {
     /// Whether the last point is a minimum as far as can be told.
     pub fn converged(self) -> bool {
-        matches!(self, Self::GradientBelowTolerance | Self::DecreaseBelowRounding)
+        !matches!(self, Self::IterationLimit | Self::LineSearchFailed)
     }
 }
 
@@ -52,7 +66,7 @@ impl StopReason {
 /// # Source
 /// Nocedal & Wright, Numerical Optimization (2006), ch. 6; Hager & Zhang (2005) for the acceptance
 /// of steps whose decrease drowns in rounding.
-pub(crate) fn minimize<E>(
+pub fn minimize<E>(
     mut evaluate: impl FnMut(&[f64], &mut [f64]) -> Result<f64, E>,
     start: &[f64],
     limits: Limits,
@@ -62,9 +76,13 @@ pub(crate) fn minimize<E>(
     let mut here = Point { position: start.to_vec(), value, gradient };
     let mut curvature = InverseHessian::new(start.len());
     let (mut iterations, mut evaluations) = (0, 1);
+    let mut history = vec![here.value];
     let stop = loop {
         if here.gradient_norm() <= limits.gradient_tolerance {
             break StopReason::GradientBelowTolerance;
+        }
+        if limits.progress.is_some_and(|(steps, least)| has_stalled(&history, steps, least)) {
+            break StopReason::ProgressBelowTolerance;
         }
         if iterations == limits.max_iterations {
             break StopReason::IterationLimit;
@@ -82,6 +100,7 @@ pub(crate) fn minimize<E>(
             Some(next) => {
                 curvature.update(&here, &next);
                 here = next;
+                history.push(here.value);
             }
             None if curvature.is_fresh() => break StopReason::LineSearchFailed,
             None => curvature = InverseHessian::new(start.len()),
@@ -90,6 +109,35 @@ pub(crate) fn minimize<E>(
     let gradient_norm = here.gradient_norm();
     let Point { position: point, value, .. } = here;
     Ok(Minimum { point, value, gradient_norm, iterations, evaluations, stop })
+}
+
+/// The converged start with the smallest objective, the first of equals.
+///
+/// # Errors
+/// `NotConverged`; the first start's own error if none could begin.
+pub fn best_of(ends: &[Result<Minimum, GpError>]) -> Result<(usize, &Minimum), GpError> {
+    let minima = || ends.iter().enumerate().filter_map(|(i, end)| Some((i, end.as_ref().ok()?)));
+    let by_value = |a: &(usize, &Minimum), b: &(usize, &Minimum)| a.1.value.total_cmp(&b.1.value);
+    if let Some(best) = minima().filter(|(_, end)| end.stop.converged()).min_by(by_value) {
+        return Ok(best);
+    }
+    match minima().min_by(|a, b| a.1.gradient_norm.total_cmp(&b.1.gradient_norm)) {
+        Some((_, end)) => Err(GpError::NotConverged {
+            n_starts: ends.len(),
+            iterations: end.iterations,
+            gradient_norm: end.gradient_norm,
+        }),
+        None => Err(ends
+            .iter()
+            .find_map(|end| end.as_ref().err().cloned())
+            .unwrap_or(GpError::Empty { what: "starts" })),
+    }
+}
+
+/// Whether the last `steps` together gained less than `least`.
+fn has_stalled(history: &[f64], steps: usize, least: f64) -> bool {
+    let last = history.len() - 1;
+    last >= steps && history[last - steps] - history[last] < least
 }
 
 /// A point with the function's value and gradient.
@@ -223,7 +271,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::{Limits, StopReason, minimize};
 
-    const LIMITS: Limits = Limits { max_iterations: 200, gradient_tolerance: 1e-9 };
+    const LIMITS: Limits = Limits { max_iterations: 200, gradient_tolerance: 1e-9, progress: None };
 
     fn rosenbrock(x: &[f64], gradient: &mut [f64]) -> Result<f64, ()> {
         let (a, b) = (1.0 - x[0], x[1] - x[0] * x[0]);

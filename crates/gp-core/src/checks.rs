@@ -1,4 +1,4 @@
-//! Checks of the arguments that come from a user.
+//! Checks of the arguments that come from a user, for this crate and those that build on it.
 
 use std::cmp::Ordering;
 
@@ -7,7 +7,10 @@ use faer::MatRef;
 use crate::GpError;
 
 /// Checks that `x` has rows, `n_inputs` columns and finite values only.
-pub(crate) fn check_inputs(
+///
+/// # Errors
+/// `Empty`, `ShapeMismatch` or `NotFinite` otherwise.
+pub fn check_inputs(
     what: &'static str,
     x: MatRef<'_, f64>,
     n_inputs: usize,
@@ -20,7 +23,10 @@ pub(crate) fn check_inputs(
 }
 
 /// Checks that `y` has `n_rows` finite values.
-pub(crate) fn check_outputs(what: &'static str, y: &[f64], n_rows: usize) -> Result<(), GpError> {
+///
+/// # Errors
+/// `ShapeMismatch` or `NotFinite` otherwise.
+pub fn check_outputs(what: &'static str, y: &[f64], n_rows: usize) -> Result<(), GpError> {
     check_count(what, n_rows, y.len())?;
     match y.iter().position(|value| !value.is_finite()) {
         Some(row) => Err(GpError::NotFinite { what, row, column: 0, value: y[row] }),
@@ -29,7 +35,10 @@ pub(crate) fn check_outputs(what: &'static str, y: &[f64], n_rows: usize) -> Res
 }
 
 /// Checks that every entry of a matrix is finite.
-pub(crate) fn check_finite(what: &'static str, x: MatRef<'_, f64>) -> Result<(), GpError> {
+///
+/// # Errors
+/// `NotFinite` otherwise.
+pub fn check_finite(what: &'static str, x: MatRef<'_, f64>) -> Result<(), GpError> {
     for column in 0..x.ncols() {
         for row in 0..x.nrows() {
             let value = x[(row, column)];
@@ -42,16 +51,18 @@ pub(crate) fn check_finite(what: &'static str, x: MatRef<'_, f64>) -> Result<(),
 }
 
 /// Checks that two counts agree.
-pub(crate) fn check_count(
-    what: &'static str,
-    expected: usize,
-    actual: usize,
-) -> Result<(), GpError> {
+///
+/// # Errors
+/// `ShapeMismatch` otherwise.
+pub fn check_count(what: &'static str, expected: usize, actual: usize) -> Result<(), GpError> {
     if expected == actual { Ok(()) } else { Err(GpError::ShapeMismatch { what, expected, actual }) }
 }
 
 /// Checks that a parameter is positive and finite.
-pub(crate) fn check_positive(name: &str, value: f64) -> Result<(), GpError> {
+///
+/// # Errors
+/// `NotPositive` otherwise.
+pub fn check_positive(name: &str, value: f64) -> Result<(), GpError> {
     if value > 0.0 && value.is_finite() {
         Ok(())
     } else {
@@ -60,7 +71,10 @@ pub(crate) fn check_positive(name: &str, value: f64) -> Result<(), GpError> {
 }
 
 /// Checks that a variance is finite and not negative.
-pub(crate) fn check_not_negative(name: &str, value: f64) -> Result<(), GpError> {
+///
+/// # Errors
+/// `Negative` otherwise.
+pub fn check_not_negative(name: &str, value: f64) -> Result<(), GpError> {
     if value >= 0.0 && value.is_finite() {
         Ok(())
     } else {
@@ -69,7 +83,10 @@ pub(crate) fn check_not_negative(name: &str, value: f64) -> Result<(), GpError> 
 }
 
 /// Checks that no two rows of `x` are equal, in O(D·N·log N).
-pub(crate) fn check_distinct_rows(x: MatRef<'_, f64>) -> Result<(), GpError> {
+///
+/// # Errors
+/// `DuplicateRows` otherwise.
+pub fn check_distinct_rows(x: MatRef<'_, f64>) -> Result<(), GpError> {
     let compare = |&a: &usize, &b: &usize| {
         (0..x.ncols())
             .map(|d| x[(a, d)].partial_cmp(&x[(b, d)]).unwrap_or(Ordering::Equal))

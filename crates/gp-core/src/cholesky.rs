@@ -13,7 +13,7 @@ use crate::kernel::column;
 
 /// L with L Lᵀ = K, computed by one thread so that its bits do not depend on the machine's load.
 #[derive(Clone, Debug)]
-pub(crate) struct Cholesky {
+pub struct Cholesky {
     factor: Mat<f64>,
 }
 
@@ -22,23 +22,23 @@ impl Cholesky {
     ///
     /// # Errors
     /// `NotPositiveDefinite` with the pivot at which the factorisation broke down.
-    pub(crate) fn new(what: &'static str, mut matrix: Mat<f64>) -> Result<Self, GpError> {
+    pub fn new(what: &'static str, mut matrix: Mat<f64>) -> Result<Self, GpError> {
         factorize(what, matrix.as_mut())?;
         Ok(Self { factor: matrix })
     }
 
     /// L; only its lower triangle has a meaning.
-    pub(crate) fn factor(&self) -> MatRef<'_, f64> {
+    pub fn factor(&self) -> MatRef<'_, f64> {
         self.factor.as_ref()
     }
 
     /// Replaces B by L⁻¹ B.
-    pub(crate) fn solve_lower(&self, rhs: MatMut<'_, f64>) {
+    pub fn solve_lower(&self, rhs: MatMut<'_, f64>) {
         solve_lower_triangular_in_place(self.factor.as_ref(), rhs, Par::Seq);
     }
 
     /// The diagonal of K⁻¹, in O(N³).
-    pub(crate) fn inverse_diagonal(&self) -> Vec<f64> {
+    pub fn inverse_diagonal(&self) -> Vec<f64> {
         let n = self.factor.nrows();
         let mut inverse = Mat::zeros(n, n);
         invert_lower_triangular(inverse.as_mut(), self.factor.as_ref(), Par::Seq);
@@ -52,7 +52,7 @@ impl Cholesky {
 ///
 /// # Errors
 /// `NotPositiveDefinite` with the pivot at which the factorisation broke down.
-pub(crate) fn factorize(what: &'static str, mut matrix: MatMut<'_, f64>) -> Result<(), GpError> {
+pub fn factorize(what: &'static str, mut matrix: MatMut<'_, f64>) -> Result<(), GpError> {
     let n = matrix.nrows();
     let failed = |pivot| GpError::NotPositiveDefinite { what, size: n, pivot };
     let diagonal: Vec<f64> = (0..n).map(|i| matrix[(i, i)]).collect();
@@ -75,7 +75,7 @@ pub(crate) fn factorize(what: &'static str, mut matrix: MatMut<'_, f64>) -> Resu
 }
 
 /// Replaces b by (L Lᵀ)⁻¹ b.
-pub(crate) fn solve_with(factor: MatRef<'_, f64>, rhs: &mut [f64]) {
+pub fn solve_with(factor: MatRef<'_, f64>, rhs: &mut [f64]) {
     let n = rhs.len();
     let mut rhs = MatMut::from_column_major_slice_mut(rhs, n, 1);
     solve_lower_triangular_in_place(factor, rhs.as_mut(), Par::Seq);
@@ -83,7 +83,7 @@ pub(crate) fn solve_with(factor: MatRef<'_, f64>, rhs: &mut [f64]) {
 }
 
 /// ln |L Lᵀ|.
-pub(crate) fn log_determinant(factor: MatRef<'_, f64>) -> f64 {
+pub fn log_determinant(factor: MatRef<'_, f64>) -> f64 {
     2.0 * (0..factor.nrows()).map(|i| factor[(i, i)].ln()).sum::<f64>()
 }
 
@@ -93,10 +93,7 @@ pub(crate) fn log_determinant(factor: MatRef<'_, f64>) -> f64 {
 ///
 /// # Errors
 /// `NotPositiveDefinite` if K has a negative pivot beyond rounding.
-pub(crate) fn pivoted_factor(
-    what: &'static str,
-    matrix: MatRef<'_, f64>,
-) -> Result<Mat<f64>, GpError> {
+pub fn pivoted_factor(what: &'static str, matrix: MatRef<'_, f64>) -> Result<Mat<f64>, GpError> {
     let n = matrix.nrows();
     let mut rest: Vec<f64> = (0..n).map(|i| matrix[(i, i)]).collect();
     let largest = rest.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));

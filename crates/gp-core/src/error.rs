@@ -48,6 +48,18 @@ pub enum GpError {
         /// Its value.
         value: f64,
     },
+    /// A number outside the range in which it means something.
+    #[error("{name} must lie between {lowest} and {highest}, got {value}")]
+    OutOfRange {
+        /// The number.
+        name: String,
+        /// Its value.
+        value: f64,
+        /// The least that is allowed.
+        lowest: f64,
+        /// The most that is allowed.
+        highest: f64,
+    },
     /// Hyperparameters cannot be learnt from so few rows.
     #[error("learning needs at least {needed} rows, got {actual}; use `Gp::fit` with known values")]
     TooFewRows {
@@ -114,6 +126,12 @@ pub enum GpError {
         found: u32,
         /// Version that can be read.
         supported: u32,
+    },
+    /// Two things that were not made for each other.
+    #[error("{what} differ, so the two do not go together; make both from the same settings")]
+    Incompatible {
+        /// What differs.
+        what: &'static str,
     },
     /// A user's kernel without a serialisable description.
     #[error("the kernel has no `KernelSpec`, so the model cannot be saved: {kernel}")]

@@ -13,6 +13,7 @@ use crate::checks::{
 use crate::cholesky::Cholesky;
 use crate::kernel::{column, column_mut, copy_row, fill_cross, fill_lower_gram, mirror_lower};
 use crate::likelihood::{COVARIANCE, Likelihood, solve_residual};
+use crate::vector::dot;
 use crate::{GpError, JointGaussian, Kernel, LeaveOneOut, Posterior};
 
 /// A Gaussian process conditioned on data: y = f(x) + noise, f ~ GP(m, k), noise ~ N(0, σₙ²).
@@ -278,17 +279,3 @@ impl Posterior for Gp {
 
 /// Inputs predicted together; the results do not depend on who computes which block.
 const BLOCK: usize = 64;
-
-/// Σᵢ aᵢ bᵢ, in eight lanes that the compiler can keep in vector registers.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut lanes = [0.0; 8];
-    let (a_chunks, b_chunks) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest = a_chunks.remainder().iter().zip(b_chunks.remainder());
-    let rest: f64 = rest.map(|(a, b)| a * b).sum();
-    for (a, b) in a_chunks.zip(b_chunks) {
-        for (lane, (a, b)) in lanes.iter_mut().zip(a.iter().zip(b)) {
-            *lane += a * b;
-        }
-    }
-    lanes.iter().sum::<f64>() + rest
-}

@@ -16,6 +16,7 @@ pub use self::matern32::{Matern32, Matern32Profile};
 pub use self::matern52::{Matern52, Matern52Profile};
 pub use self::periodic::Periodic;
 pub use self::product::Product;
+use self::radial::FARTHEST;
 pub use self::radial::{Profile, Radial};
 pub use self::spec::KernelSpec;
 pub use self::squared_exponential::{SquaredExponential, SquaredExponentialProfile};
@@ -77,6 +78,48 @@ pub trait Kernel: Debug + Send + Sync {
         for (i, weight) in weights.iter().enumerate() {
             copy_row(x, i, &mut a);
             self.parameter_gradient(&a, b, &mut term);
+            for (sum, slope) in gradient.iter_mut().zip(&term) {
+                *sum += weight * slope;
+            }
+        }
+    }
+
+    /// Adds Σᵢ wᵢ ∂k(xᵢ, b)/∂b to `gradient`, where `values` holds what `column` wrote.
+    fn column_input_gradient(
+        &self,
+        x: MatRef<'_, f64>,
+        b: &[f64],
+        _values: &[f64],
+        weights: &[f64],
+        gradient: &mut [f64],
+    ) {
+        let mut a = vec![0.0; x.ncols()];
+        let mut term = vec![0.0; gradient.len()];
+        for (i, weight) in weights.iter().enumerate() {
+            copy_row(x, i, &mut a);
+            self.input_gradient(b, &a, &mut term);
+            for (sum, slope) in gradient.iter_mut().zip(&term) {
+                *sum += weight * slope;
+            }
+        }
+    }
+
+    /// Writes k(xᵢ, xᵢ) into `values` for every row xᵢ of `x`.
+    fn diagonal(&self, x: MatRef<'_, f64>, values: &mut [f64]) {
+        let mut a = vec![0.0; x.ncols()];
+        for (i, value) in values.iter_mut().enumerate() {
+            copy_row(x, i, &mut a);
+            *value = self.value(&a, &a);
+        }
+    }
+
+    /// Adds Σᵢ wᵢ ∂k(xᵢ, xᵢ)/∂ ln θ to `gradient`.
+    fn diagonal_gradient(&self, x: MatRef<'_, f64>, weights: &[f64], gradient: &mut [f64]) {
+        let mut a = vec![0.0; x.ncols()];
+        let mut term = vec![0.0; gradient.len()];
+        for (i, weight) in weights.iter().enumerate() {
+            copy_row(x, i, &mut a);
+            self.parameter_gradient(&a, &a, &mut term);
             for (sum, slope) in gradient.iter_mut().zip(&term) {
                 *sum += weight * slope;
             }
@@ -144,7 +187,7 @@ pub fn cross(
 }
 
 /// Writes the lower triangle of K(X, X), diagonal included; the rest is left as it is.
-pub(crate) fn fill_lower_gram(kernel: &dyn Kernel, x: MatRef<'_, f64>, matrix: &mut Mat<f64>) {
+pub fn fill_lower_gram(kernel: &dyn Kernel, x: MatRef<'_, f64>, matrix: &mut Mat<f64>) {
     let mut b = vec![0.0; x.ncols()];
     for j in 0..x.nrows() {
         copy_row(x, j, &mut b);
@@ -154,7 +197,7 @@ pub(crate) fn fill_lower_gram(kernel: &dyn Kernel, x: MatRef<'_, f64>, matrix: &
 }
 
 /// Writes K(A, B).
-pub(crate) fn fill_cross(
+pub fn fill_cross(
     kernel: &dyn Kernel,
     a: MatRef<'_, f64>,
     b: MatRef<'_, f64>,
@@ -168,7 +211,7 @@ pub(crate) fn fill_cross(
 }
 
 /// Copies the lower triangle onto the upper one.
-pub(crate) fn mirror_lower(matrix: &mut Mat<f64>) {
+pub fn mirror_lower(matrix: &mut Mat<f64>) {
     for j in 0..matrix.ncols() {
         for i in j + 1..matrix.nrows() {
             matrix[(j, i)] = matrix[(i, j)];
@@ -177,19 +220,25 @@ pub(crate) fn mirror_lower(matrix: &mut Mat<f64>) {
 }
 
 /// Copies row `i` of `x` into `row`.
-pub(crate) fn copy_row(x: MatRef<'_, f64>, i: usize, row: &mut [f64]) {
+pub fn copy_row(x: MatRef<'_, f64>, i: usize, row: &mut [f64]) {
     for (d, value) in row.iter_mut().enumerate() {
         *value = x[(i, d)];
     }
 }
 
 /// A column of an owned matrix as a slice.
-pub(crate) fn column(matrix: &Mat<f64>, j: usize) -> &[f64] {
+///
+/// # Panics
+/// If there is no column `j`.
+pub fn column(matrix: &Mat<f64>, j: usize) -> &[f64] {
     matrix.col(j).try_as_col_major().expect("owned matrices are column-major").as_slice()
 }
 
 /// A column of an owned matrix as a mutable slice.
-pub(crate) fn column_mut(matrix: &mut Mat<f64>, j: usize) -> &mut [f64] {
+///
+/// # Panics
+/// If there is no column `j`.
+pub fn column_mut(matrix: &mut Mat<f64>, j: usize) -> &mut [f64] {
     matrix
         .col_mut(j)
         .try_as_col_major_mut()
@@ -239,5 +288,24 @@ impl<K: Kernel + ?Sized> Kernel for Box<K> {
         gradient: &mut [f64],
     ) {
         (**self).column_gradient(x, b, values, weights, gradient);
+    }
+
+    fn column_input_gradient(
+        &self,
+        x: MatRef<'_, f64>,
+        b: &[f64],
+        values: &[f64],
+        weights: &[f64],
+        gradient: &mut [f64],
+    ) {
+        (**self).column_input_gradient(x, b, values, weights, gradient);
+    }
+
+    fn diagonal(&self, x: MatRef<'_, f64>, values: &mut [f64]) {
+        (**self).diagonal(x, values);
+    }
+
+    fn diagonal_gradient(&self, x: MatRef<'_, f64>, weights: &[f64], gradient: &mut [f64]) {
+        (**self).diagonal_gradient(x, weights, gradient);
     }
 }

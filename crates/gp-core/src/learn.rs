@@ -6,7 +6,7 @@ use faer::MatRef;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use serde::{Deserialize, Serialize};
 
-use crate::bfgs::{Limits, Minimum, StopReason, minimize};
+use crate::bfgs::{Limits, Minimum, StopReason, best_of, minimize};
 use crate::checks::{check_inputs, check_outputs, check_positive};
 use crate::likelihood::Likelihood;
 use crate::search_space::SearchSpace;
@@ -122,7 +122,7 @@ impl Gp {
         let space = SearchSpace::new(&kernel, x.as_ref(), y, options.prior);
         let search = Search { kernel: &kernel, x: x.as_ref(), y, space: &space, options };
         let ends: Vec<_> = (0..options.n_starts).into_par_iter().map(|i| search.run(i)).collect();
-        let (best, minimum) = most_likely(&ends)?;
+        let (best, minimum) = best_of(&ends)?;
         let (kernel_parameters, noise_variance) = split(space.parameters(&minimum.point));
         let learnt = Arc::from(kernel.with_parameters(&kernel_parameters)?);
         let gp = Self::condition(learnt, x.as_ref(), y, noise_variance, options.mean)?;
@@ -155,6 +155,7 @@ impl Search<'_> {
         let limits = Limits {
             max_iterations: self.options.max_iterations,
             gradient_tolerance: self.options.gradient_tolerance,
+            progress: None,
         };
         let objective = |point: &[f64], gradient: &mut [f64]| {
             let (parameters, noise_variance) = split(self.space.parameters(point));
@@ -183,7 +184,11 @@ impl Search<'_> {
     }
 }
 
-fn check_learnable(
+/// Checks that hyperparameters can be learnt from these data with these options.
+///
+/// # Errors
+/// As [`Gp::learn`], but for what only the optimiser finds.
+pub fn check_learnable(
     kernel: &dyn Kernel,
     x: MatRef<'_, f64>,
     y: &[f64],
@@ -207,26 +212,6 @@ fn check_learnable(
         return Err(GpError::ConstantOutputs { value: y[0], n_rows: y.len() });
     }
     Ok(())
-}
-
-/// The converged start with the smallest objective, the first of equals.
-fn most_likely(ends: &[Result<Minimum, GpError>]) -> Result<(usize, &Minimum), GpError> {
-    let minima = || ends.iter().enumerate().filter_map(|(i, end)| Some((i, end.as_ref().ok()?)));
-    let by_value = |a: &(usize, &Minimum), b: &(usize, &Minimum)| a.1.value.total_cmp(&b.1.value);
-    if let Some(best) = minima().filter(|(_, end)| end.stop.converged()).min_by(by_value) {
-        return Ok(best);
-    }
-    match minima().min_by(|a, b| a.1.gradient_norm.total_cmp(&b.1.gradient_norm)) {
-        Some((_, end)) => Err(GpError::NotConverged {
-            n_starts: ends.len(),
-            iterations: end.iterations,
-            gradient_norm: end.gradient_norm,
-        }),
-        None => Err(ends
-            .iter()
-            .find_map(|end| end.as_ref().err().cloned())
-            .unwrap_or(GpError::Empty { what: "starts" })),
-    }
 }
 
 /// The kernel's parameters and the noise variance, which comes last.

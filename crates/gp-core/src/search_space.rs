@@ -12,7 +12,7 @@ use crate::{HyperPrior, Kernel, Role};
 /// variance of the outputs, so u is what standardised inputs and outputs would give, and the
 /// likelihood stays that of the data in the user's units.
 /// The noise variance is the last parameter.
-pub(crate) struct SearchSpace {
+pub struct SearchSpace {
     log_scales: Vec<f64>,
     ranges: Vec<Range>,
     stiffness: f64,
@@ -21,12 +21,7 @@ pub(crate) struct SearchSpace {
 
 impl SearchSpace {
     /// The space for a kernel and data with outputs that are not all equal.
-    pub(crate) fn new(
-        kernel: &dyn Kernel,
-        x: MatRef<'_, f64>,
-        y: &[f64],
-        prior: HyperPrior,
-    ) -> Self {
+    pub fn new(kernel: &dyn Kernel, x: MatRef<'_, f64>, y: &[f64], prior: HyperPrior) -> Self {
         let log_spread = |input: usize| {
             let values: Vec<f64> = x.col(input).iter().copied().collect();
             0.5 * log_variance(&values).unwrap_or(0.0)
@@ -54,7 +49,7 @@ impl SearchSpace {
     }
 
     /// Start number `index`: the first in the usual place, the others a low-discrepancy set.
-    pub(crate) fn start(&self, index: usize, seed: u64) -> Vec<f64> {
+    pub fn start(&self, index: usize, seed: u64) -> Vec<f64> {
         if index == 0 {
             return self.ranges.iter().map(|range| range.start).collect();
         }
@@ -65,13 +60,18 @@ impl SearchSpace {
     }
 
     /// The parameters θ in the user's units.
-    pub(crate) fn parameters(&self, point: &[f64]) -> Vec<f64> {
+    pub fn parameters(&self, point: &[f64]) -> Vec<f64> {
         point.iter().zip(&self.log_scales).map(|(u, log_scale)| (u + log_scale).exp()).collect()
+    }
+
+    /// The standardised point of parameters θ in the user's units.
+    pub fn point(&self, parameters: &[f64]) -> Vec<f64> {
+        parameters.iter().zip(&self.log_scales).map(|(p, log_scale)| p.ln() - log_scale).collect()
     }
 
     /// The penalty of standing behind a wall, less the log prior up to its constant; its gradient
     /// is added to `gradient`. 0 between the walls under a flat prior.
-    pub(crate) fn penalty(&self, point: &[f64], gradient: &mut [f64]) -> f64 {
+    pub fn penalty(&self, point: &[f64], gradient: &mut [f64]) -> f64 {
         let mut penalty = 0.0;
         for ((u, range), slope) in point.iter().zip(&self.ranges).zip(gradient) {
             let excess = u - u.clamp(range.lowest, range.highest);
@@ -87,7 +87,7 @@ impl SearchSpace {
     }
 
     /// Which parameters stand at a wall or behind it.
-    pub(crate) fn at_wall(&self, point: &[f64]) -> Vec<usize> {
+    pub fn at_wall(&self, point: &[f64]) -> Vec<usize> {
         let outside =
             |i: &usize| point[*i] <= self.ranges[*i].lowest || point[*i] >= self.ranges[*i].highest;
         (0..point.len()).filter(outside).collect()

@@ -9,7 +9,7 @@ pub(super) const RULE: Rule = Rule {
     check,
 };
 
-const LIGHT: &[&str] = &["planar", "mechanics", "gp-core"];
+const LIGHT: &[&str] = &["planar", "mechanics", "gp-core", "gp-rff", "gp-sparse"];
 
 /// Packages that no light crate may pull in, by how their names begin.
 const HEAVY: &[&str] = &["kuva", "mcap", "parquet", "arrow", "hdf5", "prost", "rosbag"];

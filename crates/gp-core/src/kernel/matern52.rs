@@ -1,6 +1,7 @@
 //! The Matérn kernel of order 5/2.
 
-use super::{KernelSpec, Profile, Radial};
+use super::{FARTHEST, KernelSpec, Profile, Radial};
+use crate::vector::exp;
 
 /// k(a, b) = s² (1 + √5 r + 5r²/3) exp(−√5 r) with r² = Σ_d ((a_d − b_d)/l_d)²: twice differentiable.
 pub type Matern52 = Radial<Matern52Profile>;
@@ -12,14 +13,16 @@ pub struct Matern52Profile;
 impl Profile for Matern52Profile {
     const NAME: &'static str = "Matern52";
 
+    #[inline(always)]
     fn value(squared_distance: f64) -> f64 {
-        let scaled = (5.0 * squared_distance).sqrt();
-        let decay = (-scaled).exp();
-        if decay == 0.0 { 0.0 } else { (1.0 + scaled + scaled * scaled / 3.0) * decay }
+        let scaled = (5.0 * squared_distance.min(FARTHEST)).sqrt();
+        let decay = exp(-scaled);
+        (1.0 + scaled + scaled * scaled / 3.0) * decay
     }
 
+    #[inline(always)]
     fn slope(squared_distance: f64, value: f64) -> f64 {
-        let scaled = (5.0 * squared_distance).sqrt();
+        let scaled = (5.0 * squared_distance.min(FARTHEST)).sqrt();
         let polynomial = 1.0 + scaled + scaled * scaled / 3.0;
         -5.0 / 6.0 * (1.0 + scaled) * value / polynomial
     }

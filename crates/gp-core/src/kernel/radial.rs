@@ -8,6 +8,7 @@ use faer::{ColRef, MatRef};
 use super::{Kernel, KernelSpec, Parameter, Role};
 use crate::GpError;
 use crate::checks::{check_count, check_positive};
+use crate::vector::{dot, lane_sum, vectorized};
 
 /// k(a, b) = s² g(r²) with r² = Σ_d ((a_d − b_d)/l_d)² and g given by a `Profile`.
 ///
@@ -22,6 +23,9 @@ pub struct Radial<P> {
 pub trait Profile: Send + Sync + Sized + 'static {
     /// The kernel's name, for people.
     const NAME: &'static str;
+
+    /// Whether the slope depends on the distance other than through the value.
+    const NEEDS_DISTANCE: bool = true;
 
     /// g(r²).
     fn value(squared_distance: f64) -> f64;
@@ -128,13 +132,10 @@ impl<P: Profile> Kernel for Radial<P> {
     }
 
     fn column(&self, x: MatRef<'_, f64>, b: &[f64], values: &mut [f64]) {
-        values.fill(0.0);
-        for (d, lengthscale) in self.lengthscales.iter().enumerate() {
-            add_scaled_squares(x.col(d), b[d], lengthscale.recip(), values);
-        }
-        for value in values.iter_mut() {
-            *value = self.signal_variance * P::value(*value);
-        }
+        vectorized(|| {
+            self.squared_distances(x, b, values);
+            values.iter_mut().for_each(|value| *value = self.signal_variance * P::value(*value));
+        });
     }
 
     fn column_gradient(
@@ -145,25 +146,88 @@ impl<P: Profile> Kernel for Radial<P> {
         weights: &[f64],
         gradient: &mut [f64],
     ) {
-        let n_inputs = self.lengthscales.len();
-        let mut terms = [0.0; BLOCK];
+        let (of_variance, of_lengthscales) = gradient.split_last_mut().expect("one a parameter");
+        *of_variance += dot(values, weights);
+        self.for_blocks(x, b, values, weights, |rows, factors| {
+            for (d, slope) in of_lengthscales.iter_mut().enumerate() {
+                let inverse = self.lengthscales[d].recip();
+                let scaled = |x: f64| ((x - b[d]) * inverse).powi(2);
+                *slope -= weighted_sum(rows.col(d), factors, scaled);
+            }
+        });
+    }
+
+    fn column_input_gradient(
+        &self,
+        x: MatRef<'_, f64>,
+        b: &[f64],
+        values: &[f64],
+        weights: &[f64],
+        gradient: &mut [f64],
+    ) {
+        self.for_blocks(x, b, values, weights, |rows, factors| {
+            for (d, slope) in gradient.iter_mut().enumerate() {
+                let inverse = self.lengthscales[d].recip();
+                let scaled = |x: f64| (x - b[d]) * inverse * inverse;
+                *slope -= weighted_sum(rows.col(d), factors, scaled);
+            }
+        });
+    }
+
+    fn diagonal(&self, _x: MatRef<'_, f64>, values: &mut [f64]) {
+        values.fill(self.signal_variance);
+    }
+
+    fn diagonal_gradient(&self, _x: MatRef<'_, f64>, weights: &[f64], gradient: &mut [f64]) {
+        let of_variance = gradient.last_mut().expect("one a parameter");
+        *of_variance += self.signal_variance * weights.iter().sum::<f64>();
+    }
+}
+
+impl<P: Profile> Radial<P> {
+    /// Writes r² of every row from b.
+    #[inline(always)]
+    fn squared_distances(&self, x: MatRef<'_, f64>, b: &[f64], squares: &mut [f64]) {
+        squares.fill(0.0);
+        for (d, lengthscale) in self.lengthscales.iter().enumerate() {
+            let (center, inverse) = (b[d], lengthscale.recip());
+            let add = |(square, x): (&mut f64, &f64)| {
+                let scaled = (x - center) * inverse;
+                *square += scaled * scaled;
+            };
+            match x.col(d).try_as_col_major() {
+                Some(x) => squares.iter_mut().zip(x.as_slice()).for_each(add),
+                None => squares.iter_mut().zip(x.col(d).iter()).for_each(add),
+            }
+        }
+    }
+
+    /// Calls `body` with blocks of rows and their 2 s² wᵢ g'(rᵢ²).
+    fn for_blocks(
+        &self,
+        x: MatRef<'_, f64>,
+        b: &[f64],
+        values: &[f64],
+        weights: &[f64],
+        mut body: impl FnMut(MatRef<'_, f64>, &[f64]),
+    ) {
+        let mut factors = [0.0; BLOCK];
+        let inverse_variance = self.signal_variance.recip();
         for start in (0..values.len()).step_by(BLOCK) {
             let n = BLOCK.min(values.len() - start);
             let rows = x.subrows(start, n);
-            let (values, weights) = (&values[start..start + n], &weights[start..start + n]);
-            let terms = &mut terms[..n];
-            terms.fill(0.0);
-            for (d, lengthscale) in self.lengthscales.iter().enumerate() {
-                add_scaled_squares(rows.col(d), b[d], lengthscale.recip(), terms);
-            }
-            for ((term, value), weight) in terms.iter_mut().zip(values).zip(weights) {
-                let slope = P::slope(*term, value / self.signal_variance);
-                *term = -2.0 * self.signal_variance * slope * weight;
-                gradient[n_inputs] += weight * value;
-            }
-            for (d, lengthscale) in self.lengthscales.iter().enumerate() {
-                gradient[d] += weighted_squares(rows.col(d), b[d], lengthscale.recip(), terms);
-            }
+            let factors = &mut factors[..n];
+            vectorized(|| {
+                let (values, weights) = (&values[start..start + n], &weights[start..start + n]);
+                if P::NEEDS_DISTANCE {
+                    self.squared_distances(rows, b, factors);
+                }
+                for ((factor, value), weight) in factors.iter_mut().zip(values).zip(weights) {
+                    let slope = P::slope(*factor, value * inverse_variance);
+                    *factor = 2.0 * self.signal_variance * slope * weight;
+                }
+            });
+            body(rows, factors);
         }
     }
 }
@@ -194,34 +258,20 @@ impl<P: Profile> fmt::Debug for Radial<P> {
     }
 }
 
+/// The largest r² told apart from infinity: every profile is 0 long before.
+pub(super) const FARTHEST: f64 = 1e9;
+
 /// Rows that the gradient handles at once: their terms stay on the stack and in the first cache.
 const BLOCK: usize = 128;
 
-/// Adds ((xᵢ − center)·inverse_lengthscale)² to `sums`.
-fn add_scaled_squares(x: ColRef<'_, f64>, center: f64, inverse_lengthscale: f64, sums: &mut [f64]) {
-    let add = |(sum, x): (&mut f64, &f64)| {
-        let scaled = (x - center) * inverse_lengthscale;
-        *sum += scaled * scaled;
-    };
+/// Σᵢ weightsᵢ f(xᵢ).
+#[inline(always)]
+fn weighted_sum(x: ColRef<'_, f64>, weights: &[f64], f: impl Fn(f64) -> f64) -> f64 {
     match x.try_as_col_major() {
-        Some(x) => sums.iter_mut().zip(x.as_slice()).for_each(add),
-        None => sums.iter_mut().zip(x.iter()).for_each(add),
-    }
-}
-
-/// Σᵢ terms_i ((xᵢ − center)·inverse_lengthscale)².
-fn weighted_squares(
-    x: ColRef<'_, f64>,
-    center: f64,
-    inverse_lengthscale: f64,
-    terms: &[f64],
-) -> f64 {
-    let add = |sum: f64, (term, x): (&f64, &f64)| {
-        let scaled = (x - center) * inverse_lengthscale;
-        sum + term * (scaled * scaled)
-    };
-    match x.try_as_col_major() {
-        Some(x) => terms.iter().zip(x.as_slice()).fold(0.0, add),
-        None => terms.iter().zip(x.iter()).fold(0.0, add),
+        Some(x) => vectorized(|| {
+            let (x, weights) = (&x.as_slice()[..weights.len()], weights);
+            lane_sum(weights.len(), |i| weights[i] * f(x[i]))
+        }),
+        None => lane_sum(weights.len(), |i| weights[i] * f(x[i])),
     }
 }

@@ -1,6 +1,7 @@
 //! The squared-exponential kernel.
 
 use super::{KernelSpec, Profile, Radial};
+use crate::vector::exp;
 
 /// k(a, b) = s² exp(−½ Σ_d ((a_d − b_d)/l_d)²): infinitely smooth functions.
 ///
@@ -13,11 +14,14 @@ pub struct SquaredExponentialProfile;
 
 impl Profile for SquaredExponentialProfile {
     const NAME: &'static str = "SquaredExponential";
+    const NEEDS_DISTANCE: bool = false;
 
+    #[inline(always)]
     fn value(squared_distance: f64) -> f64 {
-        (-0.5 * squared_distance).exp()
+        exp(-0.5 * squared_distance)
     }
 
+    #[inline(always)]
     fn slope(_squared_distance: f64, value: f64) -> f64 {
         -0.5 * value
     }

@@ -3,7 +3,8 @@
 use std::fmt;
 
 use diagnosis::{
-    Calibration, ChannelChange, ChannelError, Comparison, Floor, FloorSource, PushEnds, Spread,
+    ChannelChange, ChannelError, Comparison, Floor, FloorSource, IntervalCalibration, PushEnds,
+    Spread,
 };
 use models::Cluster;
 
@@ -123,7 +124,7 @@ fn write_ends(f: &mut fmt::Formatter<'_>, ends: Option<&PushEnds>) -> fmt::Resul
     Ok(())
 }
 
-fn write_calibration(f: &mut fmt::Formatter<'_>, found: &[Calibration]) -> fmt::Result {
+fn write_calibration(f: &mut fmt::Formatter<'_>, found: &[IntervalCalibration]) -> fmt::Result {
     if found.is_empty() {
         return Ok(());
     }

@@ -1,0 +1,206 @@
+//! How predictions change with an effect's coordinates, by secants over a finite size.
+
+use std::sync::Arc;
+
+use effects::{Effect, EffectError, Object, PushPhysics, Role, StepInput};
+use models::{ChannelModel, Description, ModelError};
+use nalgebra::Vector2;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+
+use crate::{DiagnosisError, Observations};
+
+/// A coordinate of an effect, and how far to move it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Direction {
+    pub(crate) effect: &'static dyn Effect,
+    /// Index in the effect's coordinates.
+    pub(crate) coordinate: usize,
+    /// To either side, in the coordinate's unit.
+    pub(crate) size: f64,
+}
+
+/// A model's predictions of all steps, and their slopes.
+#[derive(Clone, Debug)]
+pub(crate) struct Linearisation {
+    pub(crate) predicted: Vec<[f64; 7]>,
+    /// Change of each number by the unit of each direction: `slopes[direction][step]`.
+    pub(crate) slopes: Vec<Vec<[f64; 7]>>,
+    /// Half the difference of the slopes to both sides of each direction: 0 for a straight line.
+    pub(crate) bends: Vec<Vec<[f64; 7]>>,
+    /// Change of observed less predicted by 1 m of the pusher's end along x and y of W, all of
+    /// whose way is stretched towards it; without the gaps.
+    pub(crate) by_pusher: Vec<[[f64; 7]; 2]>,
+}
+
+/// What stands for noise of the pusher's place, in m.
+const PUSHER_SHIFT: f64 = 5e-5;
+
+impl Linearisation {
+    /// The predictions of an analytical model with its effects, and their slopes.
+    ///
+    /// Infinitesimal derivatives mislead at the edge of sticking and sliding, so a slope is the
+    /// secant from one side to the other, or to one side where the range ends there.
+    ///
+    /// # Errors
+    /// `Model` for what the model refuses.
+    pub(crate) fn of(
+        model: &Description,
+        own: &[&'static dyn Effect],
+        observations: &Observations,
+        directions: &[Direction],
+    ) -> Result<Self, DiagnosisError> {
+        let model = ChannelModel::new(model, observations.support, own)?;
+        let mut known: Vec<(Arc<Object>, Probes)> = Vec::new();
+        let mut probes_of = Vec::new();
+        for step in &observations.steps {
+            let object = &step.input.object;
+            let found = known.iter().position(|(other, _)| Arc::ptr_eq(other, object));
+            probes_of.push(match found {
+                Some(index) => index,
+                None => {
+                    known.push((object.clone(), Probes::new(&model, object, directions)?));
+                    known.len() - 1
+                }
+            });
+        }
+        let at = |index: usize| known[probes_of[index]].1.at(observations, index);
+        let at: Result<Vec<AtStep>, EffectError> =
+            (0..observations.n_steps()).into_par_iter().map(at).collect();
+        let steps = at.map_err(ModelError::from)?;
+        let of = |k: usize, pick: fn(&Secant) -> [f64; 7]| {
+            steps.iter().map(|step| pick(&step.secants[k])).collect()
+        };
+        Ok(Self {
+            slopes: (0..directions.len()).map(|k| of(k, |secant| secant.slope)).collect(),
+            bends: (0..directions.len()).map(|k| of(k, |secant| secant.bend)).collect(),
+            predicted: steps.iter().map(|step| step.predicted).collect(),
+            by_pusher: steps.iter().map(|step| step.by_pusher).collect(),
+        })
+    }
+}
+
+/// The model and its neighbours, for one object.
+struct Probes {
+    physics: PushPhysics,
+    sides: Vec<Sides>,
+}
+
+/// The model with a coordinate moved.
+struct Sides {
+    above: Option<PushPhysics>,
+    below: Option<PushPhysics>,
+    span: f64,
+}
+
+struct AtStep {
+    predicted: [f64; 7],
+    secants: Vec<Secant>,
+    by_pusher: [[f64; 7]; 2],
+}
+
+struct Secant {
+    slope: [f64; 7],
+    bend: [f64; 7],
+}
+
+impl Probes {
+    fn new(
+        model: &ChannelModel,
+        object: &Object,
+        directions: &[Direction],
+    ) -> Result<Self, DiagnosisError> {
+        let physics = model.physics(object)?;
+        let sides = directions.iter().map(|direction| Sides::new(&physics, direction));
+        let sides = sides.collect::<Result<_, EffectError>>().map_err(ModelError::from)?;
+        Ok(Self { physics, sides })
+    }
+
+    fn at(&self, observations: &Observations, index: usize) -> Result<AtStep, EffectError> {
+        let step = &observations.steps[index].input;
+        let predict = |physics: &PushPhysics| physics.predict(step).map(|found| found.to_array());
+        let predicted = predict(&self.physics)?;
+        let side = |side: &Option<PushPhysics>| side.as_ref().map_or(Ok(predicted), &predict);
+        let secant = |sides: &Sides| -> Result<Secant, EffectError> {
+            let (above, below) = (side(&sides.above)?, side(&sides.below)?);
+            let slope = std::array::from_fn(|k| (above[k] - below[k]) / sides.span);
+            let is_one_sided = sides.above.is_none() || sides.below.is_none();
+            let bend = |k: usize| (above[k] + below[k] - 2.0 * predicted[k]) / sides.span;
+            let bend = if is_one_sided { [0.0; 7] } else { std::array::from_fn(bend) };
+            Ok(Secant { slope, bend })
+        };
+        let secants = self.sides.iter().map(secant).collect::<Result<_, _>>()?;
+        let observed = &observations.steps[index].observed;
+        let by_pusher = [Vector2::x(), Vector2::y()].map(|axis| -> Result<[f64; 7], EffectError> {
+            let moved = stretched(step, PUSHER_SHIFT * axis);
+            let then = self.physics.predict(&moved)?.to_array();
+            let turned = turned(step, &moved, observed, &predicted);
+            let mut change: [f64; 7] = std::array::from_fn(|k| predicted[k] - then[k] + turned[k]);
+            (change[5], change[6]) = (0.0, 0.0);
+            Ok(change.map(|change| change / PUSHER_SHIFT))
+        });
+        let [x, y] = by_pusher;
+        Ok(AtStep { predicted, secants, by_pusher: [x?, y?] })
+    }
+}
+
+impl Sides {
+    fn new(physics: &PushPhysics, direction: &Direction) -> Result<Self, EffectError> {
+        let Direction { effect, coordinate, size } = *direction;
+        let about = effect.about();
+        let found = physics.effects().iter().find(|(other, _)| other.about().id == about.id);
+        let off = about.off(physics.rig());
+        let values = found.map_or(&off, |(_, values)| values);
+        let here = about.to_coordinates(values);
+        let bounds = about.coordinates(physics.rig())[coordinate].range;
+        let (low, high) = match about.parameters[coordinate].role {
+            Role::Switch => bounds,
+            _ => {
+                let place = here[coordinate];
+                ((place - size).max(bounds.0), (place + size).min(bounds.1))
+            }
+        };
+        let at = |place: f64| -> Result<Option<PushPhysics>, EffectError> {
+            if place == here[coordinate] {
+                return Ok(None);
+            }
+            let mut there = here.clone();
+            there[coordinate] = place;
+            let values = about.from_coordinates(&there);
+            let mut moved = physics.clone();
+            Ok(Some(match found {
+                Some(_) => {
+                    moved.set(about.id, &values)?;
+                    moved
+                }
+                None => moved.with(effect, &values)?,
+            }))
+        };
+        Ok(Self { above: at(high)?, below: at(low)?, span: high - low })
+    }
+}
+
+/// The step with its pusher's end moved, in m, and all of its way in proportion.
+fn stretched(step: &StepInput, shift: Vector2<f64>) -> StepInput {
+    let duration = step.track.duration();
+    let ((start, start_rate), (end, end_rate)) = (step.track.at(0.0), step.track.at(duration));
+    let rate = shift / duration;
+    let track =
+        effects::Track::cubic((start, start_rate + rate), (end + shift, end_rate + rate), duration);
+    StepInput { track, ..step.clone() }
+}
+
+/// How the observed displacement changes as the direction turns along which it is measured.
+fn turned(
+    step: &StepInput,
+    moved: &StepInput,
+    observed: &[Option<f64>; 7],
+    predicted: &[f64; 7],
+) -> [f64; 7] {
+    let [dx, dy] = [0, 1].map(|k| observed[k].unwrap_or(predicted[k]));
+    let (before, after) = (step.direction_w(), moved.direction_w());
+    let way_w = dx * before + dy * planar::perpendicular(&before);
+    let mut change = [0.0; 7];
+    change[0] = way_w.dot(&after) - dx;
+    change[1] = way_w.dot(&planar::perpendicular(&after)) - dy;
+    change
+}

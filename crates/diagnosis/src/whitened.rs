@@ -1,0 +1,262 @@
+//! A screen's work: whitened residual and slopes of every push, and the tests made of them.
+
+use models::Cluster;
+use nalgebra::{DMatrix, DVector};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+
+use crate::candidates::{Candidate, Candidates};
+use crate::score::{Products, Score, likeness};
+use crate::screen::DETECTABLE;
+use crate::secants::Linearisation;
+use crate::sign_flips::{FlipTest, Flips};
+use crate::split::clusters;
+use crate::untestable::untestable;
+use crate::{
+    Calibration, LookAlikes, Nuisance, Observations, Screen, ScreenSettings, ScreenedCoordinate,
+    ScreenedEffect, Whitening,
+};
+
+/// Products of whitened columns, with what is tested and what is a nuisance.
+pub(crate) struct Whitened<'a> {
+    observations: &'a Observations,
+    candidates: &'a Candidates,
+    settings: &'a ScreenSettings,
+    whitening: &'a Whitening,
+    /// Whitened residual and slopes of each push.
+    pushes: Vec<(DVector<f64>, DMatrix<f64>)>,
+    of_push: Vec<Products>,
+    all: Products,
+    /// Size of each coordinate in which it is whitened.
+    scale: Vec<f64>,
+    is_free: Vec<bool>,
+    nuisances: Vec<usize>,
+}
+
+impl<'a> Whitened<'a> {
+    pub(crate) fn new(
+        observations: &'a Observations,
+        linearisation: &Linearisation,
+        whitening: &'a Whitening,
+        candidates: &'a Candidates,
+        settings: &'a ScreenSettings,
+    ) -> Self {
+        let mut scale = candidates.prior_sd.clone();
+        let mut is_free = vec![true; scale.len()];
+        let mut nuisances = Vec::new();
+        for candidate in &candidates.effects {
+            let tolerance = settings.tolerances.of(candidate.effect.about().id);
+            if let Some(tolerance) = tolerance.filter(|tolerance| tolerance.is_finite()) {
+                for k in candidate.coordinates.clone() {
+                    (scale[k], is_free[k]) = (tolerance, candidate.is_in_model);
+                }
+            }
+            if tolerance.is_some() || candidate.is_in_model {
+                nuisances.extend(candidate.coordinates.clone());
+            }
+        }
+        let push = |push: usize| {
+            let entries = whitening.entries(push);
+            let columns = DMatrix::from_fn(entries.len(), 1 + scale.len(), |row, column| {
+                let (step, number) = entries[row];
+                match column.checked_sub(1) {
+                    Some(k) => scale[k] * linearisation.slopes[k][step][number],
+                    None => {
+                        let observed = observations.steps[step].observed[number];
+                        observed.unwrap_or_default() - linearisation.predicted[step][number]
+                    }
+                }
+            });
+            let white = whitening.whiten_columns(push, columns);
+            (white.column(0).into_owned(), white.columns(1, scale.len()).into_owned())
+        };
+        let pushes: Vec<_> = (0..observations.pushes.len()).into_par_iter().map(push).collect();
+        let of_push: Vec<Products> =
+            (&pushes).into_par_iter().map(|(r, slopes)| Products::of(r, slopes)).collect();
+        let mut all = Products::zero(scale.len());
+        of_push.iter().for_each(|push| all.add(push));
+        Self {
+            observations,
+            candidates,
+            settings,
+            whitening,
+            pushes,
+            of_push,
+            all,
+            scale,
+            is_free,
+            nuisances,
+        }
+    }
+
+    pub(crate) fn screen(&self) -> Screen {
+        let (cluster, members) = clusters(self.observations);
+        let of_cluster = |pushes: &Vec<usize>| {
+            let mut sum = Products::zero(self.scale.len());
+            pushes.iter().for_each(|push| sum.add(&self.of_push[*push]));
+            sum
+        };
+        let clusters: Vec<Products> = members.iter().map(of_cluster).collect();
+        let tested = self.candidates.effects.iter().filter(|candidate| !candidate.is_in_model);
+        let mut effects = Vec::new();
+        let mut tests = Vec::new();
+        for candidate in tested {
+            let (effect, test) = self.tested(candidate, &clusters);
+            effects.push(effect);
+            tests.push(test);
+        }
+        let n_parts = tests.iter().map(FlipTest::n_parts).max().unwrap_or_default();
+        let flips = Flips::new(n_parts, self.settings.n_flips, self.settings.seed);
+        for (effect, found) in effects.iter_mut().zip(flips.probabilities(&tests)) {
+            (effect.p, effect.p_adjusted) = (found.p, found.p_adjusted);
+        }
+        let look_alikes = self.look_alikes(&effects);
+        effects.sort_by(|a, b| b.statistic.total_cmp(&a.statistic));
+        let calibration = calibration(cluster, members.len(), flips.len());
+        let (whitened_rms, step_correlation, nuisances) = self.without_effects();
+        Screen {
+            n_pushes: self.observations.pushes.len(),
+            n_steps: self.observations.n_steps(),
+            n_numbers: self.whitening.n_numbers(),
+            whitened_rms,
+            step_correlation,
+            calibration,
+            nuisances,
+            effects,
+            look_alikes,
+        }
+    }
+
+    fn score(&self, coordinates: Vec<usize>) -> Option<Score> {
+        let other = self.nuisances.iter().copied().filter(|k| !coordinates.contains(k));
+        Score::new(&self.all, coordinates.clone(), other.collect(), &self.is_free)
+    }
+
+    /// The test of one effect, with each cluster's part in it.
+    fn tested(&self, candidate: &Candidate, clusters: &[Products]) -> (ScreenedEffect, FlipTest) {
+        let about = candidate.effect.about();
+        let indices: Vec<usize> = candidate.coordinates.clone().collect();
+        let freedom = indices.len();
+        let mut found = ScreenedEffect {
+            id: about.id,
+            not_testable: None,
+            statistic: 0.0,
+            freedom,
+            p: 1.0,
+            p_adjusted: 1.0,
+            coordinates: Vec::new(),
+        };
+        let no_test = FlipTest::none();
+        let score = self.score(indices);
+        found.not_testable =
+            untestable(self.observations, self.candidates, candidate, &self.scale, score.as_ref());
+        let (Some(score), None) = (score, &found.not_testable) else { return (found, no_test) };
+        let (Some(statistic), Some(covariance)) = (score.statistic(), score.covariance()) else {
+            return (found, no_test);
+        };
+        let change = &covariance * &score.score;
+        let share = self.share(&score, &change);
+        found.statistic = share * (2.0 - share) * statistic;
+        let detectable = DETECTABLE[(freedom - 1).min(DETECTABLE.len() - 1)];
+        found.coordinates = (0..freedom)
+            .map(|k| {
+                let index = score.tested[k];
+                let ((name, unit), scale) = (self.candidates.names[index], self.scale[index]);
+                ScreenedCoordinate {
+                    name,
+                    unit,
+                    change: scale * change[k],
+                    se: scale * covariance[(k, k)].sqrt(),
+                    smallest_detectable: scale * detectable / score.information[(k, k)].sqrt(),
+                }
+            })
+            .collect();
+        if share == 0.0 {
+            return (found, no_test);
+        }
+        let parts = clusters.iter().map(|cluster| score.part(cluster));
+        let parts = parts.chain(score.beliefs(&self.is_free));
+        (found, FlipTest::new(parts.collect()))
+    }
+
+    /// The share of a change that the parameters' ranges allow.
+    fn share(&self, score: &Score, change: &DVector<f64>) -> f64 {
+        let of = |(index, change): (&usize, &f64)| {
+            let change = self.scale[*index] * change;
+            let room = self.candidates.room[*index][usize::from(change > 0.0)];
+            if change == 0.0 { 1.0 } else { (room / change).clamp(0.0, 1.0) }
+        };
+        score.tested.iter().zip(change.iter()).map(of).fold(1.0, f64::min)
+    }
+
+    /// Whitened RMS of each number with the nuisances fitted, and the nuisances.
+    fn without_effects(&self) -> ([Option<f64>; 7], [Option<f64>; 7], Vec<Nuisance>) {
+        let Some(score) = self.score(Vec::new()) else { return ([None; 7], [None; 7], Vec::new()) };
+        let (mut squares, mut counts, mut products) = ([0.0; 7], [0_usize; 7], [0.0; 7]);
+        for (push, (residual, slopes)) in self.pushes.iter().enumerate() {
+            let mut left = residual.clone();
+            for (nuisance, change) in self.nuisances.iter().zip(score.estimate.iter()) {
+                left.axpy(-change, &slopes.column(*nuisance), 1.0);
+            }
+            let mut before = [0.0; 7];
+            for ((_, number), left) in self.whitening.entries(push).iter().zip(left.iter()) {
+                squares[*number] += left * left;
+                products[*number] += left * before[*number];
+                counts[*number] += 1;
+                before[*number] = *left;
+            }
+        }
+        let rms = |k: usize| (counts[k] > 0).then(|| (squares[k] / counts[k] as f64).sqrt());
+        let owner = |index: usize| {
+            let effects = &self.candidates.effects;
+            effects.iter().find(|candidate| candidate.coordinates.contains(&index))
+        };
+        let nuisance = |(index, change): (&usize, &f64)| {
+            let (name, unit) = self.candidates.names[*index];
+            let scale = self.scale[*index];
+            let tolerance = (!self.is_free[*index]).then_some(scale);
+            let effect = owner(*index)?.effect.about().id;
+            Some(Nuisance { effect, name, unit, tolerance, change: scale * change })
+        };
+        let nuisances = self.nuisances.iter().zip(score.estimate.iter()).filter_map(nuisance);
+        let correlation = |k: usize| (squares[k] > 0.0).then(|| products[k] / squares[k]);
+        (std::array::from_fn(rms), std::array::from_fn(correlation), nuisances.collect())
+    }
+
+    fn look_alikes(&self, effects: &[ScreenedEffect]) -> Vec<LookAlikes> {
+        let is_tested = |candidate: &&Candidate| {
+            let id = candidate.effect.about().id;
+            effects.iter().any(|effect| effect.id == id && effect.not_testable.is_none())
+        };
+        let tested: Vec<&Candidate> = self.candidates.effects.iter().filter(is_tested).collect();
+        let mut found = Vec::new();
+        for (index, one) in tested.iter().enumerate() {
+            for other in &tested[index + 1..] {
+                let groups: [Vec<usize>; 2] =
+                    [one, other].map(|candidate| candidate.coordinates.clone().collect());
+                let correlation =
+                    likeness(&self.all, (&groups[0], &groups[1]), &self.nuisances, &self.is_free);
+                if let Some(correlation) = correlation.filter(|c| *c >= self.settings.alike) {
+                    let (one, other) = (one.effect.about().id, other.effect.about().id);
+                    found.push(LookAlikes { one, other, correlation });
+                }
+            }
+        }
+        found.sort_by(|a, b| b.correlation.total_cmp(&a.correlation));
+        found
+    }
+}
+
+fn calibration(cluster: Cluster, n_clusters: usize, n_flips: usize) -> Calibration {
+    let of_flips = 1.0 / (1 + n_flips) as f64;
+    let of_clusters = 0.5_f64.powi(n_clusters as i32 - 1);
+    Calibration {
+        cluster,
+        n_clusters,
+        n_flips,
+        smallest_p: of_flips.max(of_clusters),
+        clusters_missing: CLUSTERS_FOR_ONE_PERCENT.saturating_sub(n_clusters),
+    }
+}
+
+/// Clusters whose flips can give a probability of 0.01: 2^(1−8) < 0.01 < 2^(1−7).
+const CLUSTERS_FOR_ONE_PERCENT: usize = 8;

@@ -1,0 +1,156 @@
+//! Frequencies from the spectrum of a kernel, for lengthscales of 1.
+
+use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::{Sampling, Spectrum};
+
+/// `n` frequencies of `d` coordinates, one after the other, and a phase in [0, 2π) for each.
+pub(crate) fn draw(
+    spectrum: Spectrum,
+    sampling: Sampling,
+    n: usize,
+    d: usize,
+    seed: u64,
+) -> (Vec<f64>, Vec<f64>) {
+    // Two coordinates more: the stretch of a Student t, and the phase.
+    let width = d + 2;
+    let uniform = match sampling {
+        Sampling::LowDiscrepancy => additive_recurrence(n, width, seed),
+        _ => uniform_rows(n, width, seed),
+    };
+    let rows = || uniform.chunks_exact(width);
+    let mut frequencies: Vec<f64> =
+        rows().flat_map(|row| row[..d].iter().map(|u| normal_quantile(*u))).collect();
+    if sampling == Sampling::Orthogonal {
+        orthogonalize(&mut frequencies, d, seed);
+    }
+    if let Some(degrees) = spectrum.degrees_of_freedom() {
+        for (frequency, row) in frequencies.chunks_exact_mut(d).zip(rows()) {
+            let stretch = (f64::from(degrees) / chi_squared_quantile(row[d], degrees)).sqrt();
+            frequency.iter_mut().for_each(|entry| *entry *= stretch);
+        }
+    }
+    (frequencies, rows().map(|row| TAU * row[d + 1]).collect())
+}
+
+fn stream(seed: u64, number: u64) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(number);
+    rng
+}
+
+fn uniform_rows(n: usize, width: usize, seed: u64) -> Vec<f64> {
+    let mut rng = stream(seed, 0);
+    (0..n * width).map(|_| rng.random()).collect()
+}
+
+/// Roberts' additive recurrence in [0, 1)ʷ with a random shift.
+///
+/// frac(shift_c + i·g^−c) with g the positive root of gʷ⁺¹ = g + 1.
+fn additive_recurrence(n: usize, width: usize, seed: u64) -> Vec<f64> {
+    let generator = (0..64).fold(2.0_f64, |g, _| (1.0 + g).powf(1.0 / (width as f64 + 1.0)));
+    let shifts = uniform_rows(1, width, seed);
+    let entry =
+        |i: usize, c: usize| (shifts[c] + (i + 1) as f64 * generator.powi(-(c as i32 + 1))).fract();
+    (0..n).flat_map(|i| (0..width).map(move |c| (i, c))).map(|(i, c)| entry(i, c)).collect()
+}
+
+/// Gives every `d` rows after each other orthogonal directions, uniform on the sphere, and their
+/// own lengths.
+fn orthogonalize(rows: &mut [f64], d: usize, seed: u64) {
+    let mut rng = stream(seed, 1);
+    for set in rows.chunks_mut(d * d) {
+        let lengths: Vec<f64> = set.chunks_exact(d).map(|row| dot(row, row).sqrt()).collect();
+        for (k, length) in lengths.iter().enumerate() {
+            let (done, rest) = set.split_at_mut(k * d);
+            let row = &mut rest[..d];
+            row.iter_mut().for_each(|entry| *entry = normal_quantile(rng.random()));
+            // Twice, so that rounding leaves no trace of the others.
+            for other in done.chunks_exact(d).chain(done.chunks_exact(d)) {
+                let along = dot(row, other) / dot(other, other);
+                row.iter_mut().zip(other).for_each(|(entry, other)| *entry -= along * other);
+            }
+            let scale = length / dot(row, row).sqrt();
+            row.iter_mut().for_each(|entry| *entry *= scale);
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The x at which the normal distribution function is `p`; `p` is kept off 0 and 1.
+fn normal_quantile(p: f64) -> f64 {
+    let below = |x: f64| 0.5 * libm::erfc(-x * FRAC_1_SQRT_2);
+    invert(below, p.clamp(1e-15, 1.0 - 1e-15), -9.0, 9.0)
+}
+
+/// The x at which the χ² distribution function of 3 or 5 degrees of freedom is `p`.
+fn chi_squared_quantile(p: f64, degrees: u32) -> f64 {
+    let below = |x: f64| {
+        let third = libm::erf((0.5 * x).sqrt()) - (2.0 * x / PI).sqrt() * (-0.5 * x).exp();
+        if degrees == 3 {
+            third
+        } else {
+            third - (2.0 * x / PI).sqrt() * x / 3.0 * (-0.5 * x).exp()
+        }
+    };
+    invert(below, p.clamp(1e-12, 1.0 - 1e-12), 0.0, 100.0)
+}
+
+/// The place where a growing function takes a value, by bisection to the last digit.
+fn invert(function: impl Fn(f64) -> f64, value: f64, mut low: f64, mut high: f64) -> f64 {
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if function(middle) < value {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{chi_squared_quantile, dot, draw, normal_quantile};
+    use crate::{Sampling, Spectrum};
+
+    #[test]
+    fn quantiles_known_from_tables() {
+        assert!((normal_quantile(0.975) - 1.959_963_984_540_054).abs() < 1e-12);
+        assert!((normal_quantile(0.5)).abs() < 1e-12);
+        assert!((chi_squared_quantile(0.95, 3) - 7.814_727_903_251_179).abs() < 1e-9);
+        assert!((chi_squared_quantile(0.95, 5) - 11.070_497_693_516_35).abs() < 1e-9);
+    }
+
+    #[test]
+    fn orthogonal_sets_are_orthogonal() {
+        let d = 4;
+        let rows = draw(Spectrum::default(), Sampling::Orthogonal, 10, d, 3).0;
+        for set in rows.chunks(d * d) {
+            for (i, a) in set.chunks_exact(d).enumerate() {
+                for b in set.chunks_exact(d).take(i) {
+                    assert!(dot(a, b).abs() < 1e-13);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_sampling_has_the_moments_of_the_spectrum() {
+        for sampling in [Sampling::Independent, Sampling::Orthogonal, Sampling::LowDiscrepancy] {
+            let n = 20_000;
+            let rows = draw(Spectrum::Matern52, sampling, n, 2, 1).0;
+            let mean = rows.iter().sum::<f64>() / rows.len() as f64;
+            let variance = dot(&rows, &rows) / rows.len() as f64;
+            // A Student t of 5 degrees has the variance 5/3.
+            assert!(mean.abs() < 0.03, "{sampling:?} {mean}");
+            assert!((variance - 5.0 / 3.0).abs() < 0.06, "{sampling:?} {variance}");
+        }
+    }
+}

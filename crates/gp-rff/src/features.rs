@@ -1,0 +1,279 @@
+//! Random features whose products approximate a kernel.
+
+use faer::{Mat, MatRef};
+use gp_core::checks::{check_count, check_inputs, check_positive};
+use gp_core::kernel::column_mut;
+use gp_core::vector::{SIN_COS_LIMIT, sin_cos, vectorized};
+use gp_core::{GpError, Kernel, Matern32, Matern52, SquaredExponential};
+use serde::{Deserialize, Serialize};
+
+use crate::draw::draw;
+
+/// How many features there are, and how they are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FeatureOptions {
+    /// Number of features M.
+    pub n_features: usize,
+    /// What a frequency is turned into.
+    pub form: Form,
+    /// How frequencies are chosen.
+    pub sampling: Sampling,
+    /// Seed of all that is drawn.
+    pub seed: u64,
+}
+
+impl Default for FeatureOptions {
+    fn default() -> Self {
+        Self { n_features: 200, form: Form::default(), sampling: Sampling::default(), seed: 0 }
+    }
+}
+
+/// What a frequency ω is turned into.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Form {
+    /// √(2/M) cos(ωᵀx + b) with a random phase b: the thesis' features, eq. 3.29.
+    Cosines,
+    /// √(2/M) cos(ωᵀx) and √(2/M) sin(ωᵀx): no phase, and k(x, x) without error.
+    #[default]
+    Paired,
+}
+
+/// How frequencies are chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Sampling {
+    /// Independently of each other: the thesis.
+    Independent,
+    /// In orthogonal sets of D.
+    ///
+    /// # Source
+    /// Yu, Suresh, Choromanski, Holtmann-Rice & Kumar, Orthogonal random features (2016).
+    Orthogonal,
+    /// A low-discrepancy set mapped to the spectrum.
+    ///
+    /// # Source
+    /// Avron, Sindhwani, Yang & Mahoney, Quasi-Monte Carlo feature maps for shift-invariant kernels
+    /// (2016).
+    #[default]
+    LowDiscrepancy,
+}
+
+/// The kernel that is approximated, which is the spectrum that frequencies are drawn from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Spectrum {
+    /// The squared exponential: ω ~ N(0, diag(l)⁻²). The thesis prints N(0, 1/l).
+    #[default]
+    SquaredExponential,
+    /// Matérn 3/2: ω follows a Student t with 3 degrees of freedom.
+    Matern32,
+    /// Matérn 5/2: ω follows a Student t with 5 degrees of freedom.
+    Matern52,
+}
+
+impl Spectrum {
+    /// The kernel of this spectrum.
+    ///
+    /// # Errors
+    /// `Empty` without lengthscales; `NotPositive` for a value that is not positive and finite.
+    pub fn kernel(
+        self,
+        lengthscales: &[f64],
+        signal_variance: f64,
+    ) -> Result<Box<dyn Kernel>, GpError> {
+        Ok(match self {
+            Self::SquaredExponential => {
+                Box::new(SquaredExponential::new(lengthscales, signal_variance)?)
+            }
+            Self::Matern32 => Box::new(Matern32::new(lengthscales, signal_variance)?),
+            Self::Matern52 => Box::new(Matern52::new(lengthscales, signal_variance)?),
+        })
+    }
+
+    /// Degrees of freedom of the Student t; none for the normal distribution.
+    pub(crate) fn degrees_of_freedom(self) -> Option<u32> {
+        match self {
+            Self::SquaredExponential => None,
+            Self::Matern32 => Some(3),
+            Self::Matern52 => Some(5),
+        }
+    }
+}
+
+/// M features φ of D inputs with φ(a)ᵀφ(b) ≈ k(a, b)/s², s² the signal variance.
+///
+/// Frequencies are kept for lengthscales of 1, so that other lengthscales need no new draw.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RandomFeatures {
+    pub(crate) spectrum: Spectrum,
+    pub(crate) form: Form,
+    pub(crate) lengthscales: Vec<f64>,
+    /// One frequency after the other, D numbers each.
+    pub(crate) frequencies: Vec<f64>,
+    pub(crate) phases: Vec<f64>,
+}
+
+impl RandomFeatures {
+    /// Draws features for a kernel with one lengthscale an input.
+    ///
+    /// # Errors
+    /// `Empty` without lengthscales; `NotPositive` for one that is not positive and finite or
+    /// without features; `ShapeMismatch` for an odd number of paired features.
+    pub fn new(
+        spectrum: Spectrum,
+        lengthscales: &[f64],
+        options: FeatureOptions,
+    ) -> Result<Self, GpError> {
+        check_positive("n_features", options.n_features as f64)?;
+        let n_frequencies = match options.form {
+            Form::Cosines => options.n_features,
+            Form::Paired => {
+                let even = options.n_features.next_multiple_of(2);
+                check_count("paired features, two a frequency", even, options.n_features)?;
+                options.n_features / 2
+            }
+        };
+        let d = lengthscales.len();
+        spectrum.kernel(lengthscales, 1.0)?;
+        let (frequencies, mut phases) =
+            draw(spectrum, options.sampling, n_frequencies, d, options.seed);
+        if options.form == Form::Paired {
+            phases.fill(0.0);
+        }
+        let (form, lengthscales) = (options.form, lengthscales.to_vec());
+        Ok(Self { spectrum, form, lengthscales, frequencies, phases })
+    }
+
+    /// The same frequencies for other lengthscales.
+    ///
+    /// # Errors
+    /// `ShapeMismatch` for a wrong count; `NotPositive`.
+    pub fn with_lengthscales(&self, lengthscales: &[f64]) -> Result<Self, GpError> {
+        check_count("lengthscales", self.lengthscales.len(), lengthscales.len())?;
+        self.spectrum.kernel(lengthscales, 1.0)?;
+        Ok(Self { lengthscales: lengthscales.to_vec(), ..self.clone() })
+    }
+
+    /// The number of features M.
+    pub fn n_features(&self) -> usize {
+        match self.form {
+            Form::Cosines => self.phases.len(),
+            Form::Paired => 2 * self.phases.len(),
+        }
+    }
+
+    /// The number of input coordinates D.
+    pub fn n_inputs(&self) -> usize {
+        self.lengthscales.len()
+    }
+
+    /// The lengthscales, each in the unit of its input.
+    pub fn lengthscales(&self) -> &[f64] {
+        &self.lengthscales
+    }
+
+    /// The kernel that is approximated.
+    pub fn spectrum(&self) -> Spectrum {
+        self.spectrum
+    }
+
+    /// The features of every row of `x`, N×M.
+    ///
+    /// # Errors
+    /// `Empty`, `ShapeMismatch` or `NotFinite` if `x` is not a finite N×D matrix.
+    pub fn evaluate(&self, x: MatRef<'_, f64>) -> Result<Mat<f64>, GpError> {
+        check_inputs("inputs", x, self.n_inputs())?;
+        let mut values = Mat::zeros(x.nrows(), self.n_features());
+        self.fill(x, &mut values, None);
+        Ok(values)
+    }
+
+    /// Writes the features and, where asked for, the sine beside each cosine, N×frequencies.
+    pub(crate) fn fill(
+        &self,
+        x: MatRef<'_, f64>,
+        values: &mut Mat<f64>,
+        mut sines: Option<&mut Mat<f64>>,
+    ) {
+        let amplitude = self.amplitude();
+        let n_frequencies = self.phases.len();
+        let mut sine = [0.0; ROWS];
+        let frequencies = self.frequencies.chunks_exact(self.n_inputs());
+        for (j, (frequency, phase)) in frequencies.zip(&self.phases).enumerate() {
+            for start in (0..x.nrows()).step_by(ROWS) {
+                let n = ROWS.min(x.nrows() - start);
+                let cosine = &mut column_mut(values, j)[start..start + n];
+                let sine = &mut sine[..n];
+                cosine.fill(*phase);
+                for (d, (frequency, lengthscale)) in
+                    frequency.iter().zip(&self.lengthscales).enumerate()
+                {
+                    add_multiple(cosine, frequency / lengthscale, x, start, d);
+                }
+                turn(cosine, sine, amplitude);
+                if self.form == Form::Paired {
+                    column_mut(values, n_frequencies + j)[start..start + n].copy_from_slice(sine);
+                }
+                if let Some(sines) = sines.as_deref_mut() {
+                    column_mut(sines, j)[start..start + n].copy_from_slice(sine);
+                }
+            }
+        }
+    }
+
+    /// √(2/M).
+    pub(crate) fn amplitude(&self) -> f64 {
+        (2.0 / self.n_features() as f64).sqrt()
+    }
+
+    /// A number that two feature sets share only if they are the same.
+    pub(crate) fn fingerprint(&self) -> u64 {
+        let numbers = self.lengthscales.iter().chain(&self.frequencies).chain(&self.phases);
+        let header = [self.form as u64, self.n_inputs() as u64];
+        let words = header.into_iter().chain(numbers.map(|number| number.to_bits()));
+        // FNV-1a, word by word.
+        words.fold(0xcbf2_9ce4_8422_2325, |hash, word| {
+            (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29)
+        })
+    }
+}
+
+/// Rows whose sines stay on the stack.
+const ROWS: usize = 256;
+
+fn add_multiple(sums: &mut [f64], factor: f64, x: MatRef<'_, f64>, start: usize, d: usize) {
+    let n = sums.len();
+    let rows = x.col(d).subrows(start, n);
+    match rows.try_as_col_major() {
+        Some(rows) => vectorized(|| {
+            sums.iter_mut().zip(rows.as_slice()).for_each(|(sum, x)| *sum += factor * x);
+        }),
+        None => sums.iter_mut().zip(rows.iter()).for_each(|(sum, x)| *sum += factor * x),
+    }
+}
+
+/// Replaces angles by a·cos, and writes a·sin.
+fn turn(angles: &mut [f64], sines: &mut [f64], amplitude: f64) {
+    let is_small = angles.iter().all(|angle| angle.abs() <= SIN_COS_LIMIT);
+    let write = |(angle, sine): (&mut f64, &mut f64), (s, c): (f64, f64)| {
+        *sine = amplitude * s;
+        *angle = amplitude * c;
+    };
+    if is_small {
+        vectorized(|| {
+            for (angle, sine) in angles.iter_mut().zip(sines) {
+                let turned = sin_cos(*angle);
+                write((angle, sine), turned);
+            }
+        });
+    } else {
+        for (angle, sine) in angles.iter_mut().zip(sines) {
+            let turned = angle.sin_cos();
+            write((angle, sine), turned);
+        }
+    }
+}

@@ -1,0 +1,17 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod draw;
+mod evidence;
+mod features;
+mod learn;
+mod likelihood;
+mod model;
+mod rff_gp;
+mod statistics;
+
+pub use features::{FeatureOptions, Form, RandomFeatures, Sampling, Spectrum};
+pub use learn::{Hyperparameters, RffOptions, RffReport};
+pub use model::RffGpModel;
+pub use rff_gp::RffGp;
+pub use statistics::SufficientStatistics;

@@ -1,0 +1,18 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod approximation;
+mod block;
+mod choose_size;
+mod learn;
+mod model;
+mod objective;
+mod placement;
+mod sparse_gp;
+
+pub use approximation::{Approximation, SparseSettings};
+pub use choose_size::SizeScore;
+pub use learn::{SparseOptions, SparseReport, SparseStart};
+pub use model::SparseGpModel;
+pub use placement::{Placement, PseudoInputs};
+pub use sparse_gp::SparseGp;

@@ -1,0 +1,116 @@
+//! A sparse process as plain data that can be saved and loaded.
+
+use std::sync::Arc;
+
+use faer::Mat;
+use gp_core::checks::{check_count, check_inputs, check_outputs, check_positive};
+use gp_core::cholesky::factorize;
+use gp_core::kernel::fill_lower_gram;
+use gp_core::{GpError, KernelSpec};
+use serde::{Deserialize, Serialize};
+
+use crate::objective::PSEUDO_COVARIANCE;
+use crate::{SparseGp, SparseSettings};
+
+/// Everything from which `SparseGp::from_model` rebuilds the same predictions, bit for bit.
+///
+/// It holds M(M + 1)/2 + M(D + 1) numbers, however many rows were learnt from.
+/// A text format has to keep all digits (with `serde_json`: its feature `float_roundtrip`).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SparseGpModel {
+    /// Version of this format.
+    pub version: u32,
+    /// The kernel with its parameters.
+    pub kernel: KernelSpec,
+    /// The approximation, the choice of the mean, and the jitter.
+    pub settings: SparseSettings,
+    /// Noise variance, in the squared unit of the output.
+    pub noise_variance: f64,
+    /// The constant mean, in the unit of the output.
+    pub mean: f64,
+    /// The objective, in nats.
+    pub objective: f64,
+    /// Pseudo-inputs, one row a vector.
+    pub pseudo_inputs: Vec<Vec<f64>>,
+    /// The weights of the mean, one a pseudo-input.
+    pub weights: Vec<f64>,
+    /// The Cholesky factor of the whitened precision of the pseudo-outputs, lower triangle by rows.
+    pub precision_factor: Vec<f64>,
+}
+
+impl SparseGpModel {
+    /// The version that this release writes and reads.
+    pub const VERSION: u32 = 1;
+}
+
+impl SparseGp {
+    /// The process as plain data.
+    ///
+    /// # Errors
+    /// `NotSerializable` for a user's kernel without a `KernelSpec`.
+    pub fn to_model(&self) -> Result<SparseGpModel, GpError> {
+        let unknown = || GpError::NotSerializable { kernel: format!("{:?}", self.kernel()) };
+        let z = self.pseudo_inputs();
+        let row = |a: usize| (0..z.ncols()).map(|d| z[(a, d)]).collect();
+        let of_row = |a: usize| (0..=a).map(move |b| self.root[(a, b)]);
+        Ok(SparseGpModel {
+            version: SparseGpModel::VERSION,
+            kernel: self.kernel().spec().ok_or_else(unknown)?,
+            settings: self.settings(),
+            noise_variance: self.noise_variance(),
+            mean: self.mean(),
+            objective: self.objective(),
+            pseudo_inputs: (0..z.nrows()).map(row).collect(),
+            weights: self.weights.clone(),
+            precision_factor: (0..z.nrows()).flat_map(of_row).collect(),
+        })
+    }
+
+    /// The process that `to_model` described.
+    ///
+    /// # Errors
+    /// `UnsupportedVersion`; else as `fit`, since a file may have been edited.
+    pub fn from_model(model: &SparseGpModel) -> Result<Self, GpError> {
+        if model.version != SparseGpModel::VERSION {
+            let supported = SparseGpModel::VERSION;
+            return Err(GpError::UnsupportedVersion { found: model.version, supported });
+        }
+        let kernel = model.kernel.build()?;
+        let (m, d) = (model.pseudo_inputs.len(), kernel.n_inputs());
+        for row in &model.pseudo_inputs {
+            check_count("columns of the pseudo-inputs", d, row.len())?;
+        }
+        let z = Mat::from_fn(m, d, |a, j| model.pseudo_inputs[a][j]);
+        check_inputs("pseudo-inputs", z.as_ref(), d)?;
+        model.settings.check()?;
+        check_positive("noise variance", model.noise_variance)?;
+        check_outputs("mean and objective", &[model.mean, model.objective], 2)?;
+        check_outputs("weights", &model.weights, m)?;
+        check_outputs("precision factor", &model.precision_factor, m * (m + 1) / 2)?;
+        let root = Mat::from_fn(m, m, |a, b| match b <= a {
+            true => model.precision_factor[a * (a + 1) / 2 + b],
+            false => 0.0,
+        });
+        for a in 0..m {
+            check_positive("diagonal of the precision factor", root[(a, a)])?;
+        }
+        let mut factor = Mat::zeros(m, m);
+        fill_lower_gram(&*kernel, z.as_ref(), &mut factor);
+        for a in 0..m {
+            factor[(a, a)] *= 1.0 + model.settings.jitter;
+        }
+        factorize(PSEUDO_COVARIANCE, factor.as_mut())?;
+        Ok(Self {
+            kernel: Arc::from(kernel),
+            settings: model.settings,
+            noise_variance: model.noise_variance,
+            z,
+            constant: model.mean,
+            weights: model.weights.clone(),
+            factor,
+            root,
+            objective: model.objective,
+        })
+    }
+}

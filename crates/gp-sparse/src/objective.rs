@@ -1,0 +1,270 @@
+//! The objective of all sparse approximations, ln N(y | m, Q + D) less a penalty, and its gradient.
+
+use std::f64::consts::PI;
+
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_inverse::invert_lower_triangular;
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
+use gp_core::cholesky::{factorize, log_determinant};
+use gp_core::kernel::{column, column_mut, fill_lower_gram, mirror_lower};
+use gp_core::vector::dot;
+use gp_core::{GpError, Kernel, Mean};
+use rayon::prelude::{IntoParallelRefMutIterator, ParallelIterator};
+
+use crate::SparseSettings;
+use crate::block::{BLOCK, Block, Shared, Solution};
+
+pub(crate) const PSEUDO_COVARIANCE: &str = "covariance of the pseudo-outputs";
+pub(crate) const PRECISION: &str = "precision of the pseudo-outputs";
+
+/// ln p(y | X, Z, θ) for one data set and many Z and θ; owns all memory, 24 N M bytes.
+///
+/// With K_uu = L Lᵀ, V = K_fu L⁻ᵀ and B = I + VᵀD⁻¹V the determinant lemma and its inverse give
+/// ln |Q + D| = ln |B| + ln |D| and (Q + D)⁻¹ = D⁻¹ − D⁻¹VB⁻¹VᵀD⁻¹. O(N M²).
+pub(crate) struct Objective {
+    settings: SparseSettings,
+    /// Subtracted from all outputs, so that far offsets cost no digits.
+    origin: f64,
+    n_rows: usize,
+    blocks: Vec<Block>,
+    /// Pseudo-inputs, M×D by rows and as a matrix.
+    z: Vec<f64>,
+    z_columns: Mat<f64>,
+    /// K_uu with its jitter, then a matrix of slopes.
+    gram: Mat<f64>,
+    pub(crate) factor: Mat<f64>,
+    /// The Cholesky factor R of B.
+    pub(crate) root: Mat<f64>,
+    inverse: Mat<f64>,
+    root_inverse: Mat<f64>,
+    slope: Mat<f64>,
+    whitened: Vec<f64>,
+    /// u: the mean at x is m + k(x, Z) u.
+    pub(crate) weights: Vec<f64>,
+    constant: f64,
+}
+
+impl Objective {
+    /// Prepares for data that have been checked.
+    pub(crate) fn new(
+        x: MatRef<'_, f64>,
+        y: &[f64],
+        n_pseudo_inputs: usize,
+        n_parameters: usize,
+        settings: SparseSettings,
+    ) -> Self {
+        let (n, d, m) = (x.nrows(), x.ncols(), n_pseudo_inputs);
+        let origin = y.iter().sum::<f64>() / n as f64;
+        let block = |start: usize| {
+            let rows = BLOCK.min(n - start);
+            let y = y[start..start + rows].iter().map(|y| y - origin).collect();
+            Block::new(x.subrows(start, rows), y, m, n_parameters)
+        };
+        let square = || Mat::zeros(m, m);
+        Self {
+            settings,
+            origin,
+            n_rows: n,
+            blocks: (0..n).step_by(BLOCK).map(block).collect(),
+            z: vec![0.0; m * d],
+            z_columns: Mat::zeros(m, d),
+            gram: square(),
+            factor: square(),
+            root: square(),
+            inverse: square(),
+            root_inverse: square(),
+            slope: square(),
+            whitened: vec![0.0; m],
+            weights: vec![0.0; m],
+            constant: 0.0,
+        }
+    }
+
+    /// The constant mean m.
+    pub(crate) fn mean(&self) -> f64 {
+        self.origin + self.constant
+    }
+
+    /// The objective in nats for pseudo-inputs `z`, M×D by rows.
+    ///
+    /// # Errors
+    /// `NotPositiveDefinite` if the pseudo-inputs are too close for the jitter.
+    pub(crate) fn value(
+        &mut self,
+        kernel: &dyn Kernel,
+        noise_variance: f64,
+        z: &[f64],
+    ) -> Result<f64, GpError> {
+        let d = self.z_columns.ncols();
+        let m = self.whitened.len();
+        self.z.copy_from_slice(z);
+        for (i, value) in z.iter().enumerate() {
+            self.z_columns[(i / d, i % d)] = *value;
+        }
+        fill_lower_gram(kernel, self.z_columns.as_ref(), &mut self.gram);
+        self.factor.copy_from(&self.gram);
+        for a in 0..m {
+            self.factor[(a, a)] *= 1.0 + self.settings.jitter;
+        }
+        factorize(PSEUDO_COVARIANCE, self.factor.as_mut())?;
+        let shared = Shared {
+            kernel,
+            z: &self.z,
+            approximation: self.settings.approximation,
+            noise_variance,
+            factor: self.factor.as_ref(),
+        };
+        self.blocks.par_iter_mut().for_each(|block| block.sum(&shared));
+        self.solve()
+    }
+
+    /// Merges the blocks' sums and solves for the weights.
+    fn solve(&mut self) -> Result<f64, GpError> {
+        let m = self.whitened.len();
+        merge_lower(&mut self.root, self.blocks.iter().map(|block| &block.sums.square));
+        for a in 0..m {
+            self.root[(a, a)] += 1.0;
+        }
+        factorize(PRECISION, self.root.as_mut())?;
+        let total = |term: &dyn Fn(&Block) -> f64| self.blocks.iter().map(term).sum::<f64>();
+        let vector = |term: &dyn Fn(&Block, usize) -> f64| -> Vec<f64> {
+            (0..m).map(|a| total(&|block| term(block, a))).collect()
+        };
+        let mut of_y = vector(&|block, a| block.sums.v_y[a]);
+        let mut of_one = vector(&|block, a| block.sums.v_one[a]);
+        solve_lower(self.root.as_ref(), &mut of_y);
+        solve_lower(self.root.as_ref(), &mut of_one);
+        let one_one = total(&|block| block.sums.one_one) - dot(&of_one, &of_one);
+        let one_y = total(&|block| block.sums.one_y) - dot(&of_one, &of_y);
+        let y_y = total(&|block| block.sums.y_y) - dot(&of_y, &of_y);
+        self.constant = match self.settings.mean {
+            Mean::Fixed(value) => value - self.origin,
+            _ => one_y / one_one,
+        };
+        let constant = self.constant;
+        let quadratic = y_y - 2.0 * constant * one_y + constant * constant * one_one;
+        for ((t, y), one) in self.whitened.iter_mut().zip(&of_y).zip(&of_one) {
+            *t = y - constant * one;
+        }
+        solve_upper(self.root.as_ref(), &mut self.whitened);
+        self.weights.copy_from_slice(&self.whitened);
+        solve_upper(self.factor.as_ref(), &mut self.weights);
+        let determinant =
+            log_determinant(self.root.as_ref()) + total(&|block| block.sums.log_determinant);
+        let normalization = self.n_rows as f64 * (2.0 * PI).ln();
+        let approximation = self.settings.approximation;
+        let penalty = (1.0 - approximation.alpha()) * total(&|block| block.sums.penalty);
+        Ok(-0.5 * (quadratic + determinant + normalization + penalty))
+    }
+
+    /// The gradient at the place of the last `value`: by the kernel's log-parameters, by ln σₙ²,
+    /// and, if `gradient` has room, by the pseudo-inputs, M×D by rows.
+    pub(crate) fn differentiate(
+        &mut self,
+        kernel: &dyn Kernel,
+        noise_variance: f64,
+        gradient: &mut [f64],
+    ) {
+        let n_parameters = self.blocks[0].slopes.kernel.len();
+        let (of_parameters, of_z) = gradient.split_at_mut(n_parameters + 1);
+        self.invert_root();
+        let shared = Shared {
+            kernel,
+            z: &self.z,
+            approximation: self.settings.approximation,
+            noise_variance,
+            factor: self.factor.as_ref(),
+        };
+        let solution = Solution {
+            inverse: self.inverse.as_ref(),
+            whitened: &self.whitened,
+            weights: &self.weights,
+            constant: self.constant,
+            has_free_z: !of_z.is_empty(),
+        };
+        self.blocks.par_iter_mut().for_each(|block| block.differentiate(&shared, &solution));
+        let (of_noise, of_kernel) = of_parameters.split_last_mut().expect("the noise comes last");
+        self.differentiate_pseudo_covariance(kernel, of_kernel, of_z);
+        *of_noise = 0.0;
+        for slopes in self.blocks.iter().map(|block| &block.slopes) {
+            *of_noise += slopes.noise;
+            add(of_kernel, &slopes.kernel);
+            add(of_z, &slopes.z);
+        }
+    }
+
+    /// B⁻¹, both triangles.
+    fn invert_root(&mut self) {
+        self.root_inverse.fill(0.0);
+        invert_lower_triangular(self.root_inverse.as_mut(), self.root.as_ref(), Par::Seq);
+        let (inverse, half) = (self.inverse.as_mut(), &self.root_inverse);
+        matmul(inverse, Accum::Replace, half.transpose(), half, 1.0, Par::Seq);
+    }
+
+    /// What K_uu contributes: its slope is −½ (L⁻ᵀSL⁻¹ + uuᵀ) with S from the blocks.
+    fn differentiate_pseudo_covariance(
+        &mut self,
+        kernel: &dyn Kernel,
+        of_parameters: &mut [f64],
+        of_z: &mut [f64],
+    ) {
+        let d = self.z_columns.ncols();
+        merge_lower(&mut self.slope, self.blocks.iter().map(|block| &block.sums.square));
+        mirror_lower(&mut self.slope);
+        let upper = self.factor.transpose();
+        solve_upper_triangular_in_place(upper, self.slope.as_mut(), Par::Seq);
+        solve_upper_triangular_in_place(upper, self.slope.transpose_mut(), Par::Seq);
+        mirror_lower(&mut self.gram);
+        of_parameters.fill(0.0);
+        of_z.fill(0.0);
+        for b in 0..self.weights.len() {
+            let slope = column_mut(&mut self.slope, b);
+            for (slope, weight) in slope.iter_mut().zip(&self.weights) {
+                *slope = -0.5 * (*slope + weight * self.weights[b]);
+            }
+            slope[b] *= 1.0 + self.settings.jitter;
+            let (z, z_b) = (self.z_columns.as_ref(), &self.z[b * d..(b + 1) * d]);
+            let values = column(&self.gram, b);
+            kernel.column_gradient(z, z_b, values, slope, of_parameters);
+            if !of_z.is_empty() {
+                slope.iter_mut().for_each(|slope| *slope *= 2.0);
+                let of_z = &mut of_z[b * d..(b + 1) * d];
+                kernel.column_input_gradient(z, z_b, values, slope, of_z);
+            }
+        }
+    }
+}
+
+/// The sum of lower triangles.
+fn merge_lower<'a>(sum: &mut Mat<f64>, parts: impl Iterator<Item = &'a Mat<f64>>) {
+    sum.fill(0.0);
+    for part in parts {
+        for j in 0..part.ncols() {
+            let column_sum = &mut column_mut(sum, j)[j..];
+            for (sum, part) in column_sum.iter_mut().zip(&column(part, j)[j..]) {
+                *sum += part;
+            }
+        }
+    }
+}
+
+fn add(sums: &mut [f64], terms: &[f64]) {
+    sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+}
+
+/// Replaces b by L⁻¹b.
+pub(crate) fn solve_lower(factor: MatRef<'_, f64>, rhs: &mut [f64]) {
+    let n = rhs.len();
+    let rhs = MatMut::from_column_major_slice_mut(rhs, n, 1);
+    solve_lower_triangular_in_place(factor, rhs, Par::Seq);
+}
+
+/// Replaces b by L⁻ᵀb.
+fn solve_upper(factor: MatRef<'_, f64>, rhs: &mut [f64]) {
+    let n = rhs.len();
+    let rhs = MatMut::from_column_major_slice_mut(rhs, n, 1);
+    solve_upper_triangular_in_place(factor.transpose(), rhs, Par::Seq);
+}

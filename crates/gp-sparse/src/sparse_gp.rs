@@ -1,0 +1,235 @@
+//! The sparse Gaussian process and its predictions.
+
+use std::sync::Arc;
+
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Accum, Mat, MatRef, Par};
+use gp_core::checks::{check_inputs, check_outputs, check_positive};
+use gp_core::kernel::{column, copy_row, fill_cross, fill_lower_gram, mirror_lower};
+use gp_core::vector::dot;
+use gp_core::{GpError, JointGaussian, Kernel, Posterior};
+use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
+
+use crate::SparseSettings;
+use crate::objective::Objective;
+
+/// A Gaussian process seen through its values u at M pseudo-inputs Z; it keeps none of the data.
+///
+/// - f mean: m + k*ᵀ w with w = K_uu⁻¹ (E(u) − m), in O(M) an input.
+/// - f variance: k** − k*ᵀ (K_uu⁻¹ − Σ) k* with Σ = (K_uu + K_uf D⁻¹ K_fu)⁻¹, in O(M²) an input.
+///
+/// The thesis' eq. 3.24 adds σₙ² and is the variance of an observation.
+#[derive(Clone, Debug)]
+pub struct SparseGp {
+    pub(crate) kernel: Arc<dyn Kernel>,
+    pub(crate) settings: SparseSettings,
+    pub(crate) noise_variance: f64,
+    pub(crate) z: Mat<f64>,
+    pub(crate) constant: f64,
+    pub(crate) weights: Vec<f64>,
+    /// L with K_uu = L Lᵀ.
+    pub(crate) factor: Mat<f64>,
+    /// R with R Rᵀ = I + L⁻¹ K_uf D⁻¹ K_fu L⁻ᵀ.
+    pub(crate) root: Mat<f64>,
+    pub(crate) objective: f64,
+}
+
+impl SparseGp {
+    /// Conditions known parameters on data through the pseudo-inputs `z`; O(N M²).
+    ///
+    /// - `x`: inputs, N×D; `y`: outputs, N; `z`: pseudo-inputs, M×D, as many as you like.
+    /// - `noise_variance`: of an observation, positive, in the squared unit of the output.
+    ///
+    /// # Errors
+    /// `Empty`, `ShapeMismatch`, `NotFinite`, `NotPositive`, `OutOfRange`; `NotPositiveDefinite`
+    /// if pseudo-inputs are too close to each other for the jitter.
+    pub fn fit(
+        kernel: impl Kernel + 'static,
+        x: MatRef<'_, f64>,
+        y: &[f64],
+        z: MatRef<'_, f64>,
+        noise_variance: f64,
+        settings: SparseSettings,
+    ) -> Result<Self, GpError> {
+        let kernel: Arc<dyn Kernel> = Arc::new(kernel);
+        check_data(&*kernel, x, y)?;
+        check_inputs("pseudo-inputs", z, kernel.n_inputs())?;
+        check_positive("noise variance", noise_variance)?;
+        settings.check()?;
+        Self::condition(kernel, x, y, &rows_of(z), noise_variance, settings)
+    }
+
+    /// As `fit`, with arguments that have been checked and `z` by rows.
+    pub(crate) fn condition(
+        kernel: Arc<dyn Kernel>,
+        x: MatRef<'_, f64>,
+        y: &[f64],
+        z: &[f64],
+        noise_variance: f64,
+        settings: SparseSettings,
+    ) -> Result<Self, GpError> {
+        let d = kernel.n_inputs();
+        let m = z.len() / d;
+        let n_parameters = kernel.parameters().len();
+        let mut objective = Objective::new(x, y, m, n_parameters, settings);
+        let value = objective.value(&*kernel, noise_variance, z)?;
+        check_outputs("objective", &[value], 1)?;
+        Ok(Self {
+            kernel,
+            settings,
+            noise_variance,
+            z: Mat::from_fn(m, d, |a, j| z[a * d + j]),
+            constant: objective.mean(),
+            weights: objective.weights,
+            factor: objective.factor,
+            root: objective.root,
+            objective: value,
+        })
+    }
+
+    /// The objective and its gradient: by the kernel's log-parameters, ln σₙ², and the
+    /// pseudo-inputs, M×D by rows; O(N M²).
+    ///
+    /// # Errors
+    /// As `fit`.
+    pub fn objective_and_gradient(
+        &self,
+        x: MatRef<'_, f64>,
+        y: &[f64],
+    ) -> Result<(f64, Vec<f64>), GpError> {
+        check_data(&*self.kernel, x, y)?;
+        let n_parameters = self.kernel.parameters().len();
+        let m = self.weights.len();
+        let mut objective = Objective::new(x, y, m, n_parameters, self.settings);
+        let mut gradient = vec![0.0; n_parameters + 1 + m * x.ncols()];
+        let value =
+            objective.value(&*self.kernel, self.noise_variance, &rows_of(self.z.as_ref()))?;
+        objective.differentiate(&*self.kernel, self.noise_variance, &mut gradient);
+        Ok((value, gradient))
+    }
+
+    /// The kernel, with its parameters in the user's units.
+    pub fn kernel(&self) -> &dyn Kernel {
+        &*self.kernel
+    }
+
+    /// The variance of the noise on an observation, in the squared unit of the output.
+    pub fn noise_variance(&self) -> f64 {
+        self.noise_variance
+    }
+
+    /// The constant mean m, in the unit of the output.
+    pub fn mean(&self) -> f64 {
+        self.constant
+    }
+
+    /// The approximation, the choice of the mean, and the jitter.
+    pub fn settings(&self) -> SparseSettings {
+        self.settings
+    }
+
+    /// The pseudo-inputs Z, M×D.
+    pub fn pseudo_inputs(&self) -> MatRef<'_, f64> {
+        self.z.as_ref()
+    }
+
+    /// What was maximised, in nats: the approximate ln p(y | X), and with `Vfe` a lower bound of it.
+    pub fn objective(&self) -> f64 {
+        self.objective
+    }
+
+    /// Mean and variance for the rows of a block.
+    fn predict_block(&self, x_star: MatRef<'_, f64>, mean: &mut [f64], variance: &mut [f64]) {
+        let mut cross = Mat::zeros(self.weights.len(), x_star.nrows());
+        fill_cross(&*self.kernel, self.z.as_ref(), x_star, &mut cross);
+        for (j, mean) in mean.iter_mut().enumerate() {
+            *mean = self.constant + dot(column(&cross, j), &self.weights);
+        }
+        self.kernel.diagonal(x_star, variance);
+        let square = |cross: &Mat<f64>, j| dot(column(cross, j), column(cross, j));
+        solve_lower_triangular_in_place(self.factor.as_ref(), cross.as_mut(), Par::Seq);
+        for (j, variance) in variance.iter_mut().enumerate() {
+            *variance -= square(&cross, j);
+        }
+        solve_lower_triangular_in_place(self.root.as_ref(), cross.as_mut(), Par::Seq);
+        for (j, variance) in variance.iter_mut().enumerate() {
+            // Rounding alone can make the difference of two nearly equal variances negative.
+            *variance = variance.max(0.0) + square(&cross, j);
+        }
+    }
+}
+
+impl Posterior for SparseGp {
+    fn n_inputs(&self) -> usize {
+        self.kernel.n_inputs()
+    }
+
+    fn predict_mean(&self, x_star: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {
+        check_inputs("inputs", x_star, self.n_inputs())?;
+        let mut mean = vec![0.0; x_star.nrows()];
+        mean.par_chunks_mut(BLOCK).enumerate().for_each(|(block, mean)| {
+            let mut values = vec![0.0; self.weights.len()];
+            let mut row = vec![0.0; x_star.ncols()];
+            for (j, mean) in mean.iter_mut().enumerate() {
+                copy_row(x_star, block * BLOCK + j, &mut row);
+                self.kernel.column(self.z.as_ref(), &row, &mut values);
+                *mean = self.constant + dot(&values, &self.weights);
+            }
+        });
+        Ok(mean)
+    }
+
+    fn predict(&self, x_star: MatRef<'_, f64>) -> Result<(Vec<f64>, Vec<f64>), GpError> {
+        check_inputs("inputs", x_star, self.n_inputs())?;
+        let mut mean = vec![0.0; x_star.nrows()];
+        let mut variance = vec![0.0; x_star.nrows()];
+        mean.par_chunks_mut(BLOCK).zip(variance.par_chunks_mut(BLOCK)).enumerate().for_each(
+            |(block, (mean, variance))| {
+                let rows = x_star.subrows(block * BLOCK, mean.len());
+                self.predict_block(rows, mean, variance);
+            },
+        );
+        Ok((mean, variance))
+    }
+
+    fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
+        let mean = self.predict_mean(x_star)?;
+        let mut cross = Mat::zeros(self.weights.len(), x_star.nrows());
+        fill_cross(&*self.kernel, self.z.as_ref(), x_star, &mut cross);
+        let mut covariance = Mat::zeros(x_star.nrows(), x_star.nrows());
+        fill_lower_gram(&*self.kernel, x_star, &mut covariance);
+        for (factor, sign) in [(&self.factor, -1.0), (&self.root, 1.0)] {
+            solve_lower_triangular_in_place(factor.as_ref(), cross.as_mut(), Par::Seq);
+            let sum = covariance.as_mut();
+            matmul(sum, Accum::Add, cross.transpose(), &cross, sign, Par::Seq);
+        }
+        for j in 0..covariance.ncols() {
+            covariance[(j, j)] = covariance[(j, j)].max(0.0);
+        }
+        mirror_lower(&mut covariance);
+        JointGaussian::new(mean, covariance)
+    }
+
+    fn predict_noise(&self, x_star: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {
+        check_inputs("inputs", x_star, self.n_inputs())?;
+        Ok(vec![self.noise_variance; x_star.nrows()])
+    }
+}
+
+/// Inputs predicted together; the results do not depend on who computes which block.
+const BLOCK: usize = 64;
+
+pub(crate) fn check_data(
+    kernel: &dyn Kernel,
+    x: MatRef<'_, f64>,
+    y: &[f64],
+) -> Result<(), GpError> {
+    check_inputs("inputs", x, kernel.n_inputs())?;
+    check_outputs("outputs", y, x.nrows())
+}
+
+/// A matrix by rows.
+pub(crate) fn rows_of(x: MatRef<'_, f64>) -> Vec<f64> {
+    (0..x.nrows()).flat_map(|i| (0..x.ncols()).map(move |d| x[(i, d)])).collect()
+}
