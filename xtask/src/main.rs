@@ -12,6 +12,7 @@ mod held_out;
 mod real_comparison;
 mod real_data;
 mod residual_grid;
+mod simulated_and_real;
 mod test;
 mod tidy;
 
@@ -36,6 +37,7 @@ enum Task {
     RealComparison(real_comparison::Args),
     RealData(real_data::Args),
     ReproduceFigures(figures::Args),
+    SimulatedAndReal(simulated_and_real::Args),
     Test(test::Args),
     Tidy(tidy::Args),
 }
@@ -49,6 +51,7 @@ fn main() -> ExitCode {
         Task::RealComparison(args) => real_comparison::run(&args),
         Task::RealData(args) => real_data::run(&args),
         Task::ReproduceFigures(args) => figures::run(&args),
+        Task::SimulatedAndReal(args) => simulated_and_real::run(&args),
         Task::Test(args) => test::run(&args),
         Task::Tidy(args) => tidy::run(&args),
     };
