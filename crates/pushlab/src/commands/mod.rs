@@ -9,6 +9,7 @@ mod ingest;
 mod init;
 mod inspect;
 mod models;
+mod report;
 
 use anyhow::Result;
 use clap::Subcommand;
@@ -27,6 +28,7 @@ pub(crate) enum Command {
     Effects(effects::Args),
     Generate(generate::Args),
     Compare(compare::Args),
+    Report(report::Args),
     Completions(completions::Args),
 }
 
@@ -45,6 +47,7 @@ impl Command {
             Self::Effects(args) => effects::run(args, terminal),
             Self::Generate(args) => generate::run(args, terminal),
             Self::Compare(args) => compare::run(args, terminal),
+            Self::Report(args) => report::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
         }
     }

@@ -18,7 +18,7 @@ unit = \"rad\"
 ";
 
 /// The sixty pushes with their nominal model and one that claims a grain that is not there.
-fn pushes() -> SmallSet {
+pub(crate) fn pushes() -> SmallSet {
     let set = SmallSet::new();
     let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/pushes");
     crate::documentation::copy(&from, &set.path("pushes"));

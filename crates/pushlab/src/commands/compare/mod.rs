@@ -15,7 +15,7 @@ use diagnosis::{
 use models::ModelFile;
 use serde::Serialize;
 
-use self::part::Part;
+pub(super) use self::part::Part;
 use self::steps::Steps;
 use crate::command_line::preset_parser;
 use crate::file_ending;
