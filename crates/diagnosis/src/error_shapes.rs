@@ -40,19 +40,23 @@ pub(crate) enum Kind {
     Push { coordinate: usize },
 }
 
-/// How far what is expected may be off: a factor of e, either way, in the standard deviation.
+/// How far what is expected may be off, as standard deviation of the logarithm of the variance: a
+/// factor of e, either way, in the standard deviation.
 const LOG_SD: f64 = 2.0;
+/// Few repeats show some parameters of pushes weakly, and then through the model's faults.
+const LOG_SD_PUSH: f64 = 1.0;
 /// The table's standard deviations come from the samples themselves.
 const LOG_SD_KNOWN: f64 = 0.5;
-/// Secants over twice the usual standard deviation to either side.
-const SECANT: f64 = 2.0;
+/// Secants over so many usual standard deviations to either side: they reach pushes that are not
+/// quite at the edge of sticking.
+const SECANT: f64 = 4.0;
 
 /// What stands for a standard deviation that the table does not state: m and rad.
 const UNKNOWN_SD: [f64; 2] = [2e-5, 4e-4];
 
 pub(crate) const SOURCES: [Source; 14] = [
-    source("object position", "1", 1.0, Kind::ObjectPosition),
-    source("object yaw", "1", 1.0, Kind::ObjectYaw),
+    source("object position, as a factor", "1", 1.0, Kind::ObjectPosition),
+    source("object yaw, as a factor", "1", 1.0, Kind::ObjectYaw),
     source("pusher position", "m", 1e-5, Kind::PusherPosition),
     source("force", "N", 0.01, Kind::Force),
     source("force, relative", "1", 5e-3, Kind::ForceShare),
@@ -73,8 +77,11 @@ const fn source(name: &'static str, unit: &'static str, usual_sd: f64, kind: Kin
 
 impl Source {
     pub(crate) fn prior(&self) -> LogNormal {
-        let known = matches!(self.kind, Kind::ObjectPosition | Kind::ObjectYaw);
-        let log_sd = if known { LOG_SD_KNOWN } else { LOG_SD };
+        let log_sd = match self.kind {
+            Kind::ObjectPosition | Kind::ObjectYaw => LOG_SD_KNOWN,
+            Kind::Push { .. } => LOG_SD_PUSH,
+            _ => LOG_SD,
+        };
         LogNormal { median: self.usual_sd * self.usual_sd, log_sd }
     }
 }

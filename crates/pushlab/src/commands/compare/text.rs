@@ -5,6 +5,7 @@ use std::fmt;
 use diagnosis::{Cell, ChannelChange, ChannelError, Covariate, Floor, FloorSource, ResidualMap};
 
 use super::{Against, Compared};
+use crate::people::people;
 use crate::terminal::TITLE;
 
 /// Pushes that a screen has room for.
@@ -42,16 +43,6 @@ impl fmt::Display for Compared {
             writeln!(f, "  {} push {}: {moved:.2} mm, {turn:.2}°", name.recording, name.push)?;
         }
         self.against.as_ref().map_or(Ok(()), |against| write_against(f, against))
-    }
-}
-
-/// A number of SI units per unit for people, and that unit.
-fn people(unit: &str) -> (f64, &str) {
-    match unit {
-        "m" => (1e3, "mm"),
-        "rad" => (1.0_f64.to_degrees(), "°"),
-        "1" => (1.0, ""),
-        other => (1.0, other),
     }
 }
 
