@@ -10,6 +10,7 @@ mod figures;
 mod fixtures;
 mod held_out;
 mod real_data;
+mod simulated_and_real;
 mod test;
 mod tidy;
 
@@ -33,6 +34,7 @@ enum Task {
     Fixtures(fixtures::Args),
     RealData(real_data::Args),
     ReproduceFigures(figures::Args),
+    SimulatedAndReal(simulated_and_real::Args),
     Test(test::Args),
     Tidy(tidy::Args),
 }
@@ -45,6 +47,7 @@ fn main() -> ExitCode {
         Task::Fixtures(args) => fixtures::run(&args),
         Task::RealData(args) => real_data::run(&args),
         Task::ReproduceFigures(args) => figures::run(&args),
+        Task::SimulatedAndReal(args) => simulated_and_real::run(&args),
         Task::Test(args) => test::run(&args),
         Task::Tidy(args) => tidy::run(&args),
     };

@@ -17,6 +17,9 @@ use crate::{
 };
 
 /// A way in which recordings are stored.
+///
+/// Those of this crate are in [`all_formats`]; [`crate::RecordingSet::open_with_format`] reads a set
+/// with one of a user's own, which needs `id`, `find` and `read`.
 pub trait LogFormat: Sync {
     /// The name used in `dataset.toml`.
     fn id(&self) -> &'static str;
@@ -37,7 +40,34 @@ pub trait LogFormat: Sync {
     ///
     /// # Errors
     /// An error with path and byte or line if nothing of the recording can be read.
-    fn inspect(&self, path: &Path) -> Result<Inspection, DatasetError>;
+    fn inspect(&self, path: &Path) -> Result<Inspection, DatasetError> {
+        Ok(Inspection::of(&self.read(path, &Streams::default())?))
+    }
+}
+
+impl Inspection {
+    /// The streams of a recording that was read.
+    #[must_use]
+    pub fn of(recording: &Recording) -> Self {
+        let Recording { robot, object, wrench, .. } = recording;
+        let wrench = wrench.as_ref().map(|wrench| (StreamRole::Wrench, &wrench.source, &wrench.t));
+        let poses = [
+            (StreamRole::Robot, &robot.source, &robot.t),
+            (StreamRole::Object, &object.source, &object.t),
+        ];
+        let streams = poses.into_iter().chain(wrench).map(|(role, source, t)| {
+            let first = t.iter().copied().fold(f64::INFINITY, f64::min);
+            let span = t.iter().copied().fold(f64::NEG_INFINITY, f64::max) - first;
+            StreamInfo {
+                name: if source.is_empty() { role.to_string() } else { source.clone() },
+                count: t.len() as u64,
+                rate_hz: (span > 0.0).then(|| (t.len() - 1) as f64 / span),
+                fits: vec![role],
+                ..StreamInfo::default()
+            }
+        });
+        Self { streams: streams.collect(), remarks: recording.remarks.clone(), ..Self::default() }
+    }
 }
 
 /// What a recording contains.

@@ -36,6 +36,8 @@ mod init;
 mod manifest;
 mod noise;
 mod object;
+#[cfg(doctest)]
+mod pages;
 mod preset;
 mod process;
 mod push;
@@ -56,6 +58,7 @@ mod track;
 
 pub use error::DatasetError;
 pub use format::{Inspection, LogFormat, StreamInfo, all_formats, format_by_id};
+pub use formats::find_files;
 pub use recording::{PoseStream, Recording, WrenchStream};
 pub use remark::{Remark, RemarkKind, StreamRole};
 pub use settings::{ColumnMap, Quantity, StreamSettings, Streams, TimeSource, WrenchFrame};

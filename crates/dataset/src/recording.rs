@@ -1,8 +1,8 @@
 //! One recording: the streams of a log exactly as they were recorded.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use crate::remark::Remark;
+use crate::{error::DatasetError, map::FileBytes, remark::Remark};
 
 /// The streams of one log file or folder, in SI units and in the world frame.
 ///
@@ -52,6 +52,15 @@ impl Recording {
             remarks: Vec::new(),
         }
     }
+
+    /// The same recording as read from a file, whose SHA-256 it gets.
+    ///
+    /// # Errors
+    /// `Io` if the file cannot be read.
+    pub fn with_source(self, path: &Path) -> Result<Self, DatasetError> {
+        let sha256 = FileBytes::open(path)?.sha256();
+        Ok(Self { path: path.to_path_buf(), sha256, ..self })
+    }
 }
 
 /// Poses over time in the world frame W.
@@ -72,6 +81,14 @@ pub struct PoseStream {
 }
 
 impl PoseStream {
+    /// Appends a pose: time in s, position in m, yaw in rad.
+    pub fn push(&mut self, t: f64, x: f64, y: f64, theta: f64) {
+        self.t.push(t);
+        self.x.push(x);
+        self.y.push(y);
+        self.theta.push(theta);
+    }
+
     /// Number of poses.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -101,6 +118,13 @@ pub struct WrenchStream {
 }
 
 impl WrenchStream {
+    /// Appends a force without torque: time in s, force of the object on the pusher in N.
+    pub fn push(&mut self, t: f64, fx: f64, fy: f64) {
+        self.t.push(t);
+        self.fx.push(fx);
+        self.fy.push(fy);
+    }
+
     /// Number of samples.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -33,7 +33,7 @@ impl RecordingSet {
         let manifest_path = if is_dir { path.join(MANIFEST_NAME) } else { path.to_path_buf() };
         if manifest_path.exists() {
             let dir = manifest_path.parent().unwrap_or(Path::new(".")).to_path_buf();
-            return Self::with_manifest(dir, Manifest::read(&manifest_path)?, None);
+            return Self::with_manifest(dir, Manifest::read(&manifest_path)?, None, None);
         }
         match Preset::of_recordings(path) {
             Some(preset) => Self::open_with_preset(path, preset),
@@ -41,6 +41,26 @@ impl RecordingSet {
                 path: path.into(),
                 presets: Preset::ALL.map(Preset::name).join(", "),
             }),
+        }
+    }
+
+    /// Opens a folder with `dataset.toml` whose recordings are in a format of the caller's own; the
+    /// manifest names no other.
+    ///
+    /// # Errors
+    /// As [`RecordingSet::open`], and what the format says; `UnknownFormat` if the manifest names
+    /// another format.
+    pub fn open_with_format(
+        dir: &Path,
+        format: &'static dyn LogFormat,
+    ) -> Result<Self, DatasetError> {
+        let manifest = Manifest::read(&dir.join(MANIFEST_NAME))?;
+        match &manifest.recordings.format {
+            Some(other) if other != format.id() => {
+                let (id, known) = (other.clone(), format.id().to_owned());
+                Err(DatasetError::UnknownFormat { id, known })
+            }
+            _ => Self::with_manifest(dir.to_path_buf(), manifest, None, Some(format)),
         }
     }
 
@@ -53,21 +73,23 @@ impl RecordingSet {
             path: dir.into(),
             presets: format!("{} is for tables", preset.name()),
         })??;
-        Self::with_manifest(dir.to_path_buf(), manifest, Some(preset))
+        Self::with_manifest(dir.to_path_buf(), manifest, Some(preset), None)
     }
 
     fn with_manifest(
         dir: PathBuf,
         manifest: Manifest,
         preset: Option<Preset>,
+        own_format: Option<&'static dyn LogFormat>,
     ) -> Result<Self, DatasetError> {
         let folder = dir.join(&manifest.recordings.path);
-        let (format, recordings) = match &manifest.recordings.format {
-            Some(id) => {
+        let (format, recordings) = match (own_format, &manifest.recordings.format) {
+            (Some(format), _) => (format, format.find(&folder)?),
+            (None, Some(id)) => {
                 let format = format_by_id(id)?;
                 (format, format.find(&folder)?)
             }
-            None => find_any(&folder)?,
+            (None, None) => find_any(&folder)?,
         };
         let sessions = read_sessions(&dir)?;
         Ok(Self { dir, manifest, preset, format, recordings, sessions })

@@ -2,13 +2,13 @@
 
 mod catalogue;
 mod claims;
-mod inputs;
+pub(crate) mod inputs;
 mod learning;
 mod mechanics;
-mod models;
+pub(crate) mod models;
 mod recordings;
 mod sketch;
-mod thesis_design;
+pub(crate) mod thesis_design;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -30,7 +30,7 @@ const SEAL: &str = "sha256";
 ///
 /// # Errors
 /// A push that cannot be simulated; files that cannot be read or written.
-pub(super) fn thesis_design() -> Result<Vec<PathBuf>> {
+pub(crate) fn thesis_design() -> Result<Vec<PathBuf>> {
     let settings: Vec<_> = SPEEDS_MM_S.iter().map(|&speed| settings(speed)).collect();
     let target = workspace_root().join("target");
     made_once(&target.join(FOLDER), &key(&settings)?, |folder| simulate(&settings, folder))?;

@@ -32,6 +32,21 @@ pub(super) fn find_recordings(
     Ok(found)
 }
 
+/// The files of a folder with one of these endings, sorted by name; such a file itself alone.
+///
+/// What a log format of a user's own needs for [`crate::LogFormat::find`].
+///
+/// # Errors
+/// `Io` if the folder cannot be read, `NoRecordings` if it has no such file.
+pub fn find_files(
+    dir: &Path,
+    format: &'static str,
+    endings: &[&str],
+) -> Result<Vec<PathBuf>, DatasetError> {
+    let expected = "files with the format's ending";
+    find_recordings(dir, format, expected, &|path| is_file_ending(path, endings))
+}
+
 /// Whether a path is a file with one of these endings.
 pub(super) fn is_file_ending(path: &Path, endings: &[&str]) -> bool {
     let ending = path.extension().and_then(|ending| ending.to_str());

@@ -12,6 +12,7 @@ const PROJECT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 const COMMAND_LINE: &str = "command-line.md";
 const TUTORIAL: &str = "tutorial-recordings.md";
+const COMPARISON: &str = "tutorial-compare.md";
 
 fn page(name: &str) -> String {
     fs::read_to_string(Path::new(PROJECT).join("docs").join(name)).unwrap()
@@ -30,31 +31,56 @@ pub(crate) fn copy(from: &Path, to: &Path) {
 }
 
 /// The page with the output of each `$ pushlab` line in place of what stands below it.
+///
+/// What stands below a `$ cat FILE` is written to that file: so the user edited it.
 fn with_true_output(page: &str, set: &SmallSet) -> String {
     let (mut text, mut in_session) = (String::new(), false);
+    let mut edited: Option<(&str, String)> = None;
     for line in page.lines() {
         let ends = in_session && line == "```";
         in_session = line == "```console" || (in_session && !ends);
         let command = line.strip_prefix("$ pushlab ").filter(|_| in_session);
-        if !in_session || line == "```console" || command.is_some() {
+        if (ends || line.starts_with("$ "))
+            && let Some((name, content)) = edited.take()
+        {
+            set.write(name, &content);
+        }
+        if let Some((_, content)) = &mut edited {
+            *content += &format!("{line}\n");
+        }
+        let is_kept = !in_session || line == "```console" || line.starts_with("$ ");
+        if is_kept || edited.is_some() {
             text += &format!("{line}\n");
         }
+        if let Some(name) = line.strip_prefix("$ cat ").filter(|_| in_session) {
+            edited = Some((name, String::new()));
+        }
         if let Some(command) = command {
-            let arguments: Vec<_> = command.split(' ').collect();
-            let run = set.run(&arguments);
+            let run = set.run(&words(command));
             text += if run.code == Some(0) { &run.stdout } else { &run.stderr };
         }
     }
     text
 }
 
+/// The words of a command; those within single quotes belong together.
+fn words(command: &str) -> Vec<&str> {
+    let parts = command.split('\'').enumerate();
+    let words = parts.flat_map(|(index, part)| {
+        let is_quoted = index % 2 == 1;
+        let separator = if is_quoted { '\'' } else { ' ' };
+        part.split(separator).filter(move |word| is_quoted || !word.is_empty())
+    });
+    words.collect()
+}
+
 #[test]
 fn the_sessions_on_the_pages_are_what_the_tool_prints() {
-    let set = SmallSet::new();
-    for name in ["pushes", "formats/mcap-ros2"] {
-        copy(&Path::new(PROJECT).join("fixtures").join(name), &set.path(name));
-    }
-    for name in [COMMAND_LINE, TUTORIAL] {
+    for name in [COMMAND_LINE, TUTORIAL, COMPARISON] {
+        let set = SmallSet::new();
+        for fixture in ["pushes", "formats/mcap-ros2"] {
+            copy(&Path::new(PROJECT).join("fixtures").join(fixture), &set.path(fixture));
+        }
         let page = page(name);
         let printed = with_true_output(&page, &set);
         if page != printed {

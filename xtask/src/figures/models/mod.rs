@@ -3,4 +3,4 @@
 pub(crate) mod gp_maps;
 pub(crate) mod learning_curves;
 pub(crate) mod pooled_speeds;
-mod steps;
+pub(crate) mod steps;

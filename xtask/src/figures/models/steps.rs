@@ -14,7 +14,7 @@ use crate::held_out::quantile;
 const FEWEST: usize = 80;
 
 /// Whole steps in contact of one object.
-pub(super) struct Steps {
+pub(crate) struct Steps {
     pub steps: Vec<StepObservation>,
     pub shape: Arc<Shape>,
     pub pusher_radius: f64,
@@ -26,7 +26,7 @@ pub(super) struct Steps {
 
 impl Steps {
     /// Of the object of the first row; those of others would need models of their own.
-    pub(super) fn of(inputs: &Inputs) -> Result<Self> {
+    pub(crate) fn of(inputs: &Inputs) -> Result<Self> {
         let (table, pusher) = (inputs.table()?, inputs.pusher()?);
         let too_few = || inputs.lacking("at least 80 whole steps of one object");
         let first = table.rows.first().ok_or_else(too_few)?;

@@ -108,13 +108,15 @@ impl Args {
     fn settings(&self) -> Result<GenerateSettings> {
         let hidden =
             self.hidden.iter().map(|text| Ok(text.parse()?)).collect::<Result<Vec<Hidden>>>()?;
-        let file = self.settings.as_deref().map_or_else(
-            || Ok(SettingsFile::default()),
-            |path| {
+        let (object, nominal) = self.shape.rig()?;
+        let usual_truth = nominal.truth();
+        let file = match &self.settings {
+            Some(path) => {
                 readable(path)?;
-                SettingsFile::read(path)
-            },
-        )?;
+                SettingsFile::read(path, &usual_truth)?
+            }
+            None => SettingsFile::usual(&usual_truth),
+        };
         let SettingsFile { mut design, sensors, scatter, numerics, truth } = file;
         if let Some(name) = &self.design {
             design.layout = name.layout()?;
@@ -139,12 +141,11 @@ impl Args {
         if !self.speed.is_empty() {
             design.speeds = self.speed.iter().map(|Speed(speed)| *speed).collect();
         }
-        let (object, nominal) = self.shape.rig()?;
         Ok(GenerateSettings {
             name: format!("simulated pushes of {}", self.shape),
             object,
             nominal,
-            truth: truth.unwrap_or_else(|| nominal.truth()),
+            truth: truth.unwrap_or(usual_truth),
             hidden,
             design,
             scatter,

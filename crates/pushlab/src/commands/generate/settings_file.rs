@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use plant::{Design, Numerics, Scatter, Sensors, Truth};
 use serde::{Deserialize, Serialize};
+use toml::{Table, Value};
 
 /// A file of settings; what it leaves out is as usual.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -23,19 +24,40 @@ pub(super) struct SettingsFile {
 }
 
 impl SettingsFile {
-    /// Reads a file.
+    /// Everything as usual, on a rig of which this is true.
+    pub(super) fn usual(truth: &Truth) -> Self {
+        Self { truth: Some(truth.clone()), ..Self::default() }
+    }
+
+    /// Reads a file over what is usual: single keys may be left out at any depth.
     ///
     /// # Errors
     /// If it cannot be read, or with the line and what it should be.
-    pub(super) fn read(path: &Path) -> Result<Self> {
+    pub(super) fn read(path: &Path, truth: &Truth) -> Result<Self> {
         let context = || format!("cannot read {}", path.display());
         let text = std::fs::read_to_string(path).with_context(context)?;
-        toml::from_str(&text).with_context(context)
+        // Of the text itself, so that an error has its line.
+        toml::from_str::<Self>(&text).with_context(context)?;
+        let mut merged = Table::try_from(Self::usual(truth)).with_context(context)?;
+        merge(&mut merged, text.parse().with_context(context)?);
+        merged.try_into().with_context(context)
+    }
+}
+
+/// Puts the values of one table into another; tables within are merged, too.
+fn merge(into: &mut Table, from: Table) {
+    for (key, value) in from {
+        match (into.get_mut(&key), value) {
+            (Some(Value::Table(below)), Value::Table(values)) => merge(below, values),
+            (_, value) => drop(into.insert(key, value)),
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use plant::Truth;
+
     use super::SettingsFile;
 
     const PAGE: &str = include_str!("../../../../../docs/simulated-recordings.md");
@@ -54,10 +76,27 @@ mod tests {
     }
 
     #[test]
+    fn keys_that_are_left_out_stay_as_usual_at_any_depth() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("rig.toml");
+        let text = "[sensors.object]\nrate = 200.0\n[truth.clocks]\nforce_latency = 0.01\n\
+                    [design]\nlayout = { narrow = { edge = 2 } }\n";
+        std::fs::write(&path, text).unwrap();
+        let mut truth = Truth::default();
+        truth.tip.radius = 0.006;
+        let read = SettingsFile::read(&path, &truth).unwrap();
+        let mut expected = SettingsFile::usual(&truth);
+        expected.sensors.object.rate = 200.0;
+        expected.design.layout = plant::Layout::Narrow { edge: 2 };
+        expected.truth.as_mut().unwrap().clocks.force_latency = 0.01;
+        assert_eq!(read, expected);
+    }
+
+    #[test]
     fn the_truth_on_the_page_is_one() {
         let shown = PAGE.split("```toml\n").nth(2).unwrap().split("```").next().unwrap();
         let truth = toml::from_str::<SettingsFile>(shown).unwrap().truth.unwrap();
         truth.check().unwrap();
-        assert!(truth != plant::Truth::default());
+        assert!(truth != Truth::default());
     }
 }
