@@ -30,6 +30,9 @@ pub enum DiagnosisError {
         /// 0-based index of the push.
         push: usize,
     },
+    /// A score could not be computed.
+    #[error("the model's intervals cannot be scored")]
+    Scores(#[from] gp_core::GpError),
     /// A search did not end.
     #[error(
         "{what} did not converge: after {iterations} iterations the likelihood still rises by \

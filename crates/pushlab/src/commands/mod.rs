@@ -10,6 +10,7 @@ mod ingest;
 mod init;
 mod inspect;
 mod models;
+mod report;
 
 use anyhow::Result;
 use clap::Subcommand;
@@ -29,6 +30,7 @@ pub(crate) enum Command {
     Generate(generate::Args),
     Check(check::Args),
     Compare(compare::Args),
+    Report(report::Args),
     Completions(completions::Args),
 }
 
@@ -48,6 +50,7 @@ impl Command {
             Self::Generate(args) => generate::run(args, terminal),
             Self::Check(args) => check::run(args, terminal),
             Self::Compare(args) => compare::run(args, terminal),
+            Self::Report(args) => report::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
         }
     }

@@ -141,6 +141,7 @@ fn every_key_of_the_results_is_on_the_page() {
         &["effects", "explain", "table-anisotropy"],
         &["generate", "simulated", "--pushes", "1"],
         &["compare", "pushes", "--against", "model.toml"],
+        &["report", "pushes"],
     ] {
         let run = set.done(&[arguments, &["--json"]].concat());
         let mut document: Value = serde_json::from_str(&run.stdout).unwrap();

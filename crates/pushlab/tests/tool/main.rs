@@ -8,5 +8,7 @@ mod commands;
 mod comparison;
 mod documentation;
 mod generated;
+mod report_page;
+mod schema;
 mod small_set;
 mod usage;

@@ -19,6 +19,7 @@ fn help_lists_every_command() {
   effects      List and explain effects: what models can carry, and what `generate` can hide
   generate     Simulate pushes and write them as a recording set that can hide an effect
   compare      Tell how wrong a model is on recordings, where, and how wrong it may be at best
+  report       Show how models do on recordings: one HTML page, to be read without a network
   completions  Print a completion script for a shell
   help         Print this message or the help of the given subcommand(s)"
     );

@@ -10,24 +10,25 @@ use crate::terminal::TITLE;
 /// A model's name, kind and parameters.
 #[derive(Serialize)]
 pub(crate) struct Parameters {
-    name: String,
-    kind: &'static str,
+    pub(crate) name: String,
+    pub(crate) kind: &'static str,
     /// Of the kinds with mechanics.
-    limit_surface: Option<&'static str>,
-    parameters: Vec<Parameter>,
+    pub(crate) limit_surface: Option<&'static str>,
+    pub(crate) parameters: Vec<Parameter>,
     /// Outputs with a Gaussian process, for the kinds that learn.
-    learned: Vec<&'static str>,
+    pub(crate) learned: Vec<&'static str>,
 }
 
+/// A parameter as the file states it.
 #[derive(Serialize)]
-struct Parameter {
-    name: String,
+pub(crate) struct Parameter {
+    pub(crate) name: String,
     /// None where it follows from the object.
-    value: Option<f64>,
+    pub(crate) value: Option<f64>,
     /// Standard error; 0 for a value taken as exact.
-    se: f64,
-    unit: &'static str,
-    source: String,
+    pub(crate) se: f64,
+    pub(crate) unit: &'static str,
+    pub(crate) source: String,
 }
 
 impl Parameters {
