@@ -49,7 +49,7 @@ const TABLE_HEAD: &str = "
 3000 pushes of the 90 mm steel square on plywood at 20 mm/s and 0.2 s, each one step of 4 mm.
 
 ```text
-pushlab models init mit-push-table --preset mit-table -o nominal.toml
+pushlab models init --preset mit-table -o nominal.toml
 pushlab compare mit-push-table/table.csv --preset mit-table --model nominal.toml
 ```
 
@@ -58,11 +58,11 @@ pushlab compare mit-push-table/table.csv --preset mit-table --model nominal.toml
 const RAW_HEAD: &str = "
 ## Raw pushes at 100 mm/s
 
-32 recordings of the same square, in steps of 4 mm; those whose force zero is lost have no force.
+32 recordings of the same square, in steps of 50 ms, about 5 mm; those whose force zero is lost have no force.
 
 ```text
-pushlab models init mit-push-raw --preset mit-push -o nominal.toml
-pushlab compare mit-push-raw --preset mit-push --step 4mm --model nominal.toml
+pushlab models init --preset mit-push -o nominal.toml
+pushlab compare mit-push-raw --preset mit-push --step 50ms --model nominal.toml
 ```
 
 ";
@@ -105,7 +105,10 @@ fn errors(compared: &Compared) -> String {
              difference between the residuals of nearest neighbours."
         }
     };
-    let _ = writeln!(text, "\n{source} What these data cannot tell:\n");
+    let _ = writeln!(text, "\n{source}");
+    if !found.not_asked.is_empty() {
+        let _ = writeln!(text, "\nWhat these data cannot tell:\n");
+    }
     for what in &found.not_asked {
         let _ = writeln!(text, "- {what}");
     }

@@ -14,8 +14,8 @@ use models::{
     Analytical, CharacteristicLength, Description, PushModel, StepObservation, StepSelection,
 };
 
-/// The pusher's way in a step of the raw pushes, in m.
-const STEP_WAY: f64 = 0.004;
+/// Length of a step of the raw pushes, in s: the shortest that holds enough samples.
+const STEP: f64 = 0.05;
 
 /// One set with the nominal model on it.
 pub(super) struct Compared {
@@ -62,10 +62,10 @@ pub(super) fn one_step_table(path: &Path) -> Result<Compared> {
     Ok(Compared { observations, predictions, nominal, pusher_friction, fitted, ends })
 }
 
-/// The raw pushes, as the preset `mit-push` reads them, in steps of [`STEP_WAY`].
+/// The raw pushes, as the preset `mit-push` reads them, in steps of [`STEP`].
 pub(super) fn raw_pushes(dir: &Path) -> Result<Compared> {
     let set = RecordingSet::open_with_preset(dir, Preset::MitPush)?;
-    let step = StepLength::Distance(STEP_WAY);
+    let step = StepLength::Time(STEP);
     let (table, _) = ingest(&set, &IngestSettings { step, ..IngestSettings::default() })
         .with_context(|| format!("cannot ingest {}", dir.display()))?;
     let observations = Observations::of(&table, set.manifest())?;
