@@ -9,6 +9,7 @@ mod document;
 mod failure;
 mod file_ending;
 mod origin;
+mod people;
 mod progress;
 mod recorded_steps;
 mod step_size;

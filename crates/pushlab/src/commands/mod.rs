@@ -1,5 +1,6 @@
 //! The commands: one file each, with its arguments and its work, and one list.
 
+mod check;
 mod compare;
 mod completions;
 mod describe;
@@ -27,6 +28,7 @@ pub(crate) enum Command {
     Models(models::Args),
     Effects(effects::Args),
     Generate(generate::Args),
+    Check(check::Args),
     Compare(compare::Args),
     Report(report::Args),
     Completions(completions::Args),
@@ -46,6 +48,7 @@ impl Command {
             Self::Models(args) => models::run(args, terminal),
             Self::Effects(args) => effects::run(args, terminal),
             Self::Generate(args) => generate::run(args, terminal),
+            Self::Check(args) => check::run(args, terminal),
             Self::Compare(args) => compare::run(args, terminal),
             Self::Report(args) => report::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
