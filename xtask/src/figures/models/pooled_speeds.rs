@@ -175,7 +175,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let sets = [0.02, 0.3].map(|speed| {
             let set = folder.path().join(format!("{speed}"));
-            let design = Design { n_pushes: 24, speeds: vec![speed], ..Design::default() };
+            let design = Design { n_pushes: 16, speeds: vec![speed], ..Design::default() };
             generate(&GenerateSettings { design, ..GenerateSettings::default() }, &set).unwrap();
             set
         });
