@@ -9,7 +9,9 @@ mod effects_atlas;
 mod figures;
 mod fixtures;
 mod held_out;
+mod real_comparison;
 mod real_data;
+mod residual_grid;
 mod simulated_and_real;
 mod test;
 mod tidy;
@@ -32,6 +34,7 @@ enum Task {
     Ci(ci::Args),
     EffectsAtlas(effects_atlas::Args),
     Fixtures(fixtures::Args),
+    RealComparison(real_comparison::Args),
     RealData(real_data::Args),
     ReproduceFigures(figures::Args),
     SimulatedAndReal(simulated_and_real::Args),
@@ -45,6 +48,7 @@ fn main() -> ExitCode {
         Task::Ci(args) => ci::run(&args),
         Task::EffectsAtlas(args) => effects_atlas::run(&args),
         Task::Fixtures(args) => fixtures::run(&args),
+        Task::RealComparison(args) => real_comparison::run(&args),
         Task::RealData(args) => real_data::run(&args),
         Task::ReproduceFigures(args) => figures::run(&args),
         Task::SimulatedAndReal(args) => simulated_and_real::run(&args),

@@ -17,6 +17,11 @@ pub(crate) fn model(text: &str) -> Result<PathBuf, String> {
     ending(text, &["toml"])
 }
 
+/// A page.
+pub(crate) fn page(text: &str) -> Result<PathBuf, String> {
+    ending(text, &["html"])
+}
+
 fn ending(text: &str, allowed: &[&str]) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match path.extension().and_then(|ending| ending.to_str()) {

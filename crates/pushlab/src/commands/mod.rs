@@ -11,6 +11,7 @@ mod ingest;
 mod init;
 mod inspect;
 mod models;
+mod report;
 
 use anyhow::Result;
 use clap::Subcommand;
@@ -31,6 +32,7 @@ pub(crate) enum Command {
     Compare(compare::Args),
     Fit(fit::Args),
     Add(add::Args),
+    Report(report::Args),
     Completions(completions::Args),
 }
 
@@ -51,6 +53,7 @@ impl Command {
             Self::Compare(args) => compare::run(args, terminal),
             Self::Fit(args) => fit::run(args, terminal),
             Self::Add(args) => add::run(args, terminal),
+            Self::Report(args) => report::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
         }
     }

@@ -8,5 +8,7 @@ mod comparison;
 mod documentation;
 mod fitting;
 mod generated;
+mod report_page;
+mod schema;
 mod small_set;
 mod usage;
