@@ -32,7 +32,7 @@ pub struct Observations {
     /// SHA-256 over the hashes of the recordings.
     pub(crate) set: String,
     /// The set's name in its manifest.
-    name: String,
+    pub(crate) name: String,
     /// What was not measured.
     pub(crate) unknown: Vec<Covariate>,
     pub(crate) set_aside: SetAside,
