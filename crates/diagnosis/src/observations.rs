@@ -316,7 +316,7 @@ impl Observations {
     pub(crate) fn own_numbers(&self) -> Vec<Vec<(usize, usize)>> {
         let mut numbers = vec![Vec::new(); self.pushes.len()];
         for (step, push) in self.push_of.iter().enumerate() {
-            let own = (0..effects::Channels::NAMES.len()).filter(|k| self.is_own(step, *k));
+            let own = (0..Channels::NAMES.len()).filter(|k| self.is_own(step, *k));
             numbers[*push].extend(own.map(|number| (step, number)));
         }
         numbers
@@ -327,6 +327,16 @@ impl Observations {
         index > 0
             && self.push_of[index - 1] == self.push_of[index]
             && self.places[index - 1].step + 1 == self.places[index].step
+    }
+
+    /// The channels that are observed at any step.
+    pub fn channels(&self) -> Vec<Channel> {
+        let of = |channel: Channel, step: &ChannelObservation| {
+            let numbers = Channels::KINDS.iter().zip(&step.observed);
+            numbers.into_iter().any(|(kind, value)| *kind == channel && value.is_some())
+        };
+        let is_there = |channel: &Channel| self.steps.iter().any(|step| of(*channel, step));
+        Channel::ALL.into_iter().filter(is_there).collect()
     }
 
     /// Rows of the whole table that are not compared.

@@ -1,6 +1,7 @@
 //! The commands: one file each, with its arguments and its work, and one list.
 
 mod add;
+mod check;
 mod compare;
 mod completions;
 mod describe;
@@ -29,6 +30,7 @@ pub(crate) enum Command {
     Models(models::Args),
     Effects(effects::Args),
     Generate(generate::Args),
+    Check(check::Args),
     Compare(compare::Args),
     Fit(fit::Args),
     Add(add::Args),
@@ -50,6 +52,7 @@ impl Command {
             Self::Models(args) => models::run(args, terminal),
             Self::Effects(args) => effects::run(args, terminal),
             Self::Generate(args) => generate::run(args, terminal),
+            Self::Check(args) => check::run(args, terminal),
             Self::Compare(args) => compare::run(args, terminal),
             Self::Fit(args) => fit::run(args, terminal),
             Self::Add(args) => add::run(args, terminal),

@@ -9,6 +9,7 @@ use diagnosis::{
 use models::Cluster;
 
 use super::{Against, Compared};
+use crate::people::people;
 use crate::terminal::TITLE;
 
 /// Pushes that a screen has room for.
@@ -55,16 +56,6 @@ impl fmt::Display for Compared {
             writeln!(f, "  {} push {}: {moved:.2} mm, {turn:.2}°", name.recording, name.push)?;
         }
         self.against.as_ref().map_or(Ok(()), |against| write_against(f, against))
-    }
-}
-
-/// A number of SI units per unit for people, and that unit.
-fn people(unit: &str) -> (f64, &str) {
-    match unit {
-        "m" => (1e3, "mm"),
-        "rad" => (1.0_f64.to_degrees(), "°"),
-        "1" => (1.0, ""),
-        other => (1.0, other),
     }
 }
 
