@@ -1,5 +1,7 @@
 //! What can go wrong in a comparison.
 
+use crate::Undetermined;
+
 /// Why observations and a model could not be compared.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -29,6 +31,17 @@ pub enum DiagnosisError {
     NotACovariance {
         /// 0-based index of the push.
         push: usize,
+    },
+    /// Nothing that was measured, nor a prior, depends on a number that is to be fitted.
+    #[error("nothing depends on one of the numbers to be fitted; free fewer")]
+    Flat,
+    /// The data do not determine an effect.
+    #[error("{effect} cannot be determined: {why}")]
+    Undetermined {
+        /// Id of the effect.
+        effect: &'static str,
+        /// Why, and what to do.
+        why: Undetermined,
     },
     /// A score could not be computed.
     #[error("the model's intervals cannot be scored")]

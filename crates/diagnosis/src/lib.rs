@@ -16,6 +16,7 @@ mod error;
 mod error_shapes;
 mod errors;
 mod finding;
+mod fit;
 mod floor_growth;
 mod map_test;
 mod noise_floor;
@@ -56,6 +57,10 @@ pub use coverage::Coverage;
 pub use error::DiagnosisError;
 pub use errors::ChannelError;
 pub use finding::Finding;
+pub use fit::{
+    EffectFit, Fit, FitSettings, Interval, NuisanceFit, ParameterFit, Resemblance, Undetermined,
+    fit, fit_with_noise,
+};
 pub use noise_floor::{Floor, FloorSource, NoiseFloor, noise_floor};
 pub use noise_model::{ErrorSource, NoiseModel};
 pub use observations::{Observations, PushName};

@@ -1,6 +1,6 @@
 //! The steps of a table with what a comparison asks of them.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::fmt;
 
 use dataset::{
@@ -8,7 +8,8 @@ use dataset::{
 };
 use effects::{Channel, Channels, Track};
 use models::{
-    ChannelObservation, ChannelSteps, Cluster, SetAside, SetAsideReason, Split, StepSelection,
+    ChannelModel, ChannelObservation, ChannelSteps, Cluster, Description, SetAside, SetAsideReason,
+    Split, StepSelection,
 };
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -30,6 +31,8 @@ pub struct Observations {
     pub(crate) support: SupportSpec,
     /// SHA-256 over the hashes of the recordings.
     pub(crate) set: String,
+    /// The set's name in its manifest.
+    pub(crate) name: String,
     /// What was not measured.
     pub(crate) unknown: Vec<Covariate>,
     pub(crate) set_aside: SetAside,
@@ -117,8 +120,8 @@ impl Observations {
         Ok(all)
     }
 
-    /// As [`Observations::of`], without steps whose noise is of another kind: the first touch, with its peak of
-    /// force, those near a vertex, where the outline's normal jumps, and those within which the
+    /// As [`Observations::of`], without steps whose noise is of another kind: the first touch, with
+    /// its peak of force, those near a vertex, where the outline's normal jumps, and those within which the
     /// pusher starts or stops. For tables that were made with [`crate::steady_ingest`].
     ///
     /// # Errors
@@ -171,6 +174,7 @@ impl Observations {
             pushes,
             support,
             set: set_digest(table),
+            name: table.provenance.get("set").unwrap_or_default().to_owned(),
             unknown: Vec::new(),
             set_aside,
         };
@@ -202,6 +206,7 @@ impl Observations {
             pushes: kept.iter().map(|push| self.pushes[*push].clone()).collect(),
             support: self.support,
             set: self.set.clone(),
+            name: self.name.clone(),
             unknown: self.unknown.clone(),
             set_aside: self.set_aside.clone(),
         };
@@ -211,6 +216,43 @@ impl Observations {
     /// Whether a split is of these recordings.
     pub fn are_of(&self, split: &Split) -> bool {
         split.set == self.set
+    }
+
+    /// Values at which an effect changes nothing of a model on these steps.
+    ///
+    /// # Errors
+    /// `Model` for a learnt model, or for what the model refuses.
+    pub fn off(
+        &self,
+        model: &Description,
+        about: &effects::About,
+    ) -> Result<Vec<f64>, DiagnosisError> {
+        let model = ChannelModel::new(model, self.support, &[])?;
+        let physics = model.physics(&self.steps[0].input.object)?;
+        Ok(about.off(physics.rig()))
+    }
+
+    /// Whether a number of one of the channels was observed at some step.
+    pub(crate) fn show(&self, channels: &[Channel]) -> bool {
+        let is_shown = |(number, value): (usize, &Option<f64>)| {
+            value.is_some() && channels.contains(&Channels::KINDS[number])
+        };
+        self.steps.iter().any(|step| step.observed.iter().enumerate().any(is_shown))
+    }
+
+    /// The pushes of each cluster.
+    pub(crate) fn pushes_of_clusters(&self) -> Vec<Vec<usize>> {
+        let mut clusters: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+        for (cluster, push) in self.cluster_of.iter().zip(&self.push_of) {
+            clusters.entry(*cluster).or_default().insert(*push);
+        }
+        clusters.into_values().map(Vec::from_iter).collect()
+    }
+
+    /// What an estimate from these observations names as its source.
+    pub(crate) fn source(&self) -> String {
+        let (pushes, steps) = (self.pushes.len(), self.steps.len());
+        format!("fit to {pushes} pushes ({steps} steps) of {}, sha256:{}", self.name, self.set)
     }
 
     /// Whether a number of a step is observed, and is not the gap that ends the step before.

@@ -33,6 +33,11 @@ pub(crate) fn student_975(freedom: f64) -> f64 {
     z + first / freedom + second / freedom.powi(2) + third / freedom.powi(3)
 }
 
+/// Probability beyond a normal quantile.
+pub(crate) fn normal_tail(z: f64) -> f64 {
+    0.5 * libm::erfc(z / std::f64::consts::SQRT_2)
+}
+
 #[cfg(test)]
 mod tests {
     use super::{NORMAL_975, chi_square_per_freedom, normal_of_chi_square, student_975};

@@ -88,6 +88,7 @@ pub(crate) fn made(
         pushes: (0..N_PUSHES).map(name).collect(),
         support: SupportSpec { friction: 0.25, gravity: 9.81 },
         set: String::new(),
+        name: "synthetic".to_owned(),
         unknown: Vec::new(),
         set_aside: SetAside::default(),
     };

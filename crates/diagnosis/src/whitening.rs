@@ -2,11 +2,10 @@
 
 use std::ops::Range;
 
-use effects::Channels;
 use nalgebra::linalg::Cholesky;
 use nalgebra::{DMatrix, DVector, Dyn};
 
-use crate::{DiagnosisError, NoiseFloor, Observations};
+use crate::DiagnosisError;
 
 /// The covariance of the noise of observed numbers, a block for each push, in factored form.
 ///
@@ -27,10 +26,6 @@ struct Block {
 /// covariance of their noise, in the products of their SI units.
 pub type PushCovariance = (Vec<(usize, usize)>, DMatrix<f64>);
 
-/// Share of a number's variance that the steps of a push have in common, where nothing else is
-/// known; the errors of estimates do not rely on it.
-const COMMON_SHARE: f64 = 0.5;
-
 impl Whitening {
     /// From one covariance a push, in the order of the observations' pushes.
     ///
@@ -47,37 +42,6 @@ impl Whitening {
         };
         let blocks = covariances.into_iter().enumerate().map(block).collect::<Result<_, _>>()?;
         Ok(Self { blocks })
-    }
-
-    /// Independent noise at each step and a part that a push's steps share, half of the floor's
-    /// variance each.
-    ///
-    /// A number without a floor is not used; of the two gaps at the time between steps that follow
-    /// each other, which are one measurement, the first is.
-    ///
-    /// # Errors
-    /// `NotACovariance` for a floor that is zero.
-    pub fn of_floor(
-        observations: &Observations,
-        floor: &NoiseFloor,
-    ) -> Result<Self, DiagnosisError> {
-        let variance = floor.numbers.map(|floor| floor.map(|floor| floor.rms.powi(2)));
-        let mut entries = vec![Vec::new(); observations.pushes.len()];
-        for (step, push) in observations.push_of.iter().enumerate() {
-            let numbers = (0..Channels::NAMES.len()).filter(|number| variance[*number].is_some());
-            let used = numbers.filter(|number| observations.is_own(step, *number));
-            entries[*push].extend(used.map(|number| (step, number)));
-        }
-        let covariance = |entries: Vec<(usize, usize)>| {
-            let of = |i: usize, j: usize| {
-                let ((_, one), (_, other)) = (entries[i], entries[j]);
-                let common = if one == other { COMMON_SHARE } else { 0.0 };
-                let own = if i == j { 1.0 - COMMON_SHARE } else { 0.0 };
-                variance[one].unwrap_or_default() * (common + own)
-            };
-            (DMatrix::from_fn(entries.len(), entries.len(), of), entries)
-        };
-        Self::new(entries.into_iter().map(covariance).map(|(matrix, entries)| (entries, matrix)))
     }
 
     /// How many numbers are used, over all pushes.

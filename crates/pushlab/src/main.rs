@@ -8,6 +8,7 @@ mod destination;
 mod document;
 mod failure;
 mod file_ending;
+mod fitting;
 mod origin;
 mod people;
 mod progress;

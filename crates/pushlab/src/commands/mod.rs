@@ -1,10 +1,12 @@
 //! The commands: one file each, with its arguments and its work, and one list.
 
+mod add;
 mod check;
 mod compare;
 mod completions;
 mod describe;
 mod effects;
+mod fit;
 mod generate;
 mod ingest;
 mod init;
@@ -30,6 +32,8 @@ pub(crate) enum Command {
     Generate(generate::Args),
     Check(check::Args),
     Compare(compare::Args),
+    Fit(fit::Args),
+    Add(add::Args),
     Report(report::Args),
     Completions(completions::Args),
 }
@@ -50,6 +54,8 @@ impl Command {
             Self::Generate(args) => generate::run(args, terminal),
             Self::Check(args) => check::run(args, terminal),
             Self::Compare(args) => compare::run(args, terminal),
+            Self::Fit(args) => fit::run(args, terminal),
+            Self::Add(args) => add::run(args, terminal),
             Self::Report(args) => report::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
         }

@@ -7,6 +7,7 @@ mod checked;
 mod commands;
 mod comparison;
 mod documentation;
+mod fitting;
 mod generated;
 mod report_page;
 mod schema;

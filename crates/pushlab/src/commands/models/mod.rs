@@ -5,6 +5,8 @@ mod list;
 pub(super) mod parameters;
 mod show;
 
+pub(super) use self::parameters::Parameters;
+
 use anyhow::Result;
 use clap::Subcommand;
 

@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use models::{Analytical, Base, CharacteristicLength, Estimate, ModelEffect, ModelFile, OUTPUTS};
+use models::{
+    Analytical, Base, CharacteristicLength, Cluster, Estimate, ModelEffect, ModelFile, OUTPUTS,
+    Split,
+};
 use serde::Serialize;
 
 use crate::terminal::TITLE;
@@ -17,6 +20,27 @@ pub(crate) struct Parameters {
     pub(crate) parameters: Vec<Parameter>,
     /// Outputs with a Gaussian process, for the kinds that learn.
     pub(crate) learned: Vec<&'static str>,
+    /// None for a model that was not fitted to a part of a set.
+    pub(crate) split: Option<Parts>,
+}
+
+/// The parts of the recordings that the model was fitted to.
+#[derive(Serialize)]
+pub(crate) struct Parts {
+    /// SHA-256 over the hashes of the recordings.
+    set: String,
+    seed: u64,
+    cluster: Cluster,
+    n_fit: usize,
+    n_confirm: usize,
+}
+
+impl Parts {
+    fn of(split: &Split) -> Self {
+        let Split { set, seed, cluster, fit, confirm } = split;
+        let (n_fit, n_confirm) = (fit.len(), confirm.len());
+        Self { set: set.clone(), seed: *seed, cluster: *cluster, n_fit, n_confirm }
+    }
 }
 
 /// A parameter as the file states it.
@@ -46,7 +70,8 @@ impl Parameters {
             Some(_) => OUTPUTS.to_vec(),
             None => Vec::new(),
         };
-        Self { name: file.name.clone(), kind, limit_surface, parameters, learned }
+        let split = file.split.as_ref().map(Parts::of);
+        Self { name: file.name.clone(), kind, limit_surface, parameters, learned, split }
     }
 }
 
@@ -117,6 +142,10 @@ impl fmt::Display for Parameters {
         }
         for output in &self.learned {
             writeln!(f, "  {output}: Gaussian process of p and beta")?;
+        }
+        if let Some(Parts { set, seed, n_fit, n_confirm, .. }) = &self.split {
+            writeln!(f, "  fitted to {n_fit} pushes of recordings with sha256:{set};")?;
+            writeln!(f, "  {n_confirm} others are kept to confirm it (seed {seed})")?;
         }
         Ok(())
     }

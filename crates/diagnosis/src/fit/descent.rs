@@ -1,0 +1,228 @@
+//! The way down: Levenberg and Marquardt's method with bounds and secants.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::problem::{Problem, Standing};
+use crate::DiagnosisError;
+
+/// Where a descent ended.
+#[derive(Clone, Debug)]
+pub(super) struct Minimum {
+    pub(super) at: Standing,
+    /// The numbers that are not held by a bound; columns of `slopes` and `curvature` are theirs.
+    pub(super) moved: Vec<usize>,
+    /// −∂z/∂x, the rows of the data and then those of the priors.
+    pub(super) slopes: DMatrix<f64>,
+    /// The weight of each row.
+    pub(super) weights: DVector<f64>,
+    /// SᵀWS: half the second derivatives of what is minimised.
+    pub(super) curvature: DMatrix<f64>,
+    /// Slopes of all numbers that are not frozen.
+    pub(super) whole: DMatrix<f64>,
+    pub(super) iterations: usize,
+    /// Squared distance to the minimum of the quadratic there, in its standard errors.
+    pub(super) decrement: f64,
+}
+
+/// Where a descent starts, and what it may take for granted.
+pub(super) struct Start {
+    pub(super) at: Standing,
+    /// Slopes of a place nearby, of all numbers that are not frozen.
+    pub(super) slopes: Option<DMatrix<f64>>,
+    /// Whether the slopes at the end shall be those of the end.
+    pub(super) is_final: bool,
+}
+
+/// The quadratic at a place.
+struct Quadratic {
+    moved: Vec<usize>,
+    slopes: DMatrix<f64>,
+    weights: DVector<f64>,
+    curvature: DMatrix<f64>,
+    /// −½ its slope.
+    pull: DVector<f64>,
+    decrement: f64,
+}
+
+const MAX_ITERATIONS: usize = 60;
+/// A hundredth of a standard error: predictions are not smooth on a finer scale.
+const CONVERGED: f64 = 1e-4;
+/// The same where the sum alone counts.
+const SETTLED: f64 = 1e-3;
+/// Where no step leads further down, a fifth of a standard error is near enough: predictions jump a
+/// little where pushes come to slide or let go. What is left widens the errors of the estimates.
+const STUCK: f64 = 0.04;
+/// Where slopes over the narrowest secants lead no further either, half of one.
+const AT_MOST: f64 = 0.25;
+/// Slopes that leave more than this of the distance are worked out anew.
+const SLOW: f64 = 0.3;
+/// Damping at first, and of slopes that were just worked out.
+const DAMPING: f64 = 1e-3;
+/// Damping at which a step is too short to matter.
+const STIFFEST: f64 = 1e3;
+/// Share of the promised fall that a step has to keep.
+const KEPT: f64 = 1e-3;
+/// The narrowest secant, in those of the coordinates.
+const NARROWEST: f64 = 1e-4;
+
+impl Problem<'_> {
+    /// The minimum below a start.
+    ///
+    /// Slopes are secants as wide as the last step, at least as the standard error that the data
+    /// leave the number when all others are known, and never wider than those of the coordinates.
+    /// Between them they follow the predictions by Broyden's updates.
+    ///
+    /// # Errors
+    /// `NotConverged`; `Flat`; what a prediction refuses at a place that was reached.
+    pub(super) fn descend(&self, start: Start) -> Result<Minimum, DiagnosisError> {
+        let Start { mut at, slopes: mut known, is_final } = start;
+        let (mut widths, mut damping, mut last) = (self.secants.clone(), DAMPING, f64::INFINITY);
+        for iterations in 1..=MAX_ITERATIONS {
+            let is_fresh = known.is_none();
+            let whole = match known.take() {
+                Some(known) => known,
+                None => self.slopes(&at, &widths)?,
+            };
+            let quadratic = self.quadratic(&at, &whole)?;
+            let decrement = quadratic.decrement;
+            let near = if is_final { CONVERGED } else { SETTLED };
+            let next = match decrement < near {
+                true => None,
+                false => self.step_down(&at, &quadratic, &mut damping),
+            };
+            if let Some(next) = next {
+                self.fit_widths(&mut widths, &quadratic, &at, &next);
+                let keeps = is_fresh || decrement < SLOW * last;
+                known = keeps.then(|| updated(whole, &self.moved(), &widths, &at, &next));
+                (at, last) = (next, decrement);
+                continue;
+            }
+            let is_near = decrement < near && !is_final;
+            if is_near || (is_fresh && decrement < STUCK) {
+                return Ok(quadratic.end(at, whole, iterations));
+            }
+            if is_fresh && self.narrow(&mut widths) {
+                if decrement < AT_MOST {
+                    return Ok(quadratic.end(at, whole, iterations));
+                }
+                return Err(DiagnosisError::NotConverged {
+                    what: "the fit",
+                    iterations,
+                    decrement,
+                });
+            }
+            damping = DAMPING;
+        }
+        Err(DiagnosisError::NotConverged {
+            what: "the fit",
+            iterations: MAX_ITERATIONS,
+            decrement: last,
+        })
+    }
+
+    /// The quadratic at a place, over the numbers that do not press against a bound.
+    fn quadratic(&self, at: &Standing, whole: &DMatrix<f64>) -> Result<Quadratic, DiagnosisError> {
+        let weights = self.robust.weights(&at.z);
+        let all = self.moved();
+        let pull = whole.tr_mul(&at.z.component_mul(&weights));
+        let is_free = |column: &usize| {
+            let (x, (low, high)) = (at.x[all[*column]], self.ranges[all[*column]]);
+            !(x <= low && pull[*column] < 0.0 || x >= high && pull[*column] > 0.0)
+        };
+        let columns: Vec<usize> = (0..all.len()).filter(is_free).collect();
+        let slopes = whole.select_columns(&columns);
+        let mut weighted = slopes.clone();
+        for (mut row, weight) in weighted.row_iter_mut().zip(&weights) {
+            row *= *weight;
+        }
+        let curvature = slopes.tr_mul(&weighted);
+        let pull = pull.select_rows(&columns);
+        let moved = columns.iter().map(|column| all[*column]).collect();
+        let factor = curvature.clone().cholesky().ok_or(DiagnosisError::Flat)?;
+        let decrement = pull.dot(&factor.solve(&pull)) / self.robust.scale().powi(2);
+        Ok(Quadratic { moved, slopes, weights, curvature, pull, decrement })
+    }
+
+    /// A damped step that keeps some of its promise; none if only one too short to matter would.
+    fn step_down(
+        &self,
+        from: &Standing,
+        quadratic: &Quadratic,
+        damping: &mut f64,
+    ) -> Option<Standing> {
+        let Quadratic { moved, curvature, pull, .. } = quadratic;
+        while *damping < STIFFEST {
+            let mut damped = curvature.clone();
+            for k in 0..damped.nrows() {
+                damped[(k, k)] *= 1.0 + *damping;
+            }
+            let step = damped.cholesky()?.solve(pull);
+            let promise = 2.0 * step.dot(pull) - step.dot(&(curvature * &step));
+            let mut x = from.x.clone();
+            for (step, &k) in step.iter().zip(moved) {
+                x[k] = (x[k] + step).clamp(self.ranges[k].0, self.ranges[k].1);
+            }
+            // A place that the mechanics refuse is no way down.
+            if let Ok(next) = self.stand(x)
+                && from.value - next.value > KEPT * promise
+            {
+                *damping = (*damping / 10.0).max(1e-12);
+                return Some(next);
+            }
+            *damping *= 10.0;
+        }
+        None
+    }
+
+    fn fit_widths(&self, widths: &mut [f64], at: &Quadratic, from: &Standing, to: &Standing) {
+        for (column, &k) in at.moved.iter().enumerate() {
+            let least = self.robust.scale() / at.curvature[(column, column)].sqrt();
+            let last = (to.x[k] - from.x[k]).abs();
+            widths[k] = last.max(least).clamp(NARROWEST * self.secants[k], self.secants[k]);
+        }
+    }
+
+    /// Narrows all secants; says whether they were at their narrowest.
+    fn narrow(&self, widths: &mut [f64]) -> bool {
+        let mut is_narrowest = true;
+        for (width, widest) in widths.iter_mut().zip(&self.secants) {
+            let narrower = (0.1 * *width).max(NARROWEST * widest);
+            is_narrowest &= narrower >= *width;
+            *width = narrower;
+        }
+        is_narrowest
+    }
+}
+
+impl Quadratic {
+    fn end(self, at: Standing, whole: DMatrix<f64>, iterations: usize) -> Minimum {
+        let Self { moved, slopes, weights, curvature, decrement, .. } = self;
+        Minimum { at, moved, slopes, weights, curvature, whole, iterations, decrement }
+    }
+}
+
+/// The slopes nearest to those known, in numbers over their widths, that give what a step changed.
+///
+/// # Source
+/// Broyden (1965), A class of methods for solving nonlinear simultaneous equations, Mathematics of
+/// Computation 19.
+fn updated(
+    mut slopes: DMatrix<f64>,
+    moved: &[usize],
+    widths: &[f64],
+    from: &Standing,
+    to: &Standing,
+) -> DMatrix<f64> {
+    let step = |k: &usize| to.x[*k] - from.x[*k];
+    let step = DVector::from_iterator(moved.len(), moved.iter().map(step));
+    let scaled = DVector::from_iterator(
+        moved.len(),
+        moved.iter().zip(&step).map(|(k, step)| step / widths[*k].powi(2)),
+    );
+    let square = scaled.dot(&step);
+    if square > 0.0 {
+        let missed = &to.z - &from.z + &slopes * &step;
+        slopes.ger(-1.0 / square, &missed, &scaled, 1.0);
+    }
+    slopes
+}

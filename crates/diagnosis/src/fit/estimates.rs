@@ -1,0 +1,318 @@
+//! From a minimum to estimates that people read.
+
+use effects::{Channels, Off, Role, Setting};
+use models::{Analytical, Base, CharacteristicLength, Description, ModelEffect};
+use nalgebra::{DMatrix, DVector};
+
+use super::descent::Minimum;
+use super::interval::{Interval, Target, interval};
+use super::member::{Member, Part};
+use super::problem::Problem;
+use super::resemblance::{Resemblance, resemblances};
+use super::sandwich::Sandwich;
+use super::search::Found;
+use super::undetermined::Undetermined;
+use super::{EffectFit, Fit, FitSettings, NuisanceFit, ParameterFit, SIGNIFICANT};
+use crate::quantile::{normal_of_chi_square, normal_tail, student_975};
+use crate::{DiagnosisError, Observations};
+
+/// Correlation of signatures beyond which two effects are one to the data.
+const ALIKE: f64 = 0.98;
+
+/// A minimum with what it leaves open.
+struct Ending<'a> {
+    problem: &'a Problem<'a>,
+    found: &'a Found,
+    sandwich: Sandwich,
+    n_clusters: usize,
+}
+
+pub(super) fn estimates(
+    problem: &Problem,
+    found: &Found,
+    observations: &Observations,
+    model: &Description,
+    settings: &FitSettings,
+) -> Result<Fit, DiagnosisError> {
+    let minimum = &found.after;
+    let (cluster, clusters) = (observations.cluster, observations.pushes_of_clusters());
+    let sandwich = Sandwich::of(problem, minimum, &clusters).ok_or(DiagnosisError::Flat)?;
+    let n_clusters = clusters.len();
+    let ending = Ending { problem, found, sandwich, n_clusters };
+    let members = || problem.space.members.iter().enumerate();
+    let asked = members().filter(|(_, member)| member.part == Part::Asked);
+    let effects = asked.map(|(index, _)| ending.effect(index, settings));
+    let nuisances = members().filter(|(_, member)| member.part == Part::Nuisance);
+    let names = problem.space.of_each(|member| {
+        let names = member.coordinates.iter().map(|c| format!("{} {}", member.id(), c.name));
+        names.collect()
+    });
+    let n_data = problem.whitening.n_numbers();
+    let rms = |minimum: &Minimum| {
+        (minimum.at.z.rows(0, n_data).norm_squared() / n_data.max(1) as f64).sqrt()
+    };
+    let source = observations.source();
+    Ok(Fit {
+        description: ending.description(model, &source, |part| part != Part::Nuisance)?,
+        with_nuisances: ending.description(model, &source, |_| true)?,
+        effects: effects.collect::<Result<_, _>>()?,
+        nuisances: nuisances.flat_map(|(index, _)| ending.nuisance(index, settings)).collect(),
+        coordinates: minimum.moved.iter().map(|k| names[*k].clone()).collect(),
+        covariance: ending.sandwich.covariance.clone(),
+        cluster,
+        n_clusters,
+        n_pushes: observations.pushes().len(),
+        n_steps: observations.n_steps(),
+        whitened_rms: [rms(&found.before), rms(&found.after)],
+        scale: problem.robust.scale(),
+        iterations: minimum.iterations,
+        decrement: minimum.decrement,
+    })
+}
+
+impl Ending<'_> {
+    fn minimum(&self) -> &Minimum {
+        &self.found.after
+    }
+
+    /// The place of a member's numbers, and the columns of those that were moved.
+    fn own(&self, index: usize) -> (Vec<f64>, Vec<Option<usize>>) {
+        let first = self.problem.space.first(index);
+        let own = first..first + self.problem.space.members[index].len();
+        let column = |k: usize| self.minimum().moved.iter().position(|moved| *moved == k);
+        (self.minimum().at.x[own.clone()].to_vec(), own.map(column).collect())
+    }
+
+    /// The part of a matrix that is a member's; 0 for numbers that were not moved.
+    fn block(&self, columns: &[Option<usize>], matrix: &DMatrix<f64>) -> DMatrix<f64> {
+        DMatrix::from_fn(columns.len(), columns.len(), |i, j| match (columns[i], columns[j]) {
+            (Some(i), Some(j)) => matrix[(i, j)],
+            _ => 0.0,
+        })
+    }
+
+    /// The values of a member, with their covariances by clusters and by the curvature alone.
+    fn values(&self, index: usize) -> (Vec<f64>, [DMatrix<f64>; 2]) {
+        let member = &self.problem.space.members[index];
+        let (x, columns) = self.own(index);
+        let slopes = value_slopes(member, &x);
+        let of = |matrix| &slopes * self.block(&columns, matrix) * slopes.transpose();
+        let Sandwich { covariance, of_curvature } = &self.sandwich;
+        (member.values(&x), [of(covariance), of(of_curvature)])
+    }
+
+    fn effect(&self, index: usize, settings: &FitSettings) -> Result<EffectFit, DiagnosisError> {
+        let member = &self.problem.space.members[index];
+        let p = self.p(index)?;
+        let resemblances = resemblances(self.problem, self.minimum(), index)?;
+        let unseen = self.unseen(index);
+        let has_intervals =
+            settings.intervals && unseen.is_none() && (p <= SIGNIFICANT || !has_direction(member));
+        let (values, covariances) = self.values(index);
+        let mut parameters = Vec::new();
+        for (k, (parameter, value)) in member.parameters().iter().zip(values).enumerate() {
+            let se = covariances[0][(k, k)].sqrt();
+            let interval = match has_intervals && se > 0.0 {
+                true => self.interval(index, k, &covariances)?,
+                false => None,
+            };
+            let off = (parameter.off != Off::Undefined).then(|| member.off[k]);
+            let (name, unit) = (parameter.name, parameter.unit);
+            parameters.push(ParameterFit { name, unit, off, value, se, interval });
+        }
+        let undetermined = unseen
+            .or_else(|| alike(&resemblances))
+            .or_else(|| open(member, &parameters, has_intervals));
+        Ok(EffectFit { id: member.id(), parameters, p, resemblances, undetermined })
+    }
+
+    fn interval(
+        &self,
+        member: usize,
+        value: usize,
+        [by_clusters, by_curvature]: &[DMatrix<f64>; 2],
+    ) -> Result<Option<Interval>, DiagnosisError> {
+        let variance = by_clusters[(value, value)];
+        let (se, ratio) = (variance.sqrt(), by_curvature[(value, value)] / variance);
+        let quantile = student_975(self.n_clusters as f64 - 1.0);
+        let target = Target { member, value, se, ratio, quantile };
+        interval(self.problem, self.minimum(), &target)
+    }
+
+    /// Probability of an estimate as far from "off": Wald's test by the covariance of clusters; for
+    /// a switch, the test of the mean gain of a cluster.
+    fn p(&self, index: usize) -> Result<f64, DiagnosisError> {
+        let member = &self.problem.space.members[index];
+        if member.switches().iter().any(|is_switch| *is_switch) {
+            return Ok(self.p_of_gain());
+        }
+        let (x, columns) = self.own(index);
+        let off = member.place(&member.off);
+        let sized = |k: &usize| is_size(member, *k) && columns[*k].is_some();
+        let sized: Vec<usize> = (0..x.len()).filter(sized).collect();
+        let block = self.block(&columns, &self.sandwich.covariance);
+        let covariance = block.select_rows(&sized).select_columns(&sized);
+        let distance = DVector::from_iterator(sized.len(), sized.iter().map(|k| x[*k] - off[*k]));
+        let Some(factor) = covariance.cholesky().filter(|_| !sized.is_empty()) else {
+            return Ok(1.0);
+        };
+        let (n, freedom) = (self.n_clusters as f64, sized.len() as f64);
+        // Hotelling's factor, for a covariance that is itself an estimate.
+        let factor_of_few = ((n - freedom) / (n - 1.0)).max(0.0);
+        let square = distance.dot(&factor.solve(&distance)) * factor_of_few;
+        Ok(normal_tail(normal_of_chi_square(square, freedom)))
+    }
+
+    fn p_of_gain(&self) -> f64 {
+        let robust = &self.problem.robust;
+        let [before, after] =
+            [&self.found.before, &self.found.after].map(|minimum| robust.of_pushes(&minimum.at.z));
+        let gains: Vec<f64> =
+            before.iter().zip(after).map(|(before, after)| before - after).collect();
+        let n = gains.len() as f64;
+        let mean = gains.iter().sum::<f64>() / n;
+        let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        normal_tail(mean / (variance / n).sqrt().max(f64::MIN_POSITIVE))
+    }
+
+    /// Whether the data do not show the effect at all.
+    fn unseen(&self, index: usize) -> Option<Undetermined> {
+        let Problem { space, whitening, robust, .. } = self.problem;
+        let member = &space.members[index];
+        let about = member.effect.about();
+        let n_pushes = whitening.rows().len();
+        let numbers = (0..n_pushes).flat_map(|push| whitening.entries(push));
+        let mut channels = numbers.map(|(_, number)| Channels::KINDS[*number]);
+        if !channels.any(|channel| about.reaches.contains(&channel)) {
+            return Some(Undetermined::NoChannel { shown_in: about.reaches.to_vec() });
+        }
+        let (_, columns) = self.own(index);
+        let Minimum { slopes, weights, .. } = self.minimum();
+        let shows = |(column, coordinate): (&Option<usize>, &effects::Coordinate)| {
+            let Some(column) = column else { return true };
+            let rows = 0..whitening.n_numbers();
+            let of_row = |row: usize| weights[row] * slopes[(row, *column)].powi(2);
+            let information = rows.map(of_row).sum::<f64>() / robust.scale().powi(2);
+            2.0 * coordinate.secant * information.sqrt() > 1.0
+        };
+        let is_seen = columns.iter().zip(&member.coordinates).all(shows);
+        (!is_seen).then_some(Undetermined::Invisible)
+    }
+
+    fn nuisance(&self, index: usize, settings: &FitSettings) -> Vec<NuisanceFit> {
+        let member = &self.problem.space.members[index];
+        let (values, [covariance, _]) = self.values(index);
+        let parameters = member.parameters().iter().zip(values).enumerate();
+        let of = |(k, (parameter, value)): (usize, (&effects::Parameter, f64))| NuisanceFit {
+            id: member.id(),
+            name: parameter.name,
+            unit: parameter.unit,
+            nominal: member.start[k],
+            tolerance: settings.tolerances.of(member.id()).filter(|sd| sd.is_finite()),
+            value,
+            se: covariance[(k, k)].sqrt(),
+        };
+        parameters.map(of).collect()
+    }
+
+    /// The model with the estimates of some of its members.
+    fn description(
+        &self,
+        model: &Description,
+        source: &str,
+        is_kept: impl Fn(Part) -> bool,
+    ) -> Result<Description, DiagnosisError> {
+        let mut model = model.clone();
+        for (index, member) in self.problem.space.members.iter().enumerate() {
+            if !is_kept(member.part) {
+                continue;
+            }
+            let (values, [covariance, _]) = self.values(index);
+            let mut effect = ModelEffect::from(Setting::new(member.effect.about(), &values));
+            for (k, parameter) in member.parameters().iter().enumerate() {
+                if let Some(estimate) = effect.parameters.get_mut(parameter.name) {
+                    (estimate.se, estimate.source) = (covariance[(k, k)].sqrt(), source.to_owned());
+                }
+            }
+            put(&mut model, effect)?;
+        }
+        Ok(model)
+    }
+}
+
+/// Puts an effect in the place of the one with its id, of the base's own number, or at the end.
+fn put(model: &mut Description, effect: ModelEffect) -> Result<(), DiagnosisError> {
+    if let Some(known) = model.effects.iter_mut().find(|known| known.id == effect.id) {
+        *known = effect;
+        return Ok(());
+    }
+    if let Base::Analytical(base) = &model.base {
+        let (friction, length) = match effect.id.as_str() {
+            "pusher-friction" => {
+                (effect.parameters.values().next().cloned(), base.length().clone())
+            }
+            "pressure-radius" => (None, CharacteristicLength::UniformPressure),
+            _ => (None, base.length().clone()),
+        };
+        let is_base = friction.is_some();
+        let friction = friction.unwrap_or_else(|| base.pusher_friction().clone());
+        let changed = Analytical::new(friction, length, *base.scatter())?;
+        model.base = Base::Analytical(changed.with_surface(base.surface())?);
+        if is_base {
+            return Ok(());
+        }
+    }
+    model.effects.push(effect);
+    Ok(())
+}
+
+/// −∂z of values by the numbers in which an effect is moved.
+fn value_slopes(member: &Member, x: &[f64]) -> DMatrix<f64> {
+    let values = member.values(x);
+    let mut slopes = DMatrix::zeros(values.len(), x.len());
+    for (k, coordinate) in member.coordinates.iter().enumerate() {
+        let step = NUDGE * coordinate.secant;
+        let mut moved = x.to_vec();
+        moved[k] += step;
+        let moved = member.values(&moved);
+        for (row, (parameter, (moved, value))) in
+            member.parameters().iter().zip(moved.iter().zip(&values)).enumerate()
+        {
+            let change = match parameter.role {
+                Role::Direction(_) => 0.5 * planar::wrap_angle(2.0 * (moved - value)),
+                _ => moved - value,
+            };
+            slopes[(row, k)] = change / step;
+        }
+    }
+    slopes
+}
+
+/// Step of differences between charts, in secants.
+const NUDGE: f64 = 1e-4;
+
+/// Whether a coordinate tells how large the effect is: not so a direction or a reference.
+fn is_size(member: &Member, k: usize) -> bool {
+    let parameter = &member.parameters()[k];
+    parameter.off != Off::Undefined || matches!(parameter.role, Role::Direction(_))
+}
+
+/// Whether the effect has a direction that is not defined when it is off.
+fn has_direction(member: &Member) -> bool {
+    member.parameters().iter().any(|parameter| matches!(parameter.role, Role::Direction(_)))
+}
+
+fn alike(resemblances: &[Resemblance]) -> Option<Undetermined> {
+    let nearest = resemblances.iter().max_by(|a, b| a.correlation.total_cmp(&b.correlation))?;
+    let Resemblance { id: other, correlation, when } = *nearest;
+    (correlation > ALIKE).then_some(Undetermined::LooksLike { other, correlation, when })
+}
+
+fn open(member: &Member, parameters: &[ParameterFit], has_intervals: bool) -> Option<Undetermined> {
+    let switches = member.switches();
+    let open = parameters.iter().zip(switches).find(|(parameter, is_switch)| {
+        let is_at_bound = parameter.se == 0.0;
+        !is_switch && (is_at_bound || (has_intervals && parameter.interval.is_none()))
+    });
+    open.map(|(parameter, _)| Undetermined::Open { parameter: parameter.name })
+}

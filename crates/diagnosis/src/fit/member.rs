@@ -1,0 +1,167 @@
+//! An effect whose parameters a fit moves.
+
+use effects::{Coordinate, Effect, Parameter, Rig, Role};
+
+/// Why an effect is moved, and what becomes of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    /// It was asked for: it is written, with its tests.
+    Asked,
+    /// The model carries it with a standard error: it is written.
+    Carried,
+    /// Its nominal value is not exact: it is reported.
+    Nuisance,
+}
+
+/// The numbers in which an effect is moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Chart {
+    /// The effect's coordinates, smooth at "off".
+    Coordinates,
+    /// The values that people read, for intervals of one of them.
+    Values,
+}
+
+/// An effect with its start, its prior and the numbers in which it is moved.
+#[derive(Clone, Debug)]
+pub(super) struct Member {
+    pub(super) effect: &'static dyn Effect,
+    pub(super) part: Part,
+    /// Values when the effect is not there.
+    pub(super) off: Vec<f64>,
+    /// Values of a size that is met.
+    pub(super) typical: Vec<f64>,
+    /// Values to start from.
+    pub(super) start: Vec<f64>,
+    pub(super) coordinates: Vec<Coordinate>,
+    /// Of the prior, in coordinates.
+    pub(super) center: Vec<f64>,
+    /// Of the prior, in coordinates.
+    pub(super) prior_sd: Vec<f64>,
+    pub(super) chart: Chart,
+}
+
+/// A ratio of 1 has no direction.
+const LEAST: f64 = 1e-4;
+/// Steps of directions in an interval's search, in rad.
+const TURN: f64 = 0.2;
+
+impl Member {
+    /// An effect with the weak prior of its coordinates about "off".
+    pub(super) fn new(effect: &'static dyn Effect, part: Part, start: &[f64], rig: &Rig) -> Self {
+        let about = effect.about();
+        let coordinates = about.coordinates(rig);
+        Self {
+            effect,
+            part,
+            off: about.off(rig),
+            typical: about.typical(rig),
+            start: start.to_vec(),
+            center: coordinates.iter().map(|coordinate| coordinate.off).collect(),
+            prior_sd: coordinates.iter().map(|coordinate| coordinate.prior_sd).collect(),
+            coordinates,
+            chart: Chart::Coordinates,
+        }
+    }
+
+    /// The same with a normal prior about its start, of these standard errors of its values.
+    pub(super) fn with_prior(mut self, se: &[f64]) -> Self {
+        let about = self.effect.about();
+        self.center = about.to_coordinates(&self.start);
+        self.prior_sd = vec![0.0; self.center.len()];
+        for (value, se) in se.iter().enumerate().filter(|(_, se)| **se > 0.0) {
+            let mut moved = self.start.clone();
+            moved[value] += NUDGE * se;
+            let moved = about.to_coordinates(&moved);
+            for ((sd, moved), center) in self.prior_sd.iter_mut().zip(moved).zip(&self.center) {
+                *sd = sd.hypot((moved - center) / NUDGE);
+            }
+        }
+        self
+    }
+
+    pub(super) fn id(&self) -> &'static str {
+        self.effect.about().id
+    }
+
+    pub(super) fn parameters(&self) -> &'static [Parameter] {
+        self.effect.about().parameters
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.coordinates.len()
+    }
+
+    /// The effect's values at a place of its chart, within their ranges.
+    pub(super) fn values(&self, x: &[f64]) -> Vec<f64> {
+        let values = match self.chart {
+            Chart::Coordinates => self.effect.about().from_coordinates(x),
+            Chart::Values => x.to_vec(),
+        };
+        let inside = |(parameter, value): (&Parameter, f64)| match parameter.role {
+            Role::Direction(_) => value.rem_euclid(std::f64::consts::PI),
+            _ => value.clamp(parameter.range.0, parameter.range.1),
+        };
+        self.parameters().iter().zip(values).map(inside).collect()
+    }
+
+    /// The place of values in the chart.
+    pub(super) fn place(&self, values: &[f64]) -> Vec<f64> {
+        match self.chart {
+            Chart::Coordinates => self.effect.about().to_coordinates(values),
+            Chart::Values => values.to_vec(),
+        }
+    }
+
+    /// (coordinate − center)/sd of the prior; 0 where there is none.
+    pub(super) fn strain(&self, values: &[f64]) -> Vec<f64> {
+        let coordinates = self.effect.about().to_coordinates(values);
+        let priors = self.center.iter().zip(&self.prior_sd);
+        let strain = |(x, (center, sd)): (f64, (&f64, &f64))| match *sd > 0.0 {
+            true => (x - center) / sd,
+            false => 0.0,
+        };
+        coordinates.into_iter().zip(priors).map(strain).collect()
+    }
+
+    /// The bounds of the chart.
+    pub(super) fn ranges(&self) -> Vec<(f64, f64)> {
+        let of_value = |parameter: &Parameter| match parameter.role {
+            Role::Ratio(_) => (1.0 + LEAST, parameter.range.1),
+            Role::Direction(_) => (f64::NEG_INFINITY, f64::INFINITY),
+            _ => parameter.range,
+        };
+        match self.chart {
+            Chart::Coordinates => self.coordinates.iter().map(|c| c.range).collect(),
+            Chart::Values => self.parameters().iter().map(of_value).collect(),
+        }
+    }
+
+    /// Steps that reach over the kinks of sticking and sliding.
+    pub(super) fn secants(&self) -> Vec<f64> {
+        let of_value = |(parameter, coordinate): (&Parameter, &Coordinate)| match parameter.role {
+            Role::Ratio(_) => 0.5 * (parameter.typical - 1.0).abs(),
+            Role::Direction(_) => TURN,
+            _ => coordinate.secant,
+        };
+        match self.chart {
+            Chart::Coordinates => self.coordinates.iter().map(|c| c.secant).collect(),
+            Chart::Values => {
+                self.parameters().iter().zip(&self.coordinates).map(of_value).collect()
+            }
+        }
+    }
+
+    /// Which numbers are not moved: switches, and what the model states without a standard error.
+    pub(super) fn frozen(&self) -> Vec<bool> {
+        self.switches().iter().zip(&self.prior_sd).map(|(on, sd)| *on || *sd == 0.0).collect()
+    }
+
+    /// Which numbers are 0 or 1.
+    pub(super) fn switches(&self) -> Vec<bool> {
+        self.parameters().iter().map(|parameter| parameter.role == Role::Switch).collect()
+    }
+}
+
+/// A difference of this many standard errors tells how coordinates follow values.
+const NUDGE: f64 = 1e-3;

@@ -1,0 +1,101 @@
+//! The lowest of several minima.
+
+use super::descent::{Minimum, Start};
+use super::member::{Member, Part};
+use super::problem::Problem;
+use super::robust::Robust;
+use crate::DiagnosisError;
+
+/// What a fit ends with: the minimum without the effects that were asked for, and with them.
+pub(super) struct Found {
+    pub(super) before: Minimum,
+    pub(super) after: Minimum,
+}
+
+/// Rounds of weights by the typical residual, each from the minimum of the last.
+const MOST_ROUNDS: usize = 6;
+/// Change of the typical residual that changes no weight to speak of.
+const SETTLED: f64 = 0.01;
+
+impl Problem<'_> {
+    /// The minimum from where the model stands, and the lower one of two: from there, and from the
+    /// best typical size of each effect that was asked for, one after the other.
+    ///
+    /// Leaves the weights at those of the second minimum.
+    ///
+    /// # Errors
+    /// As a descent.
+    pub(super) fn search(&mut self) -> Result<Found, DiagnosisError> {
+        let start = self.space.place(|member| member.start.clone());
+        let mut without = self.clone();
+        let asked = self.space.of_each(|member| vec![member.part == Part::Asked; member.len()]);
+        without.frozen.iter_mut().zip(asked).for_each(|(frozen, asked)| *frozen |= asked);
+        let before = without.settle(start, false)?;
+        self.robust = without.robust;
+        let plain = self.switched_on(&before.at.x);
+        let far = self.far_start(plain.clone())?;
+        let mut other = self.clone();
+        let mut after = self.settle(plain.clone(), true)?;
+        if far != plain {
+            // A start may lead to where the mechanics refuse; the other one counts then.
+            if let Ok(found) = other.settle(far, true)
+                && other.robust.value(&found.at.z) < other.robust.value(&after.at.z)
+            {
+                (*self, after) = (other, found);
+            }
+        }
+        Ok(Found { before, after })
+    }
+
+    /// The minimum below a place, with weights by the typical residual there.
+    fn settle(&mut self, x: Vec<f64>, is_final: bool) -> Result<Minimum, DiagnosisError> {
+        let rows = self.whitening.rows();
+        let mut start = Start { at: self.stand(x)?, slopes: None, is_final: false };
+        for _ in 1..MOST_ROUNDS {
+            self.robust = Robust::at(&rows, &start.at.z);
+            start.at.value = self.robust.value(&start.at.z);
+            let found = self.descend(start)?;
+            let next = Robust::at(&rows, &found.at.z);
+            start = Start { at: found.at.clone(), slopes: Some(found.whole.clone()), is_final };
+            if (next.scale() / self.robust.scale() - 1.0).abs() < SETTLED {
+                return if is_final { self.descend(start) } else { Ok(found) };
+            }
+            start.is_final = false;
+        }
+        Err(DiagnosisError::NotConverged {
+            what: "the fit",
+            iterations: MOST_ROUNDS,
+            decrement: f64::INFINITY,
+        })
+    }
+
+    fn switched_on(&self, x: &[f64]) -> Vec<f64> {
+        let on = |(member, own): (&Member, &[f64])| {
+            let switches = member.switches();
+            let asked = member.part == Part::Asked;
+            let on = |k: usize| if asked && switches[k] { 1.0 } else { own[k] };
+            (0..own.len()).map(on).collect::<Vec<_>>()
+        };
+        self.space.shares(x).flat_map(on).collect()
+    }
+
+    /// The best of the typical sizes on either side of "off", effect after effect.
+    fn far_start(&self, plain: Vec<f64>) -> Result<Vec<f64>, DiagnosisError> {
+        let mut best = self.stand(plain)?;
+        for (index, member) in self.space.members.iter().enumerate() {
+            let first = self.space.first(index);
+            let from = best.x.clone();
+            let own = first..first + member.len();
+            for k in own.filter(|k| member.part == Part::Asked && !self.frozen[*k]) {
+                for side in [-2.0, 2.0] {
+                    let mut x = from.clone();
+                    let (low, high) = self.ranges[k];
+                    x[k] = (x[k] + side * self.secants[k]).clamp(low, high);
+                    // A size that the mechanics refuse is no start.
+                    best = self.stand(x).ok().filter(|to| to.value < best.value).unwrap_or(best);
+                }
+            }
+        }
+        Ok(best.x)
+    }
+}

@@ -1,0 +1,237 @@
+//! A model as a function of the numbers that a fit moves.
+
+use std::sync::Arc;
+
+use effects::{Effect, Object, PressureRadius, PushPhysics, PusherFriction, Setting, by_id};
+use models::{
+    Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelEffect,
+};
+use rayon::prelude::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
+
+use super::FitSettings;
+use super::member::{Chart, Member, Part};
+use crate::{DiagnosisError, Observations};
+
+/// The friction of the table changes little but the force, and every force shows it: it is moved
+/// and written wherever there are forces.
+const OPEN: &str = "support-friction";
+
+/// A model whose effects stand at any place, on observed steps.
+#[derive(Clone, Debug)]
+pub(super) struct Space<'a> {
+    observations: &'a Observations,
+    /// One an object.
+    physics: Vec<PushPhysics>,
+    object_of: Vec<usize>,
+    /// In the order in which they act.
+    pub(super) members: Vec<Member>,
+}
+
+impl<'a> Space<'a> {
+    /// The model with the effects asked for, those that it carries with a standard error, and the
+    /// nuisances.
+    ///
+    /// # Errors
+    /// `Model` for what the model or an effect refuses.
+    pub(super) fn new(
+        observations: &'a Observations,
+        model: &Description,
+        asked: &[&str],
+        settings: &FitSettings,
+    ) -> Result<Self, DiagnosisError> {
+        let model = unfolded(model, observations)?;
+        let bare = Description { effects: Vec::new(), ..model.clone() };
+        let object = |step: &models::ChannelObservation| step.input.object.clone();
+        let first = observations.steps.first().map(object);
+        let first = first.ok_or_else(|| observations.too_few(0, 1))?;
+        let rig =
+            ChannelModel::new(&bare, observations.support, &[])?.physics(&first)?.rig().clone();
+        let find = |id: &str| {
+            let own = settings.own.iter().copied().find(|effect| effect.about().id == id);
+            own.map_or_else(|| by_id(id), Ok)
+        };
+        let mut ids: Vec<&str> = asked.to_vec();
+        ids.extend(model.effects.iter().map(|effect| effect.id.as_str()));
+        let known = effects::all().iter().map(|effect| effect.about().id);
+        ids.extend(known.filter(|id| settings.tolerances.of(id).is_some()));
+        let (mut members, mut seen) = (Vec::new(), Vec::new());
+        for id in ids {
+            let effect = find(id).map_err(models::ModelError::from)?;
+            if !seen.contains(&effect.about().id) {
+                seen.push(effect.about().id);
+                let carried = model.effects.iter().find(|carried| carried.id == id);
+                let is_open = id == OPEN && observations.show(effect.about().reaches);
+                let wish = match asked.contains(&id) {
+                    true => Some(Part::Asked),
+                    false => is_open.then_some(Part::Carried),
+                };
+                members.extend(member(effect, wish, carried, &rig, settings)?);
+            }
+        }
+        let started =
+            |member: &Member| ModelEffect::from(Setting::new(member.effect.about(), &member.start));
+        let is_fixed = |carried: &&ModelEffect| members.iter().all(|m| m.id() != carried.id);
+        let mut effects: Vec<_> = model.effects.iter().filter(is_fixed).cloned().collect();
+        effects.extend(members.iter().map(started));
+        let whole = Description { effects, ..model };
+        let whole = ChannelModel::new(&whole, observations.support, &settings.own)?;
+        let (mut objects, mut physics, mut object_of) = (Vec::<Arc<Object>>::new(), vec![], vec![]);
+        for step in observations.steps.iter().map(object) {
+            let known = objects.iter().position(|object| Arc::ptr_eq(object, &step));
+            object_of.push(known.unwrap_or(objects.len()));
+            if known.is_none() {
+                physics.push(whole.physics(&step)?);
+                objects.push(step);
+            }
+        }
+        let order = physics[0].effects().iter().map(|(effect, _)| effect.about().id);
+        let order: Vec<_> = order.collect();
+        members.sort_by_key(|member| order.iter().position(|id| *id == member.id()));
+        Ok(Self { observations, physics, object_of, members })
+    }
+
+    /// The same with one more effect, at "off".
+    pub(super) fn with(&self, effect: &'static dyn Effect) -> Result<Self, DiagnosisError> {
+        let mut other = self.clone();
+        let rig = self.physics[0].rig().clone();
+        let off = effect.about().off(&rig);
+        for physics in &mut other.physics {
+            *physics = physics.clone().with(effect, &off).map_err(models::ModelError::from)?;
+        }
+        other.members.push(Member::new(effect, Part::Asked, &off, &rig));
+        Ok(other)
+    }
+
+    /// The same space, in which one effect is moved in the values that people read.
+    pub(super) fn in_values(&self, member: usize) -> Self {
+        let mut other = self.clone();
+        other.members[member].chart = Chart::Values;
+        other
+    }
+
+    /// Each member with its share of a place.
+    pub(super) fn shares<'x>(&self, x: &'x [f64]) -> impl Iterator<Item = (&Member, &'x [f64])> {
+        let mut rest = x;
+        self.members.iter().map(move |member| {
+            let (own, others) = rest.split_at(member.len());
+            rest = others;
+            (member, own)
+        })
+    }
+
+    /// Index of a member's first number.
+    pub(super) fn first(&self, member: usize) -> usize {
+        self.members[..member].iter().map(Member::len).sum()
+    }
+
+    /// The place at which every member has the values that `of` tells.
+    pub(super) fn place(&self, of: impl Fn(&Member) -> Vec<f64>) -> Vec<f64> {
+        self.members.iter().flat_map(|member| member.place(&of(member))).collect()
+    }
+
+    /// A number of every coordinate, in their order.
+    pub(super) fn of_each<T>(&self, of: impl Fn(&Member) -> Vec<T>) -> Vec<T> {
+        self.members.iter().flat_map(of).collect()
+    }
+
+    /// The strains of the priors at a place.
+    pub(super) fn strains(&self, x: &[f64]) -> Vec<f64> {
+        self.shares(x).flat_map(|(member, own)| member.strain(&member.values(own))).collect()
+    }
+
+    /// Observed less predicted at a place; 0 for what is not observed.
+    ///
+    /// # Errors
+    /// What a prediction refuses.
+    pub(super) fn residuals(&self, x: &[f64]) -> Result<Vec<[f64; 7]>, DiagnosisError> {
+        let mut physics = self.physics.clone();
+        for (member, own) in self.shares(x) {
+            let values = member.values(own);
+            for physics in &mut physics {
+                physics.set(member.id(), &values).map_err(models::ModelError::from)?;
+            }
+        }
+        let steps = self.observations.steps.par_iter().zip(&self.object_of);
+        let residuals = steps.map(|(step, object)| {
+            let predicted = physics[*object].predict(&step.input)?.to_array();
+            let observed = step.observed.iter().zip(predicted);
+            let mut residuals = [0.0; 7];
+            for (residual, (observed, predicted)) in residuals.iter_mut().zip(observed) {
+                *residual = observed.map_or(0.0, |observed| observed - predicted);
+            }
+            Ok(residuals)
+        });
+        Ok(residuals
+            .collect::<Result<_, effects::EffectError>>()
+            .map_err(models::ModelError::from)?)
+    }
+}
+
+/// What a fit does with an effect; none for one that stays as it is.
+fn member(
+    effect: &'static dyn Effect,
+    wish: Option<Part>,
+    carried: Option<&ModelEffect>,
+    rig: &effects::Rig,
+    settings: &FitSettings,
+) -> Result<Option<Member>, DiagnosisError> {
+    let about = effect.about();
+    let start = match carried {
+        Some(carried) => carried.setting().values(about).map_err(models::ModelError::from)?,
+        None => about.off(rig),
+    };
+    let se = |name: &str| carried.and_then(|c| c.parameters.get(name)).map_or(0.0, |e| e.se);
+    let se: Vec<f64> = about.parameters.iter().map(|parameter| se(parameter.name)).collect();
+    let is_estimate = se.iter().any(|se| *se > 0.0);
+    let tolerance = settings.tolerances.of(about.id);
+    let part = match (wish, carried, tolerance) {
+        (Some(part), ..) => part,
+        (_, Some(_), _) if is_estimate => Part::Carried,
+        (_, _, Some(_)) => Part::Nuisance,
+        _ => return Ok(None),
+    };
+    let member = Member::new(effect, part, &start, rig);
+    Ok(Some(match (part, tolerance) {
+        (Part::Nuisance, Some(tolerance)) if tolerance.is_finite() => {
+            member.with_prior(&vec![tolerance; start.len()])
+        }
+        _ if is_estimate && settings.priors => member.with_prior(&se),
+        _ => member,
+    }))
+}
+
+/// The model with its friction and characteristic length as effects, as fits move them.
+fn unfolded(
+    model: &Description,
+    observations: &Observations,
+) -> Result<Description, DiagnosisError> {
+    let Base::Analytical(base) = &model.base else {
+        return Ok(model.clone());
+    };
+    let mut model = model.clone();
+    let has = |model: &Description, id: &str| model.effects.iter().any(|effect| effect.id == id);
+    if let CharacteristicLength::Given(length) = base.length()
+        && !has(&model, PressureRadius.about().id)
+    {
+        let uniform = observations.steps[0].input.object.mean_distance();
+        let Estimate { value, se, source } = length.clone();
+        let ratio = Estimate { value: value / uniform, se: se / uniform, source };
+        model.effects.push(one_parameter(&PressureRadius, ratio));
+        let nominal = Analytical::new(
+            base.pusher_friction().clone(),
+            CharacteristicLength::UniformPressure,
+            *base.scatter(),
+        )?;
+        model.base = Base::Analytical(nominal.with_surface(base.surface())?);
+    }
+    if base.pusher_friction().se > 0.0 && !has(&model, PusherFriction.about().id) {
+        model.effects.push(one_parameter(&PusherFriction, base.pusher_friction().clone()));
+    }
+    Ok(model)
+}
+
+fn one_parameter(effect: &dyn Effect, estimate: Estimate) -> ModelEffect {
+    let about = effect.about();
+    let name = about.parameters[0].name.to_owned();
+    ModelEffect { id: about.id.to_owned(), parameters: [(name, estimate)].into() }
+}

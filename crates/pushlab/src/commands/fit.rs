@@ -1,0 +1,64 @@
+//! `pushlab fit`: nominal parameters and effects of a model, fitted to recordings.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+
+use crate::file_ending;
+use crate::fitting::{Fitting, model_for};
+use crate::origin::Origin;
+use crate::terminal::Terminal;
+
+/// Fit nominal parameters, or effects that a model carries, to recordings
+///
+/// A quarter of the pushes is set aside first and kept for `compare`. Parameters that the pushes do
+/// not determine are refused, with what would determine them.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Args {
+    /// Recording set: a folder with dataset.toml
+    set: PathBuf,
+    /// What to fit: pusher-friction, pressure-radius, support-friction, or ids of effects
+    #[arg(long, value_name = "IDS", required = true, value_delimiter = ',')]
+    free: Vec<String>,
+    /// Model file to start from
+    #[arg(long, value_name = "FILE", default_value = "model.toml",
+          value_parser = file_ending::model)]
+    model: PathBuf,
+    /// Where to write the fitted model
+    #[arg(short, long, value_name = "FILE", value_parser = file_ending::model)]
+    output: PathBuf,
+    /// Seed of the choice of pushes that are set aside
+    #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = clap::value_parser!(u32))]
+    seed: u32,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  pushlab fit pushes --free pusher-friction -o fitted.toml
+  pushlab fit pushes --free pusher-friction,pressure-radius --model nominal.toml -o fitted.toml
+then:
+  pushlab compare pushes --model fitted.toml --against model.toml";
+
+pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let mut origin = args.origin();
+    let (model, destination) = model_for(&args.model, &args.output, &mut origin)?;
+    let fitting = Fitting::read(&args.set, &model, args.seed.into(), &mut origin, terminal)?;
+    let free: Vec<&str> = args.free.iter().map(String::as_str).collect();
+    let fit = fitting.fit(&model, &free)?.determined()?;
+    let fitted = fitting.write(fit, format!("{}, fitted", model.name), &destination)?;
+    terminal.finish(&origin, &fitted, &fitted)
+}
+
+impl Args {
+    fn origin(&self) -> Origin {
+        let words = ["fit".to_owned(), self.set.display().to_string()];
+        let options = [
+            ("--free", self.free.join(",")),
+            ("--model", self.model.display().to_string()),
+            ("--seed", self.seed.to_string()),
+        ];
+        let options = options.into_iter().flat_map(|(name, value)| [name.to_owned(), value]);
+        Origin::new(words.into_iter().chain(options))
+    }
+}

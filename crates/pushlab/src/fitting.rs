@@ -1,0 +1,105 @@
+//! A model fitted to the part of a recording set that fits may see.
+
+mod result;
+
+use std::path::Path;
+
+use anyhow::{Result, ensure};
+use dataset::RecordingSet;
+use diagnosis::{Fit, FitSettings, NoiseModel, Observations, fit_with_noise, split, steady_ingest};
+use effects::About;
+use models::{ModelFile, Split};
+
+pub(crate) use self::result::Fitted;
+use crate::destination::Destination;
+use crate::origin::{Input, Origin, readable};
+use crate::recorded_steps::RecordedSteps;
+use crate::terminal::Terminal;
+
+/// Recordings with their split.
+pub(crate) struct Fitting {
+    set: String,
+    split: Split,
+    train: Observations,
+    /// Whether the model was fitted to these recordings before.
+    is_known: bool,
+}
+
+impl Fitting {
+    /// Reads a set and splits it: as the model says where it was fitted to this set before, else
+    /// by the seed.
+    ///
+    /// # Errors
+    /// If the set cannot be read, or has too few pushes.
+    pub(crate) fn read(
+        set: &Path,
+        model: &ModelFile,
+        seed: u64,
+        origin: &mut Origin,
+        terminal: &Terminal,
+    ) -> Result<Self> {
+        readable(set)?;
+        let recordings = RecordingSet::open(set)?;
+        let recorded = RecordedSteps::read(&recordings, &steady_ingest(), terminal)?;
+        origin.inputs.extend(recorded.inputs);
+        let all = Observations::steady(&recorded.table, recordings.manifest())?;
+        let known = model.split.clone().filter(|split| all.are_of(split));
+        let is_known = known.is_some();
+        let split = match known {
+            Some(known) => known,
+            None => split(&all, seed)?,
+        };
+        let train = all.part(&split.fit)?;
+        Ok(Self { set: set.display().to_string(), split, train, is_known })
+    }
+
+    /// Values at which an effect changes nothing of a model on this set.
+    ///
+    /// # Errors
+    /// If the model cannot predict these pushes.
+    pub(crate) fn off(&self, model: &ModelFile, about: &About) -> Result<Vec<f64>> {
+        Ok(self.train.off(&model.description, about)?)
+    }
+
+    /// The fit of effects on the part for fits, with the noise that this part shows.
+    ///
+    /// # Errors
+    /// What the fit says.
+    pub(crate) fn fit(&self, model: &ModelFile, free: &[&str]) -> Result<Fit> {
+        let settings = FitSettings { priors: !self.is_known, ..FitSettings::default() };
+        let description = &model.description;
+        let noise = NoiseModel::learn(description, &settings.own, &self.train)?;
+        Ok(fit_with_noise(&self.train, description, free, &noise, &settings)?)
+    }
+
+    /// Writes the fitted model.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub(crate) fn write(self, fit: Fit, name: String, to: &Destination) -> Result<Fitted> {
+        let description = fit.description.clone();
+        let n_kept = self.split.confirm.len();
+        let model = ModelFile { name, description, split: Some(self.split) };
+        model.write(to.path())?;
+        Ok(Fitted::new(fit, &self.set, to.path(), n_kept))
+    }
+}
+
+/// Reads a model file for a command that writes another one.
+///
+/// # Errors
+/// If it cannot be read, or is the one to be written.
+pub(crate) fn model_for(
+    path: &Path,
+    output: &Path,
+    origin: &mut Origin,
+) -> Result<(ModelFile, Destination)> {
+    readable(path)?;
+    let destination = Destination::new(output)?;
+    destination.spare(&[path.to_owned()])?;
+    origin.inputs.push(Input::file(path)?);
+    let model = ModelFile::read(path)?;
+    let has_mechanics = matches!(model.description.base, models::Base::Analytical(_));
+    ensure!(has_mechanics, "{} is not analytical: it has nothing to fit or add to", path.display());
+    Ok((model, destination))
+}

@@ -1,0 +1,102 @@
+//! What a fit found, for programs and for people.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use diagnosis::{EffectFit, Fit, Interval, NuisanceFit, ParameterFit};
+use models::Cluster;
+use serde::Serialize;
+
+use crate::terminal::TITLE;
+
+/// A fit and the file that it was written to.
+#[derive(Serialize)]
+pub(crate) struct Fitted {
+    /// The model file.
+    model: PathBuf,
+    set: String,
+    n_pushes: usize,
+    n_steps: usize,
+    /// Pushes that no fit has seen.
+    n_kept: usize,
+    cluster: Cluster,
+    n_clusters: usize,
+    /// Without what was fitted, and with it.
+    whitened_rms: [f64; 2],
+    effects: Vec<EffectFit>,
+    nuisances: Vec<NuisanceFit>,
+    coordinates: Vec<String>,
+    covariance: Vec<Vec<f64>>,
+    iterations: usize,
+}
+
+impl Fitted {
+    pub(super) fn new(fit: Fit, set: &str, model: &Path, n_kept: usize) -> Self {
+        let Fit { n_pushes, n_steps, cluster, n_clusters, whitened_rms, iterations, .. } = fit;
+        let rows = fit.covariance.row_iter().map(|row| row.iter().copied().collect());
+        Self {
+            model: model.into(),
+            set: set.to_owned(),
+            n_pushes,
+            n_steps,
+            n_kept,
+            cluster,
+            n_clusters,
+            whitened_rms,
+            covariance: rows.collect(),
+            effects: fit.effects,
+            nuisances: fit.nuisances,
+            coordinates: fit.coordinates,
+            iterations,
+        }
+    }
+}
+
+impl fmt::Display for Fitted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { n_pushes, n_steps, n_kept, set, .. } = self;
+        writeln!(f, "{TITLE}wrote {}{TITLE:#}", self.model.display())?;
+        write!(f, "  fit to {n_pushes} pushes ({n_steps} steps) of {set}; ")?;
+        writeln!(f, "{n_kept} others are kept to confirm it")?;
+        for EffectFit { id, parameters, resemblances, .. } in &self.effects {
+            writeln!(f, "{TITLE}{id}{TITLE:#}")?;
+            parameters.iter().try_for_each(|parameter| write_parameter(f, parameter))?;
+            let nearest =
+                resemblances.iter().max_by(|a, b| a.correlation.total_cmp(&b.correlation));
+            if let Some(alike) = nearest {
+                writeln!(f, "  most like it: {} (correlation {:.2})", alike.id, alike.correlation)?;
+            }
+        }
+        let [before, after] = self.whitened_rms;
+        writeln!(f, "error over noise on these pushes: {before:.2} before, {after:.2} after")?;
+        writeln!(f, "{TITLE}left open beside it{TITLE:#}, not written")?;
+        self.nuisances.iter().try_for_each(|nuisance| write_nuisance(f, nuisance))
+    }
+}
+
+fn write_nuisance(f: &mut fmt::Formatter<'_>, nuisance: &NuisanceFit) -> fmt::Result {
+    let NuisanceFit { id, name, unit, nominal, value, se, .. } = nuisance;
+    let unit = unit_of(unit);
+    match *nominal == 0.0 {
+        true => writeln!(f, "  {id} {name}: {value:.1e} ± {se:.0e}{unit}"),
+        false => writeln!(f, "  {id} {name}: {value:.3} ± {se:.3}{unit}, nominal {nominal}"),
+    }
+}
+
+fn write_parameter(f: &mut fmt::Formatter<'_>, parameter: &ParameterFit) -> fmt::Result {
+    let ParameterFit { name, unit, value, se, interval, .. } = parameter;
+    // Two digits of the standard error.
+    let digits = if *se > 0.0 { (1.0 - se.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
+    let unit = unit_of(unit);
+    write!(f, "  {name}: {value:.digits$} ± {se:.digits$}{unit}")?;
+    match interval {
+        Some(Interval { low95, high95 }) => {
+            writeln!(f, "  (95 %: {low95:.digits$} to {high95:.digits$})")
+        }
+        None => writeln!(f),
+    }
+}
+
+fn unit_of(unit: &str) -> String {
+    if unit == "1" { String::new() } else { format!(" {unit}") }
+}

@@ -1,0 +1,78 @@
+//! `pushlab fit` and `pushlab add` on the fixture pushes, whose object stands on a uniform patch.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::small_set::SmallSet;
+
+fn pushes() -> SmallSet {
+    let set = SmallSet::new();
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/pushes");
+    crate::documentation::copy(&from, &set.path("pushes"));
+    set.done(&["models", "init", "pushes"]);
+    set
+}
+
+fn result(stdout: &str) -> Value {
+    serde_json::from_str::<Value>(stdout).unwrap()["result"].take()
+}
+
+#[test]
+fn a_fitted_effect_lowers_the_error_of_pushes_that_no_fit_has_seen() {
+    let set = pushes();
+    let add = ["add", "limit-surface-shape", "--fit", "pushes", "-o", "better.toml", "--json"];
+    let added = set.done(&add).stdout;
+    let fitted = result(&added);
+    let lambda = &fitted["effects"][0]["parameters"][0];
+    let [value, se] = ["value", "se"].map(|key| lambda[key].as_f64().unwrap());
+    assert!((value - 1.0).abs() < 3.0 * se && se < 0.05, "{lambda}");
+    assert_eq!((&fitted["n_pushes"], &fitted["n_kept"]), (&45.into(), &15.into()));
+    let written = set.read("better.toml");
+    assert!(written.contains("[split]") && written.contains("fit to 45 pushes"), "{written}");
+    let compare = ["compare", "pushes", "--model", "better.toml", "--against", "model.toml"];
+    let compared = result(&set.done(&[&compare[..], &["--json"]].concat()).stdout);
+    assert_eq!(compared["part"]["pushes"], "confirm");
+    assert_eq!(compared["n_pushes"], 15);
+    let turn = &compared["against"]["changes"][2];
+    let [before, after] = ["before", "after"].map(|key| turn[key].as_f64().unwrap());
+    assert!(after < 0.5 * before, "{turn}");
+    let again = set.done(&[&add[..], &["--jobs", "1"]].concat()).stdout;
+    assert_eq!(added, again);
+    assert_eq!(written, set.read("better.toml"));
+    let shown = set.done(&["models", "show", "better.toml"]).stdout;
+    assert!(shown.contains("15 others are kept"), "{shown}");
+    // Nothing else is hidden in these pushes.
+    let tilt = ["add", "table-tilt", "--fit", "pushes", "--model", "better.toml", "-o", "c.toml"];
+    let message = set.error(&tilt);
+    assert!(message.contains("do not tell it from nothing"), "{message}");
+    assert!(!set.exists("c.toml"));
+}
+
+#[test]
+fn values_by_hand_are_checked_and_raise_the_error_where_they_are_wrong() {
+    let set = pushes();
+    let add = |values: [&'static str; 2]| {
+        let [ratio, direction] = values;
+        ["add", "table-anisotropy", "--set", ratio, "--set", direction, "-o", "grain.toml"]
+    };
+    set.done(&add(["ratio=1.3", "direction=0.6"]));
+    let compare = ["compare", "pushes", "--model", "grain.toml", "--against", "model.toml"];
+    let compared = result(&set.done(&[&compare[..], &["--json"]].concat()).stdout);
+    assert_eq!(compared["part"]["pushes"], "all");
+    let turn = &compared["against"]["changes"][2];
+    let [change, se] = ["square_change", "square_change_se"].map(|key| turn[key].as_f64().unwrap());
+    assert!(change > 2.0 * se, "{turn}");
+    let message = set.error(&add(["ratio=9", "direction=0.6"]));
+    assert!(message.contains("ratio must be within 0.25 and 4"), "{message}");
+    let message = set.error(&add(["ratio=1.3", "angle=0.6"]));
+    assert!(message.contains("no parameter `angle`"), "{message}");
+    let message = set.wrong_usage(&add(["ratio", "direction=0.6"]));
+    assert!(message.contains("expected NAME=VALUE"), "{message}");
+    set.wrong_usage(&["add", "table-tilt", "-o", "tilted.toml"]);
+    let twice = ["add", "table-anisotropy", "--fit", "pushes", "--model", "grain.toml"];
+    let message = set.error(&[&twice[..], &["-o", "twice.toml"]].concat());
+    assert!(message.contains("already in the model"), "{message}");
+    let same = ["add", "inertia", "--set", "kappa=1", "-o", "model.toml"];
+    assert!(set.error(&same).contains("belongs to the input"));
+}
