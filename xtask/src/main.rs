@@ -12,6 +12,7 @@ mod held_out;
 mod real_comparison;
 mod real_data;
 mod residual_grid;
+mod samples;
 mod simulated_and_real;
 mod test;
 mod tidy;
@@ -37,6 +38,7 @@ enum Task {
     RealComparison(real_comparison::Args),
     RealData(real_data::Args),
     ReproduceFigures(figures::Args),
+    Samples(samples::Args),
     SimulatedAndReal(simulated_and_real::Args),
     Test(test::Args),
     Tidy(tidy::Args),
@@ -51,6 +53,7 @@ fn main() -> ExitCode {
         Task::RealComparison(args) => real_comparison::run(&args),
         Task::RealData(args) => real_data::run(&args),
         Task::ReproduceFigures(args) => figures::run(&args),
+        Task::Samples(args) => samples::run(&args),
         Task::SimulatedAndReal(args) => simulated_and_real::run(&args),
         Task::Test(args) => test::run(&args),
         Task::Tidy(args) => tidy::run(&args),
