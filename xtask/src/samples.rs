@@ -111,14 +111,9 @@ fn sample(answer: &Path) -> Result<Sample> {
     let base = Analytical::nominal(set.manifest().pusher.friction)?.describe()?;
     let noise = NoiseModel::learn(&base, &[], &fitted)?;
     let settings = FitSettings { intervals: false, ..FitSettings::default() };
-    let fit_on = |model, free: &[&str]| fit_with_noise(&fitted, model, free, &noise, &settings);
-    let fit = |free: &[&str]| fit_on(&base, free);
+    let fit = |free: &[&str]| fit_with_noise(&fitted, &base, free, &noise, &settings);
     let with_hidden = if hidden.is_empty() { None } else { settled(fit(hidden))? };
-    let with_shape = match settled(fit(&[hidden, &[SHAPE]].concat()))? {
-        // From the ellipsoid inertia leads astray; on the patch it does not.
-        None => settled(fit_on(&fit(&[SHAPE])?.description, hidden))?,
-        joint => joint,
-    };
+    let with_shape = settled(fit(&[hidden, &[SHAPE]].concat()))?;
     let effects = with_shape.iter().flat_map(|fit| &fit.effects);
     let parameters = effects.flat_map(|effect| {
         effect.parameters.iter().map(|parameter| (effect.id, parameter.clone()))
