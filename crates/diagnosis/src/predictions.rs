@@ -24,8 +24,8 @@ impl Predictions {
     /// besides those of the catalogue.
     ///
     /// A variance is what the model itself claims: of a learnt one its posterior with noise, of an
-    /// analytical one what the standard errors of its parameters leave open (as if they were
-    /// independent, by secants over ± one) and its fitted scatter.
+    /// analytical one with fitted scatter that scatter, and what the standard errors of its
+    /// parameters leave open (as if they were independent, by secants over ± one).
     ///
     /// # Errors
     /// `Model` for what the model refuses.
@@ -66,13 +66,17 @@ impl Predictions {
                 (0..7).for_each(|k| variance[k] += ((high[k] - low[k]) / width).powi(2));
             }
         }
-        for (step, variance) in variances.iter_mut().enumerate() {
+        // Standard errors without noise are no prediction of an observation.
+        let claimed = |(step, own): (usize, &[f64; 7])| {
             let square = observations.way(step).powi(2);
-            (0..3).for_each(|k| variance[k] += base.scatter()[(k, k)] * square);
-        }
+            std::array::from_fn(|k| {
+                let noise = if k < 3 { base.scatter()[(k, k)] * square } else { 0.0 };
+                (noise > 0.0).then_some(own[k] + noise)
+            })
+        };
         Ok(Self {
             values: values.iter().map(|values| values.map(Some)).collect(),
-            variances: variances.iter().map(|own| own.map(|v| (v > 0.0).then_some(v))).collect(),
+            variances: variances.iter().enumerate().map(claimed).collect(),
         })
     }
 
@@ -92,11 +96,6 @@ impl Predictions {
 
     /// The numbers of each step.
     pub fn steps(&self) -> &[[Option<f64>; 7]] {
-        &self.values
-    }
-
-    /// The predicted numbers of each step.
-    pub fn values(&self) -> &[[Option<f64>; 7]] {
         &self.values
     }
 
