@@ -18,8 +18,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = nominal.with_surface(surface)?.describe()?;
     let noise = NoiseModel::learn(&model, &[], &observations)?;
     let found = screen(&model, &[], &observations, &noise, &ScreenSettings::default())?;
-    let rms = found.whitened_rms.map(|rms| rms.unwrap_or_default());
-    println!("{} steps of {} pushes, whitened RMS {rms:.2?}", found.n_steps, found.n_pushes);
+    let rms = found.whitened_rms.map(|rms| rms.map_or("–".into(), |rms| format!("{rms:.2}")));
+    let (steps, pushes) = (found.n_steps, found.n_pushes);
+    println!("{steps} steps of {pushes} pushes, whitened RMS {}", rms.join(", "));
     for effect in found.effects.iter().filter(|effect| effect.not_testable.is_none()).take(8) {
         let (p, statistic) = (effect.p_adjusted, effect.statistic);
         print!("{:26} {statistic:9.1}  p {p:.4} ", effect.id);
