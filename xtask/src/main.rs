@@ -9,7 +9,10 @@ mod effects_atlas;
 mod figures;
 mod fixtures;
 mod held_out;
+mod real_comparison;
 mod real_data;
+mod residual_grid;
+mod samples;
 mod simulated_and_real;
 mod test;
 mod tidy;
@@ -32,8 +35,10 @@ enum Task {
     Ci(ci::Args),
     EffectsAtlas(effects_atlas::Args),
     Fixtures(fixtures::Args),
+    RealComparison(real_comparison::Args),
     RealData(real_data::Args),
     ReproduceFigures(figures::Args),
+    Samples(samples::Args),
     SimulatedAndReal(simulated_and_real::Args),
     Test(test::Args),
     Tidy(tidy::Args),
@@ -45,8 +50,10 @@ fn main() -> ExitCode {
         Task::Ci(args) => ci::run(&args),
         Task::EffectsAtlas(args) => effects_atlas::run(&args),
         Task::Fixtures(args) => fixtures::run(&args),
+        Task::RealComparison(args) => real_comparison::run(&args),
         Task::RealData(args) => real_data::run(&args),
         Task::ReproduceFigures(args) => figures::run(&args),
+        Task::Samples(args) => samples::run(&args),
         Task::SimulatedAndReal(args) => simulated_and_real::run(&args),
         Task::Test(args) => test::run(&args),
         Task::Tidy(args) => tidy::run(&args),

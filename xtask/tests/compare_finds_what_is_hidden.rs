@@ -99,7 +99,7 @@ fn the_hidden_effect_lowers_the_error_towards_a_floor_that_is_below_both() {
     let surest = |found: &Comparison| {
         let of_motion = |name| ["dx", "dy", "dtheta"].contains(&name);
         let maps = found.maps.iter().filter(|map| of_motion(map.name));
-        let maps = maps.filter(|map| map.covariate == Covariate::Direction);
+        let maps = maps.filter(|map| map.covariates == [Covariate::Direction]);
         maps.map(|map| map.p_adjusted).fold(1.0, f64::min)
     };
     assert!(
@@ -146,4 +146,37 @@ fn the_truths_own_model_is_near_the_floor() {
     assert_eq!(found.n_pushes, 90);
     assert_eq!(found.worst.len(), 10);
     assert!(found.worst[0].over_mean >= found.worst[9].over_mean);
+}
+
+/// What the comparison says of the patch's own model on a set that hides an effect.
+fn sentences(hidden: &str, design: Design) -> Vec<String> {
+    let (table, manifest) = made(&[hidden], design);
+    let observations = Observations::of(&table, &manifest).unwrap();
+    let model = base(&manifest, SurfaceKind::UniformPatch);
+    let predictions = Predictions::of(&model, &[], &observations).unwrap();
+    let floor = noise_floor(&observations, &predictions, &RepeatTolerance::default()).unwrap();
+    let found = compared(&observations, &predictions, &floor);
+    found.findings.into_iter().map(|finding| finding.sentence).collect()
+}
+
+#[test]
+fn hidden_effects_are_told_where_they_act() {
+    let design = || Design { n_pushes: 120, ..Design::default() };
+    // Away from the outline's center along x: edges left and right of it turn the object most.
+    let offset = sentences("friction-center-offset: x_mm=0, y_mm=8", design());
+    let turns = offset.iter().find(|sentence| sentence.starts_with("turns"));
+    assert!(turns.is_some_and(|sentence| sentence.contains("on edge")), "{offset:?}");
+    // A slippery tip is a matter of the push's angle, and of nothing on the table.
+    let friction = sentences("pusher-friction: coefficient=0.12", design());
+    assert!(friction.iter().any(|sentence| sentence.contains("β")), "{friction:?}");
+    let motion = |sentence: &&String| !sentence.contains('N');
+    assert!(
+        friction.iter().filter(motion).all(|sentence| !sentence.contains("table")),
+        "{friction:?}"
+    );
+    let heavy = sentences("support-friction: coefficient=0.35", design());
+    let expected = |sentence: &String| {
+        sentence.starts_with("pushes") && sentence.ends_with("too softly, everywhere")
+    };
+    assert!(heavy.iter().any(expected), "{heavy:?}");
 }

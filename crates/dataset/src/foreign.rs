@@ -106,11 +106,7 @@ impl TableMapping {
                 .map(|(name, map)| Ok((own(&name)?, map)))
                 .collect::<Result<_, DatasetError>>()?,
         };
-        let given = |name: &str| {
-            mapping.constants.iter().any(|(column, _)| column.name == name)
-                || mapping.columns.iter().any(|(column, _)| column.name == name)
-        };
-        match NEEDED.into_iter().find(|name| !given(name)) {
+        match NEEDED.into_iter().find(|name| !mapping.gives(name)) {
             Some(missing) => Err(DatasetError::ColumnMissing {
                 path: path.into(),
                 column: missing.to_owned(),
@@ -118,6 +114,13 @@ impl TableMapping {
             }),
             None => Ok(mapping),
         }
+    }
+
+    /// Whether it gives a number of our table, by the column's name.
+    #[must_use]
+    pub fn gives(&self, column: &str) -> bool {
+        let constants = self.constants.iter().map(|(known, _)| known.name);
+        constants.chain(self.columns.iter().map(|(known, _)| known.name)).any(|name| name == column)
     }
 
     /// Reads a foreign CSV table into ours.

@@ -10,9 +10,11 @@ use crate::{error::DatasetError, spline::EndCondition};
 pub struct IngestSettings {
     /// Length of a step.
     pub step: StepLength,
-    /// A step by the way of the pusher is no shorter than this, and a rest shorter than this makes no
-    /// row of its own, in s.
+    /// A rest shorter than this makes no row of its own, in s.
     pub shortest_step: f64,
+    /// A step by the way of the pusher goes on to the next multiple of the way until it has taken
+    /// this time, in s; 0 for steps of exactly that way.
+    pub least_step_time: f64,
     /// The curve through the samples of a pose stream.
     pub curve: Curve,
     /// Nothing is evaluated across a longer gap between samples, in s.
@@ -116,6 +118,7 @@ impl Default for IngestSettings {
         Self {
             step: StepLength::Time(0.2),
             shortest_step: 0.05,
+            least_step_time: 0.0,
             curve: Curve::Interpolate(EndCondition::Natural),
             longest_gap: 0.05,
             jump_position: 0.005,
@@ -187,6 +190,7 @@ impl IngestSettings {
             ("penetration", self.penetration, " m"),
         ];
         let not_negative = [
+            ("least_step_time", self.least_step_time, " s"),
             ("contact.settle_time", contact.settle_time, " s"),
             ("contact.rejoin_time", contact.rejoin_time, " s"),
             ("vertex_distance", self.vertex_distance, " m"),

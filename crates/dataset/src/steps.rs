@@ -68,7 +68,7 @@ fn boundaries(context: &StepContext<'_>, curves: &PhaseCurves) -> Vec<f64> {
         }
         (StepLength::Distance(length), Phase::Contact) => {
             for time in times_at_ways(context, curves, length) {
-                if time - bounds[bounds.len() - 1] >= context.settings.shortest_step {
+                if time - bounds[bounds.len() - 1] >= context.settings.least_step_time {
                     bounds.push(time);
                 }
             }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use effects::{Effect, Off, Role, all};
+use effects::{Effect, Off, Parameter, Role, all};
 use models::{ChannelModel, Description};
 
 use crate::secants::Direction;
@@ -64,8 +64,22 @@ impl Candidates {
                 found.room.push([low - coordinate.off, high - coordinate.off]);
             }
             let coordinates = first..found.directions.len();
+            found.even_out(about.parameters, coordinates.clone());
             found.effects.push(Candidate { effect, is_in_model: has(about.id), coordinates });
         }
         Ok(found)
+    }
+
+    /// Makes the sizes of a vector's two coordinates one, so that turned axes see the same.
+    fn even_out(&mut self, parameters: &[Parameter], coordinates: Range<usize>) {
+        for x in coordinates {
+            if matches!(parameters[self.directions[x].coordinate].role, Role::X(_)) {
+                let mean = |a: f64, b: f64| (0.5 * (a * a + b * b)).sqrt();
+                let size = mean(self.directions[x].size, self.directions[x + 1].size);
+                let prior_sd = mean(self.prior_sd[x], self.prior_sd[x + 1]);
+                self.directions[x..x + 2].iter_mut().for_each(|direction| direction.size = size);
+                self.prior_sd[x..x + 2].fill(prior_sd);
+            }
+        }
     }
 }

@@ -41,8 +41,8 @@ pub fn change(
     let (before, after) = (before.residuals(observations)?, after.residuals(observations)?);
     let of = |number: usize| {
         let square = |residuals: &[[Option<f64>; 7]]| -> Vec<(usize, f64)> {
-            let values = of_number(residuals, observations, number);
-            values.into_iter().map(|(push, value)| (push, value * value)).collect()
+            let values = of_number(residuals, &observations.cluster_of, number);
+            values.into_iter().map(|(cluster, value)| (cluster, value * value)).collect()
         };
         let (first, second) = (square(&before), square(&after));
         if first.len() != second.len() {
@@ -51,10 +51,17 @@ pub fn change(
         let (old, new) =
             (ClusterMean::of(&first)?.mean.sqrt(), ClusterMean::of(&second)?.mean.sqrt());
         let pairs = first.iter().zip(&second);
-        let changes: Vec<_> = pairs.map(|((push, old), (_, new))| (*push, new - old)).collect();
+        let changes: Vec<_> =
+            pairs.map(|((cluster, old), (_, new))| (*cluster, new - old)).collect();
         let mean = ClusterMean::of(&changes)?;
-        let sums = changes.chunk_by(|a, b| a.0 == b.0);
-        let n_better = sums.filter(|push| push.iter().map(|(_, d)| d).sum::<f64>() < 0.0).count();
+        let pushes = of_number(&before, &observations.push_of, number);
+        let pushes: Vec<_> =
+            pushes.iter().zip(&changes).map(|((push, _), c)| (*push, c.1)).collect();
+        let sums: Vec<f64> = pushes
+            .chunk_by(|a, b| a.0 == b.0)
+            .map(|push| push.iter().map(|(_, change)| change).sum())
+            .collect();
+        let n_better = sums.iter().filter(|sum| **sum < 0.0).count();
         let floor = floor.numbers[number].filter(|floor| floor.high95 < old);
         Some(ChannelChange {
             name: Channels::NAMES[number],
@@ -63,7 +70,7 @@ pub fn change(
             after: new,
             square_change: mean.mean,
             square_change_se: mean.se,
-            better_share: n_better as f64 / mean.n_pushes as f64,
+            better_share: n_better as f64 / sums.len() as f64,
             gap_closed: floor.map(|floor| (old - new) / (old - floor.rms)),
         })
     };

@@ -1,36 +1,37 @@
-//! Means over steps whose errors are shared within a push.
+//! Means over steps whose errors are shared within a cluster: a push or a session.
 
 use crate::quantile::student_975;
 
-/// A mean over steps, with a standard error from the sums of whole pushes.
+/// A mean over steps, with a standard error from the sums of whole clusters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ClusterMean {
     pub(crate) mean: f64,
     pub(crate) se: f64,
     pub(crate) n_steps: usize,
-    pub(crate) n_pushes: usize,
+    pub(crate) n_clusters: usize,
 }
 
 impl ClusterMean {
-    /// Over pairs of (push, value), in which steps of a push stand together; none for fewer than
-    /// two pushes.
+    /// Over pairs of (cluster, value); none for fewer than two clusters.
     pub(crate) fn of(values: &[(usize, f64)]) -> Option<Self> {
+        let mut values = values.to_vec();
+        values.sort_by_key(|(cluster, _)| *cluster);
         let n_steps = values.len();
         let mean = values.iter().map(|(_, value)| value).sum::<f64>() / n_steps as f64;
         let sums = values.chunk_by(|a, b| a.0 == b.0);
         let sums: Vec<f64> =
-            sums.map(|push| push.iter().map(|(_, value)| value - mean).sum()).collect();
+            sums.map(|cluster| cluster.iter().map(|(_, value)| value - mean).sum()).collect();
         let n = sums.len() as f64;
         if sums.len() < 2 {
             return None;
         }
         let scatter = sums.iter().map(|sum| sum * sum).sum::<f64>() * n / (n - 1.0);
-        Some(Self { mean, se: scatter.sqrt() / n_steps as f64, n_steps, n_pushes: sums.len() })
+        Some(Self { mean, se: scatter.sqrt() / n_steps as f64, n_steps, n_clusters: sums.len() })
     }
 
     /// The 95 % interval of the mean.
     pub(crate) fn interval(&self) -> [f64; 2] {
-        let half = student_975(self.n_pushes as f64 - 1.0) * self.se;
+        let half = student_975(self.n_clusters as f64 - 1.0) * self.se;
         [self.mean - half, self.mean + half]
     }
 }

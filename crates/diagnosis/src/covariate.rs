@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::Observations;
 
 /// Something that a residual may depend on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Covariate {
     /// Place of the contact along its edge, 0 to 1.
@@ -29,6 +29,7 @@ pub enum Covariate {
 }
 
 /// Cells of a covariate: the lower ends, and the upper end of the last.
+#[derive(Clone, Debug)]
 pub(crate) struct Bins(Vec<f64>);
 
 impl Covariate {
@@ -45,6 +46,32 @@ impl Covariate {
         Self::Edge,
     ];
 
+    /// The pairs over which a residual is mapped.
+    pub const PAIRS: [[Self; 2]; 7] = [
+        [Self::P, Self::Beta],
+        [Self::P, Self::Edge],
+        [Self::Beta, Self::Edge],
+        [Self::P, Self::Speed],
+        [Self::Beta, Self::Speed],
+        [Self::Orientation, Self::Direction],
+        [Self::TableX, Self::TableY],
+    ];
+
+    /// Name for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::P => "p",
+            Self::Beta => "β",
+            Self::Speed => "speed",
+            Self::Orientation => "orientation",
+            Self::Direction => "direction",
+            Self::TableX => "table x",
+            Self::TableY => "table y",
+            Self::Time => "order of the pushes",
+            Self::Edge => "edge",
+        }
+    }
+
     /// SI unit; `1` for none.
     pub fn unit(self) -> &'static str {
         match self {
@@ -53,6 +80,11 @@ impl Covariate {
             Self::TableX | Self::TableY => "m",
             Self::P | Self::Time | Self::Edge => "1",
         }
+    }
+
+    /// Whether its last cell is next to its first.
+    pub(crate) fn is_periodic(self) -> bool {
+        matches!(self, Self::Orientation | Self::Direction)
     }
 
     /// Its value at each step.
@@ -89,7 +121,8 @@ impl Covariate {
                 let last = values.iter().fold(0.0_f64, |last, value| last.max(*value)) as usize;
                 Bins::equal(-0.5, last as f64 + 0.5, last + 1)
             }
-            Self::Speed | Self::TableX | Self::TableY => Bins::quantiles(values, 6),
+            Self::Speed => Bins::levels(values).unwrap_or_else(|| Bins::quantiles(values, 6)),
+            Self::TableX | Self::TableY => Bins::quantiles(values, 6),
         }
     }
 }
@@ -97,6 +130,27 @@ impl Covariate {
 impl Bins {
     fn equal(low: f64, high: f64, n: usize) -> Self {
         Self((0..=n).map(|k| low + (high - low) * k as f64 / n as f64).collect())
+    }
+
+    /// A cell for each level at which values stand together, if there are few of them.
+    fn levels(values: &[f64]) -> Option<Self> {
+        /// Values of one level differ by less than this factor.
+        const SAME: f64 = 1.15;
+        const MOST: usize = 12;
+        let mut sorted = values.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let (mut first, mut last) = (*sorted.first()?, *sorted.first()?);
+        let mut bounds = vec![first];
+        for value in &sorted {
+            if *value > SAME * first {
+                bounds.push(0.5 * (last + value));
+                first = *value;
+            }
+            last = *value;
+        }
+        bounds.push(last);
+        bounds.dedup();
+        (bounds.len() <= MOST + 1).then_some(Self(bounds))
     }
 
     fn quantiles(values: &[f64], n: usize) -> Self {
@@ -140,6 +194,8 @@ mod tests {
         }
         let bins = Covariate::Edge.bins(&[0.0, 3.0, 1.0]);
         assert_eq!([0.0, 1.0, 3.0].map(|edge| bins.cell(edge)), [0, 1, 3]);
+        let few = Covariate::Speed.bins(&[0.0199, 0.1, 0.0201, 0.4, 0.101]);
+        assert_eq!([0.02, 0.1, 0.4].map(|speed| few.cell(speed)), [0, 1, 2]);
         let one = Covariate::Speed.bins(&[0.02; 9]);
         assert_eq!((one.n_cells(), one.cell(0.02), one.ends(0)), (1, 0, [0.02, 0.02]));
     }

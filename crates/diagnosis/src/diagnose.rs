@@ -96,7 +96,11 @@ pub fn diagnose(
         verdict: claims.verdict,
         sentence: sentence(&claims, &effects, &confirmation.error, &left),
         named: claims.named.iter().map(|id| (*id).to_owned()).collect(),
-        one_of: claims.groups.iter().map(|g| g.iter().map(|id| (*id).to_owned()).collect()).collect(),
+        one_of: claims
+            .groups
+            .iter()
+            .map(|g| g.iter().map(|id| (*id).to_owned()).collect())
+            .collect(),
         error: confirmation.error.clone(),
         effects,
         leftover: left.summary(),

@@ -43,6 +43,9 @@ pub enum DiagnosisError {
         /// Why, and what to do.
         why: Undetermined,
     },
+    /// A score could not be computed.
+    #[error("the model's intervals cannot be scored")]
+    Scores(#[from] gp_core::GpError),
     /// A search did not end.
     #[error(
         "{what} did not converge: after {iterations} iterations the likelihood still rises by \

@@ -1,6 +1,6 @@
 //! Sources of error of a push, and how each shows in the numbers of the push.
 
-use effects::{Effect, by_id};
+use effects::by_id;
 use nalgebra::{DMatrix, DVector, Vector2};
 use planar::perpendicular;
 
@@ -36,35 +36,38 @@ pub(crate) enum Kind {
     /// On each step's displacement and turn (times the characteristic length), relative to the
     /// pusher's way.
     MotionShare,
-    /// A coordinate of an effect that differs from push to push.
-    Push { coordinate: usize },
+    /// Coordinates of an effect that differ from push to push: of a vector, so that turned axes
+    /// change nothing, both alike.
+    Push { coordinates: &'static [usize] },
 }
 
-/// How far what is expected may be off: a factor of e, either way, in the standard deviation.
+/// How far what is expected may be off, as standard deviation of the logarithm of the variance: a
+/// factor of e, either way, in the standard deviation.
 const LOG_SD: f64 = 2.0;
+/// Few repeats show some parameters of pushes weakly, and then through the model's faults.
+const LOG_SD_PUSH: f64 = 1.0;
 /// The table's standard deviations come from the samples themselves.
 const LOG_SD_KNOWN: f64 = 0.5;
-/// Secants over twice the usual standard deviation to either side.
-const SECANT: f64 = 2.0;
+/// Secants over so many usual standard deviations to either side: they reach pushes that are not
+/// quite at the edge of sticking.
+const SECANT: f64 = 4.0;
 
 /// What stands for a standard deviation that the table does not state: m and rad.
 const UNKNOWN_SD: [f64; 2] = [2e-5, 4e-4];
 
-pub(crate) const SOURCES: [Source; 14] = [
-    source("object position", "1", 1.0, Kind::ObjectPosition),
-    source("object yaw", "1", 1.0, Kind::ObjectYaw),
+pub(crate) const SOURCES: [Source; 12] = [
+    source("object position, as a factor", "1", 1.0, Kind::ObjectPosition),
+    source("object yaw, as a factor", "1", 1.0, Kind::ObjectYaw),
     source("pusher position", "m", 1e-5, Kind::PusherPosition),
     source("force", "N", 0.01, Kind::Force),
     source("force, relative", "1", 5e-3, Kind::ForceShare),
     source("motion, relative", "1", 2e-3, Kind::MotionShare),
-    source("support-friction", "1", 5e-3, Kind::Push { coordinate: 0 }),
-    source("pusher-friction", "1", 5e-3, Kind::Push { coordinate: 0 }),
-    source("pressure-radius", "1", 1e-2, Kind::Push { coordinate: 0 }),
-    source("friction-center-offset", "m", 2e-4, Kind::Push { coordinate: 0 }),
-    source("friction-center-offset", "m", 2e-4, Kind::Push { coordinate: 1 }),
-    source("contact-bias", "m", 1e-4, Kind::Push { coordinate: 0 }),
-    source("force-bias", "N", 1e-2, Kind::Push { coordinate: 0 }),
-    source("force-bias", "N", 1e-2, Kind::Push { coordinate: 1 }),
+    source("support-friction", "1", 5e-3, Kind::Push { coordinates: &[0] }),
+    source("pusher-friction", "1", 5e-3, Kind::Push { coordinates: &[0] }),
+    source("pressure-radius", "1", 1e-2, Kind::Push { coordinates: &[0] }),
+    source("friction-center-offset", "m", 2e-4, Kind::Push { coordinates: &[0, 1] }),
+    source("contact-bias", "m", 1e-4, Kind::Push { coordinates: &[0] }),
+    source("force-bias", "N", 1e-2, Kind::Push { coordinates: &[0, 1] }),
 ];
 
 const fn source(name: &'static str, unit: &'static str, usual_sd: f64, kind: Kind) -> Source {
@@ -73,8 +76,11 @@ const fn source(name: &'static str, unit: &'static str, usual_sd: f64, kind: Kin
 
 impl Source {
     pub(crate) fn prior(&self) -> LogNormal {
-        let known = matches!(self.kind, Kind::ObjectPosition | Kind::ObjectYaw);
-        let log_sd = if known { LOG_SD_KNOWN } else { LOG_SD };
+        let log_sd = match self.kind {
+            Kind::ObjectPosition | Kind::ObjectYaw => LOG_SD_KNOWN,
+            Kind::Push { .. } => LOG_SD_PUSH,
+            _ => LOG_SD,
+        };
         LogNormal { median: self.usual_sd * self.usual_sd, log_sd }
     }
 }
@@ -84,14 +90,15 @@ impl Source {
 /// # Errors
 /// `Model` if the catalogue does not know one.
 pub(crate) fn push_directions() -> Result<Vec<Direction>, DiagnosisError> {
-    let direction = |source: &Source| -> Option<Result<Direction, DiagnosisError>> {
-        let Kind::Push { coordinate } = source.kind else { return None };
-        let effect: Result<&'static dyn Effect, _> = by_id(source.name);
+    let mut directions = Vec::new();
+    for source in &SOURCES {
+        let Kind::Push { coordinates } = source.kind else { continue };
+        let effect = by_id(source.name).map_err(models::ModelError::from)?;
         let size = SECANT * source.usual_sd;
-        let found = effect.map(|effect| Direction { effect, coordinate, size });
-        Some(found.map_err(|error| models::ModelError::from(error).into()))
-    };
-    SOURCES.iter().filter_map(direction).collect()
+        let of = |coordinate: &usize| Direction { effect, coordinate: *coordinate, size };
+        directions.extend(coordinates.iter().map(of));
+    }
+    Ok(directions)
 }
 
 /// A root Z of each source's share Z Zᵀ in the covariance of one push's numbers.
@@ -121,14 +128,14 @@ impl ErrorShapes {
             Kind::ObjectPosition => Root::Columns(ends.position.clone()),
             Kind::ObjectYaw => Root::Columns(ends.yaw.clone()),
             Kind::PusherPosition => Root::Columns(ends.pusher.clone()),
-            Kind::Push { .. } => {
+            Kind::Push { coordinates } => {
                 // x and |x| of a normal number x are not correlated.
-                let (slopes, bends) = curves.next().map_or((&[][..], &[][..]), |(s, b)| (s, b));
-                let value = |row: usize, column: usize| {
-                    let (step, number) = numbers[row];
-                    if column == 0 { slopes[step][number] } else { bends[step][number] }
+                let own = curves.by_ref().take(coordinates.len()).flat_map(|(s, b)| [s, b]);
+                let of = |curve: &Vec<[f64; 7]>| {
+                    let values = numbers.iter().map(|(step, number)| curve[*step][*number]);
+                    DVector::from_iterator(numbers.len(), values)
                 };
-                Root::Columns(DMatrix::from_fn(numbers.len(), 2, value))
+                Root::Columns(DMatrix::from_columns(&own.map(of).collect::<Vec<_>>()))
             }
             kind => {
                 let size = |&(step, number): &(usize, usize)| {

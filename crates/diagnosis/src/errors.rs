@@ -37,14 +37,14 @@ pub struct ChannelError {
 /// SI unit of each number of a step.
 pub(crate) const UNITS: [&str; 7] = ["m", "m", "rad", "N", "N", "m", "m"];
 
-/// The residuals of one number, with the push of each.
+/// The residuals of one number, with an index of each step, as of its cluster.
 pub(crate) fn of_number(
     residuals: &[[Option<f64>; 7]],
-    observations: &Observations,
+    index_of: &[usize],
     number: usize,
 ) -> Vec<(usize, f64)> {
-    let values = residuals.iter().zip(&observations.push_of);
-    values.filter_map(|(values, push)| Some((*push, values[number]?))).collect()
+    let values = residuals.iter().zip(index_of);
+    values.filter_map(|(values, index)| Some((*index, values[number]?))).collect()
 }
 
 /// The errors of each number that enough pushes have.
@@ -54,7 +54,7 @@ pub(crate) fn channel_errors(
     floor: &NoiseFloor,
 ) -> Vec<ChannelError> {
     let error = |number: usize| {
-        let values = of_number(residuals, observations, number);
+        let values = of_number(residuals, &observations.cluster_of, number);
         let bias = ClusterMean::of(&values)?;
         let squares: Vec<_> = values.iter().map(|(push, value)| (*push, value * value)).collect();
         let square = ClusterMean::of(&squares)?;

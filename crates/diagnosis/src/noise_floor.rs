@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 use planar::wrap_angle;
 use serde::Serialize;
 
+use crate::floor_growth::{Deviation, Growth};
 use crate::quantile::{NORMAL_975, chi_square_per_freedom};
 use crate::repeats::cells;
-use crate::{DiagnosisError, Observations, Predictions, RepeatTolerance};
+use crate::{Covariate, DiagnosisError, Observations, Predictions, RepeatTolerance};
 
 /// The least error that a model can have, for each number of a step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -41,6 +42,37 @@ pub struct Floor {
     pub low95: f64,
     /// Upper end of its 95 % interval.
     pub high95: f64,
+    /// Part of it that does not depend on the motion.
+    pub constant: f64,
+    /// Its growth with the pusher's way in a step, per m, where that shows; else 0. The variance of
+    /// a step is constant² + (per_meter · way)², and `rms` is over the steps compared.
+    pub per_meter: f64,
+}
+
+impl NoiseFloor {
+    /// The floor of one number at each step; none where it is not known.
+    pub(crate) fn of_steps(&self, number: usize, observations: &Observations) -> Option<Vec<f64>> {
+        let floor = self.numbers[number].filter(|floor| floor.rms > 0.0)?;
+        let steps = 0..observations.n_steps();
+        Some(steps.map(|step| floor.at(observations.way(step))).collect())
+    }
+}
+
+impl Floor {
+    /// The floor of a step whose pusher moves by `way`, in m.
+    pub fn at(&self, way: f64) -> f64 {
+        self.constant.hypot(self.per_meter * way)
+    }
+
+    /// The same floor with a growth, over the ways of the steps compared.
+    fn growing(self, growth: Growth, observations: &Observations) -> Self {
+        let n = observations.n_steps();
+        let variance = (0..n).map(|step| growth.variance(observations.way(step))).sum::<f64>();
+        let rms = (variance / n as f64).sqrt();
+        let ratio = rms / self.rms;
+        let (constant, per_meter) = (growth.constant.sqrt(), growth.per_square.sqrt());
+        Self { rms, low95: ratio * self.low95, high95: ratio * self.high95, constant, per_meter }
+    }
 }
 
 /// Repeats beyond the first of their cells that a floor needs: fewer leave it open within a factor
@@ -66,7 +98,9 @@ pub fn noise_floor(
     let groups: Vec<usize> = (0..cells.len()).filter(|push| n_members(*push) > 1).collect();
     let n_members = groups.iter().map(|cell| n_members(*cell)).sum::<usize>();
     let (n_cells, n_repeats) = (groups.len(), n_members - groups.len());
-    let (source, numbers) = if n_repeats >= FEWEST_REPEATS {
+    // Where an object stood is not known: pushes that look alike need not be repeats.
+    let is_placed = observations.knows(Covariate::TableX);
+    let (source, numbers) = if is_placed && n_repeats >= FEWEST_REPEATS {
         let of = |number| of_repeats(&residuals, observations, &cells, number);
         (FloorSource::Repeats, std::array::from_fn(of))
     } else {
@@ -74,6 +108,7 @@ pub fn noise_floor(
         let of = |number| of_neighbours(&residuals, observations, &pairs, number);
         (FloorSource::Neighbours, std::array::from_fn(of))
     };
+    let (n_repeats, n_cells) = if is_placed { (n_repeats, n_cells) } else { (0, 0) };
     Ok(NoiseFloor { source, n_repeats, n_cells, numbers })
 }
 
@@ -87,21 +122,31 @@ fn of_repeats(
     let mut known: Vec<((usize, u32), usize, f64)> = Vec::new();
     for (index, values) in residuals.iter().enumerate() {
         if let Some(value) = values[number] {
-            let push = observations.push_of[index];
-            known.push(((cells[push], observations.places[index].step), push, value));
+            let cell = cells[observations.push_of[index]];
+            known.push(((cell, observations.places[index].step), index, value));
         }
     }
-    known.sort_by_key(|(group, push, _)| (*group, *push));
+    known.sort_by_key(|(group, step, _)| (*group, *step));
     let mut sums = vec![0.0; observations.pushes.len()];
-    let mut freedom = 0;
+    let (mut freedom, mut deviations) = (0, Vec::new());
     for group in known.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
         let mean = group.iter().map(|(_, _, value)| value).sum::<f64>() / group.len() as f64;
         freedom += group.len() - 1;
-        group.iter().for_each(|(_, push, value)| sums[*push] += (value - mean).powi(2));
+        let unbiased = group.len() as f64 / (group.len() - 1) as f64;
+        for ((_, _), step, value) in group {
+            let (push, square) = (observations.push_of[*step], (value - mean).powi(2));
+            sums[push] += square;
+            let way = observations.way(*step);
+            deviations.push(Deviation { push, way, square: unbiased * square });
+        }
     }
     let used = (0..sums.len()).filter(|push| sums[*push] > 0.0).map(|push| cells[push]);
     let n_cells = used.collect::<BTreeSet<_>>().len();
-    floor(&sums, freedom as f64, n_cells)
+    let floor = floor(&sums, freedom as f64, n_cells)?;
+    Some(match Growth::of(&deviations) {
+        Some(growth) => floor.growing(growth, observations),
+        None => floor,
+    })
 }
 
 /// The floor of squares summed a push, with `freedom` degrees in all.
@@ -120,7 +165,8 @@ fn floor(sums: &[f64], freedom: f64, n_cells: usize) -> Option<Floor> {
     let effective = effective.clamp(least, freedom.max(least));
     let rms = (total / freedom).sqrt();
     let at = |z: f64| rms / chi_square_per_freedom(effective, z).sqrt().max(1e-3);
-    Some(Floor { rms, low95: at(NORMAL_975), high95: at(-NORMAL_975) })
+    let (low95, high95) = (at(NORMAL_975), at(-NORMAL_975));
+    Some(Floor { rms, low95, high95, constant: rms, per_meter: 0.0 })
 }
 
 /// Steps that are asked for their neighbour at most: an even choice of the set.
@@ -178,14 +224,19 @@ fn of_neighbours(
     number: usize,
 ) -> Option<Floor> {
     let mut sums = vec![0.0; observations.pushes.len()];
-    let mut n_pairs = 0;
+    let mut deviations = Vec::new();
     for (a, b) in pairs {
         if let (Some(one), Some(other)) = (residuals[*a][number], residuals[*b][number]) {
-            sums[observations.push_of[*a]] += 0.5 * (one - other).powi(2);
-            n_pairs += 1;
+            let (push, square) = (observations.push_of[*a], 0.5 * (one - other).powi(2));
+            sums[push] += square;
+            deviations.push(Deviation { push, way: observations.way(*a), square });
         }
     }
-    floor(&sums, f64::from(n_pairs), 0)
+    let floor = floor(&sums, deviations.len() as f64, 0)?;
+    Some(match Growth::of(&deviations) {
+        Some(growth) => floor.growing(growth, observations),
+        None => floor,
+    })
 }
 
 #[cfg(test)]

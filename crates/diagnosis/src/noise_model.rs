@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::candidates::Candidates;
 use crate::error_shapes::{ErrorShapes, Kind, SOURCES, Source, push_directions};
-use crate::noise_floor::{distance, features};
+use crate::noise_floor::{FEWEST_REPEATS, distance, features};
 use crate::quantile::NORMAL_975;
 use crate::repeats::cells;
 use crate::secants::Linearisation;
@@ -54,8 +54,8 @@ pub struct ErrorSource {
     pub high95: f64,
 }
 
-/// Repeats beyond the first of their cells that tell the sources apart.
-const FEWEST_REPEATS: usize = 8;
+/// Closer than for a floor: what a model misses must cancel, and it may be large.
+const REPEATS: RepeatTolerance = RepeatTolerance { distance: 1e-3, angle: 0.02, speed: 0.05 };
 /// Pairs of neighbours that are used at most.
 const MOST_PAIRS: usize = 60;
 
@@ -149,7 +149,7 @@ fn shapes(observations: &Observations, linearisation: &Linearisation) -> Vec<Err
 /// Pushes that repeat each other, each group of two or more.
 fn repeat_groups(observations: &Observations) -> Vec<Vec<usize>> {
     let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for (push, cell) in cells(observations, &RepeatTolerance::default()).into_iter().enumerate() {
+    for (push, cell) in cells(observations, &REPEATS).into_iter().enumerate() {
         groups.entry(cell).or_default().push(push);
     }
     groups.into_values().filter(|group| group.len() > 1).collect()

@@ -1,18 +1,21 @@
 //! The steps of a table with what a comparison asks of them.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::fmt;
 
-use dataset::{Flags, MANIFEST_NAME, Manifest, StepRow, SupportSpec, Table};
-use effects::{About, Channel, Channels, Track};
+use dataset::{
+    Flags, MANIFEST_NAME, Manifest, ObjectChoice, StepRow, SupportSpec, Table, TableMapping,
+};
+use effects::{Channel, Channels, Track};
 use models::{
-    ChannelModel, ChannelObservation, ChannelSteps, Description, SetAside, SetAsideReason, Split,
-    StepSelection,
+    ChannelModel, ChannelObservation, ChannelSteps, Cluster, Description, SetAside, SetAsideReason,
+    Split, StepSelection,
 };
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use crate::DiagnosisError;
+use crate::split::FEWEST_SESSIONS;
+use crate::{Covariate, DiagnosisError};
 
 /// Observed steps, the push of each, and the nominal table.
 #[derive(Clone, Debug)]
@@ -21,13 +24,18 @@ pub struct Observations {
     pub(crate) places: Vec<Place>,
     /// Index of the push of each step.
     pub(crate) push_of: Vec<usize>,
+    /// Index of what shares errors, for each step: the session where there are enough, else the push.
+    pub(crate) cluster_of: Vec<usize>,
+    pub(crate) cluster: Cluster,
     pub(crate) pushes: Vec<PushName>,
     pub(crate) support: SupportSpec,
     /// SHA-256 over the hashes of the recordings.
     pub(crate) set: String,
     /// The set's name in its manifest.
-    name: String,
-    set_aside: SetAside,
+    pub(crate) name: String,
+    /// What was not measured.
+    pub(crate) unknown: Vec<Covariate>,
+    pub(crate) set_aside: SetAside,
 }
 
 /// A push by its recording and its number there.
@@ -58,6 +66,21 @@ pub(crate) struct Place {
     pub(crate) pose_sd: [[f64; 2]; 2],
 }
 
+/// What steps are about.
+struct About<'a> {
+    object: &'a ObjectChoice,
+    /// In m.
+    pusher_radius: f64,
+    support: SupportSpec,
+}
+
+impl<'a> About<'a> {
+    fn of(manifest: &'a Manifest) -> Self {
+        let (pusher_radius, support) = (manifest.pusher.radius, manifest.support);
+        Self { object: &manifest.object, pusher_radius, support }
+    }
+}
+
 /// Places of the gaps among the numbers of a step.
 const GAP_START: usize = 5;
 const GAP_END: usize = 6;
@@ -71,11 +94,34 @@ impl Observations {
     /// # Errors
     /// `Model` for a row that is no step; `TooFewPushes`.
     pub fn of(table: &Table, manifest: &Manifest) -> Result<Self, DiagnosisError> {
-        Self::selected(table, manifest, StepSelection::default(), |_| true)
+        Self::selected(table, &About::of(manifest), StepSelection::default(), |_| true)
     }
 
-    /// The same without steps whose noise is of another kind: the first touch, with its peak of
-    /// force, those near a vertex, where the outline's normal jumps, and those within which the
+    /// The steps of a table of others, read through its mapping.
+    ///
+    /// What the mapping does not give was not measured: without poses the contact gap, the object's
+    /// place and orientation and the direction in the world, without times the order.
+    ///
+    /// # Errors
+    /// As [`Observations::of`].
+    pub fn of_mapped(table: &Table, mapping: &TableMapping) -> Result<Self, DiagnosisError> {
+        let object = ObjectChoice::Fixed(Box::new(mapping.object.clone()));
+        let (pusher_radius, support) = (mapping.pusher.radius, mapping.support);
+        let about = About { object: &object, pusher_radius, support };
+        let mut all = Self::selected(table, &about, StepSelection::default(), |_| true)?;
+        if !mapping.gives("object_x_m") {
+            all.steps.iter_mut().for_each(|step| step.observed[GAP_START..].fill(None));
+            all.unknown.extend([Covariate::Orientation, Covariate::Direction]);
+            all.unknown.extend([Covariate::TableX, Covariate::TableY]);
+        }
+        if !mapping.gives("t_s") {
+            all.unknown.push(Covariate::Time);
+        }
+        Ok(all)
+    }
+
+    /// As [`Observations::of`], without steps whose noise is of another kind: the first touch, with
+    /// its peak of force, those near a vertex, where the outline's normal jumps, and those within which the
     /// pusher starts or stops. For tables that were made with [`crate::steady_ingest`].
     ///
     /// # Errors
@@ -83,16 +129,17 @@ impl Observations {
     pub fn steady(table: &Table, manifest: &Manifest) -> Result<Self, DiagnosisError> {
         let vertex = Flags::VERTEX | Flags::NEAR_VERTEX | Flags::EDGE_CHANGED;
         let without = StepSelection::default().without | vertex | Flags::FIRST_TOUCH;
-        Self::selected(table, manifest, StepSelection { without }, goes_steadily)
+        Self::selected(table, &About::of(manifest), StepSelection { without }, goes_steadily)
     }
 
     fn selected(
         table: &Table,
-        manifest: &Manifest,
+        about: &About<'_>,
         selection: StepSelection,
         is_wanted: fn(&Track) -> bool,
     ) -> Result<Self, DiagnosisError> {
-        let found = selection.channel_steps(table, &manifest.object, manifest.pusher.radius)?;
+        let About { object, pusher_radius, support } = *about;
+        let found = selection.channel_steps(table, object, pusher_radius)?;
         let ChannelSteps { steps, rows, mut set_aside } = found;
         let (wanted, unwanted): (Vec<_>, Vec<_>) =
             steps.into_iter().zip(rows).partition(|(step, _)| is_wanted(&step.input.track));
@@ -110,7 +157,8 @@ impl Observations {
                 pushes.len() - 1
             })
         };
-        let push_of = rows.iter().map(&mut push).collect();
+        let push_of: Vec<usize> = rows.iter().map(&mut push).collect();
+        let (cluster, cluster_of) = clusters(&steps, &push_of);
         let place = |row: &&StepRow| {
             let StepRow { step, edge, p, beta, speed, .. } = **row;
             let start_sd = [row.start_position_sd, row.start_angle_sd];
@@ -121,10 +169,13 @@ impl Observations {
             places: rows.iter().map(place).collect(),
             steps,
             push_of,
+            cluster_of,
+            cluster,
             pushes,
-            support: manifest.support,
+            support,
             set: set_digest(table),
-            name: manifest.name.clone(),
+            name: table.provenance.get("set").unwrap_or_default().to_owned(),
+            unknown: Vec::new(),
             set_aside,
         };
         observations.checked()
@@ -143,14 +194,20 @@ impl Observations {
         let steps: Vec<usize> = (0..self.n_steps())
             .filter(|step| place_of.contains_key(&self.push_of[*step]))
             .collect();
+        let kept_steps: Vec<_> = steps.iter().map(|step| self.steps[*step].clone()).collect();
+        let push_of: Vec<usize> = steps.iter().map(|step| place_of[&self.push_of[*step]]).collect();
+        let (cluster, cluster_of) = clusters(&kept_steps, &push_of);
         let part = Self {
-            steps: steps.iter().map(|step| self.steps[*step].clone()).collect(),
+            steps: kept_steps,
             places: steps.iter().map(|step| self.places[*step]).collect(),
-            push_of: steps.iter().map(|step| place_of[&self.push_of[*step]]).collect(),
+            push_of,
+            cluster_of,
+            cluster,
             pushes: kept.iter().map(|push| self.pushes[*push].clone()).collect(),
             support: self.support,
             set: self.set.clone(),
             name: self.name.clone(),
+            unknown: self.unknown.clone(),
             set_aside: self.set_aside.clone(),
         };
         part.checked()
@@ -165,7 +222,11 @@ impl Observations {
     ///
     /// # Errors
     /// `Model` for a learnt model, or for what the model refuses.
-    pub fn off(&self, model: &Description, about: &About) -> Result<Vec<f64>, DiagnosisError> {
+    pub fn off(
+        &self,
+        model: &Description,
+        about: &effects::About,
+    ) -> Result<Vec<f64>, DiagnosisError> {
         let model = ChannelModel::new(model, self.support, &[])?;
         let physics = model.physics(&self.steps[0].input.object)?;
         Ok(about.off(physics.rig()))
@@ -177,6 +238,15 @@ impl Observations {
             value.is_some() && channels.contains(&Channels::KINDS[number])
         };
         self.steps.iter().any(|step| step.observed.iter().enumerate().any(is_shown))
+    }
+
+    /// The pushes of each cluster.
+    pub(crate) fn pushes_of_clusters(&self) -> Vec<Vec<usize>> {
+        let mut clusters: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+        for (cluster, push) in self.cluster_of.iter().zip(&self.push_of) {
+            clusters.entry(*cluster).or_default().insert(*push);
+        }
+        clusters.into_values().map(Vec::from_iter).collect()
     }
 
     /// What an estimate from these observations names as its source.
@@ -205,6 +275,27 @@ impl Observations {
         DiagnosisError::TooFewPushes { n_pushes, needed, set_aside: self.set_aside.to_string() }
     }
 
+    /// Whether the covariate was measured.
+    pub(crate) fn knows(&self, covariate: Covariate) -> bool {
+        !self.unknown.contains(&covariate)
+    }
+
+    /// How far the pusher moves in a step, in m.
+    pub(crate) fn way(&self, step: usize) -> f64 {
+        let track = &self.steps[step].input.track;
+        (track.end() - track.start()).norm()
+    }
+
+    /// How many clusters there are.
+    pub(crate) fn n_clusters(&self) -> usize {
+        self.cluster_of.iter().max().map_or(0, |last| last + 1)
+    }
+
+    /// How many pushes some steps are of.
+    pub(crate) fn n_pushes_of(&self, steps: &[usize]) -> usize {
+        steps.iter().map(|step| self.push_of[*step]).collect::<HashSet<_>>().len()
+    }
+
     /// How many steps there are.
     pub fn n_steps(&self) -> usize {
         self.steps.len()
@@ -225,7 +316,7 @@ impl Observations {
     pub(crate) fn own_numbers(&self) -> Vec<Vec<(usize, usize)>> {
         let mut numbers = vec![Vec::new(); self.pushes.len()];
         for (step, push) in self.push_of.iter().enumerate() {
-            let own = (0..effects::Channels::NAMES.len()).filter(|k| self.is_own(step, *k));
+            let own = (0..Channels::NAMES.len()).filter(|k| self.is_own(step, *k));
             numbers[*push].extend(own.map(|number| (step, number)));
         }
         numbers
@@ -238,9 +329,33 @@ impl Observations {
             && self.places[index - 1].step + 1 == self.places[index].step
     }
 
+    /// The channels that are observed at any step.
+    pub fn channels(&self) -> Vec<Channel> {
+        let of = |channel: Channel, step: &ChannelObservation| {
+            let numbers = Channels::KINDS.iter().zip(&step.observed);
+            numbers.into_iter().any(|(kind, value)| *kind == channel && value.is_some())
+        };
+        let is_there = |channel: &Channel| self.steps.iter().any(|step| of(*channel, step));
+        Channel::ALL.into_iter().filter(is_there).collect()
+    }
+
     /// Rows of the whole table that are not compared.
     pub fn set_aside(&self) -> &SetAside {
         &self.set_aside
+    }
+}
+
+/// What shares errors, and its index for each step.
+fn clusters(steps: &[ChannelObservation], push_of: &[usize]) -> (Cluster, Vec<usize>) {
+    let mut places = HashMap::new();
+    let place = |step: &ChannelObservation| {
+        let next = places.len();
+        *places.entry(step.input.session).or_insert(next)
+    };
+    let sessions: Vec<usize> = steps.iter().map(place).collect();
+    match places.len() {
+        FEWEST_SESSIONS.. => (Cluster::Session, sessions),
+        _ => (Cluster::Push, push_of.to_vec()),
     }
 }
 

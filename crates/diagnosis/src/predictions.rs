@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use effects::Effect;
-use models::{Base, ChannelModel, Description, Noise, StepInput};
+use models::{
+    Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelError, Noise,
+    StepInput,
+};
 use planar::Shape;
 
 use crate::{DiagnosisError, Observations};
@@ -12,11 +15,17 @@ use crate::{DiagnosisError, Observations};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Predictions {
     pub(crate) values: Vec<[Option<f64>; 7]>,
+    /// Of an observation about its value, where the model claims one.
+    pub(crate) variances: Vec<[Option<f64>; 7]>,
 }
 
 impl Predictions {
     /// The predictions of a model, all channels or, for a learnt one, the motion; `own` are effects
     /// besides those of the catalogue.
+    ///
+    /// A variance is what the model itself claims: of a learnt one its posterior with noise, of an
+    /// analytical one with fitted scatter that scatter, and what the standard errors of its
+    /// parameters leave open (as if they were independent, by secants over ± one).
     ///
     /// # Errors
     /// `Model` for what the model refuses.
@@ -25,31 +34,68 @@ impl Predictions {
         own: &[&'static dyn Effect],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
-        let values = match model.base {
-            Base::Analytical(_) => {
-                let model = ChannelModel::new(model, observations.support, own)?;
-                let inputs = observations.steps.iter().map(|step| &step.input);
-                let channels = model.predict(inputs)?;
-                channels.iter().map(|channels| channels.to_array().map(Some)).collect()
-            }
-            _ => {
-                let inputs = motion_inputs(observations)?;
-                let predicted = model.build()?.predict(&inputs, Noise::Excluded)?;
-                let motion = |mean: nalgebra::Vector3<f64>| {
-                    let mut values = [None; 7];
-                    for (value, number) in values.iter_mut().zip(mean.iter()) {
-                        *value = Some(*number);
-                    }
-                    values
-                };
-                predicted.iter().map(|prediction| motion(prediction.mean)).collect()
-            }
-        };
-        Ok(Self { values })
+        match &model.base {
+            Base::Analytical(base) => Self::of_analytical(model, base, own, observations),
+            _ => Self::of_learnt(model, observations),
+        }
     }
 
-    /// The predicted numbers of each step.
-    pub fn values(&self) -> &[[Option<f64>; 7]] {
+    fn of_analytical(
+        model: &Description,
+        base: &Analytical,
+        own: &[&'static dyn Effect],
+        observations: &Observations,
+    ) -> Result<Self, DiagnosisError> {
+        let predict = |model: &Description| -> Result<Vec<[f64; 7]>, ModelError> {
+            let model = ChannelModel::new(model, observations.support, own)?;
+            let channels = model.predict(observations.steps.iter().map(|step| &step.input))?;
+            Ok(channels.iter().map(effects::Channels::to_array).collect())
+        };
+        let values = predict(model)?;
+        let mut variances = vec![[0.0; 7]; values.len()];
+        for ends in secants(model, base) {
+            // A value at the end of its range has a secant on one side alone.
+            let [low, high] = ends.map(|end| predict(&end?));
+            let (low, high, width) = match (low, high) {
+                (Ok(low), Ok(high)) => (low, high, 2.0),
+                (Ok(low), Err(_)) => (low, values.clone(), 1.0),
+                (Err(_), Ok(high)) => (values.clone(), high, 1.0),
+                (Err(error), Err(_)) => return Err(error.into()),
+            };
+            for (variance, (low, high)) in variances.iter_mut().zip(low.iter().zip(&high)) {
+                (0..7).for_each(|k| variance[k] += ((high[k] - low[k]) / width).powi(2));
+            }
+        }
+        // Standard errors without noise are no prediction of an observation.
+        let claimed = |(step, own): (usize, &[f64; 7])| {
+            let square = observations.way(step).powi(2);
+            std::array::from_fn(|k| {
+                let noise = if k < 3 { base.scatter()[(k, k)] * square } else { 0.0 };
+                (noise > 0.0).then_some(own[k] + noise)
+            })
+        };
+        Ok(Self {
+            values: values.iter().map(|values| values.map(Some)).collect(),
+            variances: variances.iter().enumerate().map(claimed).collect(),
+        })
+    }
+
+    fn of_learnt(model: &Description, observations: &Observations) -> Result<Self, DiagnosisError> {
+        let inputs = motion_inputs(observations)?;
+        let predicted = model.build()?.predict(&inputs, Noise::Included)?;
+        let motion = |values: [f64; 3]| std::array::from_fn(|k| values.get(k).copied());
+        let variance = |k: usize, of: &models::StepPrediction| of.covariance[(k, k)];
+        Ok(Self {
+            values: predicted.iter().map(|of| motion(of.mean.into())).collect(),
+            variances: predicted
+                .iter()
+                .map(|of| motion([variance(0, of), variance(1, of), variance(2, of)]))
+                .collect(),
+        })
+    }
+
+    /// The numbers of each step.
+    pub fn steps(&self) -> &[[Option<f64>; 7]] {
         &self.values
     }
 
@@ -69,6 +115,43 @@ impl Predictions {
     }
 }
 
+/// The model with each of its uncertain parameters a standard error lower and higher.
+fn secants(model: &Description, base: &Analytical) -> Vec<[Result<Description, ModelError>; 2]> {
+    let mut ends = Vec::new();
+    let moved = |estimate: &Estimate, sign: f64| Estimate {
+        value: estimate.value + sign * estimate.se,
+        ..estimate.clone()
+    };
+    let surface = base.surface();
+    let with_base = |friction: Estimate, length: CharacteristicLength| {
+        let base = Analytical::new(friction, length, *base.scatter())?;
+        let base = base.with_surface(surface)?;
+        Ok(Description { base: Base::Analytical(base), ..model.clone() })
+    };
+    let friction = base.pusher_friction();
+    if friction.se > 0.0 {
+        ends.push([-1.0, 1.0].map(|sign| with_base(moved(friction, sign), base.length().clone())));
+    }
+    if let CharacteristicLength::Given(length) = base.length()
+        && length.se > 0.0
+    {
+        let given = |sign| CharacteristicLength::Given(moved(length, sign));
+        ends.push([-1.0, 1.0].map(|sign| with_base(friction.clone(), given(sign))));
+    }
+    for (index, effect) in model.effects.iter().enumerate() {
+        for (name, estimate) in effect.parameters.iter().filter(|(_, known)| known.se > 0.0) {
+            let end = |sign: f64| {
+                let mut model = model.clone();
+                model.effects[index].parameters.insert(name.clone(), moved(estimate, sign));
+                Ok(model)
+            };
+            ends.push([end(-1.0), end(1.0)]);
+        }
+    }
+    ends
+}
+
+/// The inputs of a model of the motion alone.
 fn motion_inputs(observations: &Observations) -> Result<Vec<StepInput>, DiagnosisError> {
     let mut shape: Option<Arc<Shape>> = None;
     let input = |step: &models::ChannelObservation| {

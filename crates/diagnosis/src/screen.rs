@@ -1,6 +1,6 @@
 //! Which effects would lower the error, before any of them is fitted.
 
-use effects::{Channel, Channels, Effect};
+use effects::Effect;
 use models::{Cluster, Description};
 use serde::Serialize;
 
@@ -13,6 +13,8 @@ use crate::{DiagnosisError, NoiseModel, NotTestable, Observations, Tolerances};
 /// What a screen of effects found, the likeliest effect first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Screen {
+    /// Pushes of the set; a larger set than is needed is thinned.
+    pub n_pushes_in_all: usize,
     /// Pushes used.
     pub n_pushes: usize,
     /// Steps used.
@@ -94,7 +96,8 @@ pub struct ScreenedCoordinate {
     pub unit: &'static str,
     /// Change from its value in the model, by one step of generalised least squares.
     pub change: f64,
-    /// Standard error of the change.
+    /// Standard error of the change: by the noise model, or by the scatter over the clusters where
+    /// that is larger.
     pub se: f64,
     /// Size that is found with probability 0.9 at an adjusted p of 0.01, were it the only one of
     /// the effect's coordinates.
@@ -119,9 +122,9 @@ pub struct ScreenSettings {
     pub tolerances: Tolerances,
     /// Random flips of signs: with k tests p can hardly be adjusted to less than k/(1 + n).
     pub n_flips: usize,
-    /// Seed of the flips and of a subsample.
+    /// Seed of the flips.
     pub seed: u64,
-    /// Steps above which a part of the pushes is used, chosen evenly over edges, speeds and time.
+    /// Steps above which a part of the pushes is used, chosen evenly over edges and speeds.
     pub most_steps: usize,
     /// Correlation from which two effects count as look-alikes.
     pub alike: f64,
@@ -154,6 +157,9 @@ pub fn screen(
     noise: &NoiseModel,
     settings: &ScreenSettings,
 ) -> Result<Screen, DiagnosisError> {
+    let (n_pushes_in_all, thinned) =
+        (observations.pushes().len(), thinned(observations, settings)?);
+    let observations = thinned.as_ref().unwrap_or(observations);
     let candidates = Candidates::of(model, own, observations)?;
     let of_push = push_directions()?;
     let directions: Vec<Direction> =
@@ -162,16 +168,26 @@ pub fn screen(
     let whitening = noise.whitening_at(observations, &linearisation)?;
     linearisation.slopes.drain(..of_push.len());
     let data = Whitened::new(observations, &linearisation, &whitening, &candidates, settings);
-    Ok(data.screen())
+    Ok(Screen { n_pushes_in_all, ..data.screen() })
 }
 
-/// The channels that are observed at all.
-pub(crate) fn channels(observations: &Observations) -> Vec<Channel> {
-    let is_there = |channel: &Channel| {
-        let has = |step: &models::ChannelObservation| {
-            (0..7).any(|k| Channels::KINDS[k] == *channel && step.observed[k].is_some())
-        };
-        observations.steps.iter().any(has)
-    };
-    Channel::ALL.into_iter().filter(is_there).collect()
+/// Pushes with about as many steps as are wanted, evenly over edges and speeds; none where there are
+/// no more.
+fn thinned(
+    observations: &Observations,
+    settings: &ScreenSettings,
+) -> Result<Option<Observations>, DiagnosisError> {
+    let stride = observations.n_steps().div_ceil(settings.most_steps.max(1));
+    if stride < 2 {
+        return Ok(None);
+    }
+    let mut first = vec![None; observations.pushes().len()];
+    for (place, push) in observations.places.iter().zip(&observations.push_of) {
+        first[*push].get_or_insert((place.edge, (1e3 * place.speed).round() as u64));
+    }
+    let mut order: Vec<usize> = (0..first.len()).collect();
+    order.sort_by_key(|push| first[*push]);
+    let chosen = order.into_iter().step_by(stride);
+    let names: Vec<String> = chosen.map(|push| observations.pushes()[push].to_string()).collect();
+    observations.part(&names).map(Some)
 }

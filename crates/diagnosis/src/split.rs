@@ -13,7 +13,7 @@ use crate::repeats::cells;
 use crate::{DiagnosisError, Observations, RepeatTolerance};
 
 /// Sessions of which a quarter says something.
-const FEWEST_SESSIONS: usize = 12;
+pub(crate) const FEWEST_SESSIONS: usize = 12;
 /// One of so many clusters is set aside.
 const SHARE: usize = 4;
 /// Choices among which one with repeats in both parts is looked for.

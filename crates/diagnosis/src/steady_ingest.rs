@@ -10,7 +10,7 @@ use dataset::{Curve, IngestSettings, StepLength};
 pub fn steady_ingest() -> IngestSettings {
     IngestSettings {
         step: StepLength::Distance(5e-3),
-        shortest_step: 0.05,
+        least_step_time: 0.05,
         curve: Curve::Smooth,
         first_touch_time: 0.0,
         first_touch_way: 2e-3,

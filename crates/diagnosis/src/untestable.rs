@@ -7,7 +7,7 @@ use crate::Observations;
 use crate::candidates::{Candidate, Candidates};
 use crate::coverage::Coverage;
 use crate::score::Score;
-use crate::screen::{DETECTABLE, channels};
+use crate::screen::DETECTABLE;
 
 /// Why an effect cannot be tested with these data; it is not called absent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -42,7 +42,7 @@ pub(crate) fn untestable(
     score: Option<&Score>,
 ) -> Option<NotTestable> {
     let about = candidate.effect.about();
-    let seen = channels(observations);
+    let seen = observations.channels();
     let reaches: Vec<Channel> = about.reaches.to_vec();
     let detectable = |information: &nalgebra::DMatrix<f64>| {
         let freedom = information.nrows();

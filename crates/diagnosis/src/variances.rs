@@ -38,8 +38,8 @@ pub(crate) struct Variances {
 }
 
 const MAX_ITERATIONS: usize = 100;
-/// A step that is expected to gain less is not worth taking.
-const DECREMENT: f64 = 1e-6;
+/// What is left to gain is a tenth of a standard error.
+const DECREMENT: f64 = 1e-2;
 /// Longest change of ln θ in one iteration.
 const LONGEST_STEP: f64 = 1.5;
 
@@ -76,8 +76,8 @@ pub(crate) fn variances(
         let Some((next_log, next)) = next else {
             let log_se = inverse.diagonal().iter().map(|variance| variance.sqrt()).collect();
             let values = log.iter().map(|log| log.exp()).collect();
-            // Where rounding hides every gain the slope is as flat as it gets.
-            let is_flat = decrement < 1e3 * DECREMENT;
+            // Where no step gains anything the slope is as flat as it gets.
+            let is_flat = decrement < 1e2 * DECREMENT;
             let found = Variances { values, log_se, iterations, decrement };
             return if is_flat { Ok(found) } else { Err(failed(iterations, decrement)) };
         };

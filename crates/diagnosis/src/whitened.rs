@@ -114,6 +114,7 @@ impl<'a> Whitened<'a> {
         let calibration = calibration(cluster, members.len(), flips.len());
         let (whitened_rms, step_correlation, nuisances) = self.without_effects();
         Screen {
+            n_pushes_in_all: self.observations.pushes.len(),
             n_pushes: self.observations.pushes.len(),
             n_steps: self.observations.n_steps(),
             n_numbers: self.whitening.n_numbers(),
@@ -157,6 +158,11 @@ impl<'a> Whitened<'a> {
         let share = self.share(&score, &change);
         found.statistic = share * (2.0 - share) * statistic;
         let detectable = DETECTABLE[(freedom - 1).min(DETECTABLE.len() - 1)];
+        let parts = clusters.iter().map(|cluster| score.part(cluster));
+        let parts: Vec<_> = parts.chain(score.beliefs(&self.is_free)).collect();
+        let zero = DMatrix::zeros(freedom, freedom);
+        let scatter = parts.iter().fold(zero, |sum, part| sum + part * part.transpose());
+        let sandwich = &covariance * scatter * &covariance;
         found.coordinates = (0..freedom)
             .map(|k| {
                 let index = score.tested[k];
@@ -165,7 +171,7 @@ impl<'a> Whitened<'a> {
                     name,
                     unit,
                     change: scale * change[k],
-                    se: scale * covariance[(k, k)].sqrt(),
+                    se: scale * covariance[(k, k)].max(sandwich[(k, k)]).sqrt(),
                     smallest_detectable: scale * detectable / score.information[(k, k)].sqrt(),
                 }
             })
@@ -173,9 +179,7 @@ impl<'a> Whitened<'a> {
         if share == 0.0 {
             return (found, no_test);
         }
-        let parts = clusters.iter().map(|cluster| score.part(cluster));
-        let parts = parts.chain(score.beliefs(&self.is_free));
-        (found, FlipTest::new(parts.collect()))
+        (found, FlipTest::new(parts))
     }
 
     /// The share of a change that the parameters' ranges allow.

@@ -82,7 +82,7 @@ impl Gaussian {
     }
 
     /// The Gaussian with the moments of what a motion makes of this one, where the motion gives a
-    /// Gaussian for each state: mean E[m], covariance E[C] + Cov[m].
+    /// Gaussian (m, C) for each state: the mean of m, and the mean of C plus the covariance of m.
     ///
     /// # Errors
     /// What `motion` says; `ShapeMismatch` if its Gaussians differ in dimension.

@@ -82,6 +82,18 @@ pub fn check_not_negative(name: &str, value: f64) -> Result<(), GpError> {
     }
 }
 
+/// Checks that a number lies between two others.
+///
+/// # Errors
+/// `OutOfRange` otherwise.
+pub fn check_range(name: &str, value: f64, lowest: f64, highest: f64) -> Result<(), GpError> {
+    if value >= lowest && value <= highest {
+        Ok(())
+    } else {
+        Err(GpError::OutOfRange { name: name.to_owned(), value, lowest, highest })
+    }
+}
+
 /// Checks that no two rows of `x` are equal, in O(D·N·log N).
 ///
 /// # Errors

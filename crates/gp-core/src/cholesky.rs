@@ -9,7 +9,7 @@ use faer::linalg::triangular_solve::{
 use faer::{Mat, MatMut, MatRef, Par};
 
 use crate::GpError;
-use crate::kernel::column;
+use crate::kernel::{column, column_mut};
 
 /// L with L Lᵀ = K, computed by one thread so that its bits do not depend on the machine's load.
 #[derive(Clone, Debug)]
@@ -27,6 +27,11 @@ impl Cholesky {
         Ok(Self { factor: matrix })
     }
 
+    /// Takes a factor that has been computed.
+    pub fn from_factor(factor: Mat<f64>) -> Self {
+        Self { factor }
+    }
+
     /// L; only its lower triangle has a meaning.
     pub fn factor(&self) -> MatRef<'_, f64> {
         self.factor.as_ref()
@@ -35,6 +40,47 @@ impl Cholesky {
     /// Replaces B by L⁻¹ B.
     pub fn solve_lower(&self, rhs: MatMut<'_, f64>) {
         solve_lower_triangular_in_place(self.factor.as_ref(), rhs, Par::Seq);
+    }
+
+    /// The factor of K with one more row and column, the diagonal entry last; O(N²).
+    ///
+    /// # Errors
+    /// `NotPositiveDefinite` if the new row is a combination of the others.
+    pub fn with_row(&self, what: &'static str, mut row: Vec<f64>) -> Result<Self, GpError> {
+        let n = self.factor.nrows();
+        let diagonal = row.pop().unwrap_or(0.0);
+        self.solve_lower(MatMut::from_column_major_slice_mut(&mut row, n, 1));
+        let rest = diagonal - row.iter().map(|value| value * value).sum::<f64>();
+        if rest <= (n + 1) as f64 * f64::EPSILON * diagonal {
+            return Err(GpError::NotPositiveDefinite { what, size: n + 1, pivot: n });
+        }
+        row.push(rest.sqrt());
+        let entry = |i, j| if i < n && j < n { self.factor[(i, j)] } else { 0.0 };
+        let mut factor = Mat::from_fn(n + 1, n + 1, entry);
+        (0..=n).for_each(|j| factor[(n, j)] = row[j]);
+        Ok(Self { factor })
+    }
+
+    /// The factor of K without row and column `index`; O(N²).
+    ///
+    /// The rows behind it take its column in by rotations: L'L'ᵀ = L₃L₃ᵀ + l lᵀ.
+    pub fn without_row(&self, index: usize) -> Self {
+        let n = self.factor.nrows() - 1;
+        let skip = |i: usize| i + usize::from(i >= index);
+        let mut factor =
+            Mat::from_fn(n, n, |i, j| if j > i { 0.0 } else { self.factor[(skip(i), skip(j))] });
+        let mut rest: Vec<f64> = (0..n).map(|i| self.factor[(skip(i), index)]).collect();
+        for j in index..n {
+            let (diagonal, below) = (factor[(j, j)], rest[j]);
+            let length = diagonal.hypot(below);
+            let (cosine, sine) = (diagonal / length, below / length);
+            for (entry, rest) in column_mut(&mut factor, j)[j..].iter_mut().zip(&mut rest[j..]) {
+                let turned = cosine * *entry + sine * *rest;
+                *rest = cosine * *rest - sine * *entry;
+                *entry = turned;
+            }
+        }
+        Self { factor }
     }
 
     /// The diagonal of K⁻¹, in O(N³).

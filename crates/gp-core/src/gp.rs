@@ -8,9 +8,10 @@ use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut
 use serde::{Deserialize, Serialize};
 
 use crate::checks::{
-    check_distinct_rows, check_inputs, check_not_negative, check_outputs, check_positive,
+    check_count, check_distinct_rows, check_inputs, check_not_negative, check_outputs,
+    check_positive,
 };
-use crate::cholesky::Cholesky;
+use crate::cholesky::{Cholesky, solve_with};
 use crate::kernel::{column, column_mut, copy_row, fill_cross, fill_lower_gram, mirror_lower};
 use crate::likelihood::{COVARIANCE, Likelihood, solve_residual};
 use crate::vector::dot;
@@ -29,12 +30,14 @@ use crate::{GpError, JointGaussian, Kernel, LeaveOneOut, Posterior};
 #[derive(Clone, Debug)]
 pub struct Gp {
     kernel: Arc<dyn Kernel>,
-    x: Mat<f64>,
-    y: Vec<f64>,
+    pub(crate) x: Arc<Mat<f64>>,
+    pub(crate) y: Vec<f64>,
     noise_variance: f64,
+    /// Known noise of each row beside the common one; empty if there is none.
+    pub(crate) row_noise: Vec<f64>,
     mean: Mean,
     constant: f64,
-    cholesky: Cholesky,
+    pub(crate) cholesky: Arc<Cholesky>,
     weights: Vec<f64>,
     log_marginal_likelihood: f64,
 }
@@ -82,46 +85,85 @@ impl Gp {
         noise_variance: f64,
         mean: Mean,
     ) -> Result<Self, GpError> {
-        Self::condition(Arc::new(kernel), x, y, noise_variance, mean)
+        Self::condition(Arc::new(kernel), x, y, Noise::same(noise_variance), mean)
+    }
+
+    /// As `fit_with_mean`, where observations have known noise of their own beside the common one.
+    ///
+    /// - `row_noise`: variance a row, N, not negative, in the squared unit of the output.
+    ///
+    /// # Errors
+    /// As `fit`.
+    pub fn fit_with_row_noise(
+        kernel: impl Kernel + 'static,
+        x: MatRef<'_, f64>,
+        y: &[f64],
+        row_noise: &[f64],
+        noise_variance: f64,
+        mean: Mean,
+    ) -> Result<Self, GpError> {
+        check_count("row noise", y.len(), row_noise.len())?;
+        let noise = Noise { common: noise_variance, of_rows: row_noise };
+        Self::condition(Arc::new(kernel), x, y, noise, mean)
     }
 
     pub(crate) fn condition(
         kernel: Arc<dyn Kernel>,
         x: MatRef<'_, f64>,
         y: &[f64],
-        noise_variance: f64,
+        noise: Noise<'_>,
         mean: Mean,
     ) -> Result<Self, GpError> {
         check_inputs("inputs", x, kernel.n_inputs())?;
         check_outputs("outputs", y, x.nrows())?;
-        check_not_negative("noise variance", noise_variance)?;
+        noise.check()?;
         if let Mean::Fixed(value) = mean {
             check_outputs("mean", &[value], 1)?;
         }
-        if noise_variance == 0.0 {
+        if noise.common == 0.0 && noise.of_rows.iter().all(|&noise| noise == 0.0) {
             check_distinct_rows(x)?;
         }
         let x = x.to_owned();
         let mut matrix = Mat::zeros(y.len(), y.len());
         fill_lower_gram(&*kernel, x.as_ref(), &mut matrix);
         for i in 0..y.len() {
-            matrix[(i, i)] += noise_variance;
+            matrix[(i, i)] += noise.of_row(i);
         }
         let cholesky = Cholesky::new(COVARIANCE, matrix)?;
         let (constant, weights, log_marginal_likelihood) =
             solve_residual(cholesky.factor(), y, mean);
-        let y = y.to_vec();
         Ok(Self {
             kernel,
-            x,
-            y,
-            noise_variance,
+            x: Arc::new(x),
+            y: y.to_vec(),
+            noise_variance: noise.common,
+            row_noise: noise.of_rows.to_vec(),
             mean,
             constant,
-            cholesky,
+            cholesky: Arc::new(cholesky),
             weights,
             log_marginal_likelihood,
         })
+    }
+
+    /// The same inputs, kernel and noise with other outputs, by the same factorisation; O(N²).
+    ///
+    /// Several outputs that share their hyperparameters take one fit and this for each of the
+    /// others.
+    ///
+    /// # Errors
+    /// `ShapeMismatch` or `NotFinite` if `y` does not hold N finite values.
+    pub fn with_outputs(&self, y: &[f64]) -> Result<Self, GpError> {
+        check_outputs("outputs", y, self.y.len())?;
+        let mut other = Self { y: y.to_vec(), ..self.clone() };
+        other.solve();
+        Ok(other)
+    }
+
+    /// Solves for mean and weights again after outputs or the factor have changed; O(N²).
+    pub(crate) fn solve(&mut self) {
+        (self.constant, self.weights, self.log_marginal_likelihood) =
+            solve_residual(self.cholesky.factor(), &self.y, self.mean);
     }
 
     /// The kernel, with its parameters in the user's units.
@@ -146,7 +188,12 @@ impl Gp {
 
     /// The training inputs, N×D.
     pub fn inputs(&self) -> MatRef<'_, f64> {
-        self.x.as_ref()
+        self.x.as_ref().as_ref()
+    }
+
+    /// Known noise variance of each row beside the common one; empty if there is none.
+    pub fn row_noise(&self) -> &[f64] {
+        &self.row_noise
     }
 
     /// The training outputs, N.
@@ -168,7 +215,7 @@ impl Gp {
     pub fn log_marginal_likelihood_gradient(&self) -> Result<Vec<f64>, GpError> {
         check_positive("noise variance", self.noise_variance)?;
         let mut gradient = vec![0.0; self.kernel.parameters().len() + 1];
-        Likelihood::new(self.x.as_ref(), &self.y, self.mean).evaluate(
+        Likelihood::new(self.inputs(), &self.y, &self.row_noise, self.mean).evaluate(
             &*self.kernel,
             self.noise_variance,
             &mut gradient,
@@ -194,7 +241,7 @@ impl Gp {
         for i in 0..x_star.nrows() {
             copy_row(x_star, i, &mut a);
             for (j, weight) in self.weights.iter().enumerate() {
-                copy_row(self.x.as_ref(), j, &mut b);
+                copy_row(self.inputs(), j, &mut b);
                 self.kernel.input_gradient(&a, &b, &mut slope);
                 for (d, slope) in slope.iter().enumerate() {
                     gradient[(i, d)] += weight * slope;
@@ -204,10 +251,38 @@ impl Gp {
         Ok(gradient)
     }
 
+    /// The gradient of the posterior variance of f by the inputs, M×D, one row an input; O(N²) each.
+    ///
+    /// ∂k**/∂x − 2 (∂k*/∂x)ᵀ (K + σₙ² I)⁻¹ k*.
+    ///
+    /// # Errors
+    /// `Empty`, `ShapeMismatch` or `NotFinite` if `x_star` is not a finite M×D matrix.
+    pub fn variance_gradient(&self, x_star: MatRef<'_, f64>) -> Result<Mat<f64>, GpError> {
+        check_inputs("inputs", x_star, self.n_inputs())?;
+        let n_inputs = self.n_inputs();
+        let (mut a, mut slope) = (vec![0.0; n_inputs], vec![0.0; n_inputs]);
+        let mut values = vec![0.0; self.y.len()];
+        let mut gradient = Mat::zeros(x_star.nrows(), n_inputs);
+        for i in 0..x_star.nrows() {
+            copy_row(x_star, i, &mut a);
+            self.kernel.column(self.inputs(), &a, &mut values);
+            let mut weights = values.clone();
+            solve_with(self.cholesky.factor(), &mut weights);
+            self.kernel.input_gradient(&a, &a, &mut slope);
+            let mut explained = vec![0.0; n_inputs];
+            self.kernel.column_input_gradient(self.inputs(), &a, &values, &weights, &mut explained);
+            for (d, (slope, explained)) in slope.iter().zip(&explained).enumerate() {
+                // k(x, x) moves with both of its arguments.
+                gradient[(i, d)] = 2.0 * (slope - explained);
+            }
+        }
+        Ok(gradient)
+    }
+
     /// Mean and variance for the rows of a block, which shares one triangular solve.
     fn predict_block(&self, x_star: MatRef<'_, f64>, mean: &mut [f64], variance: &mut [f64]) {
         let mut cross = Mat::zeros(self.y.len(), x_star.nrows());
-        fill_cross(&*self.kernel, self.x.as_ref(), x_star, &mut cross);
+        fill_cross(&*self.kernel, self.inputs(), x_star, &mut cross);
         for (j, mean) in mean.iter_mut().enumerate() {
             *mean = self.constant + dot(column(&cross, j), &self.weights);
         }
@@ -219,6 +294,37 @@ impl Gp {
             // Rounding alone can make the difference of two nearly equal variances negative.
             *variance = (self.kernel.value(&row, &row) - explained).max(0.0);
         }
+    }
+}
+
+/// The noise on observations: a common variance, and known ones of the rows or none.
+#[derive(Clone, Copy)]
+pub(crate) struct Noise<'a> {
+    pub(crate) common: f64,
+    pub(crate) of_rows: &'a [f64],
+}
+
+impl Noise<'_> {
+    pub(crate) fn same(common: f64) -> Self {
+        Self { common, of_rows: &[] }
+    }
+
+    pub(crate) fn of_row(self, i: usize) -> f64 {
+        self.common + self.of_rows.get(i).copied().unwrap_or(0.0)
+    }
+
+    fn check(self) -> Result<(), GpError> {
+        check_not_negative("noise variance", self.common)?;
+        check_row_noise(self.of_rows)
+    }
+}
+
+/// Checks that every row's noise variance is finite and not negative.
+pub(crate) fn check_row_noise(of_rows: &[f64]) -> Result<(), GpError> {
+    let bad = of_rows.iter().position(|&noise| check_not_negative("", noise).is_err());
+    match bad {
+        Some(row) => check_not_negative(&format!("noise variance of row {row}"), of_rows[row]),
+        None => Ok(()),
     }
 }
 
@@ -235,7 +341,7 @@ impl Posterior for Gp {
             let mut row = vec![0.0; x_star.ncols()];
             for (j, mean) in mean.iter_mut().enumerate() {
                 copy_row(x_star, block * BLOCK + j, &mut row);
-                self.kernel.column(self.x.as_ref(), &row, &mut values);
+                self.kernel.column(self.inputs(), &row, &mut values);
                 *mean = self.constant + dot(&values, &self.weights);
             }
         });
@@ -258,7 +364,7 @@ impl Posterior for Gp {
     fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
         let mean = self.predict_mean(x_star)?;
         let mut cross = Mat::zeros(self.y.len(), x_star.nrows());
-        fill_cross(&*self.kernel, self.x.as_ref(), x_star, &mut cross);
+        fill_cross(&*self.kernel, self.inputs(), x_star, &mut cross);
         self.cholesky.solve_lower(cross.as_mut());
         let mut covariance = Mat::zeros(x_star.nrows(), x_star.nrows());
         fill_lower_gram(&*self.kernel, x_star, &mut covariance);

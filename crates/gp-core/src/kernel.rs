@@ -1,5 +1,8 @@
 //! The trait that every covariance function implements, and the blocks made from it.
 
+mod active_inputs;
+mod constant;
+mod linear;
 mod matern32;
 mod matern52;
 mod periodic;
@@ -7,11 +10,15 @@ mod product;
 mod radial;
 mod spec;
 mod squared_exponential;
+mod sum;
 
 use std::fmt::Debug;
 
 use faer::{Mat, MatRef};
 
+pub use self::active_inputs::ActiveInputs;
+pub use self::constant::Constant;
+pub use self::linear::Linear;
 pub use self::matern32::{Matern32, Matern32Profile};
 pub use self::matern52::{Matern52, Matern52Profile};
 pub use self::periodic::Periodic;
@@ -20,6 +27,7 @@ use self::radial::FARTHEST;
 pub use self::radial::{Profile, Radial};
 pub use self::spec::KernelSpec;
 pub use self::squared_exponential::{SquaredExponential, SquaredExponentialProfile};
+pub use self::sum::Sum;
 use crate::GpError;
 use crate::checks::check_inputs;
 
@@ -154,6 +162,11 @@ pub enum Role {
     },
     /// A variance in the squared unit of the output.
     Variance,
+    /// A variance in the squared unit of the output over that of one input.
+    SlopeVariance {
+        /// The input's column.
+        input: usize,
+    },
     /// A number without unit.
     Shape,
 }

@@ -7,7 +7,8 @@ use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use serde::{Deserialize, Serialize};
 
 use crate::bfgs::{Limits, Minimum, StopReason, best_of, minimize};
-use crate::checks::{check_inputs, check_outputs, check_positive};
+use crate::checks::{check_count, check_inputs, check_outputs, check_positive};
+use crate::gp::{Noise, check_row_noise};
 use crate::likelihood::Likelihood;
 use crate::search_space::SearchSpace;
 use crate::{Gp, GpError, Kernel, Mean};
@@ -117,15 +118,37 @@ impl Gp {
         y: &[f64],
         options: &LearnOptions,
     ) -> Result<(Self, LearnReport), GpError> {
+        Self::learn_with_row_noise(kernel, x, y, &[], options)
+    }
+
+    /// As `learn`, where observations have known noise of their own beside the learnt common one.
+    ///
+    /// - `row_noise`: variance a row, N, or none.
+    ///
+    /// # Errors
+    /// As `learn`; `Negative` for a noise that is.
+    pub fn learn_with_row_noise(
+        kernel: impl Kernel + 'static,
+        x: MatRef<'_, f64>,
+        y: &[f64],
+        row_noise: &[f64],
+        options: &LearnOptions,
+    ) -> Result<(Self, LearnReport), GpError> {
         check_learnable(&kernel, x, y, options)?;
+        if !row_noise.is_empty() {
+            check_count("row noise", y.len(), row_noise.len())?;
+            check_row_noise(row_noise)?;
+        }
         let x = x.to_owned();
         let space = SearchSpace::new(&kernel, x.as_ref(), y, options.prior);
-        let search = Search { kernel: &kernel, x: x.as_ref(), y, space: &space, options };
+        let search =
+            Search { kernel: &kernel, x: x.as_ref(), y, row_noise, space: &space, options };
         let ends: Vec<_> = (0..options.n_starts).into_par_iter().map(|i| search.run(i)).collect();
         let (best, minimum) = best_of(&ends)?;
         let (kernel_parameters, noise_variance) = split(space.parameters(&minimum.point));
         let learnt = Arc::from(kernel.with_parameters(&kernel_parameters)?);
-        let gp = Self::condition(learnt, x.as_ref(), y, noise_variance, options.mean)?;
+        let noise = Noise { common: noise_variance, of_rows: row_noise };
+        let gp = Self::condition(learnt, x.as_ref(), y, noise, options.mean)?;
         let mut names: Vec<String> = kernel.parameters().into_iter().map(|p| p.name).collect();
         names.push("noise variance".to_owned());
         let at_wall = space.at_wall(&minimum.point).into_iter().map(|i| names[i].clone()).collect();
@@ -144,6 +167,7 @@ struct Search<'a> {
     kernel: &'a dyn Kernel,
     x: MatRef<'a, f64>,
     y: &'a [f64],
+    row_noise: &'a [f64],
     space: &'a SearchSpace,
     options: &'a LearnOptions,
 }
@@ -151,7 +175,7 @@ struct Search<'a> {
 impl Search<'_> {
     /// Minimises the negative log marginal likelihood from start number `index`.
     fn run(&self, index: usize) -> Result<Minimum, GpError> {
-        let mut likelihood = Likelihood::new(self.x, self.y, self.options.mean);
+        let mut likelihood = Likelihood::new(self.x, self.y, self.row_noise, self.options.mean);
         let limits = Limits {
             max_iterations: self.options.max_iterations,
             gradient_tolerance: self.options.gradient_tolerance,

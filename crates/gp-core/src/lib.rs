@@ -7,12 +7,16 @@ pub mod checks;
 pub mod cholesky;
 mod error;
 mod gp;
+mod gp_rows;
+mod heteroscedastic;
 mod joint_gaussian;
 pub mod kernel;
 mod learn;
+mod learn_noise;
 mod leave_one_out;
 mod likelihood;
 mod model;
+mod noise_bound;
 mod posterior;
 pub mod scores;
 mod search_space;
@@ -23,12 +27,15 @@ pub use bfgs::StopReason;
 pub use cholesky::Cholesky;
 pub use error::GpError;
 pub use gp::{Gp, Mean};
+pub use heteroscedastic::{HeteroscedasticGp, HeteroscedasticGpModel};
 pub use joint_gaussian::JointGaussian;
 pub use kernel::{
-    Kernel, KernelSpec, Matern32, Matern32Profile, Matern52, Matern52Profile, Parameter, Periodic,
-    Product, Profile, Radial, Role, SquaredExponential, SquaredExponentialProfile, cross, gram,
+    ActiveInputs, Constant, Kernel, KernelSpec, Linear, Matern32, Matern32Profile, Matern52,
+    Matern52Profile, Parameter, Periodic, Product, Profile, Radial, Role, SquaredExponential,
+    SquaredExponentialProfile, Sum, cross, gram,
 };
 pub use learn::{HyperPrior, LearnOptions, LearnReport, StartReport, check_learnable};
+pub use learn_noise::HeteroscedasticReport;
 pub use leave_one_out::LeaveOneOut;
 pub use model::GpModel;
 pub use posterior::Posterior;

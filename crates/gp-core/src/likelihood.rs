@@ -23,6 +23,8 @@ pub(crate) const COVARIANCE: &str = "covariance of the observations";
 pub(crate) struct Likelihood<'a> {
     x: MatRef<'a, f64>,
     y: &'a [f64],
+    /// Known noise of each row beside the common one; empty if there is none.
+    row_noise: &'a [f64],
     mean: Mean,
     gram: Mat<f64>,
     factor: Mat<f64>,
@@ -32,11 +34,12 @@ pub(crate) struct Likelihood<'a> {
 
 impl<'a> Likelihood<'a> {
     /// Prepares for data that have been checked.
-    pub(crate) fn new(x: MatRef<'a, f64>, y: &'a [f64], mean: Mean) -> Self {
+    pub(crate) fn new(x: MatRef<'a, f64>, y: &'a [f64], row_noise: &'a [f64], mean: Mean) -> Self {
         let n = x.nrows();
         Self {
             x,
             y,
+            row_noise,
             mean,
             gram: Mat::zeros(n, n),
             factor: Mat::zeros(n, n),
@@ -60,6 +63,9 @@ impl<'a> Likelihood<'a> {
         for j in 0..n {
             column_mut(&mut self.factor, j)[j..].copy_from_slice(&column(&self.gram, j)[j..]);
             self.factor[(j, j)] += noise_variance;
+        }
+        for (j, noise) in self.row_noise.iter().enumerate() {
+            self.factor[(j, j)] += noise;
         }
         factorize(COVARIANCE, self.factor.as_mut())?;
         let (_, weights, value) = solve_residual(self.factor.as_ref(), self.y, self.mean);

@@ -6,6 +6,7 @@ use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 use crate::checks::check_count;
+use crate::gp::Noise;
 use crate::{Gp, GpError, KernelSpec, Mean};
 
 /// Everything from which `Gp::from_model` rebuilds the same predictions, bit for bit.
@@ -27,6 +28,9 @@ pub struct GpModel {
     pub inputs: Vec<Vec<f64>>,
     /// Training outputs.
     pub outputs: Vec<f64>,
+    /// Known noise variance of each row beside the common one; empty if there is none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub row_noise: Vec<f64>,
 }
 
 impl GpModel {
@@ -50,6 +54,7 @@ impl Gp {
             mean: self.mean_choice(),
             inputs: (0..x.nrows()).map(row).collect(),
             outputs: self.outputs().to_vec(),
+            row_noise: self.row_noise().to_vec(),
         })
     }
 
@@ -68,6 +73,10 @@ impl Gp {
             check_count("columns of the inputs", n_inputs, row.len())?;
         }
         let x = Mat::from_fn(model.inputs.len(), n_inputs, |i, d| model.inputs[i][d]);
-        Self::condition(kernel, x.as_ref(), &model.outputs, model.noise_variance, model.mean)
+        if !model.row_noise.is_empty() {
+            check_count("row noise", model.outputs.len(), model.row_noise.len())?;
+        }
+        let noise = Noise { common: model.noise_variance, of_rows: &model.row_noise };
+        Self::condition(kernel, x.as_ref(), &model.outputs, noise, model.mean)
     }
 }

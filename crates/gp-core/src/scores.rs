@@ -105,6 +105,34 @@ pub fn coverage(
     levels.iter().map(fraction).collect()
 }
 
+/// The calibration curve: `coverage` at `n_levels` levels spread evenly over (0, 1), as pairs of
+/// level and fraction; the diagonal if predictions are as uncertain as they say.
+///
+/// # Errors
+/// As `nlpd`; `NotPositive` without levels.
+pub fn calibration_curve(
+    y: &[f64],
+    mean: &[f64],
+    variance: &[f64],
+    n_levels: usize,
+) -> Result<Vec<(f64, f64)>, GpError> {
+    check_positive("n_levels", n_levels as f64)?;
+    let level = |i: usize| (i as f64 + 0.5) / n_levels as f64;
+    let levels: Vec<f64> = (0..n_levels).map(level).collect();
+    let fractions = coverage(y, mean, variance, &levels)?;
+    Ok(levels.into_iter().zip(fractions).collect())
+}
+
+/// Mean distance of the calibration curve of a hundred levels from the diagonal; 0 at best, and
+/// never above ½.
+///
+/// # Errors
+/// As `nlpd`.
+pub fn calibration_error(y: &[f64], mean: &[f64], variance: &[f64]) -> Result<f64, GpError> {
+    let curve = calibration_curve(y, mean, variance, 100)?;
+    Ok(average(curve.iter().map(|(level, fraction)| (level - fraction).abs())))
+}
+
 fn mean_squared_error(y: &[f64], mean: &[f64]) -> Result<f64, GpError> {
     if y.is_empty() {
         return Err(GpError::Empty { what: "observations" });

@@ -38,6 +38,9 @@ impl SearchSpace {
                     (log_scale, Range::around(log_value - log_scale))
                 }
                 Role::Variance => (output, Range::signal()),
+                Role::SlopeVariance { input } => {
+                    (output - 2.0 * log_spread(input), Range::signal())
+                }
                 Role::Shape => (0.0, Range::around(log_value)),
             };
             log_scales.push(log_scale);

@@ -2,12 +2,26 @@
 //!
 //! No operation is fused, so a value does not depend on the registers that computed it.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
-/// Runs a loop compiled for the machine's vector registers; what it calls must be inlined.
+/// Runs a loop compiled for the machine's vector registers.
+///
+/// Only what is inlined into `body` is: write plain loops over functions marked `inline(always)`,
+/// since a closure within is often left outside.
 #[inline(always)]
 pub fn vectorized<R>(body: impl FnOnce() -> R) -> R {
-    Arch::new().dispatch(body)
+    Arch::new().dispatch(Body(body))
+}
+
+struct Body<F>(F);
+
+impl<R, F: FnOnce() -> R> WithSimd for Body<F> {
+    type Output = R;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _registers: S) -> R {
+        (self.0)()
+    }
 }
 
 /// eˣ within 2 units in the last place; 0 where it is below the smallest normal number.
@@ -19,7 +33,7 @@ pub fn exp(x: f64) -> f64 {
     let shifted = bounded * std::f64::consts::LOG2_E + ROUNDER;
     let multiple = shifted - ROUNDER;
     let rest = (bounded - multiple * LN_2_HIGH) - multiple * LN_2_LOW;
-    let polynomial = TAYLOR.iter().fold(TAYLOR_13, |sum, coefficient| sum * rest + coefficient);
+    let polynomial = horner(&TAYLOR, rest);
     // The low bits of `shifted` hold the multiple; from 1023 on it would not fit the exponent.
     let half = f64::from_bits(shifted.to_bits().wrapping_add(1022) << 52);
     let value = polynomial * half * 2.0;
@@ -37,8 +51,7 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     let multiple = shifted - ROUNDER;
     let rest = ((x - multiple * HALF_PI_HIGH) - multiple * HALF_PI_MIDDLE) - multiple * HALF_PI_LOW;
     let square = rest * rest;
-    let sine_part = SINE.iter().fold(0.0, |sum, coefficient| sum * square + coefficient);
-    let cosine_part = COSINE.iter().fold(0.0, |sum, coefficient| sum * square + coefficient);
+    let (sine_part, cosine_part) = (horner(&SINE, square), horner(&COSINE, square));
     let sine = rest + rest * square * sine_part;
     let cosine = 1.0 - 0.5 * square + square * square * cosine_part;
     let quarter = shifted.to_bits();
@@ -48,28 +61,71 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     (f64::from_bits(first.to_bits() ^ sine_sign), f64::from_bits(second.to_bits() ^ cosine_sign))
 }
 
+/// A polynomial with its highest coefficient first.
+#[inline(always)]
+fn horner<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
+    let mut sum = coefficients[0];
+    for coefficient in &coefficients[1..] {
+        sum = sum * x + coefficient;
+    }
+    sum
+}
+
 /// The largest argument of `sin_cos` that keeps its digits.
 pub const SIN_COS_LIMIT: f64 = 1e5;
 
-/// Σᵢ aᵢ bᵢ, in eight lanes.
+/// Σᵢ aᵢ bᵢ, in eight lanes and always in the same order.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    vectorized(|| {
-        let (a, b) = (a, &b[..a.len()]);
-        lane_sum(a.len(), |i| a[i] * b[i])
-    })
+    vectorized(|| dot_in_lanes(a, b))
 }
 
-/// Σᵢ term(i) for i below `n`, in eight lanes and always in the same order.
 #[inline(always)]
-pub fn lane_sum(n: usize, term: impl Fn(usize) -> f64) -> f64 {
+fn dot_in_lanes(a: &[f64], b: &[f64]) -> f64 {
     let mut lanes = [0.0; LANES];
-    let whole = n - n % LANES;
-    for start in (0..whole).step_by(LANES) {
-        for (lane, sum) in lanes.iter_mut().enumerate() {
-            *sum += term(start + lane);
+    let (a_chunks, b_chunks) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let mut rest = 0.0;
+    for (a, b) in a_chunks.remainder().iter().zip(b_chunks.remainder()) {
+        rest += a * b;
+    }
+    for (a, b) in a_chunks.zip(b_chunks) {
+        for lane in 0..LANES {
+            lanes[lane] += a[lane] * b[lane];
         }
     }
-    let rest: f64 = (whole..n).map(&term).sum();
+    lanes.iter().sum::<f64>() + rest
+}
+
+/// Σᵢ wᵢ (xᵢ − center)·scale, or with `SQUARED` the sum of wᵢ ((xᵢ − center)·scale)²; in eight lanes
+/// and always in the same order.
+pub fn weighted_sum<const SQUARED: bool>(
+    x: &[f64],
+    weights: &[f64],
+    center: f64,
+    scale: f64,
+) -> f64 {
+    vectorized(|| weighted_in_lanes::<SQUARED>(x, weights, center, scale))
+}
+
+#[inline(always)]
+fn weighted_in_lanes<const SQUARED: bool>(
+    x: &[f64],
+    weights: &[f64],
+    center: f64,
+    scale: f64,
+) -> f64 {
+    let mut lanes = [0.0; LANES];
+    let (x_chunks, w_chunks) = (x.chunks_exact(LANES), weights.chunks_exact(LANES));
+    let mut rest = 0.0;
+    for (x, w) in x_chunks.remainder().iter().zip(w_chunks.remainder()) {
+        let scaled = (x - center) * scale;
+        rest += if SQUARED { w * (scaled * scaled) } else { w * scaled };
+    }
+    for (x, w) in x_chunks.zip(w_chunks) {
+        for lane in 0..LANES {
+            let scaled = (x[lane] - center) * scale;
+            lanes[lane] += if SQUARED { w[lane] * (scaled * scaled) } else { w[lane] * scaled };
+        }
+    }
     lanes.iter().sum::<f64>() + rest
 }
 
@@ -88,9 +144,9 @@ const HALF_PI_HIGH: f64 = 1.570_796_326_734_125_6;
 const HALF_PI_MIDDLE: f64 = 6.077_100_506_303_966e-11;
 const HALF_PI_LOW: f64 = 2.022_266_248_795_950_6e-21;
 
-/// 1/13!, and below it 1/n! from n = 12 to 0.
-const TAYLOR_13: f64 = 1.0 / 6_227_020_800.0;
-const TAYLOR: [f64; 13] = [
+/// 1/n! from n = 13 to 0.
+const TAYLOR: [f64; 14] = [
+    1.0 / 6_227_020_800.0,
     1.0 / 479_001_600.0,
     1.0 / 39_916_800.0,
     1.0 / 3_628_800.0,

@@ -5,7 +5,8 @@
 use faer::linalg::solvers::Llt;
 use faer::{Mat, Side};
 use gp_core::{
-    Kernel, KernelSpec, Matern32, Matern52, Periodic, Product, SquaredExponential, cross, gram,
+    ActiveInputs, Constant, Kernel, KernelSpec, Linear, Matern32, Matern52, Periodic, Product,
+    SquaredExponential, Sum, cross, gram,
 };
 use proptest::collection::vec;
 use proptest::prelude::{Just, ProptestConfig, Strategy, prop_assert, prop_assert_eq, proptest};
@@ -19,7 +20,22 @@ fn kernels(n_inputs: usize, scales: &[f64]) -> Vec<Box<dyn Kernel>> {
     let widths: Vec<f64> = lengthscales.iter().map(|scale| scale + 0.5).collect();
     let periodic = Periodic::new(lengthscales, &widths).unwrap();
     let product = Product::new(squared.clone(), periodic.clone()).unwrap();
+    let linear = Linear::new(lengthscales).unwrap();
+    let offset = Constant::new(n_inputs, variance).unwrap();
+    let last = Matern32::new(&lengthscales[..1], variance).unwrap();
+    let active = ActiveInputs::new(last, &[n_inputs - 1], n_inputs).unwrap();
+    let all: Vec<usize> = (0..n_inputs).rev().collect();
+    let reversed = ActiveInputs::new(squared.clone(), &all, n_inputs).unwrap();
     vec![
+        Box::new(Sum::new(offset.clone(), linear.clone()).unwrap()),
+        Box::new(
+            Product::new(Sum::new(linear.clone(), squared.clone()).unwrap(), active.clone())
+                .unwrap(),
+        ),
+        Box::new(linear),
+        Box::new(offset),
+        Box::new(active),
+        Box::new(reversed),
         Box::new(Matern32::new(lengthscales, variance).unwrap()),
         Box::new(Product::new(product.clone(), matern.clone()).unwrap()),
         Box::new(product),
@@ -157,6 +173,38 @@ proptest! {
                 expected.iter_mut().zip(&slope).for_each(|(sum, slope)| *sum += weight * slope);
             }
             for (actual, expected) in actual.iter().zip(&expected) {
+                prop_assert!((actual - expected).abs() < 1e-12 * (1.0 + expected.abs()));
+            }
+        }
+    }
+
+    #[test]
+    fn columns_have_the_slopes_by_their_input_and_diagonals_those_of_the_values(
+        (d, entries, scales) in case(),
+    ) {
+        let x = inputs(d, &entries);
+        let b = &entries[..d];
+        let n = x.nrows();
+        let weights: Vec<f64> = (0..n).map(|i| (i as f64 + 0.5).sin()).collect();
+        for kernel in kernels(d, &scales) {
+            let n_parameters = kernel.parameters().len();
+            let (mut values, mut diagonal) = (vec![0.0; n], vec![0.0; n]);
+            kernel.column(x.as_ref(), b, &mut values);
+            kernel.diagonal(x.as_ref(), &mut diagonal);
+            let (mut by_input, mut by_parameters) = (vec![1.0; d], vec![1.0; n_parameters]);
+            kernel.column_input_gradient(x.as_ref(), b, &values, &weights, &mut by_input);
+            kernel.diagonal_gradient(x.as_ref(), &weights, &mut by_parameters);
+            let (mut input, mut parameters) = (vec![1.0; d], vec![1.0; n_parameters]);
+            for (i, a) in entries.chunks(d).enumerate() {
+                prop_assert!((diagonal[i] - kernel.value(a, a)).abs() < 1e-13);
+                let (mut slope, mut other) = (vec![0.0; d], vec![0.0; n_parameters]);
+                kernel.input_gradient(b, a, &mut slope);
+                kernel.parameter_gradient(a, a, &mut other);
+                input.iter_mut().zip(&slope).for_each(|(sum, slope)| *sum += weights[i] * slope);
+                parameters.iter_mut().zip(&other).for_each(|(sum, s)| *sum += weights[i] * s);
+            }
+            let pairs = by_input.iter().zip(&input).chain(by_parameters.iter().zip(&parameters));
+            for (actual, expected) in pairs {
                 prop_assert!((actual - expected).abs() < 1e-12 * (1.0 + expected.abs()));
             }
         }

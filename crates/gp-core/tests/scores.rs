@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used)]
 
 use gp_core::GpError;
-use gp_core::scores::{coverage, crps, msll, nlpd, nmse, rmse};
+use gp_core::scores::{
+    calibration_curve, calibration_error, coverage, crps, msll, nlpd, nmse, rmse,
+};
 
 const Y: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
 const MEAN: [f64; 4] = [1.0, 2.0, 3.0, 6.0];
@@ -54,6 +56,27 @@ fn coverage_counts_what_lies_within_the_interval() {
     let y = [0.0, 0.9, 1.1, 1.9, 2.1];
     let found = coverage(&y, &[0.0; 5], &[1.0; 5], &[0.6827, 0.9545]).unwrap();
     assert_eq!(found, [0.4, 0.8]);
+}
+
+#[test]
+fn the_calibration_curve_of_the_truth_is_the_diagonal() {
+    // Quantiles of the normal distribution, so that every interval holds what it says.
+    let quantile = |p: f64| {
+        let below = |x: f64| 0.5 * (1.0 + libm::erf(x * std::f64::consts::FRAC_1_SQRT_2));
+        let halve = |(low, high): (f64, f64), _| {
+            let middle = 0.5 * (low + high);
+            if below(middle) < p { (middle, high) } else { (low, middle) }
+        };
+        (0..60).fold((-9.0, 9.0), halve).0
+    };
+    let y: Vec<f64> = (0..1000).map(|i| quantile((f64::from(i) + 0.5) / 1000.0)).collect();
+    let curve = calibration_curve(&y, &[0.0; 1000], &[1.0; 1000], 10).unwrap();
+    assert_eq!(curve.len(), 10);
+    assert!(curve.iter().all(|(level, fraction)| (level - fraction).abs() < 2e-3), "{curve:?}");
+    assert!(calibration_error(&y, &[0.0; 1000], &[1.0; 1000]).unwrap() < 2e-3);
+    let sharp = calibration_error(&y, &[0.0; 1000], &[1e-12; 1000]).unwrap();
+    assert!((sharp - 0.5).abs() < 2e-3, "{sharp}");
+    assert!(matches!(calibration_curve(&y, &y, &y, 0), Err(GpError::NotPositive { .. })));
 }
 
 #[test]

@@ -246,34 +246,40 @@ impl RandomFeatures {
 const ROWS: usize = 256;
 
 fn add_multiple(sums: &mut [f64], factor: f64, x: MatRef<'_, f64>, start: usize, d: usize) {
-    let n = sums.len();
-    let rows = x.col(d).subrows(start, n);
+    let rows = x.col(d).subrows(start, sums.len());
     match rows.try_as_col_major() {
         Some(rows) => vectorized(|| {
-            sums.iter_mut().zip(rows.as_slice()).for_each(|(sum, x)| *sum += factor * x);
+            for (sum, x) in sums.iter_mut().zip(rows.as_slice()) {
+                *sum += factor * x;
+            }
         }),
-        None => sums.iter_mut().zip(rows.iter()).for_each(|(sum, x)| *sum += factor * x),
+        None => {
+            for (sum, x) in sums.iter_mut().zip(rows.iter()) {
+                *sum += factor * x;
+            }
+        }
     }
 }
 
 /// Replaces angles by a·cos, and writes a·sin.
 fn turn(angles: &mut [f64], sines: &mut [f64], amplitude: f64) {
-    let is_small = angles.iter().all(|angle| angle.abs() <= SIN_COS_LIMIT);
-    let write = |(angle, sine): (&mut f64, &mut f64), (s, c): (f64, f64)| {
-        *sine = amplitude * s;
-        *angle = amplitude * c;
-    };
+    let mut is_small = true;
+    for angle in angles.iter() {
+        is_small &= angle.abs() <= SIN_COS_LIMIT;
+    }
     if is_small {
         vectorized(|| {
             for (angle, sine) in angles.iter_mut().zip(sines) {
-                let turned = sin_cos(*angle);
-                write((angle, sine), turned);
+                let (s, c) = sin_cos(*angle);
+                *sine = amplitude * s;
+                *angle = amplitude * c;
             }
         });
     } else {
         for (angle, sine) in angles.iter_mut().zip(sines) {
-            let turned = angle.sin_cos();
-            write((angle, sine), turned);
+            let (s, c) = angle.sin_cos();
+            *sine = amplitude * s;
+            *angle = amplitude * c;
         }
     }
 }

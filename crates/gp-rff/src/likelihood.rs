@@ -159,7 +159,11 @@ impl Block {
 }
 
 fn multiply(values: &mut [f64], factors: &[f64]) {
-    vectorized(|| values.iter_mut().zip(factors).for_each(|(value, factor)| *value *= factor));
+    vectorized(|| {
+        for (value, factor) in values.iter_mut().zip(factors) {
+            *value *= factor;
+        }
+    });
 }
 
 fn subtract_products(values: &mut [f64], a: &[f64], b: &[f64]) {
@@ -170,6 +174,11 @@ fn subtract_products(values: &mut [f64], a: &[f64], b: &[f64]) {
     });
 }
 
-fn add_multiple(sums: &mut [f64], factor: f64, a: &[f64]) {
-    vectorized(|| sums.iter_mut().zip(a).for_each(|(sum, a)| *sum += factor * a));
+/// sums ← sums + factor·a.
+pub(crate) fn add_multiple(sums: &mut [f64], factor: f64, a: &[f64]) {
+    vectorized(|| {
+        for (sum, a) in sums.iter_mut().zip(a) {
+            *sum += factor * a;
+        }
+    });
 }

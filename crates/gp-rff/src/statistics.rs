@@ -197,7 +197,8 @@ impl SufficientStatistics {
             self.add(start, &column(square, j)[j..]);
             start += m - j;
         }
-        let of_one: Vec<f64> = (0..m).map(|j| column(phi, j).iter().sum()).collect();
+        let ones = vec![1.0; y.len()];
+        let of_one: Vec<f64> = (0..m).map(|j| dot(column(phi, j), &ones)).collect();
         let of_y: Vec<f64> = (0..m).map(|j| dot(column(phi, j), y)).collect();
         self.add(start, &of_one);
         self.add(start + m, &of_y);

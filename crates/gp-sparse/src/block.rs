@@ -5,13 +5,10 @@
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
-};
 use faer::{Accum, Mat, MatRef, Par};
 use gp_core::Kernel;
 use gp_core::kernel::{column, column_mut};
-use gp_core::vector::{dot, lane_sum, vectorized};
+use gp_core::vector::{dot, vectorized};
 
 use crate::Approximation;
 
@@ -25,9 +22,9 @@ pub(crate) struct Block {
     y: Vec<f64>,
     /// K_fu.
     k: Mat<f64>,
-    /// V = K_fu L⁻ᵀ, with K_uu = L Lᵀ.
+    /// V = K_fu L⁻ᵀ, with K_uu = L Lᵀ; later the gradient by K_fu.
     v: Mat<f64>,
-    /// First V scaled by the deviations of D, later the gradient by K_fu.
+    /// First D⁻¹V, later the gradient by V.
     work: Mat<f64>,
     /// c, the variance that the pseudo-inputs leave over.
     leftover: Vec<f64>,
@@ -72,8 +69,8 @@ pub(crate) struct Shared<'a> {
     pub(crate) z: &'a [f64],
     pub(crate) approximation: Approximation,
     pub(crate) noise_variance: f64,
-    /// L, of which the lower triangle counts.
-    pub(crate) factor: MatRef<'a, f64>,
+    /// L⁻¹, of which the lower triangle counts.
+    pub(crate) factor_inverse: MatRef<'a, f64>,
 }
 
 /// What the gradient needs from the merged sums.
@@ -126,11 +123,20 @@ impl Block {
         for (a, z) in shared.z.chunks_exact(self.x.ncols()).enumerate() {
             shared.kernel.column(self.x.as_ref(), z, column_mut(&mut self.k, a));
         }
-        self.v.copy_from(&self.k);
-        solve_lower_triangular_in_place(shared.factor, self.v.transpose_mut(), Par::Seq);
+        triangular_matmul(
+            self.v.as_mut(),
+            BlockStructure::Rectangular,
+            Accum::Replace,
+            &self.k,
+            BlockStructure::Rectangular,
+            shared.factor_inverse.transpose(),
+            BlockStructure::TriangularUpper,
+            1.0,
+            Par::Seq,
+        );
         shared.kernel.diagonal(self.x.as_ref(), &mut self.leftover);
         for a in 0..m {
-            subtract_squares(&mut self.leftover, column(&self.v, a));
+            add_square(&mut self.leftover, -1.0, column(&self.v, a));
         }
         self.set_precision(shared);
         self.sum_rows(shared);
@@ -138,7 +144,7 @@ impl Block {
             let (v, work) = (column(&self.v, a), column_mut(&mut self.work, a));
             multiply(work, v, &self.precision);
             self.sums.v_y[a] = dot(work, &self.y);
-            self.sums.v_one[a] = work.iter().sum();
+            self.sums.v_one[a] = dot(v, &self.precision);
         }
         triangular_matmul(
             self.sums.square.as_mut(),
@@ -165,8 +171,8 @@ impl Block {
     fn sum_rows(&mut self, shared: &Shared<'_>) {
         let (y, precision) = (&self.y, &self.precision);
         let n = y.len();
-        self.sums.y_y = lane_sum(n, |i| y[i] * y[i] * precision[i]);
-        self.sums.one_y = lane_sum(n, |i| y[i] * precision[i]);
+        self.sums.y_y = (0..n).map(|i| y[i] * y[i] * precision[i]).sum();
+        self.sums.one_y = dot(y, precision);
         self.sums.one_one = precision.iter().sum();
         self.sums.log_determinant = -precision.iter().map(|p| p.ln()).sum::<f64>();
         let (alpha, noise) = (shared.approximation.alpha(), shared.noise_variance);
@@ -206,8 +212,18 @@ impl Block {
             1.0,
             Par::Seq,
         );
-        let upper = shared.factor.transpose();
-        solve_upper_triangular_in_place(upper, self.work.transpose_mut(), Par::Seq);
+        // V has done its work and makes room.
+        triangular_matmul(
+            self.v.as_mut(),
+            BlockStructure::Rectangular,
+            Accum::Replace,
+            &self.work,
+            BlockStructure::Rectangular,
+            shared.factor_inverse,
+            BlockStructure::TriangularLower,
+            1.0,
+            Par::Seq,
+        );
         self.contract(shared, solution);
     }
 
@@ -250,18 +266,18 @@ impl Block {
     /// Takes ∂F/∂K_fu and ∂F/∂c to the kernel's parameters and the pseudo-inputs.
     fn contract(&mut self, shared: &Shared<'_>, solution: &Solution<'_>) {
         let n_inputs = self.x.ncols();
-        let Self { x, k, work, weights, leftover_slope, slopes, .. } = self;
+        let Self { x, k, v: slope_by_k, weights, leftover_slope, slopes, .. } = self;
         slopes.kernel.fill(0.0);
         slopes.z.fill(0.0);
         shared.kernel.diagonal_gradient(x.as_ref(), leftover_slope, &mut slopes.kernel);
         let rows = shared.z.chunks_exact(n_inputs).zip(slopes.z.chunks_exact_mut(n_inputs));
         for (a, (z, slope)) in rows.enumerate() {
-            let work = column_mut(work, a);
-            add_multiple(work, solution.weights[a], weights);
+            let by_k = column_mut(slope_by_k, a);
+            add_multiple(by_k, solution.weights[a], weights);
             let k = column(k, a);
-            shared.kernel.column_gradient(x.as_ref(), z, k, work, &mut slopes.kernel);
+            shared.kernel.column_gradient(x.as_ref(), z, k, by_k, &mut slopes.kernel);
             if solution.has_free_z {
-                shared.kernel.column_input_gradient(x.as_ref(), z, k, work, slope);
+                shared.kernel.column_input_gradient(x.as_ref(), z, k, by_k, slope);
             }
         }
     }
@@ -283,12 +299,22 @@ fn add_products(sums: &mut [f64], a: &[f64], b: &[f64]) {
     });
 }
 
-fn subtract_squares(values: &mut [f64], a: &[f64]) {
-    vectorized(|| values.iter_mut().zip(a).for_each(|(value, a)| *value -= a * a));
+/// sums ← sums + sign·a².
+pub(crate) fn add_square(sums: &mut [f64], sign: f64, a: &[f64]) {
+    vectorized(|| {
+        for (sum, a) in sums.iter_mut().zip(a) {
+            *sum += sign * (a * a);
+        }
+    });
 }
 
-fn add_multiple(sums: &mut [f64], factor: f64, a: &[f64]) {
-    vectorized(|| sums.iter_mut().zip(a).for_each(|(sum, a)| *sum += factor * a));
+/// sums ← sums + factor·a.
+pub(crate) fn add_multiple(sums: &mut [f64], factor: f64, a: &[f64]) {
+    vectorized(|| {
+        for (sum, a) in sums.iter_mut().zip(a) {
+            *sum += factor * a;
+        }
+    });
 }
 
 /// work ← −(precision·work + 2·slope·v).

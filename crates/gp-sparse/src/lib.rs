@@ -15,4 +15,4 @@ pub use choose_size::SizeScore;
 pub use learn::{SparseOptions, SparseReport, SparseStart};
 pub use model::SparseGpModel;
 pub use placement::{Placement, PseudoInputs};
-pub use sparse_gp::SparseGp;
+pub use sparse_gp::{Evaluator, SparseGp};

@@ -36,6 +36,7 @@ pub(crate) struct Objective {
     /// K_uu with its jitter, then a matrix of slopes.
     gram: Mat<f64>,
     pub(crate) factor: Mat<f64>,
+    factor_inverse: Mat<f64>,
     /// The Cholesky factor R of B.
     pub(crate) root: Mat<f64>,
     inverse: Mat<f64>,
@@ -73,6 +74,7 @@ impl Objective {
             z_columns: Mat::zeros(m, d),
             gram: square(),
             factor: square(),
+            factor_inverse: square(),
             root: square(),
             inverse: square(),
             root_inverse: square(),
@@ -110,12 +112,13 @@ impl Objective {
             self.factor[(a, a)] *= 1.0 + self.settings.jitter;
         }
         factorize(PSEUDO_COVARIANCE, self.factor.as_mut())?;
+        invert_lower_triangular(self.factor_inverse.as_mut(), self.factor.as_ref(), Par::Seq);
         let shared = Shared {
             kernel,
             z: &self.z,
             approximation: self.settings.approximation,
             noise_variance,
-            factor: self.factor.as_ref(),
+            factor_inverse: self.factor_inverse.as_ref(),
         };
         self.blocks.par_iter_mut().for_each(|block| block.sum(&shared));
         self.solve()
@@ -176,7 +179,7 @@ impl Objective {
             z: &self.z,
             approximation: self.settings.approximation,
             noise_variance,
-            factor: self.factor.as_ref(),
+            factor_inverse: self.factor_inverse.as_ref(),
         };
         let solution = Solution {
             inverse: self.inverse.as_ref(),

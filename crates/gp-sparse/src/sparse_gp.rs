@@ -7,11 +7,11 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, Mat, MatRef, Par};
 use gp_core::checks::{check_inputs, check_outputs, check_positive};
 use gp_core::kernel::{column, copy_row, fill_cross, fill_lower_gram, mirror_lower};
-use gp_core::vector::dot;
 use gp_core::{GpError, JointGaussian, Kernel, Posterior};
 use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
 
 use crate::SparseSettings;
+use crate::block::{add_multiple, add_square};
 use crate::objective::Objective;
 
 /// A Gaussian process seen through its values u at M pseudo-inputs Z; it keeps none of the data.
@@ -33,6 +33,32 @@ pub struct SparseGp {
     /// R with R Rᵀ = I + L⁻¹ K_uf D⁻¹ K_fu L⁻ᵀ.
     pub(crate) root: Mat<f64>,
     pub(crate) objective: f64,
+}
+
+/// The objective and its gradient at the parameters of a process, on data of its own.
+pub struct Evaluator {
+    kernel: Arc<dyn Kernel>,
+    noise_variance: f64,
+    z: Vec<f64>,
+    objective: Objective,
+    gradient: Vec<f64>,
+}
+
+impl Evaluator {
+    /// The objective in nats; fills the gradient. O(N M²).
+    ///
+    /// # Errors
+    /// `NotPositiveDefinite` if pseudo-inputs are too close to each other for the jitter.
+    pub fn evaluate(&mut self) -> Result<f64, GpError> {
+        let value = self.objective.value(&*self.kernel, self.noise_variance, &self.z)?;
+        self.objective.differentiate(&*self.kernel, self.noise_variance, &mut self.gradient);
+        Ok(value)
+    }
+
+    /// What `evaluate` found: by the kernel's log-parameters, ln σₙ², and the pseudo-inputs.
+    pub fn gradient(&self) -> &[f64] {
+        &self.gradient
+    }
 }
 
 impl SparseGp {
@@ -98,15 +124,25 @@ impl SparseGp {
         x: MatRef<'_, f64>,
         y: &[f64],
     ) -> Result<(f64, Vec<f64>), GpError> {
+        let mut evaluator = self.evaluator(x, y)?;
+        let value = evaluator.evaluate()?;
+        Ok((value, evaluator.gradient))
+    }
+
+    /// The same again and again without allocating, as while learning.
+    ///
+    /// # Errors
+    /// As `fit`.
+    pub fn evaluator(&self, x: MatRef<'_, f64>, y: &[f64]) -> Result<Evaluator, GpError> {
         check_data(&*self.kernel, x, y)?;
-        let n_parameters = self.kernel.parameters().len();
-        let m = self.weights.len();
-        let mut objective = Objective::new(x, y, m, n_parameters, self.settings);
-        let mut gradient = vec![0.0; n_parameters + 1 + m * x.ncols()];
-        let value =
-            objective.value(&*self.kernel, self.noise_variance, &rows_of(self.z.as_ref()))?;
-        objective.differentiate(&*self.kernel, self.noise_variance, &mut gradient);
-        Ok((value, gradient))
+        let (m, n_parameters) = (self.weights.len(), self.kernel.parameters().len());
+        Ok(Evaluator {
+            kernel: self.kernel.clone(),
+            noise_variance: self.noise_variance,
+            z: rows_of(self.z.as_ref()),
+            objective: Objective::new(x, y, m, n_parameters, self.settings),
+            gradient: vec![0.0; n_parameters + 1 + m * x.ncols()],
+        })
     }
 
     /// The kernel, with its parameters in the user's units.
@@ -141,22 +177,25 @@ impl SparseGp {
 
     /// Mean and variance for the rows of a block.
     fn predict_block(&self, x_star: MatRef<'_, f64>, mean: &mut [f64], variance: &mut [f64]) {
-        let mut cross = Mat::zeros(self.weights.len(), x_star.nrows());
-        fill_cross(&*self.kernel, self.z.as_ref(), x_star, &mut cross);
-        for (j, mean) in mean.iter_mut().enumerate() {
-            *mean = self.constant + dot(column(&cross, j), &self.weights);
+        // One input a row: solves by the transpose run along columns, which is much the faster way.
+        let mut cross = Mat::zeros(x_star.nrows(), self.weights.len());
+        fill_cross(&*self.kernel, x_star, self.z.as_ref(), &mut cross);
+        mean.fill(self.constant);
+        for (a, weight) in self.weights.iter().enumerate() {
+            add_multiple(mean, *weight, column(&cross, a));
         }
         self.kernel.diagonal(x_star, variance);
-        let square = |cross: &Mat<f64>, j| dot(column(cross, j), column(cross, j));
-        solve_lower_triangular_in_place(self.factor.as_ref(), cross.as_mut(), Par::Seq);
-        for (j, variance) in variance.iter_mut().enumerate() {
-            *variance -= square(&cross, j);
-        }
-        solve_lower_triangular_in_place(self.root.as_ref(), cross.as_mut(), Par::Seq);
-        for (j, variance) in variance.iter_mut().enumerate() {
-            // Rounding alone can make the difference of two nearly equal variances negative.
-            *variance = variance.max(0.0) + square(&cross, j);
-        }
+        let add_squares = |sign: f64, cross: &Mat<f64>, sums: &mut [f64]| {
+            for a in 0..cross.ncols() {
+                add_square(sums, sign, column(cross, a));
+            }
+        };
+        solve_lower_triangular_in_place(self.factor.as_ref(), cross.transpose_mut(), Par::Seq);
+        add_squares(-1.0, &cross, variance);
+        // Rounding alone can make the difference of two nearly equal variances negative.
+        variance.iter_mut().for_each(|variance| *variance = variance.max(0.0));
+        solve_lower_triangular_in_place(self.root.as_ref(), cross.transpose_mut(), Par::Seq);
+        add_squares(1.0, &cross, variance);
     }
 }
 
@@ -169,12 +208,14 @@ impl Posterior for SparseGp {
         check_inputs("inputs", x_star, self.n_inputs())?;
         let mut mean = vec![0.0; x_star.nrows()];
         mean.par_chunks_mut(BLOCK).enumerate().for_each(|(block, mean)| {
-            let mut values = vec![0.0; self.weights.len()];
-            let mut row = vec![0.0; x_star.ncols()];
-            for (j, mean) in mean.iter_mut().enumerate() {
-                copy_row(x_star, block * BLOCK + j, &mut row);
-                self.kernel.column(self.z.as_ref(), &row, &mut values);
-                *mean = self.constant + dot(&values, &self.weights);
+            let rows = x_star.subrows(block * BLOCK, mean.len());
+            let mut values = vec![0.0; mean.len()];
+            let mut z = vec![0.0; x_star.ncols()];
+            mean.fill(self.constant);
+            for (a, weight) in self.weights.iter().enumerate() {
+                copy_row(self.z.as_ref(), a, &mut z);
+                self.kernel.column(rows, &z, &mut values);
+                add_multiple(mean, *weight, &values);
             }
         });
         Ok(mean)
@@ -218,7 +259,7 @@ impl Posterior for SparseGp {
 }
 
 /// Inputs predicted together; the results do not depend on who computes which block.
-const BLOCK: usize = 64;
+const BLOCK: usize = 128;
 
 pub(crate) fn check_data(
     kernel: &dyn Kernel,

@@ -22,6 +22,11 @@ pub(crate) fn json(text: &str) -> Result<PathBuf, String> {
     ending(text, &["json"])
 }
 
+/// A page.
+pub(crate) fn page(text: &str) -> Result<PathBuf, String> {
+    ending(text, &["html"])
+}
+
 fn ending(text: &str, allowed: &[&str]) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match path.extension().and_then(|ending| ending.to_str()) {

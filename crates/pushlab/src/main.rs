@@ -10,6 +10,7 @@ mod failure;
 mod file_ending;
 mod fitting;
 mod origin;
+mod people;
 mod progress;
 mod recorded_steps;
 mod step_size;

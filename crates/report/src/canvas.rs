@@ -75,6 +75,18 @@ impl Canvas<'_> {
         push_arrow(self.scene, tail, tip, stroke);
     }
 
+    /// Lets a page show a text over the inside of a ring.
+    pub fn spot(&mut self, ring: &[[f64; 2]], text: &str) {
+        let ring = ring.iter().map(|point| self.place(*point)).collect();
+        self.scene.shapes.push(Shape::Spot { ring, text: text.to_owned() });
+    }
+
+    /// The same over a disc of a radius in px.
+    pub fn round_spot(&mut self, center: [f64; 2], radius: f64, text: &str) {
+        let ring = circle(self.place(center), radius);
+        self.scene.shapes.push(Shape::Spot { ring, text: text.to_owned() });
+    }
+
     /// Writes text shifted by `offset` (right, up) in px, on a white halo; it is moved so that it
     /// stays inside the panel, and left out if its point lies outside.
     pub fn text(

@@ -126,6 +126,12 @@ pub enum ReportError {
         /// The page's folder.
         folder: PathBuf,
     },
+    /// A figure with files on a page that is to have none.
+    #[error("figure `{name}` has files of its own; use a drawing on a page without files")]
+    NotAlone {
+        /// The figure's name.
+        name: String,
+    },
     /// The picture could not be encoded as PNG.
     #[error("cannot encode the picture: {0}")]
     Encode(String),

@@ -126,7 +126,7 @@ impl Figure {
         Ok(drawn)
     }
 
-    fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         if let Some(own) = [&self.name, &self.title].into_iter().find(|name| !name.is_empty()) {
             return own;
         }

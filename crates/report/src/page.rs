@@ -1,4 +1,4 @@
-//! One offline HTML page: figures, claims, tables and where they come from.
+//! One offline HTML page: sections, and where they come from.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -7,6 +7,7 @@ use std::path::Path;
 use crate::error::ReportError;
 use crate::files::{Drawn, check_name, write_atomically};
 use crate::html::escape;
+use crate::section::Section;
 
 /// A page in sections, written as one `index.html` that needs no network.
 #[derive(Debug, Clone)]
@@ -17,22 +18,6 @@ pub struct Page {
     provenance: Provenance,
 }
 
-/// A headed part of a page, linked from its contents.
-#[derive(Debug, Clone)]
-pub struct Section {
-    anchor: String,
-    title: String,
-    blocks: Vec<Block>,
-}
-
-#[derive(Debug, Clone)]
-enum Block {
-    Text(String),
-    Figure(Box<Plate>),
-    Table(Vec<String>, Vec<Vec<String>>),
-    Claims(Vec<Claim>),
-}
-
 /// A figure with what a reader needs beside it.
 #[derive(Debug, Clone)]
 pub struct Plate {
@@ -40,30 +25,6 @@ pub struct Plate {
     caption: String,
     alt: String,
     command: String,
-}
-
-/// What became of a claim on the data at hand.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
-    /// The data agree.
-    Holds,
-    /// The data disagree.
-    DoesNotHold,
-    /// The data cannot tell.
-    NotTestable,
-}
-
-/// A claim with its value on the data at hand.
-#[derive(Debug, Clone)]
-pub struct Claim {
-    /// What is claimed.
-    pub claim: String,
-    /// The value found, with unit; empty if not testable.
-    pub value: String,
-    /// What became of it.
-    pub verdict: Verdict,
-    /// Why: the criterion used, or what is missing.
-    pub reason: String,
 }
 
 /// What made a page.
@@ -78,6 +39,12 @@ pub struct Provenance {
     /// Name and SHA-256 of each input.
     pub inputs: Vec<(String, String)>,
 }
+
+/// Lets the page show only what it holds itself: no request to anywhere.
+const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; \
+                      script-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
+/// Inputs above which a page folds their list.
+const MANY_INPUTS: usize = 8;
 
 impl Page {
     /// An empty page; the lead is one paragraph under the title.
@@ -102,6 +69,17 @@ impl Page {
         write_atomically(&folder.join("index.html"), self.html(folder)?.as_bytes())
     }
 
+    /// The page as HTML text without files beside it.
+    ///
+    /// # Errors
+    /// As [`Page::html`]; a [`Plate`] needs files.
+    pub fn single_file(&self) -> Result<String, ReportError> {
+        match self.sections.iter().flat_map(Section::plates).next() {
+            Some(plate) => Err(ReportError::NotAlone { name: plate.anchor().to_owned() }),
+            None => self.html(Path::new("")),
+        }
+    }
+
     /// The page as HTML text with links relative to the folder.
     ///
     /// # Errors
@@ -112,6 +90,7 @@ impl Page {
         let mut out = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
              <title>{title}</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n\
              <header>\n<h1>{title}</h1>\n<p class=\"lead\">{}</p>\n</header>\n",
             include_str!("page.css"),
@@ -122,7 +101,11 @@ impl Page {
             section.push(&mut out, folder)?;
         }
         self.provenance.push(&mut out);
-        out.push_str("</main>\n</body>\n</html>\n");
+        out.push_str("</main>\n");
+        for script in self.sections.iter().flat_map(Section::scripts).collect::<BTreeSet<_>>() {
+            let _ = writeln!(out, "<script>\n{script}</script>");
+        }
+        out.push_str("</body>\n</html>\n");
         Ok(out)
     }
 
@@ -159,72 +142,6 @@ impl Page {
     }
 }
 
-impl Section {
-    /// An empty section; the anchor is what links name, e.g. `chapter-2`.
-    pub fn new(anchor: &str, title: &str) -> Self {
-        Self { anchor: anchor.to_owned(), title: title.to_owned(), blocks: Vec::new() }
-    }
-
-    /// Adds a paragraph.
-    #[must_use]
-    pub fn text(mut self, text: &str) -> Self {
-        self.blocks.push(Block::Text(text.to_owned()));
-        self
-    }
-
-    /// Adds a figure.
-    #[must_use]
-    pub fn figure(mut self, plate: Plate) -> Self {
-        self.blocks.push(Block::Figure(Box::new(plate)));
-        self
-    }
-
-    /// Adds a table; its first column heads the rows.
-    #[must_use]
-    pub fn table(mut self, head: &[&str], rows: Vec<Vec<String>>) -> Self {
-        let head = head.iter().map(|&cell| cell.to_owned()).collect();
-        self.blocks.push(Block::Table(head, rows));
-        self
-    }
-
-    /// Adds a table of claims.
-    #[must_use]
-    pub fn claims(mut self, claims: Vec<Claim>) -> Self {
-        self.blocks.push(Block::Claims(claims));
-        self
-    }
-
-    fn plates(&self) -> impl Iterator<Item = &Plate> {
-        self.blocks.iter().filter_map(|block| match block {
-            Block::Figure(plate) => Some(plate.as_ref()),
-            _ => None,
-        })
-    }
-
-    fn push(&self, out: &mut String, folder: &Path) -> Result<(), ReportError> {
-        let _ = writeln!(out, "<section id=\"{}\">\n<h2>{}</h2>", self.anchor, escape(&self.title));
-        for block in &self.blocks {
-            match block {
-                Block::Text(text) => {
-                    let _ = writeln!(out, "<p>{}</p>", escape(text));
-                }
-                Block::Figure(plate) => plate.push(out, folder)?,
-                Block::Table(head, rows) => {
-                    let rows =
-                        rows.iter().map(|row| row.iter().map(|c| escape(c).into()).collect());
-                    push_table(out, head.iter().map(String::as_str), rows);
-                }
-                Block::Claims(claims) => {
-                    let rows = claims.iter().map(Claim::cells);
-                    push_table(out, ["claim", "value", "verdict", "reason"], rows);
-                }
-            }
-        }
-        out.push_str("</section>\n");
-        Ok(())
-    }
-}
-
 impl Plate {
     /// A drawn figure with what one sees in it and the command that makes it; the caption is also
     /// the text for those who cannot see the picture, unless [`Plate::alt`] gives another.
@@ -240,11 +157,11 @@ impl Plate {
         self
     }
 
-    fn anchor(&self) -> &str {
+    pub(crate) fn anchor(&self) -> &str {
         &self.drawn.name
     }
 
-    fn push(&self, out: &mut String, folder: &Path) -> Result<(), ReportError> {
+    pub(crate) fn push(&self, out: &mut String, folder: &Path) -> Result<(), ReportError> {
         let drawn = &self.drawn;
         let below = drawn.folder.strip_prefix(folder).map_err(|_| ReportError::Outside {
             path: drawn.path("svg"),
@@ -288,44 +205,6 @@ fn percent(part: &str) -> String {
     out
 }
 
-impl Claim {
-    fn cells(&self) -> Vec<String> {
-        let (class, verdict) = match self.verdict {
-            Verdict::Holds => ("holds", "holds"),
-            Verdict::DoesNotHold => ("fails", "does not hold here"),
-            Verdict::NotTestable => ("open", "not testable"),
-        };
-        vec![
-            escape(&self.claim).into(),
-            escape(&self.value).into(),
-            format!("<span class=\"verdict {class}\">{verdict}</span>"),
-            escape(&self.reason).into(),
-        ]
-    }
-}
-
-/// A table of cells that are HTML already; heads stay plain text.
-fn push_table<'a>(
-    out: &mut String,
-    head: impl IntoIterator<Item = &'a str>,
-    rows: impl Iterator<Item = Vec<String>>,
-) {
-    let head: Vec<String> = head.into_iter().map(|cell| escape(cell).into()).collect();
-    let _ = write!(
-        out,
-        "<div class=\"scroll\" tabindex=\"0\">\n<table>\n<thead><tr><th scope=\"col\">{}</th></tr></thead>\n\
-         <tbody>\n",
-        head.join("</th><th scope=\"col\">")
-    );
-    for row in rows {
-        let mut cells = row.into_iter();
-        let first = cells.next().unwrap_or_default();
-        let rest: String = cells.map(|cell| format!("<td>{cell}</td>")).collect();
-        let _ = writeln!(out, "<tr><th scope=\"row\">{first}</th>{rest}</tr>");
-    }
-    out.push_str("</tbody>\n</table>\n</div>\n");
-}
-
 impl Provenance {
     fn push(&self, out: &mut String) {
         let seed = self.seed.map_or_else(|| "none".to_owned(), |seed| seed.to_string());
@@ -336,6 +215,13 @@ impl Provenance {
             escape(&self.tool),
             escape(&self.arguments)
         );
+        let n = self.inputs.len();
+        if n > MANY_INPUTS {
+            let _ = write!(
+                out,
+                "</dl>\n<details>\n<summary>{n} inputs with their SHA-256</summary>\n<dl>\n"
+            );
+        }
         for (name, hash) in &self.inputs {
             let _ = writeln!(
                 out,
@@ -344,6 +230,7 @@ impl Provenance {
                 escape(hash)
             );
         }
-        out.push_str("</dl>\n</footer>\n");
+        let end = if n > MANY_INPUTS { "</dl>\n</details>" } else { "</dl>" };
+        let _ = writeln!(out, "{end}\n</footer>");
     }
 }

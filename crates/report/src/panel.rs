@@ -223,9 +223,10 @@ fn check_logarithmic(
     }
 }
 
-/// Takes the texts from `first` on out of the scene, which are neither clipped nor rasterised.
+/// Takes the texts from `first` on out of the scene, which are neither clipped nor rasterised, and
+/// the spots, which lie above all marks.
 pub(crate) fn take_texts(scene: &mut Scene, first: usize) -> Vec<Shape> {
-    let is_text = |shape: &mut Shape| matches!(shape, Shape::Text(_));
+    let is_text = |shape: &mut Shape| matches!(shape, Shape::Text(_) | Shape::Spot { .. });
     scene.shapes.extract_if(first.., is_text).collect()
 }
 

@@ -77,6 +77,7 @@ impl Canvas {
                 Shape::Dots { centers, radius, ink } => self.dots(centers, *radius, ink),
                 Shape::Text(text) => self.text(text),
                 Shape::Image(image) => self.image(image)?,
+                Shape::Spot { .. } => {}
                 Shape::ClipStart(rect) => self.clip(rect),
                 Shape::ClipEnd => self.clip = None,
             }

@@ -12,10 +12,24 @@ pub(crate) struct Scene {
 
 #[derive(Debug, Clone)]
 pub(crate) enum Shape {
-    Path { rings: Vec<Vec<[f64; 2]>>, closed: bool, fill: Option<Ink>, stroke: Option<Stroke> },
-    Dots { centers: Vec<[f64; 2]>, radius: f64, ink: Ink },
+    Path {
+        rings: Vec<Vec<[f64; 2]>>,
+        closed: bool,
+        fill: Option<Ink>,
+        stroke: Option<Stroke>,
+    },
+    Dots {
+        centers: Vec<[f64; 2]>,
+        radius: f64,
+        ink: Ink,
+    },
     Text(Text),
     Image(Image),
+    /// A region without ink whose text a page shows on demand.
+    Spot {
+        ring: Vec<[f64; 2]>,
+        text: String,
+    },
     ClipStart(Rect),
     ClipEnd,
 }

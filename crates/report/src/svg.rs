@@ -29,6 +29,7 @@ pub(crate) fn to_svg(scene: &Scene, title: &str) -> Result<String, ReportError> 
             Shape::Dots { centers, radius, ink } => push_dots(&mut out, centers, *radius, ink),
             Shape::Text(text) => push_text(&mut out, text),
             Shape::Image(image) => push_image(&mut out, image)?,
+            Shape::Spot { ring, text } => push_spot(&mut out, ring, text),
             Shape::ClipStart(rect) => push_clip(&mut out, rect),
             Shape::ClipEnd => out.push_str("</svg>\n"),
         }
@@ -179,6 +180,16 @@ fn push_image(out: &mut String, image: &Image) -> Result<(), ReportError> {
         STANDARD.encode(png)
     );
     Ok(())
+}
+
+/// The text is a title, which browsers show by themselves.
+fn push_spot(out: &mut String, ring: &[[f64; 2]], text: &str) {
+    let data = path_data(&[ring.to_vec()], true);
+    let _ = writeln!(
+        out,
+        "<path class=\"spot\" d=\"{data}\" fill=\"none\" pointer-events=\"all\"><title>{}</title></path>",
+        escape(text)
+    );
 }
 
 /// A nested `svg` clips without needing an id, which must be unique on a whole page.

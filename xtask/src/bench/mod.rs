@@ -4,11 +4,15 @@
 
 mod contact;
 mod effects;
+mod floor;
 mod gp;
+mod gp_rff;
+mod gp_sparse;
 mod ingest;
 mod plant;
 mod push;
 mod report;
+mod surface;
 mod timing;
 
 use anyhow::{Context, Result};
@@ -56,6 +60,8 @@ const BENCHMARKS: &[Benchmark] = &[
     contact::BENCHMARK,
     effects::BENCHMARK,
     gp::BENCHMARK,
+    gp_rff::BENCHMARK,
+    gp_sparse::BENCHMARK,
     ingest::BENCHMARK,
     plant::BENCHMARK,
     push::BENCHMARK,

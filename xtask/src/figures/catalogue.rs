@@ -4,7 +4,7 @@ use anyhow::Result;
 
 use super::inputs::Inputs;
 use super::sketch::Sketch;
-use super::{learning, mechanics, models, recordings};
+use super::{comparison, learning, mechanics, models, recordings};
 
 /// A figure: its number in the thesis, its title and the function that draws it.
 #[derive(Debug)]
@@ -24,15 +24,16 @@ pub(crate) enum Chapter {
     Learning,
     Recordings,
     Models,
+    Comparison,
 }
 
 impl Chapter {
-    pub(crate) const ALL: [Self; 4] =
-        [Self::Mechanics, Self::Learning, Self::Recordings, Self::Models];
+    pub(crate) const ALL: [Self; 5] =
+        [Self::Mechanics, Self::Learning, Self::Recordings, Self::Models, Self::Comparison];
 
     /// Whether its figures are drawn from pushes.
     pub(crate) fn needs_data(self) -> bool {
-        matches!(self, Self::Recordings | Self::Models)
+        matches!(self, Self::Recordings | Self::Models | Self::Comparison)
     }
 
     pub(crate) fn anchor(self) -> &'static str {
@@ -41,6 +42,7 @@ impl Chapter {
             Self::Learning => "learning",
             Self::Recordings => "recordings",
             Self::Models => "models",
+            Self::Comparison => "comparison",
         }
     }
 
@@ -50,6 +52,7 @@ impl Chapter {
             Self::Learning => "Learning from data",
             Self::Recordings => "From recordings to a table",
             Self::Models => "Learned models of pushing",
+            Self::Comparison => "Where a model fails",
         }
     }
 }
@@ -109,4 +112,10 @@ pub(crate) const ALL: &[Entry] = &[
         .settles(&models::pooled_speeds::CLAIMS),
     entry("5.7", Chapter::Models, "learning curves", models::learning_curves::draw)
         .settles(&models::learning_curves::CLAIMS),
+    entry(
+        "M.1",
+        Chapter::Comparison,
+        "model against measurement, and where it fails",
+        comparison::where_it_fails::draw,
+    ),
 ];

@@ -9,6 +9,7 @@ use dataset::{
     DatasetError, IngestReport, IngestSettings, ObjectSpec, PusherSpec, Recording, RecordingSet,
     StepLength, SupportSpec, Table, TableMapping, ingest,
 };
+use diagnosis::Observations;
 use sha2::{Digest, Sha256};
 
 use crate::cargo::workspace_root;
@@ -130,6 +131,22 @@ impl Inputs {
     /// [`Lacking`] if the data are a table of steps; what the ingest says.
     pub(crate) fn ingest_report(&self) -> Result<&IngestReport> {
         Ok(&self.ingested(self.recordings()?)?.1)
+    }
+
+    /// The steps with what a comparison asks of them.
+    ///
+    /// # Errors
+    /// [`Lacking`] for a table that does not tell what was pushed, or too few pushes.
+    pub(crate) fn observations(&self) -> Result<Observations> {
+        Ok(match &self.source {
+            Source::Recordings(set) => Observations::of(self.table()?, set.manifest())?,
+            Source::Table { mapping: Some(mapping), table } => {
+                Observations::of_mapped(table, mapping)?
+            }
+            Source::Table { mapping: None, .. } => {
+                return Err(self.lacking("what was pushed"));
+            }
+        })
     }
 
     /// The object of a recording.

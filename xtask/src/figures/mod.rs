@@ -2,6 +2,7 @@
 
 mod catalogue;
 mod claims;
+mod comparison;
 pub(crate) mod inputs;
 mod learning;
 mod mechanics;

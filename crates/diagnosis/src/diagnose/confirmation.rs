@@ -45,8 +45,7 @@ impl Confirmation {
             Outcome::of(&residuals, aside, &noise.whitening(model, own, aside)?, &last)
         };
         let outcomes = (0..=n).map(outcome).collect::<Result<Vec<_>, DiagnosisError>>()?;
-        let gains: Vec<Gain> =
-            outcomes.windows(2).map(|pair| gain(&pair[0], &pair[1])).collect();
+        let gains: Vec<Gain> = outcomes.windows(2).map(|pair| gain(&pair[0], &pair[1])).collect();
         let squares = |outcome: &Outcome| -> Vec<(usize, f64)> {
             outcome.white.iter().map(|(push, z)| (*push, z * z)).collect()
         };
@@ -96,9 +95,8 @@ impl Outcome {
         let log_densities =
             densities.map(|(white, size)| -0.5 * (white.norm_squared() + size)).collect();
         let white = by_push(last).into_iter().enumerate();
-        let white = white.flat_map(|(push, white)| {
-            white.iter().map(|z| (push, *z)).collect::<Vec<_>>()
-        });
+        let white =
+            white.flat_map(|(push, white)| white.iter().map(|z| (push, *z)).collect::<Vec<_>>());
         let rms = |number: usize| {
             let squares: Vec<_> = residuals.iter().filter_map(|step| step[number]).collect();
             let n = squares.len();
@@ -112,8 +110,12 @@ impl Outcome {
 
 /// The gain in log density from one model to another, with the scatter of whole pushes.
 fn gain(one: &Outcome, other: &Outcome) -> Gain {
-    let gains: Vec<f64> =
-        one.log_densities.iter().zip(&other.log_densities).map(|(one, other)| other - one).collect();
+    let gains: Vec<f64> = one
+        .log_densities
+        .iter()
+        .zip(&other.log_densities)
+        .map(|(one, other)| other - one)
+        .collect();
     let n = gains.len() as f64;
     let mean = gains.iter().sum::<f64>() / n;
     let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);

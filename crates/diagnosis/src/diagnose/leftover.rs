@@ -35,7 +35,7 @@ pub(super) fn leftover(
     let map_settings = MapSettings { seed: settings.seed, ..MapSettings::default() };
     let comparison = compare(fitted, &predictions, &floor, &map_settings)?;
     let p = comparison.maps.iter().map(|map| map.p_adjusted).min_by(f64::total_cmp);
-    let sentence = comparison.maps.first().map(|map| format!("{:?}", map.covariate));
+    let sentence = comparison.findings.first().map(|finding| finding.sentence.clone());
     Ok(Left { p, sentence, rms: confirmation.rms[n] })
 }
 

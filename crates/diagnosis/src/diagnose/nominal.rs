@@ -26,10 +26,9 @@ impl Search<'_> {
         for nuisance in wrong {
             let size = self.size(&last.with_nuisances, &reset(&last.with_nuisances, nuisance)?)?;
             match size < Rules::SIZE {
-                true => found.refused.push(Refused {
-                    id: nuisance.id,
-                    objection: Objection::Small { size },
-                }),
+                true => found
+                    .refused
+                    .push(Refused { id: nuisance.id, objection: Objection::Small { size } }),
                 false => claimed.push(nuisance),
             }
         }

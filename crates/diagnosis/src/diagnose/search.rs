@@ -6,8 +6,8 @@ use models::Description;
 use super::DiagnoseSettings;
 use super::rules::{Objection, Rules};
 use crate::{
-    DiagnosisError, EffectFit, Fit, FitSettings, NoiseModel, Observations, Predictions, Screen, Whitening, fit,
-    screen,
+    DiagnosisError, EffectFit, Fit, FitSettings, NoiseModel, Observations, Predictions, Screen,
+    Whitening, fit, screen,
 };
 
 /// The search on the pushes to fit to.

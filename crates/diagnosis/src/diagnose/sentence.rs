@@ -13,7 +13,8 @@ pub(super) fn sentence(
     error: &ErrorFall,
     left: &Left,
 ) -> String {
-    let told = |id: &str| effects.iter().find(|effect| effect.id == id).map_or(id.into(), with_size);
+    let told =
+        |id: &str| effects.iter().find(|effect| effect.id == id).map_or(id.into(), with_size);
     let list = |ids: &[&'static str]| ids.iter().map(|id| told(id)).collect::<Vec<_>>();
     let mut text = match claims.verdict {
         Verdict::Named => {
@@ -27,7 +28,10 @@ pub(super) fn sentence(
             let groups: Vec<String> =
                 claims.groups.iter().map(|group| list(group).join("; or ")).collect();
             let groups = groups.join(". And one of: ");
-            format!("Missing is one of these, and the pushes cannot tell which: {groups}. {}", fall(error))
+            format!(
+                "Missing is one of these, and the pushes cannot tell which: {groups}. {}",
+                fall(error)
+            )
         }
         Verdict::StructureUnexplained => {
             "The model fails in a way that no effect of the library explains.".to_owned()
@@ -38,7 +42,8 @@ pub(super) fn sentence(
                 .to_owned()
         }
         Verdict::Weak => {
-            "There are hints, but nothing that these pushes make sure; more pushes would.".to_owned()
+            "There are hints, but nothing that these pushes make sure; more pushes would."
+                .to_owned()
         }
     };
     if let Some(where_) = left.sentence.as_ref().filter(|_| claims.is_left) {
@@ -87,9 +92,8 @@ fn size(parameter: &ParameterFinding) -> Option<String> {
     };
     let value = parameter.estimate? * scale;
     let ends = parameter.low95.zip(parameter.high95);
-    let ends = ends.map(|(low, high)| {
-        format!(" ({} to {})", rounded(low * scale), rounded(high * scale))
-    });
+    let ends =
+        ends.map(|(low, high)| format!(" ({} to {})", rounded(low * scale), rounded(high * scale)));
     Some(format!("{} {}{unit}{}", parameter.name, rounded(value), ends.unwrap_or_default()))
 }
 

@@ -44,7 +44,7 @@ struct Quadratic {
     decrement: f64,
 }
 
-const MAX_ITERATIONS: usize = 60;
+const MAX_ITERATIONS: usize = 200;
 /// A hundredth of a standard error: predictions are not smooth on a finer scale.
 const CONVERGED: f64 = 1e-4;
 /// The same where the sum alone counts.
@@ -113,11 +113,13 @@ impl Problem<'_> {
             }
             damping = DAMPING;
         }
-        Err(DiagnosisError::NotConverged {
-            what: "the fit",
-            iterations: MAX_ITERATIONS,
-            decrement: last,
-        })
+        let (what, iterations) = ("the fit", MAX_ITERATIONS);
+        let whole = self.slopes(&at, &widths)?;
+        let quadratic = self.quadratic(&at, &whole)?;
+        match quadratic.decrement {
+            decrement if decrement < STUCK => Ok(quadratic.end(at, whole, iterations)),
+            decrement => Err(DiagnosisError::NotConverged { what, iterations, decrement }),
+        }
     }
 
     /// The quadratic at a place, over the numbers that do not press against a bound.

@@ -14,7 +14,6 @@ use super::search::Found;
 use super::undetermined::Undetermined;
 use super::{EffectFit, Fit, FitSettings, NuisanceFit, ParameterFit, SIGNIFICANT};
 use crate::quantile::{normal_of_chi_square, normal_tail, student_975};
-use crate::split::clusters;
 use crate::{DiagnosisError, Observations};
 
 /// Correlation of signatures beyond which two effects are one to the data.
@@ -36,7 +35,7 @@ pub(super) fn estimates(
     settings: &FitSettings,
 ) -> Result<Fit, DiagnosisError> {
     let minimum = &found.after;
-    let (cluster, clusters) = clusters(observations);
+    let (cluster, clusters) = (observations.cluster, observations.pushes_of_clusters());
     let sandwich = Sandwich::of(problem, minimum, &clusters).ok_or(DiagnosisError::Flat)?;
     let n_clusters = clusters.len();
     let ending = Ending { problem, found, sandwich, n_clusters };

@@ -56,7 +56,9 @@ impl Kernel for Product {
             }
         };
         let unitless = |parameter: Parameter| match parameter.role {
-            Role::Variance => Parameter { role: Role::Shape, ..parameter },
+            Role::Variance | Role::SlopeVariance { .. } => {
+                Parameter { role: Role::Shape, ..parameter }
+            }
             _ => parameter,
         };
         let first = self.first.parameters().into_iter().map(named("first"));
@@ -120,10 +122,45 @@ impl Kernel for Product {
         let mut second = vec![0.0; weights.len()];
         self.first.column(x, b, &mut first);
         self.second.column(x, b, &mut second);
-        let weighted = |other: &[f64]| -> Vec<f64> {
-            weights.iter().zip(other).map(|(weight, value)| weight * value).collect()
-        };
-        self.first.column_gradient(x, b, &first, &weighted(&second), of_first);
-        self.second.column_gradient(x, b, &second, &weighted(&first), of_second);
+        self.first.column_gradient(x, b, &first, &products(weights, &second), of_first);
+        self.second.column_gradient(x, b, &second, &products(weights, &first), of_second);
     }
+
+    fn column_input_gradient(
+        &self,
+        x: MatRef<'_, f64>,
+        b: &[f64],
+        _values: &[f64],
+        weights: &[f64],
+        gradient: &mut [f64],
+    ) {
+        let mut first = vec![0.0; weights.len()];
+        let mut second = vec![0.0; weights.len()];
+        self.first.column(x, b, &mut first);
+        self.second.column(x, b, &mut second);
+        let of_first = products(weights, &second);
+        self.first.column_input_gradient(x, b, &first, &of_first, gradient);
+        let of_second = products(weights, &first);
+        self.second.column_input_gradient(x, b, &second, &of_second, gradient);
+    }
+
+    fn diagonal(&self, x: MatRef<'_, f64>, values: &mut [f64]) {
+        let mut second = vec![0.0; values.len()];
+        self.first.diagonal(x, values);
+        self.second.diagonal(x, &mut second);
+        values.iter_mut().zip(&second).for_each(|(value, factor)| *value *= factor);
+    }
+
+    fn diagonal_gradient(&self, x: MatRef<'_, f64>, weights: &[f64], gradient: &mut [f64]) {
+        let (of_first, of_second) = gradient.split_at_mut(self.n_first);
+        let mut values = vec![0.0; weights.len()];
+        self.second.diagonal(x, &mut values);
+        self.first.diagonal_gradient(x, &products(weights, &values), of_first);
+        self.first.diagonal(x, &mut values);
+        self.second.diagonal_gradient(x, &products(weights, &values), of_second);
+    }
+}
+
+fn products(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a * b).collect()
 }

@@ -8,7 +8,7 @@ use faer::{ColRef, MatRef};
 use super::{Kernel, KernelSpec, Parameter, Role};
 use crate::GpError;
 use crate::checks::{check_count, check_positive};
-use crate::vector::{dot, lane_sum, vectorized};
+use crate::vector::{dot, vectorized, weighted_sum};
 
 /// k(a, b) = s² g(r²) with r² = Σ_d ((a_d − b_d)/l_d)² and g given by a `Profile`.
 ///
@@ -132,10 +132,9 @@ impl<P: Profile> Kernel for Radial<P> {
     }
 
     fn column(&self, x: MatRef<'_, f64>, b: &[f64], values: &mut [f64]) {
-        vectorized(|| {
-            self.squared_distances(x, b, values);
-            values.iter_mut().for_each(|value| *value = self.signal_variance * P::value(*value));
-        });
+        self.squared_distances(x, b, values);
+        let signal_variance = self.signal_variance;
+        vectorized(|| profile_values::<P>(values, signal_variance));
     }
 
     fn column_gradient(
@@ -151,8 +150,7 @@ impl<P: Profile> Kernel for Radial<P> {
         self.for_blocks(x, b, values, weights, |rows, factors| {
             for (d, slope) in of_lengthscales.iter_mut().enumerate() {
                 let inverse = self.lengthscales[d].recip();
-                let scaled = |x: f64| ((x - b[d]) * inverse).powi(2);
-                *slope -= weighted_sum(rows.col(d), factors, scaled);
+                *slope -= sum_over_column::<true>(rows.col(d), factors, b[d], inverse);
             }
         });
     }
@@ -168,8 +166,7 @@ impl<P: Profile> Kernel for Radial<P> {
         self.for_blocks(x, b, values, weights, |rows, factors| {
             for (d, slope) in gradient.iter_mut().enumerate() {
                 let inverse = self.lengthscales[d].recip();
-                let scaled = |x: f64| (x - b[d]) * inverse * inverse;
-                *slope -= weighted_sum(rows.col(d), factors, scaled);
+                *slope -= inverse * sum_over_column::<false>(rows.col(d), factors, b[d], inverse);
             }
         });
     }
@@ -186,18 +183,18 @@ impl<P: Profile> Kernel for Radial<P> {
 
 impl<P: Profile> Radial<P> {
     /// Writes r² of every row from b.
-    #[inline(always)]
     fn squared_distances(&self, x: MatRef<'_, f64>, b: &[f64], squares: &mut [f64]) {
         squares.fill(0.0);
         for (d, lengthscale) in self.lengthscales.iter().enumerate() {
             let (center, inverse) = (b[d], lengthscale.recip());
-            let add = |(square, x): (&mut f64, &f64)| {
-                let scaled = (x - center) * inverse;
-                *square += scaled * scaled;
-            };
             match x.col(d).try_as_col_major() {
-                Some(x) => squares.iter_mut().zip(x.as_slice()).for_each(add),
-                None => squares.iter_mut().zip(x.col(d).iter()).for_each(add),
+                Some(x) => vectorized(|| add_squares(squares, x.as_slice(), center, inverse)),
+                None => {
+                    for (square, x) in squares.iter_mut().zip(x.col(d).iter()) {
+                        let scaled = (x - center) * inverse;
+                        *square += scaled * scaled;
+                    }
+                }
             }
         }
     }
@@ -212,21 +209,16 @@ impl<P: Profile> Radial<P> {
         mut body: impl FnMut(MatRef<'_, f64>, &[f64]),
     ) {
         let mut factors = [0.0; BLOCK];
-        let inverse_variance = self.signal_variance.recip();
         for start in (0..values.len()).step_by(BLOCK) {
             let n = BLOCK.min(values.len() - start);
             let rows = x.subrows(start, n);
             let factors = &mut factors[..n];
-            vectorized(|| {
-                let (values, weights) = (&values[start..start + n], &weights[start..start + n]);
-                if P::NEEDS_DISTANCE {
-                    self.squared_distances(rows, b, factors);
-                }
-                for ((factor, value), weight) in factors.iter_mut().zip(values).zip(weights) {
-                    let slope = P::slope(*factor, value * inverse_variance);
-                    *factor = 2.0 * self.signal_variance * slope * weight;
-                }
-            });
+            if P::NEEDS_DISTANCE {
+                self.squared_distances(rows, b, factors);
+            }
+            let (values, weights) = (&values[start..start + n], &weights[start..start + n]);
+            let signal_variance = self.signal_variance;
+            vectorized(|| profile_slopes::<P>(factors, values, weights, signal_variance));
             body(rows, factors);
         }
     }
@@ -264,14 +256,50 @@ pub(super) const FARTHEST: f64 = 1e9;
 /// Rows that the gradient handles at once: their terms stay on the stack and in the first cache.
 const BLOCK: usize = 128;
 
-/// Σᵢ weightsᵢ f(xᵢ).
+/// Adds ((xᵢ − center)·inverse)².
 #[inline(always)]
-fn weighted_sum(x: ColRef<'_, f64>, weights: &[f64], f: impl Fn(f64) -> f64) -> f64 {
+fn add_squares(squares: &mut [f64], x: &[f64], center: f64, inverse: f64) {
+    for (square, x) in squares.iter_mut().zip(x) {
+        let scaled = (x - center) * inverse;
+        *square += scaled * scaled;
+    }
+}
+
+/// Replaces r² by s² g(r²).
+#[inline(always)]
+fn profile_values<P: Profile>(values: &mut [f64], signal_variance: f64) {
+    for value in values {
+        *value = signal_variance * P::value(*value);
+    }
+}
+
+/// Replaces r² by 2 s² w g'(r²), given the kernel's values.
+#[inline(always)]
+fn profile_slopes<P: Profile>(
+    factors: &mut [f64],
+    values: &[f64],
+    weights: &[f64],
+    signal_variance: f64,
+) {
+    let inverse_variance = signal_variance.recip();
+    for ((factor, value), weight) in factors.iter_mut().zip(values).zip(weights) {
+        let slope = P::slope(*factor, value * inverse_variance);
+        *factor = 2.0 * signal_variance * slope * weight;
+    }
+}
+
+/// `weighted_sum` over a column of a matrix of any layout.
+fn sum_over_column<const SQUARED: bool>(
+    x: ColRef<'_, f64>,
+    weights: &[f64],
+    center: f64,
+    scale: f64,
+) -> f64 {
     match x.try_as_col_major() {
-        Some(x) => vectorized(|| {
-            let (x, weights) = (&x.as_slice()[..weights.len()], weights);
-            lane_sum(weights.len(), |i| weights[i] * f(x[i]))
-        }),
-        None => lane_sum(weights.len(), |i| weights[i] * f(x[i])),
+        Some(x) => weighted_sum::<SQUARED>(x.as_slice(), weights, center, scale),
+        None => {
+            let x: Vec<f64> = x.iter().copied().collect();
+            weighted_sum::<SQUARED>(&x, weights, center, scale)
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! The commands: one file each, with its arguments and its work, and one list.
 
 mod add;
+mod check;
 mod compare;
 mod completions;
 mod describe;
@@ -12,6 +13,7 @@ mod ingest;
 mod init;
 mod inspect;
 mod models;
+mod report;
 
 use anyhow::Result;
 use clap::Subcommand;
@@ -29,10 +31,12 @@ pub(crate) enum Command {
     Models(models::Args),
     Effects(effects::Args),
     Generate(generate::Args),
+    Check(check::Args),
     Compare(compare::Args),
     Diagnose(diagnose::Args),
     Fit(fit::Args),
     Add(add::Args),
+    Report(report::Args),
     Completions(completions::Args),
 }
 
@@ -50,10 +54,12 @@ impl Command {
             Self::Models(args) => models::run(args, terminal),
             Self::Effects(args) => effects::run(args, terminal),
             Self::Generate(args) => generate::run(args, terminal),
+            Self::Check(args) => check::run(args, terminal),
             Self::Compare(args) => compare::run(args, terminal),
             Self::Diagnose(args) => diagnose::run(args, terminal),
             Self::Fit(args) => fit::run(args, terminal),
             Self::Add(args) => add::run(args, terminal),
+            Self::Report(args) => report::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
         }
     }

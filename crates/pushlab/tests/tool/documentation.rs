@@ -142,6 +142,7 @@ fn every_key_of_the_results_is_on_the_page() {
         &["generate", "simulated", "--pushes", "1"],
         &["compare", "pushes", "--against", "model.toml"],
         &["add", "limit-surface-shape", "--fit", "pushes", "-o", "better.toml"],
+        &["report", "pushes"],
     ] {
         let run = set.done(&[arguments, &["--json"]].concat());
         let mut document: Value = serde_json::from_str(&run.stdout).unwrap();

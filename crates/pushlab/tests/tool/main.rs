@@ -3,10 +3,13 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod bad_input;
+mod checked;
 mod commands;
 mod comparison;
 mod documentation;
 mod fitting;
 mod generated;
+mod report_page;
+mod schema;
 mod small_set;
 mod usage;

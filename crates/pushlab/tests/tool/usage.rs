@@ -18,9 +18,11 @@ fn help_lists_every_command() {
   models       Write, show and list models
   effects      List and explain effects: what models can carry, and what `generate` can hide
   generate     Simulate pushes and write them as a recording set that can hide an effect
+  check        Tell what recordings can and cannot show, before any model is fitted to them
   compare      Tell how wrong a model is on recordings, where, and how wrong it may be at best
   fit          Fit nominal parameters, or effects that a model carries, to recordings
   add          Add an effect to a model, with values by hand or fitted to recordings
+  report       Show how models do on recordings: one HTML page, to be read without a network
   completions  Print a completion script for a shell
   help         Print this message or the help of the given subcommand(s)"
     );

@@ -1,23 +1,25 @@
 //! `pushlab compare`: where a model fails on recordings, and how wrong it may be at best.
 
 mod part;
+mod steps;
 mod text;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use dataset::{IngestSettings, RecordingSet};
+use dataset::Preset;
 use diagnosis::{
-    ChannelChange, Comparison, MapSettings, Observations, Predictions, RepeatTolerance, change,
-    compare, noise_floor,
+    ChannelChange, Comparison, MapSettings, Predictions, PushEnds, RepeatTolerance, change,
+    compare, noise_floor, push_ends, roll_out,
 };
 use models::ModelFile;
 use serde::Serialize;
 
-use self::part::Part;
+pub(super) use self::part::Part;
+use self::steps::Steps;
+use crate::command_line::preset_parser;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
-use crate::recorded_steps::RecordedSteps;
 use crate::step_size::StepSize;
 use crate::terminal::Terminal;
 
@@ -29,7 +31,7 @@ use crate::terminal::Terminal;
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// Recording set: a folder with dataset.toml
+    /// Recording set (a folder with dataset.toml), or a step table (.csv, .parquet)
     set: PathBuf,
     /// Model file
     #[arg(long, value_name = "FILE", default_value = "model.toml",
@@ -41,13 +43,24 @@ pub(crate) struct Args {
     /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm); else 200ms
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<StepSize>,
+    /// Manifest of the set that a step table is of; else dataset.toml beside it
+    #[arg(long, value_name = "FILE")]
+    manifest: Option<PathBuf>,
+    /// What is known of public data, for recordings or a table of others
+    #[arg(long, value_name = "NAME", value_parser = preset_parser())]
+    preset: Option<Preset>,
+    /// How the columns of a table of others become ours
+    #[arg(long, value_name = "FILE", conflicts_with = "preset")]
+    mapping: Option<PathBuf>,
 }
 
 const EXAMPLES: &str = "\
 Examples:
   pushlab compare pushes --model model.toml
   pushlab compare pushes --model better.toml --against model.toml
-  pushlab compare pushes --step 4mm --json";
+  pushlab compare pushes --step 4mm --json
+  pushlab compare steps.csv --manifest pushes/dataset.toml
+  pushlab compare table.csv --preset mit-table";
 
 /// A model on a set, and how it does beside another one.
 #[derive(Serialize)]
@@ -58,6 +71,8 @@ struct Compared {
     part: Part,
     #[serde(flatten)]
     comparison: Comparison,
+    /// Whole pushes; none where every push is one step.
+    roll_outs: Option<PushEnds>,
     against: Option<Against>,
 }
 
@@ -78,15 +93,8 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     };
     let model = read(&args.model)?;
     let other = args.against.as_deref().map(&mut read).transpose()?;
-    readable(&args.set)?;
-    let set = RecordingSet::open(&args.set)?;
-    let mut settings = IngestSettings::default();
-    if let Some(StepSize(step)) = args.step {
-        settings.step = step;
-    }
-    let recorded = RecordedSteps::read(&set, &settings, terminal)?;
-    origin.inputs.extend(recorded.inputs);
-    let observations = Observations::of(&recorded.table, set.manifest())?;
+    let Steps { observations, inputs } = Steps::read(args, terminal)?;
+    origin.inputs.extend(inputs);
     let splits =
         [Some(&model), other.as_ref()].into_iter().flatten().filter_map(|f| f.split.as_ref());
     let part = Part::of(splits, &observations);
@@ -95,6 +103,8 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let predictions = predict(&model)?;
     let floor = noise_floor(&observations, &predictions, &RepeatTolerance::default())?;
     let comparison = compare(&observations, &predictions, &floor, &MapSettings::default())?;
+    let rollouts = roll_out(&model.description, &[], &observations)?;
+    let roll_outs = push_ends(&rollouts, &observations);
     let against = match other {
         Some(other) => {
             let changes = change(&observations, &predict(&other)?, &predictions, &floor)?;
@@ -102,7 +112,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         }
         None => None,
     };
-    let result = Compared { model: model.name, part, comparison, against };
+    let result = Compared { model: model.name, part, comparison, roll_outs, against };
     terminal.finish(&origin, &result, &result)
 }
 
@@ -115,6 +125,9 @@ impl Args {
         };
         option("model", Some(path(&self.model)));
         option("against", self.against.as_deref().map(path));
+        option("manifest", self.manifest.as_deref().map(path));
+        option("preset", self.preset.map(|preset| preset.name().to_owned()));
+        option("mapping", self.mapping.as_deref().map(path));
         option("step", self.step.map(|step| step.to_string()));
         Origin::new(words)
     }

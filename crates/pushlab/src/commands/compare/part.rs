@@ -10,7 +10,7 @@ use serde::Serialize;
 /// The pushes compared.
 #[derive(Serialize)]
 #[serde(rename_all = "snake_case", tag = "pushes")]
-pub(super) enum Part {
+pub(in crate::commands) enum Part {
     /// All of the set, which no model says that it was fitted to.
     All,
     /// Those that no fit has seen.
@@ -24,7 +24,7 @@ pub(super) enum Part {
 
 impl Part {
     /// What the splits of the models leave: the pushes that each of those of this set confirms with.
-    pub(super) fn of<'a>(
+    pub(in crate::commands) fn of<'a>(
         splits: impl Iterator<Item = &'a Split>,
         observations: &Observations,
     ) -> Self {
@@ -45,7 +45,7 @@ impl Part {
     ///
     /// # Errors
     /// If they are too few.
-    pub(super) fn observations(&self, all: Observations) -> Result<Observations> {
+    pub(in crate::commands) fn observations(&self, all: Observations) -> Result<Observations> {
         match self {
             Self::All => Ok(all),
             Self::Confirm { names, .. } => all

@@ -2,15 +2,20 @@
 
 use std::fmt;
 
-use diagnosis::{Cell, ChannelChange, ChannelError, Covariate, Floor, FloorSource, ResidualMap};
+use diagnosis::{
+    ChannelChange, ChannelError, Comparison, Floor, FloorSource, IntervalCalibration, PushEnds,
+    Spread,
+};
+use models::Cluster;
 
 use super::{Against, Compared};
+use crate::people::people;
 use crate::terminal::TITLE;
 
 /// Pushes that a screen has room for.
 const MOST_LINES: usize = 6;
-/// Probability below which a map is shown as structure.
-const SURE: f64 = 0.05;
+/// Findings that a screen has room for.
+const MOST_FINDINGS: usize = 8;
 
 impl fmt::Display for Compared {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -20,6 +25,9 @@ impl fmt::Display for Compared {
         write!(f, "{}", self.part)?;
         if found.n_set_aside > 0 {
             writeln!(f, "  rows set aside: {}", found.set_aside)?;
+        }
+        for what in &found.not_asked {
+            writeln!(f, "  {what}")?;
         }
         writeln!(f, "{TITLE}error of a step, RMS{TITLE:#}")?;
         found.channels.iter().try_for_each(|error| write_error(f, error))?;
@@ -33,7 +41,13 @@ impl fmt::Display for Compared {
                 writeln!(f, "  floor: an estimate from neighbours, for there are no repeats")?;
             }
         }
-        write_maps(f, &found.maps)?;
+        write_growth(f, found)?;
+        if found.cluster == Cluster::Session {
+            writeln!(f, "  ± and tests take whole measuring sessions for independent")?;
+        }
+        write_ends(f, self.roll_outs.as_ref())?;
+        write_calibration(f, &found.calibration)?;
+        write_findings(f, found)?;
         writeln!(f, "{TITLE}worst pushes{TITLE:#}, error of a step")?;
         for push in found.worst.iter().take(MOST_LINES) {
             let [x, y, turn] = push.rms;
@@ -45,21 +59,11 @@ impl fmt::Display for Compared {
     }
 }
 
-/// A number of SI units per unit for people, and that unit.
-fn people(unit: &str) -> (f64, &str) {
-    match unit {
-        "m" => (1e3, "mm"),
-        "rad" => (1.0_f64.to_degrees(), "°"),
-        "1" => (1.0, ""),
-        other => (1.0, other),
-    }
-}
-
 fn write_error(f: &mut fmt::Formatter<'_>, error: &ChannelError) -> fmt::Result {
     let ChannelError { name, rms, rms_se, nmse, floor, .. } = error;
     let (per, unit) = people(error.unit);
     write!(f, "  {name:16} {:7.3} ± {:.3} {unit:2}", per * rms, per * rms_se)?;
-    if let Some(Floor { rms, low95, high95 }) = floor {
+    if let Some(Floor { rms, low95, high95, .. }) = floor {
         let (rms, low, high) = (per * rms, per * low95, per * high95);
         write!(f, "  floor {rms:.3} ({low:.3} to {high:.3})")?;
     }
@@ -71,54 +75,94 @@ fn write_error(f: &mut fmt::Formatter<'_>, error: &ChannelError) -> fmt::Result 
     }
 }
 
-fn write_maps(f: &mut fmt::Formatter<'_>, maps: &[ResidualMap]) -> fmt::Result {
-    let sure = maps.iter().filter(|map| map.p_adjusted <= SURE);
-    let sure: Vec<_> = sure.map(|map| (map.name, map)).collect();
-    // The surest of each number: structure shows in several covariates at once.
-    let first = |(index, (name, _)): &(usize, &(&str, _))| {
-        sure[..*index].iter().all(|(other, _)| other != name)
-    };
-    let first = sure.iter().enumerate().filter(first).map(|(_, (_, map))| *map);
-    if sure.is_empty() {
-        let n = maps.len();
-        return writeln!(f, "{TITLE}no structure{TITLE:#} in {n} maps of the mean residual");
+/// Where the floor grows with the motion.
+fn write_growth(f: &mut fmt::Formatter<'_>, found: &Comparison) -> fmt::Result {
+    let floors = found.channels.iter().filter_map(|error| Some((error, error.floor?)));
+    let growing: Vec<_> = floors
+        .filter(|(_, floor)| floor.per_meter > 0.0)
+        .map(|(error, floor)| {
+            let (per, unit) = people(error.unit);
+            let (constant, growth) = (per * floor.constant, 1e-3 * per * floor.per_meter);
+            format!("{} {constant:.3} {unit} and {growth:.4} {unit} per mm", error.name)
+        })
+        .collect();
+    if growing.is_empty() {
+        return Ok(());
     }
-    let title = format!("{TITLE}where it fails{TITLE:#}: observed less predicted, on average");
-    writeln!(f, "{title}")?;
-    for map in first.clone() {
-        // The cell whose interval is farthest from zero, in its own widths.
-        let distance = |cell: &Cell| cell.mean.abs() / (cell.high95 - cell.low95);
-        let worst = map.cells.iter().max_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let Some(cell) = worst else { continue };
-        let (per, unit) = people(map.unit);
-        let half = 0.5 * per * (cell.high95 - cell.low95);
-        let place = place(map.covariate, cell);
-        let (mean, name, p) = (per * cell.mean, map.name, map.p_adjusted);
-        writeln!(f, "  {name} {mean:+.3} ± {half:.3} {unit} {place} (p {p:.3})")?;
+    writeln!(f, "  it grows with the pusher's way in a step: {}", growing.join("; "))
+}
+
+fn write_ends(f: &mut fmt::Formatter<'_>, ends: Option<&PushEnds>) -> fmt::Result {
+    let Some(ends) = ends else { return Ok(()) };
+    let PushEnds { position, angle, n_lost, pushes } = ends;
+    let n = pushes.len();
+    writeln!(
+        f,
+        "{TITLE}error at the end of a push{TITLE:#}, rolled out from its start, {n} pushes"
+    )?;
+    for (name, per, unit, Spread { mean, median, p90 }) in
+        [("place", 1e3, "mm", position), ("angle", 1.0_f64.to_degrees(), "°", angle)]
+    {
+        let (mean, median, p90) = (per * mean, per * median, per * p90);
+        writeln!(
+            f,
+            "  {name:16} {mean:7.3} {unit:2}  median {median:.3}  90th percentile {p90:.3}"
+        )?;
     }
-    let n_more = sure.len() - first.count();
-    if n_more > 0 {
-        writeln!(f, "  and {n_more} more maps; --json has them all")?;
+    if *n_lost > 0 {
+        writeln!(f, "  {n_lost} pushes lose contact in the model and not in truth")?;
     }
     Ok(())
 }
 
-fn place(covariate: Covariate, cell: &Cell) -> String {
-    let (per, unit) = people(covariate.unit());
-    let (from, to) = (per * cell.from, per * cell.to);
-    let range = |name: &str| format!("at {name} from {from:.1}{unit} to {to:.1}{unit}");
-    match covariate {
-        Covariate::Edge => format!("on edge {:.0}", 0.5 * (from + to)),
-        Covariate::P => format!("at p from {from:.1} to {to:.1}"),
-        Covariate::Beta => range("β"),
-        Covariate::Orientation => range("a yaw"),
-        Covariate::Direction => range("a push towards"),
-        Covariate::TableX => range("x "),
-        Covariate::TableY => range("y "),
-        Covariate::Time => format!("from {:.0} to {:.0} % of the set", 100.0 * from, 100.0 * to),
-        Covariate::Speed => {
-            format!("at {:.0} to {:.0} mm/s", 1e3 * cell.from, 1e3 * cell.to)
-        }
+fn write_calibration(f: &mut fmt::Formatter<'_>, found: &[IntervalCalibration]) -> fmt::Result {
+    if found.is_empty() {
+        return Ok(());
+    }
+    writeln!(f, "{TITLE}what the model's own intervals hold{TITLE:#}")?;
+    for number in found {
+        let (per, unit) = people(number.unit);
+        let [half, ninety, most] = number.coverage.map(|covered| 100.0 * covered.share);
+        let (crps, nlpd) = (per * number.crps, number.nlpd);
+        writeln!(
+            f,
+            "  {:16} 50 %: {half:.0} %  90 %: {ninety:.0} %  95 %: {most:.0} %  CRPS {crps:.3} \
+             {unit}  NLPD {nlpd:.2}",
+            number.name
+        )?;
+    }
+    Ok(())
+}
+
+fn write_findings(f: &mut fmt::Formatter<'_>, found: &Comparison) -> fmt::Result {
+    if found.findings.is_empty() && found.concentrations.is_empty() {
+        let n = found.maps.len();
+        return writeln!(
+            f,
+            "{TITLE}where it fails{TITLE:#}: nowhere more than chance, in {n} maps"
+        );
+    }
+    writeln!(f, "{TITLE}where it fails{TITLE:#}, with the share of the squared error: the model")?;
+    for finding in found.findings.iter().take(MOST_FINDINGS) {
+        let (share, number) = (100.0 * finding.share, number_of(finding.name));
+        writeln!(f, "  {share:3.0} % of {number:16} {}", finding.sentence)?;
+    }
+    for gathered in &found.concentrations {
+        writeln!(f, "  {}", gathered.sentence)?;
+    }
+    let n_more = found.findings.len().saturating_sub(MOST_FINDINGS);
+    if n_more > 0 {
+        writeln!(f, "  and {n_more} more; --json has them and all maps")?;
+    }
+    Ok(())
+}
+
+/// The number that a reading in the sense of the model is of.
+fn number_of(reading: &str) -> &str {
+    match reading {
+        "drift" => "dy",
+        "turn" => "dtheta",
+        other => other,
     }
 }
 

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use dataset::RecordingSet;
-use diagnosis::{DiagnoseSettings, Diagnosis, MadeBy, MadeFrom, Observations, diagnose, steady_ingest};
+use diagnosis::{
+    DiagnoseSettings, Diagnosis, MadeBy, MadeFrom, Observations, diagnose, steady_ingest,
+};
 use models::ModelFile;
 
 use crate::destination::Destination;

@@ -2,7 +2,7 @@
 
 mod init;
 mod list;
-mod parameters;
+pub(super) mod parameters;
 mod show;
 
 pub(super) use self::parameters::Parameters;

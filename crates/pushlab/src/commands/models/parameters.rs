@@ -13,19 +13,20 @@ use crate::terminal::TITLE;
 /// A model's name, kind and parameters.
 #[derive(Serialize)]
 pub(crate) struct Parameters {
-    name: String,
-    kind: &'static str,
+    pub(crate) name: String,
+    pub(crate) kind: &'static str,
     /// Of the kinds with mechanics.
-    limit_surface: Option<&'static str>,
-    parameters: Vec<Parameter>,
+    pub(crate) limit_surface: Option<&'static str>,
+    pub(crate) parameters: Vec<Parameter>,
     /// Outputs with a Gaussian process, for the kinds that learn.
-    learned: Vec<&'static str>,
-    split: Option<Parts>,
+    pub(crate) learned: Vec<&'static str>,
+    /// None for a model that was not fitted to a part of a set.
+    pub(crate) split: Option<Parts>,
 }
 
 /// The parts of the recordings that the model was fitted to.
 #[derive(Serialize)]
-struct Parts {
+pub(crate) struct Parts {
     /// SHA-256 over the hashes of the recordings.
     set: String,
     seed: u64,
@@ -42,15 +43,16 @@ impl Parts {
     }
 }
 
+/// A parameter as the file states it.
 #[derive(Serialize)]
-struct Parameter {
-    name: String,
+pub(crate) struct Parameter {
+    pub(crate) name: String,
     /// None where it follows from the object.
-    value: Option<f64>,
+    pub(crate) value: Option<f64>,
     /// Standard error; 0 for a value taken as exact.
-    se: f64,
-    unit: &'static str,
-    source: String,
+    pub(crate) se: f64,
+    pub(crate) unit: &'static str,
+    pub(crate) source: String,
 }
 
 impl Parameters {

@@ -1,0 +1,182 @@
+//! Whole pushes as a model goes through them.
+
+use std::sync::Arc;
+
+use effects::{Effect, StepInput, Track};
+use mechanics::Polyline;
+use models::{Base, ChannelModel, Description, Noise, PushModel};
+use nalgebra::Vector2;
+use planar::{Pose, perpendicular, wrap_angle};
+
+use crate::{DiagnosisError, Observations, PushName};
+
+/// A push as measured, and as a model goes through it from the measured start along the measured
+/// way of the pusher.
+///
+/// Of each push the steps that follow one another without a gap, from the first that is compared.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rollout {
+    /// Which push.
+    pub push: PushName,
+    /// Time from the start, in s, at the start and at the end of each step.
+    pub times: Vec<f64>,
+    /// The pusher's center then, in m, frame W.
+    pub pusher_w: Vec<Vector2<f64>>,
+    /// Measured pose of B in W then.
+    pub measured_wb: Vec<Pose>,
+    /// Predicted pose of B in W then.
+    pub predicted_wb: Vec<Pose>,
+    /// Index of its first step.
+    pub(crate) first: usize,
+}
+
+impl Rollout {
+    /// Distance of the predicted origin of B from the measured one at the end, in m, and predicted
+    /// less measured turn, in rad.
+    pub fn end_error(&self) -> (f64, f64) {
+        match (self.predicted_wb.last(), self.measured_wb.last()) {
+            (Some(predicted), Some(measured)) => (
+                (predicted.position - measured.position).norm(),
+                wrap_angle(predicted.angle - measured.angle),
+            ),
+            _ => (0.0, 0.0),
+        }
+    }
+
+    /// The first step of the push.
+    pub fn first_step<'a>(&self, observations: &'a Observations) -> &'a StepInput {
+        &observations.steps[self.first].input
+    }
+}
+
+/// Every push of the observations by one model; `own` are effects besides those of the catalogue.
+///
+/// An analytical model integrates the whole way at once, so that what it remembers, such as the
+/// speed of the object, is its own; a learnt one goes from step to step.
+///
+/// # Errors
+/// `Model` for what the model refuses.
+pub fn roll_out(
+    model: &Description,
+    own: &[&'static dyn Effect],
+    observations: &Observations,
+) -> Result<Vec<Rollout>, DiagnosisError> {
+    let runs = runs(observations);
+    let mut rollouts: Vec<Rollout> = runs.iter().map(|run| measured(observations, run)).collect();
+    match model.base {
+        Base::Analytical(_) => {
+            let model = ChannelModel::new(model, observations.support, own)?;
+            for (rollout, run) in rollouts.iter_mut().zip(&runs) {
+                let ways = beginnings(observations, run)?;
+                let ends = model.predict(&ways)?;
+                for (way, end) in ways.iter().zip(ends) {
+                    let moved = [end.dx, end.dy, end.dtheta];
+                    rollout.predicted_wb.push(moved_by(&way.pose_wb, &way.direction_w(), moved));
+                }
+            }
+        }
+        _ => step_by_step(model.build()?.as_ref(), observations, &runs, &mut rollouts)?,
+    }
+    Ok(rollouts)
+}
+
+/// The steps of each push that follow one another, by their indices.
+fn runs(observations: &Observations) -> Vec<Vec<usize>> {
+    /// Steps that end and begin within this time follow one another, in s.
+    const SAME_TIME: f64 = 1e-6;
+    let mut runs: Vec<Vec<usize>> = vec![Vec::new(); observations.pushes.len()];
+    for (index, push) in observations.push_of.iter().enumerate() {
+        runs[*push].push(index);
+    }
+    for run in &mut runs {
+        run.sort_by_key(|index| observations.places[*index].step);
+        let step = |index: usize| &observations.steps[index].input;
+        let end = |index: usize| step(index).since_contact + step(index).track.duration();
+        let follows =
+            |pair: &[usize]| (end(pair[0]) - step(pair[1]).since_contact).abs() < SAME_TIME;
+        let n_following = run.windows(2).take_while(|pair| follows(pair)).count();
+        run.truncate(n_following + 1);
+    }
+    runs.retain(|run| !run.is_empty());
+    runs
+}
+
+/// What was measured, and the start of the prediction.
+fn measured(observations: &Observations, run: &[usize]) -> Rollout {
+    let first = &observations.steps[run[0]].input;
+    let mut rollout = Rollout {
+        push: observations.pushes[observations.push_of[run[0]]].clone(),
+        times: vec![0.0],
+        pusher_w: vec![first.track.start()],
+        measured_wb: vec![first.pose_wb],
+        predicted_wb: vec![first.pose_wb],
+        first: run[0],
+    };
+    for index in run {
+        let step = &observations.steps[*index];
+        let [dx, dy, dtheta, ..] = step.observed.map(Option::unwrap_or_default);
+        let StepInput { pose_wb, track, since_contact, .. } = &step.input;
+        rollout.times.push(since_contact + track.duration() - first.since_contact);
+        rollout.pusher_w.push(track.end());
+        rollout.measured_wb.push(moved_by(pose_wb, &step.input.direction_w(), [dx, dy, dtheta]));
+    }
+    rollout
+}
+
+/// The way from the start of a push to the end of each of its steps.
+fn beginnings(
+    observations: &Observations,
+    run: &[usize],
+) -> Result<Vec<StepInput>, models::ModelError> {
+    /// Straight pieces of a step.
+    const PIECES: u32 = 4;
+    let first = &observations.steps[run[0]].input;
+    let mut way = vec![(0.0, first.track.start())];
+    let mut beginnings = Vec::new();
+    for index in run {
+        let StepInput { track, since_contact, .. } = &observations.steps[*index].input;
+        let start = since_contact - first.since_contact;
+        for piece in 1..=PIECES {
+            let time = track.duration() * f64::from(piece) / f64::from(PIECES);
+            way.push((start + time, track.at(time).0));
+        }
+        let polyline = Polyline::new(&way).map_err(effects::EffectError::from)?;
+        beginnings.push(StepInput { track: Track::polyline(Arc::new(polyline)), ..first.clone() });
+    }
+    Ok(beginnings)
+}
+
+/// Each step from where the one before it ended, all pushes abreast.
+fn step_by_step(
+    model: &dyn PushModel,
+    observations: &Observations,
+    runs: &[Vec<usize>],
+    rollouts: &mut [Rollout],
+) -> Result<(), DiagnosisError> {
+    let shape = |run: &Vec<usize>| observations.steps[run[0]].input.object.shape().clone();
+    let shapes: Vec<_> = runs.iter().map(|run| Arc::new(shape(run))).collect();
+    let longest = runs.iter().map(Vec::len).max().unwrap_or(0);
+    for k in 0..longest {
+        let moving: Vec<usize> = (0..runs.len()).filter(|push| k < runs[*push].len()).collect();
+        let input = |push: &usize| {
+            let StepInput { pusher_radius, track, .. } = &observations.steps[runs[*push][k]].input;
+            let pose_wb = &rollouts[*push].predicted_wb[k];
+            let (start, end) = (track.start(), track.end());
+            models::StepInput::between(shapes[*push].clone(), *pusher_radius, pose_wb, &start, &end)
+        };
+        let inputs = moving.iter().map(input).collect::<Result<Vec<_>, _>>()?;
+        for (push, step) in moving.iter().zip(model.predict(&inputs, Noise::Excluded)?) {
+            let along_w = observations.steps[runs[*push][k]].input.direction_w();
+            let start_wb = rollouts[*push].predicted_wb[k];
+            let moved = [step.mean.x, step.mean.y, step.mean.z];
+            rollouts[*push].predicted_wb.push(moved_by(&start_wb, &along_w, moved));
+        }
+    }
+    Ok(())
+}
+
+/// The pose after a displacement along a direction and its left normal, in m, and a turn, in rad.
+fn moved_by(pose_wb: &Pose, along_w: &Vector2<f64>, [dx, dy, dtheta]: [f64; 3]) -> Pose {
+    let position = pose_wb.position + dx * along_w + dy * perpendicular(along_w);
+    Pose { position, angle: pose_wb.angle + dtheta }
+}

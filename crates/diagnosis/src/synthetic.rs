@@ -1,0 +1,109 @@
+//! Steps whose residuals are known, for tests.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use dataset::SupportSpec;
+use effects::{Object, StepInput, Track};
+use models::{ChannelObservation, Cluster, SetAside};
+use nalgebra::Vector2;
+use planar::{Pose, Shape, Twist};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::observations::Place;
+use crate::{Floor, FloorSource, NoiseFloor, Observations, Predictions, PushName};
+
+/// What a miss may depend on.
+pub(crate) struct Made {
+    pub(crate) p: f64,
+    pub(crate) beta: f64,
+    pub(crate) edge: u32,
+    pub(crate) speed: f64,
+    pub(crate) direction: f64,
+    /// 1 where the model turns counter-clockwise, −1 where clockwise.
+    pub(crate) sense: f64,
+}
+
+const N_PUSHES: usize = 1200;
+const STEPS_OF_A_PUSH: usize = 4;
+/// In the units of the numbers.
+const FLOORS: [f64; 7] = [1e-4, 1e-4, 2e-3, 0.05, 0.05, 5e-5, 5e-5];
+
+/// Pushes of random kind with a model that misses `number` by `miss`, and every number by noise of a
+/// tenth of the floor a push and as much a step.
+pub(crate) fn made(
+    number: usize,
+    miss: impl Fn(&Made) -> f64,
+) -> (Observations, Predictions, NoiseFloor) {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let shape = Arc::new(Shape::square(0.09).unwrap());
+    let object = Arc::new(Object::new(shape, 0.8374, 1.13e-3, Vector2::zeros()).unwrap());
+    let (mut steps, mut places, mut push_of, mut values) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for push in 0..N_PUSHES {
+        let speed = [0.01, 0.02, 0.1, 0.2][rng.random_range(0..4)];
+        let edge = rng.random_range(0..4);
+        let (p, beta) = (rng.random::<f64>(), rng.random_range(-1.2..1.2));
+        let direction = rng.random_range(-PI..PI);
+        let yaw = rng.random_range(-PI..PI);
+        let of_push: f64 = rng.random_range(-1.7..1.7);
+        let sense = if p < 0.5 { 1.0 } else { -1.0 };
+        for step in 0..STEPS_OF_A_PUSH {
+            let made = Made { p, beta, edge, speed, direction, sense };
+            let noise = |floor: f64, own: f64| 0.1 * floor * (of_push + own);
+            let own: [f64; 7] = std::array::from_fn(|_| rng.random_range(-1.7..1.7));
+            let predicted = [0.0036, -0.001 * beta, 0.03 * sense, 1.9, 0.3, 0.0, 0.0];
+            let observed = std::array::from_fn(|k| {
+                let missed = if k == number { miss(&made) } else { 0.0 };
+                Some(predicted[k] + missed + noise(FLOORS[k], own[k]))
+            });
+            let start = Vector2::new(rng.random_range(-0.1..0.1), rng.random_range(-0.1..0.1));
+            let way = 0.004 * Vector2::new(direction.cos(), direction.sin());
+            let input = StepInput {
+                object: object.clone(),
+                pusher_radius: 0.00475,
+                pose_wb: Pose { position: start, angle: yaw },
+                twist_wb: Twist::default(),
+                track: Track::straight(start, start + way, 0.004 / speed),
+                touching: true,
+                since_contact: 0.2 * step as f64,
+                progress: push as f64 / N_PUSHES as f64,
+                session: 0,
+            };
+            steps.push(ChannelObservation { input, observed });
+            let pose_sd = [[0.0; 2]; 2];
+            places.push(Place { step: step as u32, edge, p, beta, speed, pose_sd });
+            push_of.push(push);
+            values.push(predicted.map(Some));
+        }
+    }
+    let name = |k: usize| PushName { recording: format!("made-{k}"), push: 0 };
+    let observations = Observations {
+        cluster_of: push_of.clone(),
+        cluster: Cluster::Push,
+        steps,
+        places,
+        push_of,
+        pushes: (0..N_PUSHES).map(name).collect(),
+        support: SupportSpec { friction: 0.25, gravity: 9.81 },
+        set: String::new(),
+        name: "synthetic".to_owned(),
+        unknown: Vec::new(),
+        set_aside: SetAside::default(),
+    };
+    let predictions = Predictions { variances: vec![[None; 7]; values.len()], values };
+    (observations, predictions, floor())
+}
+
+fn floor() -> NoiseFloor {
+    let floor = |rms: f64| {
+        Some(Floor { rms, low95: 0.9 * rms, high95: 1.1 * rms, constant: rms, per_meter: 0.0 })
+    };
+    NoiseFloor {
+        source: FloorSource::Repeats,
+        n_repeats: 9,
+        n_cells: 3,
+        numbers: FLOORS.map(floor),
+    }
+}

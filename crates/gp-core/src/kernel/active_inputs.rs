@@ -1,0 +1,149 @@
+//! A kernel that looks at some of the inputs only.
+
+use std::sync::Arc;
+
+use faer::{Mat, MatRef};
+
+use super::{Kernel, KernelSpec, Parameter, Role};
+use crate::GpError;
+use crate::checks::check_count;
+
+/// k(a, b) = k₁(a_S, b_S), S a choice of the inputs: sums and products of such are functions with
+/// structure, such as f(a) + g(b).
+#[derive(Clone, Debug)]
+pub struct ActiveInputs {
+    kernel: Arc<dyn Kernel>,
+    columns: Vec<usize>,
+    n_inputs: usize,
+}
+
+impl ActiveInputs {
+    /// A kernel over the inputs `columns` out of `n_inputs`, in the order given.
+    ///
+    /// # Errors
+    /// `ShapeMismatch` if there are not as many columns as the kernel has inputs; `OutOfRange` for a
+    /// column that is not there.
+    pub fn new(
+        kernel: impl Kernel + 'static,
+        columns: &[usize],
+        n_inputs: usize,
+    ) -> Result<Self, GpError> {
+        check_count("active inputs", kernel.n_inputs(), columns.len())?;
+        match columns.iter().find(|&&column| column >= n_inputs) {
+            Some(&column) => Err(GpError::OutOfRange {
+                name: "active input".to_owned(),
+                value: column as f64,
+                lowest: 0.0,
+                highest: n_inputs as f64 - 1.0,
+            }),
+            None => Ok(Self { kernel: Arc::new(kernel), columns: columns.to_vec(), n_inputs }),
+        }
+    }
+
+    fn choose(&self, a: &[f64]) -> Vec<f64> {
+        self.columns.iter().map(|&column| a[column]).collect()
+    }
+
+    /// Calls `body` with the active columns: as they are if they stand together, else copied.
+    fn with_columns<R>(&self, x: MatRef<'_, f64>, body: impl FnOnce(MatRef<'_, f64>) -> R) -> R {
+        if self.columns.windows(2).all(|pair| pair[1] == pair[0] + 1) {
+            body(x.subcols(self.columns[0], self.columns.len()))
+        } else {
+            let chosen = |i, d: usize| x[(i, self.columns[d])];
+            body(Mat::from_fn(x.nrows(), self.columns.len(), chosen).as_ref())
+        }
+    }
+
+    /// Adds what was found for the active inputs.
+    fn scatter(&self, of_active: &[f64], gradient: &mut [f64]) {
+        for (column, slope) in self.columns.iter().zip(of_active) {
+            gradient[*column] += slope;
+        }
+    }
+}
+
+impl Kernel for ActiveInputs {
+    fn n_inputs(&self) -> usize {
+        self.n_inputs
+    }
+
+    fn value(&self, a: &[f64], b: &[f64]) -> f64 {
+        self.kernel.value(&self.choose(a), &self.choose(b))
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        let renumbered = |parameter: Parameter| {
+            let role = match parameter.role {
+                Role::Lengthscale { input } => Role::Lengthscale { input: self.columns[input] },
+                Role::Period { input } => Role::Period { input: self.columns[input] },
+                Role::SlopeVariance { input } => Role::SlopeVariance { input: self.columns[input] },
+                other => other,
+            };
+            Parameter { role, ..parameter }
+        };
+        self.kernel.parameters().into_iter().map(renumbered).collect()
+    }
+
+    fn with_parameters(&self, values: &[f64]) -> Result<Box<dyn Kernel>, GpError> {
+        let kernel = Arc::from(self.kernel.with_parameters(values)?);
+        Ok(Box::new(Self { kernel, ..self.clone() }))
+    }
+
+    fn parameter_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
+        self.kernel.parameter_gradient(&self.choose(a), &self.choose(b), gradient);
+    }
+
+    fn input_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
+        let mut of_active = vec![0.0; self.columns.len()];
+        self.kernel.input_gradient(&self.choose(a), &self.choose(b), &mut of_active);
+        gradient.fill(0.0);
+        self.scatter(&of_active, gradient);
+    }
+
+    fn spec(&self) -> Option<KernelSpec> {
+        Some(KernelSpec::ActiveInputs {
+            kernel: Box::new(self.kernel.spec()?),
+            columns: self.columns.clone(),
+            n_inputs: self.n_inputs,
+        })
+    }
+
+    fn column(&self, x: MatRef<'_, f64>, b: &[f64], values: &mut [f64]) {
+        self.with_columns(x, |x| self.kernel.column(x, &self.choose(b), values));
+    }
+
+    fn column_gradient(
+        &self,
+        x: MatRef<'_, f64>,
+        b: &[f64],
+        values: &[f64],
+        weights: &[f64],
+        gradient: &mut [f64],
+    ) {
+        let b = self.choose(b);
+        self.with_columns(x, |x| self.kernel.column_gradient(x, &b, values, weights, gradient));
+    }
+
+    fn column_input_gradient(
+        &self,
+        x: MatRef<'_, f64>,
+        b: &[f64],
+        values: &[f64],
+        weights: &[f64],
+        gradient: &mut [f64],
+    ) {
+        let (b, mut of_active) = (self.choose(b), vec![0.0; self.columns.len()]);
+        self.with_columns(x, |x| {
+            self.kernel.column_input_gradient(x, &b, values, weights, &mut of_active);
+        });
+        self.scatter(&of_active, gradient);
+    }
+
+    fn diagonal(&self, x: MatRef<'_, f64>, values: &mut [f64]) {
+        self.with_columns(x, |x| self.kernel.diagonal(x, values));
+    }
+
+    fn diagonal_gradient(&self, x: MatRef<'_, f64>, weights: &[f64], gradient: &mut [f64]) {
+        self.with_columns(x, |x| self.kernel.diagonal_gradient(x, weights, gradient));
+    }
+}

@@ -1,0 +1,143 @@
+//! The sum of two kernels over the same inputs.
+
+use std::sync::Arc;
+
+use faer::MatRef;
+
+use super::{Kernel, KernelSpec, Parameter};
+use crate::GpError;
+use crate::checks::check_count;
+
+/// k(a, b) = k₁(a, b) + k₂(a, b): a function that is the sum of two; sums of sums give any number.
+///
+/// Parameters in order: those of the first term, then those of the second.
+#[derive(Clone, Debug)]
+pub struct Sum {
+    first: Arc<dyn Kernel>,
+    second: Arc<dyn Kernel>,
+    n_first: usize,
+}
+
+impl Sum {
+    /// The sum of two kernels.
+    ///
+    /// # Errors
+    /// `ShapeMismatch` if the terms have different numbers of inputs.
+    pub fn new(
+        first: impl Kernel + 'static,
+        second: impl Kernel + 'static,
+    ) -> Result<Self, GpError> {
+        check_count("inputs of the second term", first.n_inputs(), second.n_inputs())?;
+        let n_first = first.parameters().len();
+        Ok(Self { first: Arc::new(first), second: Arc::new(second), n_first })
+    }
+
+    /// The two terms.
+    pub fn terms(&self) -> (&dyn Kernel, &dyn Kernel) {
+        (&*self.first, &*self.second)
+    }
+}
+
+impl Kernel for Sum {
+    fn n_inputs(&self) -> usize {
+        self.first.n_inputs()
+    }
+
+    fn value(&self, a: &[f64], b: &[f64]) -> f64 {
+        self.first.value(a, b) + self.second.value(a, b)
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        let named = |term: &'static str| {
+            move |parameter: Parameter| Parameter {
+                name: format!("{term} term's {}", parameter.name),
+                ..parameter
+            }
+        };
+        let first = self.first.parameters().into_iter().map(named("first"));
+        first.chain(self.second.parameters().into_iter().map(named("second"))).collect()
+    }
+
+    fn with_parameters(&self, values: &[f64]) -> Result<Box<dyn Kernel>, GpError> {
+        let n_parameters = self.n_first + self.second.parameters().len();
+        check_count("kernel parameters", n_parameters, values.len())?;
+        let (of_first, of_second) = values.split_at(self.n_first);
+        let first = Arc::from(self.first.with_parameters(of_first)?);
+        let second = Arc::from(self.second.with_parameters(of_second)?);
+        Ok(Box::new(Self { first, second, n_first: self.n_first }))
+    }
+
+    fn parameter_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
+        let (of_first, of_second) = gradient.split_at_mut(self.n_first);
+        self.first.parameter_gradient(a, b, of_first);
+        self.second.parameter_gradient(a, b, of_second);
+    }
+
+    fn input_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
+        let mut of_second = vec![0.0; gradient.len()];
+        self.first.input_gradient(a, b, gradient);
+        self.second.input_gradient(a, b, &mut of_second);
+        add(gradient, &of_second);
+    }
+
+    fn spec(&self) -> Option<KernelSpec> {
+        let first = Box::new(self.first.spec()?);
+        let second = Box::new(self.second.spec()?);
+        Some(KernelSpec::Sum { first, second })
+    }
+
+    fn column(&self, x: MatRef<'_, f64>, b: &[f64], values: &mut [f64]) {
+        let mut second = vec![0.0; values.len()];
+        self.first.column(x, b, values);
+        self.second.column(x, b, &mut second);
+        add(values, &second);
+    }
+
+    fn column_gradient(
+        &self,
+        x: MatRef<'_, f64>,
+        b: &[f64],
+        _values: &[f64],
+        weights: &[f64],
+        gradient: &mut [f64],
+    ) {
+        let (of_first, of_second) = gradient.split_at_mut(self.n_first);
+        let mut values = vec![0.0; weights.len()];
+        self.first.column(x, b, &mut values);
+        self.first.column_gradient(x, b, &values, weights, of_first);
+        self.second.column(x, b, &mut values);
+        self.second.column_gradient(x, b, &values, weights, of_second);
+    }
+
+    fn column_input_gradient(
+        &self,
+        x: MatRef<'_, f64>,
+        b: &[f64],
+        _values: &[f64],
+        weights: &[f64],
+        gradient: &mut [f64],
+    ) {
+        let mut values = vec![0.0; weights.len()];
+        for term in [&self.first, &self.second] {
+            term.column(x, b, &mut values);
+            term.column_input_gradient(x, b, &values, weights, gradient);
+        }
+    }
+
+    fn diagonal(&self, x: MatRef<'_, f64>, values: &mut [f64]) {
+        let mut second = vec![0.0; values.len()];
+        self.first.diagonal(x, values);
+        self.second.diagonal(x, &mut second);
+        add(values, &second);
+    }
+
+    fn diagonal_gradient(&self, x: MatRef<'_, f64>, weights: &[f64], gradient: &mut [f64]) {
+        let (of_first, of_second) = gradient.split_at_mut(self.n_first);
+        self.first.diagonal_gradient(x, weights, of_first);
+        self.second.diagonal_gradient(x, weights, of_second);
+    }
+}
+
+fn add(sums: &mut [f64], terms: &[f64]) {
+    sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+}

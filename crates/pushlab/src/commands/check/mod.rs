@@ -1,0 +1,152 @@
+//! `pushlab check`: what recordings can and cannot tell, before any fit.
+
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use dataset::RecordingSet;
+use diagnosis::{
+    Coverage, LookAlikes, NoiseModel, NotTestable, Observations, Screen, ScreenSettings,
+    ScreenedEffect, screen, steady_ingest,
+};
+use effects::{Channel, by_id};
+use models::{Analytical, Description, ModelFile, PushModel};
+use serde::Serialize;
+
+use crate::file_ending;
+use crate::origin::{Input, Origin, readable};
+use crate::recorded_steps::RecordedSteps;
+use crate::terminal::Terminal;
+
+/// Tell what recordings can and cannot show, before any model is fitted to them
+///
+/// Where the pushes lie, which channels there are, how far pushes scatter and why; and for each
+/// effect the smallest size that these data would show, or why they cannot show it and what to
+/// measure. Nothing is said about which effects are there.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Args {
+    /// Recording set: a folder with dataset.toml
+    set: PathBuf,
+    /// The model that effects would be added to; else the analytical one with nominal values
+    #[arg(long, value_name = "FILE", value_parser = file_ending::model)]
+    model: Option<PathBuf>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  pushlab check pushes
+  pushlab check pushes --model model.toml
+  pushlab check pushes --json";
+
+/// What a set can tell.
+#[derive(Serialize)]
+struct Checked {
+    /// Title of the set.
+    name: String,
+    /// The model that effects would be added to.
+    model: String,
+    coverage: Coverage,
+    /// From the first step to the end of the last, in s.
+    duration: f64,
+    /// Rows of the table that are not used, by reason.
+    set_aside: String,
+    channels: Vec<Channel>,
+    noise: NoiseModel,
+    /// Pushes that the effects are looked for in: all, or an even choice of a large set.
+    n_pushes_screened: usize,
+    effects: Vec<Showable>,
+    /// Pairs of effects that these data hardly tell apart.
+    look_alikes: Vec<LookAlikes>,
+}
+
+/// What a set could show of an effect.
+#[derive(Serialize)]
+struct Showable {
+    id: &'static str,
+    title: &'static str,
+    /// Why it cannot be tested.
+    not_testable: Option<NotTestable>,
+    coordinates: Vec<Size>,
+}
+
+/// The size of one coordinate that would be found in nine of ten sets.
+#[derive(Serialize)]
+struct Size {
+    name: &'static str,
+    unit: &'static str,
+    smallest_detectable: f64,
+}
+
+pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let mut origin = args.origin();
+    readable(&args.set)?;
+    let set = RecordingSet::open(&args.set)?;
+    let manifest = set.manifest();
+    let (model, description) = match &args.model {
+        Some(path) => {
+            readable(path)?;
+            origin.inputs.push(Input::file(path)?);
+            let file = ModelFile::read(path)?;
+            (file.name, file.description)
+        }
+        None => ("the nominal model".to_owned(), nominal(manifest.pusher.friction)?),
+    };
+    let RecordedSteps { table, inputs } = RecordedSteps::read(&set, &steady_ingest(), terminal)?;
+    origin.inputs.extend(inputs);
+    let observations = Observations::steady(&table, manifest)?;
+    let noise = NoiseModel::learn(&description, &[], &observations)?;
+    let settings = ScreenSettings::default();
+    let found = screen(&description, &[], &observations, &noise, &settings)?;
+    let start = table.rows.iter().map(|row| row.t).fold(f64::INFINITY, f64::min);
+    let end = table.rows.iter().map(|row| row.t + row.dt).fold(start, f64::max);
+    let result = Checked {
+        name: manifest.name.clone(),
+        model,
+        coverage: Coverage::of(&observations),
+        duration: end - start,
+        set_aside: observations.set_aside().to_string(),
+        channels: observations.channels(),
+        noise,
+        n_pushes_screened: found.n_pushes,
+        effects: showable(&found),
+        look_alikes: found.look_alikes,
+    };
+    terminal.finish(&origin, &result, &result)
+}
+
+fn nominal(pusher_friction: f64) -> Result<Description> {
+    Ok(Analytical::nominal(pusher_friction)?.describe()?)
+}
+
+/// The effects in the order of the catalogue.
+fn showable(found: &Screen) -> Vec<Showable> {
+    let of = |effect: &ScreenedEffect| {
+        let size = |coordinate: &diagnosis::ScreenedCoordinate| Size {
+            name: coordinate.name,
+            unit: coordinate.unit,
+            smallest_detectable: coordinate.smallest_detectable,
+        };
+        Showable {
+            id: effect.id,
+            title: by_id(effect.id).map_or("", |known| known.about().title),
+            not_testable: effect.not_testable.clone(),
+            coordinates: effect.coordinates.iter().map(size).collect(),
+        }
+    };
+    let place =
+        |effect: &Showable| effects::all().iter().position(|known| known.about().id == effect.id);
+    let mut list: Vec<_> = found.effects.iter().map(of).collect();
+    list.sort_by_key(place);
+    list
+}
+
+impl Args {
+    fn origin(&self) -> Origin {
+        let path = |path: &Path| path.display().to_string();
+        let mut words = vec!["check".to_owned(), path(&self.set)];
+        words.extend(self.model.iter().flat_map(|model| ["--model".to_owned(), path(model)]));
+        Origin::new(words)
+    }
+}

@@ -1,0 +1,159 @@
+//! What a set can tell, in words, with mm, degrees and N.
+
+use std::fmt;
+
+use diagnosis::{Coverage, ErrorSource, FloorSource};
+use effects::Channel;
+
+use super::{Checked, Showable, Size};
+use crate::people::people;
+use crate::terminal::TITLE;
+
+/// Pairs of look-alikes that a screen has room for.
+const MOST_PAIRS: usize = 8;
+
+impl fmt::Display for Checked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Coverage { n_steps, n_pushes, .. } = self.coverage;
+        writeln!(f, "{TITLE}{}{TITLE:#}: {n_steps} steps of {n_pushes} pushes", self.name)?;
+        if !self.set_aside.is_empty() {
+            writeln!(f, "  rows set aside: {}", self.set_aside)?;
+        }
+        write_coverage(f, &self.coverage, self.duration)?;
+        let names: Vec<_> = self.channels.iter().map(|channel| channel_name(*channel)).collect();
+        writeln!(f, "  channels: {}", names.join(", "))?;
+        self.write_noise(f)?;
+        self.write_effects(f)?;
+        self.write_look_alikes(f)
+    }
+}
+
+fn channel_name(channel: Channel) -> &'static str {
+    match channel {
+        Channel::Motion => "motion",
+        Channel::Force => "contact force",
+        Channel::Gap => "contact gap",
+    }
+}
+
+fn write_coverage(f: &mut fmt::Formatter<'_>, found: &Coverage, duration: f64) -> fmt::Result {
+    let degrees = |[low, high]: [f64; 2]| (low.to_degrees(), high.to_degrees());
+    let (low, high) = degrees(found.beta);
+    writeln!(f, "  p {:.2} to {:.2}, β {low:.0}° to {high:.0}°", found.p[0], found.p[1])?;
+    let [slow, fast] = found.speed.map(|speed| 1e3 * speed);
+    writeln!(f, "  speed {slow:.0} to {fast:.0} mm/s")?;
+    let edges: Vec<_> = found.steps_on_edges.iter().map(ToString::to_string).collect();
+    writeln!(f, "  steps on edges: {}", edges.join(", "))?;
+    writeln!(f, "  orientations: {} of 12 sectors of 30°", found.n_orientations)?;
+    let [x, y] = found.table.map(|[low, high]| 1e3 * (high - low));
+    writeln!(f, "  table: {x:.0} × {y:.0} mm")?;
+    let minutes = duration / 60.0;
+    let sessions = found.n_sessions;
+    writeln!(f, "  time: {minutes:.0} min, sessions: {sessions}")?;
+    match found.n_cells {
+        0 => writeln!(f, "  repeats: none; repeat some pushes to learn the noise"),
+        n => writeln!(f, "  repeats: {} pushes of {n} kinds", found.n_repeated),
+    }
+}
+
+impl Checked {
+    fn write_noise(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let noise = &self.noise;
+        let source = match noise.source {
+            FloorSource::Repeats => format!("from {} repeated pushes", noise.n_pushes),
+            FloorSource::Neighbours => {
+                format!("an estimate from {} pairs of pushes that are alike", noise.n_cells)
+            }
+        };
+        writeln!(f, "{TITLE}noise{TITLE:#}, {source}, as standard deviations")?;
+        writeln!(f, "  of a step or its ends")?;
+        noise.sources.iter().filter(|own| !own.of_push).try_for_each(|own| write_source(f, own))?;
+        writeln!(f, "  from push to push")?;
+        noise.sources.iter().filter(|own| own.of_push).try_for_each(|own| write_source(f, own))
+    }
+
+    fn write_effects(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{TITLE}what could be found{TITLE:#} beyond {}, in 9 of 10 such sets",
+            self.model
+        )?;
+        if self.n_pushes_screened < self.coverage.n_pushes {
+            writeln!(f, "  looked for in {} pushes, an even choice", self.n_pushes_screened)?;
+        }
+        for effect in self.effects.iter().filter(|effect| effect.not_testable.is_none()) {
+            writeln!(f, "  {:26} {}", effect.id, sizes(effect))?;
+        }
+        let untestable: Vec<_> = self
+            .effects
+            .iter()
+            .filter_map(|effect| Some((effect.id, effect.not_testable.as_ref()?)))
+            .collect();
+        if !untestable.is_empty() {
+            writeln!(f, "{TITLE}what cannot be tested{TITLE:#}")?;
+        }
+        for (id, why) in untestable {
+            writeln!(f, "  {id:26} because {}", why.because)?;
+            writeln!(f, "  {:26} measure {}", "", why.measure)?;
+        }
+        Ok(())
+    }
+
+    fn write_look_alikes(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.look_alikes.is_empty() {
+            return writeln!(f, "no two of them look alike in these pushes");
+        }
+        writeln!(f, "{TITLE}what cannot be told apart well{TITLE:#}, with correlation")?;
+        for pair in self.look_alikes.iter().take(MOST_PAIRS) {
+            writeln!(f, "  {:.3}  {} and {}", pair.correlation, pair.one, pair.other)?;
+        }
+        let n_more = self.look_alikes.len().saturating_sub(MOST_PAIRS);
+        if n_more > 0 {
+            writeln!(f, "  and {n_more} more pairs; --json has them all")?;
+        }
+        Ok(())
+    }
+}
+
+fn write_source(f: &mut fmt::Formatter<'_>, source: &ErrorSource) -> fmt::Result {
+    let (per, unit) = people(source.unit);
+    let [sd, low, high] = [source.sd, source.low95, source.high95].map(|sd| short(per * sd));
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    writeln!(f, "    {:38} {sd}{unit} ({low} to {high})", source.name)
+}
+
+/// The sizes of an effect's coordinates; of a ratio along an axis the larger one, as a ratio.
+fn sizes(effect: &Showable) -> String {
+    let axis = |size: &&Size| size.name.starts_with("e ");
+    let widest = effect.coordinates.iter().filter(axis).map(|size| size.smallest_detectable);
+    if let Some(widest) = widest.reduce(f64::max) {
+        return format!("ratio {:.4}, in any direction", (2.0 * widest).exp());
+    }
+    let one = |size: &Size| {
+        let (per, unit) = people(size.unit);
+        let text = format!("{} {} {unit}", size.name, short(per * size.smallest_detectable));
+        text.trim_end().to_owned()
+    };
+    effect.coordinates.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// Two digits.
+fn short(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let digits = (1 - value.abs().log10().floor() as i32).max(0) as usize;
+    format!("{value:.digits$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn numbers_have_two_digits() {
+        for (value, text) in [(0.001_234, "0.0012"), (0.99, "0.99"), (12.34, "12"), (1.06, "1.1")] {
+            assert_eq!(short(value), text);
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! What was found, in sentences.
+
+use std::fmt;
+
+use ::report::Section;
+use diagnosis::ChannelError;
+use models::Cluster;
+use serde::Serialize;
+
+use super::errors::floor_source;
+use super::measure::Measure;
+use super::{Report, Tried, tag};
+
+/// What there is to say of a model.
+#[derive(Serialize)]
+pub(super) struct Headline {
+    /// How wrong it is, beside the noise floor.
+    error: String,
+    /// Where it fails, the most first; none where it fails nowhere more than chance.
+    findings: Vec<String>,
+}
+
+/// Findings that are told on the page, and on a terminal.
+const MOST_FINDINGS: usize = 6;
+const MOST_LINES: usize = 2;
+/// Places where error gathers without a sign that are told on the page.
+const MOST_GATHERED: usize = 3;
+
+impl Headline {
+    /// One a model.
+    pub(super) fn all(report: &Report) -> Vec<Self> {
+        let of = |(index, model): (usize, &Tried)| {
+            let found = &model.comparison;
+            let findings = found.findings.iter().take(MOST_FINDINGS).map(|found| &found.sentence);
+            let gathered = found.concentrations.iter().take(MOST_GATHERED);
+            let all = findings.chain(gathered.map(|found| &found.sentence));
+            let findings = all.map(|sentence| format!("It {sentence}.")).collect();
+            Self { error: error(index, model), findings }
+        };
+        report.models.iter().enumerate().map(of).collect()
+    }
+}
+
+const NOWHERE: &str = "It fails nowhere more than chance.";
+
+impl fmt::Display for Headline {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.error)?;
+        if self.findings.is_empty() {
+            return writeln!(f, "  {NOWHERE}");
+        }
+        self.findings.iter().take(MOST_LINES).try_for_each(|finding| writeln!(f, "  {finding}"))
+    }
+}
+
+/// The section that a reader begins with.
+pub(super) fn section(report: &Report, headlines: &[Headline]) -> Section {
+    let mut section = Section::new("found", "What was found");
+    for Headline { error, findings } in headlines {
+        section = section.text(error);
+        section = match findings[..] {
+            [] => section.text(NOWHERE),
+            _ => section.list(findings.clone()),
+        };
+    }
+    section.text(&compared(report))
+}
+
+/// How wrong a model is.
+fn error(index: usize, model: &Tried) -> String {
+    let channels = &model.comparison.channels;
+    let part = |(name, what): (&str, &str)| {
+        let error = channels.iter().find(|error| error.name == name)?;
+        let rms = Measure::of(error.unit).text(error.rms);
+        Some(format!("{rms} {what}{}", ratio(error)))
+    };
+    let motion = [("dx", "along the push"), ("dy", "sideways"), ("dtheta", "in turn")];
+    let parts: Vec<String> = motion.into_iter().filter_map(part).collect();
+    let end = model.ends.as_ref().map_or_else(String::new, |ends| {
+        let [distance, turn] = [("m", ends.position.mean), ("rad", ends.angle.mean)]
+            .map(|(unit, mean)| Measure::of(unit).text(mean));
+        format!("; a whole push ends {distance} and {turn} off on average")
+    });
+    format!("{} – {}: a step is wrong by {}{end}.", tag(index), model.name, parts.join(", "))
+}
+
+fn ratio(error: &ChannelError) -> String {
+    error.over_floor.map(|ratio| format!(" ({ratio:.1} × the noise floor)")).unwrap_or_default()
+}
+
+/// What was compared, and what was not.
+fn compared(report: &Report) -> String {
+    let first = &report.models[0].comparison;
+    let part = report.part.to_string();
+    let mut text = floor_source(report);
+    if !part.is_empty() {
+        text += &format!(" Compared are {}.", part.trim());
+    }
+    if first.cluster == Cluster::Session {
+        text += " Intervals and tests take whole measuring sessions for independent.";
+    }
+    if !first.not_asked.is_empty() {
+        text += &format!(" Not told: {}.", first.not_asked.join("; "));
+    }
+    if first.n_set_aside > 0 {
+        text += &format!(" Rows set aside: {}.", first.set_aside);
+    }
+    text
+}

@@ -1,0 +1,116 @@
+//! Numbers of a step in the units of people.
+
+use diagnosis::Covariate;
+
+/// How a number is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Measure {
+    /// Number of SI units in one of these.
+    pub(super) per: f64,
+    /// With a space before it where it needs one.
+    pub(super) unit: &'static str,
+}
+
+impl Measure {
+    /// Of a number with this SI unit.
+    pub(super) fn of(unit: &'static str) -> Self {
+        match unit {
+            "m" => Self { per: 1e3, unit: " mm" },
+            "rad" => Self { per: 1.0_f64.to_degrees(), unit: "°" },
+            "m/s" => Self { per: 1e3, unit: " mm/s" },
+            "N" => Self { per: 1.0, unit: " N" },
+            _ => Self { per: 1.0, unit: "" },
+        }
+    }
+
+    /// Three significant digits, with the unit.
+    pub(super) fn text(self, value: f64) -> String {
+        let value = self.per * value;
+        format!("{value:.*}{}", digits(value), self.unit).replace('-', "−")
+    }
+
+    /// The same without the unit, where a head states it.
+    pub(super) fn number(self, value: f64) -> String {
+        Self { unit: "", ..self }.text(value)
+    }
+
+    /// As [`Measure::plus_minus`] without the unit.
+    pub(super) fn error(self, value: f64, half: f64) -> String {
+        Self { unit: "", ..self }.plus_minus(value, half)
+    }
+
+    /// A value with its sign.
+    pub(super) fn signed(self, value: f64) -> String {
+        let value = self.per * value;
+        format!("{value:+.*}{}", digits(value), self.unit).replace('-', "−")
+    }
+
+    /// The value with an interval or an error in as many digits as the error has.
+    pub(super) fn plus_minus(self, value: f64, half: f64) -> String {
+        let (value, half) = (self.per * value, self.per * half);
+        let digits = if half > 0.0 { (digits(half) - 1).max(1) } else { digits(value) };
+        format!("{value:+.digits$} ± {half:.digits$}{}", self.unit).replace('-', "−")
+    }
+
+    /// `in mm`, for labels of axes.
+    pub(super) fn label(self, what: &str) -> String {
+        match self.unit.trim() {
+            "" => what.to_owned(),
+            unit => format!("{what} in {unit}"),
+        }
+    }
+}
+
+/// Digits behind the point for three significant ones.
+fn digits(value: f64) -> usize {
+    if value == 0.0 || !value.is_finite() {
+        return 2;
+    }
+    (2.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize
+}
+
+/// What a number of a step is called.
+pub(super) fn title(name: &str) -> &'static str {
+    match name {
+        "dx" => "Δx along the push",
+        "dy" => "Δy to its left",
+        "dtheta" => "turn Δθ",
+        "force_normal" => "normal force",
+        "force_tangential" => "tangential force",
+        "gap_start" => "gap at the start",
+        "gap_end" => "gap at the end",
+        "drift" => "drift, in the sense of the model",
+        "turn" => "turn, in the sense of the model",
+        _ => "another number",
+    }
+}
+
+/// What a covariate is called, with the unit that its axis has.
+pub(super) fn covariate(covariate: Covariate) -> &'static str {
+    match covariate {
+        Covariate::P => "place p along the edge",
+        Covariate::Beta => "angle β of the push in °",
+        Covariate::Speed => "speed of the pusher in mm/s",
+        Covariate::Orientation => "yaw of the object in °",
+        Covariate::Direction => "direction of the push on the table in °",
+        Covariate::TableX => "x on the table in mm",
+        Covariate::TableY => "y on the table in mm",
+        Covariate::Time => "share of the set",
+        Covariate::Edge => "edge",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Measure;
+
+    #[test]
+    fn numbers_have_the_units_and_digits_of_people() {
+        assert_eq!(Measure::of("m").text(1.234e-4), "0.123 mm");
+        assert_eq!(Measure::of("rad").text(0.02), "1.15°");
+        assert_eq!(Measure::of("N").signed(-2.0512), "−2.05 N");
+        assert_eq!(Measure::of("m").plus_minus(-1.234e-4, 2.3e-6), "−0.1234 ± 0.0023 mm");
+        assert_eq!(Measure::of("m/s").label("speed"), "speed in mm/s");
+        assert_eq!(Measure::of("1").text(0.0), "0.00");
+    }
+}

@@ -1,0 +1,253 @@
+//! `pushlab report`: how models do on recordings, on one page that needs nothing else.
+
+mod errors;
+mod headline;
+mod maps;
+mod measure;
+mod outlines;
+mod parameters;
+mod pushes;
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use ::report::{Page, Provenance};
+use anyhow::{Context, Result};
+use dataset::{IngestSettings, RecordingSet};
+use diagnosis::{
+    Comparison, MapSettings, NoiseFloor, Observations, OutlineMap, Predictions, PushEnds,
+    RepeatTolerance, Rollout, compare, noise_floor, outline_maps, push_ends, roll_out,
+};
+use models::ModelFile;
+use serde::Serialize;
+
+use self::headline::Headline;
+use super::compare::Part;
+use crate::destination::Destination;
+use crate::file_ending;
+use crate::origin::{Input, Origin, readable};
+use crate::recorded_steps::RecordedSteps;
+use crate::step_size::StepSize;
+use crate::terminal::Terminal;
+
+/// Show how models do on recordings: one HTML page, to be read without a network
+///
+/// The page has errors against the noise floor, where each model fails, every push as measured and
+/// as predicted, the models' parameters, and how it was made.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Args {
+    /// Recording set: a folder with dataset.toml
+    set: PathBuf,
+    /// Model file; several may be given, the first is the one that others are seen beside
+    #[arg(long, value_name = "FILE", default_value = "model.toml",
+          value_parser = file_ending::model)]
+    model: Vec<PathBuf>,
+    /// The page
+    #[arg(short, long, value_name = "PAGE", default_value = "report.html",
+          value_parser = file_ending::page)]
+    output: PathBuf,
+    /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm); else 200ms
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    step: Option<StepSize>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  pushlab report pushes --model model.toml -o report.html
+  pushlab report pushes --model model.toml --model better.toml -o report.html
+  pushlab report pushes --step 4mm --json";
+
+/// What is compared, and on what.
+struct Report {
+    set: String,
+    part: Part,
+    floor: NoiseFloor,
+    observations: Observations,
+    models: Vec<Tried>,
+}
+
+/// A model with all that the page shows of it.
+struct Tried {
+    /// Its name, and where that is not enough its file.
+    name: String,
+    file: ModelFile,
+    comparison: Comparison,
+    outlines: Vec<OutlineMap>,
+    rollouts: Vec<Rollout>,
+    /// None where every push is one step.
+    ends: Option<PushEnds>,
+}
+
+/// The result for programs.
+#[derive(Serialize)]
+struct Written {
+    page: PathBuf,
+    bytes: usize,
+    models: Vec<String>,
+    n_pushes: usize,
+    n_steps: usize,
+    /// Pushes that the page can play.
+    n_played: usize,
+    headlines: Vec<Headline>,
+}
+
+pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let destination = Destination::new(&args.output)?;
+    let mut origin = args.origin();
+    let mut files = Vec::new();
+    for path in &args.model {
+        readable(path)?;
+        origin.inputs.push(Input::file(path)?);
+        files.push((path.as_path(), ModelFile::read(path)?));
+    }
+    readable(&args.set)?;
+    let set = RecordingSet::open(&args.set)?;
+    let mut spared = args.model.clone();
+    spared.extend_from_slice(set.recordings());
+    destination.spare(&spared)?;
+    let mut settings = IngestSettings::default();
+    if let Some(StepSize(step)) = args.step {
+        settings.step = step;
+    }
+    let recorded = RecordedSteps::read(&set, &settings, terminal)?;
+    origin.inputs.extend(recorded.inputs);
+    let observations = Observations::of(&recorded.table, set.manifest())?;
+    let report = Report::of(set.manifest().name.clone(), files, observations)?;
+    let (html, written) = report.written(&origin, &args.output)?;
+    destination.write(html.as_bytes())?;
+    terminal.finish(&origin, &written, &written)
+}
+
+impl Report {
+    fn of(set: String, files: Vec<(&Path, ModelFile)>, all: Observations) -> Result<Self> {
+        let part = Part::of(files.iter().filter_map(|(_, file)| file.split.as_ref()), &all);
+        let observations = part.observations(all)?;
+        let names = distinct_names(&files);
+        let mut floor: Option<NoiseFloor> = None;
+        let mut models = Vec::new();
+        for ((path, file), name) in files.into_iter().zip(names) {
+            let tried = || -> Result<Tried> {
+                let predictions = Predictions::of(&file.description, &[], &observations)?;
+                let floor = match &floor {
+                    Some(floor) => floor,
+                    // One floor for all, by the first model.
+                    None => floor.insert(noise_floor(
+                        &observations,
+                        &predictions,
+                        &RepeatTolerance::default(),
+                    )?),
+                };
+                let settings = MapSettings::default();
+                let rollouts = roll_out(&file.description, &[], &observations)?;
+                Ok(Tried {
+                    name,
+                    comparison: compare(&observations, &predictions, floor, &settings)?,
+                    outlines: outline_maps(&observations, &predictions, &outlines::SETTINGS)?,
+                    ends: push_ends(&rollouts, &observations),
+                    rollouts,
+                    file,
+                })
+            };
+            models.push(tried().with_context(|| format!("cannot try {}", path.display()))?);
+        }
+        let floor = floor.context("name a model with --model")?;
+        Ok(Self { set, part, floor, observations, models })
+    }
+
+    /// The page, and what programs want to know of it.
+    fn written(&self, origin: &Origin, page: &Path) -> Result<(String, Written)> {
+        let headlines = Headline::all(self);
+        let player = pushes::player(self);
+        let n_played = player.n_embedded();
+        let html = Page::new(
+            &format!("{}: models and measurements", self.set),
+            &self.lead(),
+            made_by(origin),
+        )
+        .with(headline::section(self, &headlines))
+        .with(errors::section(self)?)
+        .with(pushes::section(player))
+        .with(outlines::section(self)?)
+        .with(maps::section(self)?)
+        .with(parameters::section(self))
+        .single_file()?;
+        let written = Written {
+            page: page.to_owned(),
+            bytes: html.len(),
+            models: self.models.iter().map(|model| model.name.clone()).collect(),
+            n_pushes: self.observations.pushes().len(),
+            n_steps: self.observations.n_steps(),
+            n_played,
+            headlines,
+        };
+        Ok((html, written))
+    }
+
+    fn lead(&self) -> String {
+        let (pushes, steps) = (self.observations.pushes().len(), self.observations.n_steps());
+        let name = |(index, model): (usize, &Tried)| format!("{} – {}", tag(index), model.name);
+        let names: Vec<_> = self.models.iter().enumerate().map(name).collect();
+        format!(
+            "{steps} steps of {pushes} pushes, and what models make of them: {}.",
+            names.join("; ")
+        )
+    }
+}
+
+/// The letter by which charts name a model.
+fn tag(index: usize) -> String {
+    let letter = char::from(b'A' + (index % 26) as u8).to_string();
+    if index < 26 { letter } else { format!("{letter}{}", index / 26) }
+}
+
+fn made_by(origin: &Origin) -> Provenance {
+    let input = |input: &Input| (input.path.display().to_string(), input.sha256.clone());
+    Provenance {
+        tool: origin.tool.to_owned(),
+        arguments: origin.command_line(),
+        seed: Some(MapSettings::default().seed),
+        inputs: origin.inputs.iter().map(input).collect(),
+    }
+}
+
+/// The models' names; with the file where another model has the same.
+fn distinct_names(files: &[(&Path, ModelFile)]) -> Vec<String> {
+    let mut known = HashSet::new();
+    let twice: HashSet<&str> = files
+        .iter()
+        .map(|(_, file)| file.name.as_str())
+        .filter(|name| !known.insert(*name))
+        .collect();
+    let name = |(path, file): &(&Path, ModelFile)| {
+        if twice.contains(file.name.as_str()) {
+            format!("{} ({})", file.name, path.display())
+        } else {
+            file.name.clone()
+        }
+    };
+    files.iter().map(name).collect()
+}
+
+impl std::fmt::Display for Written {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { page, n_pushes, n_played, .. } = self;
+        self.headlines.iter().try_for_each(|headline| write!(f, "{headline}"))?;
+        let played = if n_played == n_pushes {
+            "all pushes can be played".to_owned()
+        } else {
+            format!("{n_played} of {n_pushes} pushes can be played")
+        };
+        writeln!(f, "wrote {} ({:.1} MB, {played})", page.display(), self.bytes as f64 / 1e6)
+    }
+}
+
+impl Args {
+    fn origin(&self) -> Origin {
+        let mut words = vec!["report".to_owned(), self.set.display().to_string()];
+        let models = self.model.iter();
+        words.extend(models.flat_map(|path| ["--model".to_owned(), path.display().to_string()]));
+        words.extend(self.step.iter().flat_map(|step| ["--step".to_owned(), step.to_string()]));
+        Origin::new(words)
+    }
+}
