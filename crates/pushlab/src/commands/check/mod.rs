@@ -93,7 +93,8 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         }
         None => ("the nominal model".to_owned(), nominal(manifest.pusher.friction)?),
     };
-    let RecordedSteps { table, inputs } = RecordedSteps::read(&set, &steady_ingest(), terminal)?;
+    let RecordedSteps { table, inputs, .. } =
+        RecordedSteps::read(&set, &steady_ingest(), terminal)?;
     origin.inputs.extend(inputs);
     let observations = Observations::steady(&table, manifest)?;
     let noise = NoiseModel::learn(&description, &[], &observations)?;

@@ -60,7 +60,7 @@ impl Steps {
         if let Some(StepSize(step)) = args.step {
             settings.step = step;
         }
-        let RecordedSteps { table, inputs } = RecordedSteps::read(&set, &settings, terminal)?;
+        let RecordedSteps { table, inputs, .. } = RecordedSteps::read(&set, &settings, terminal)?;
         Ok(Self { observations: Observations::of(&table, set.manifest())?, inputs })
     }
 
