@@ -57,6 +57,8 @@ const STUCK: f64 = 0.04;
 const POLL: f64 = 0.5;
 /// Slopes that leave more than this of the distance are worked out anew.
 const SLOW: f64 = 0.3;
+/// Share of the fall so far that a brief descent leaves to go.
+const BRIEFLY: f64 = 0.01;
 /// Damping at first, and of slopes that were just worked out.
 const DAMPING: f64 = 1e-3;
 /// Damping at which a step is too short to matter.
@@ -135,10 +137,11 @@ impl Problem<'_> {
             Some(slopes) => slopes,
             None => self.slopes(&at, &widths)?,
         };
-        let mut steps = 0;
+        let (mut steps, first) = (0, at.value);
         loop {
             let quadratic = self.quadratic(&at, &whole)?;
-            let is_end = steps == most_steps || quadratic.decrement < STUCK;
+            let left = quadratic.decrement * self.robust.scale().powi(2);
+            let is_end = steps == most_steps || left < STUCK.max(BRIEFLY * (first - at.value));
             let next = match is_end {
                 true => None,
                 false => self.step_down(&at, &quadratic, &mut damping),
