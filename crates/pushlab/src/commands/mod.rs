@@ -4,6 +4,7 @@ mod add;
 mod check;
 mod compare;
 mod completions;
+mod demo;
 mod describe;
 mod diagnose;
 mod effects;
@@ -23,6 +24,7 @@ use crate::terminal::Terminal;
 /// Every command, in the order of their first use.
 #[derive(Subcommand)]
 pub(crate) enum Command {
+    Demo(demo::Args),
     Init(init::Args),
     Inspect(inspect::Args),
     #[command(visible_alias = "table")]
@@ -47,6 +49,7 @@ impl Command {
     /// What the command says.
     pub(crate) fn run(&self, terminal: &Terminal) -> Result<()> {
         match self {
+            Self::Demo(args) => demo::run(args, terminal),
             Self::Init(args) => init::run(args, terminal),
             Self::Inspect(args) => inspect::run(args, terminal),
             Self::Ingest(args) => ingest::run(args, terminal),
