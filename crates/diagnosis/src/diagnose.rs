@@ -4,6 +4,7 @@ mod answer;
 mod confirmation;
 mod findings;
 mod leftover;
+mod members;
 mod nominal;
 mod rules;
 mod search;
@@ -20,6 +21,7 @@ pub use self::answer::{
 use self::confirmation::Confirmation;
 use self::findings::findings;
 use self::leftover::leftover;
+use self::members::members;
 use self::rules::{Claims, claims};
 use self::search::Search;
 use self::sentence::sentence;
@@ -90,7 +92,8 @@ pub fn diagnose(
     let confirmation = Confirmation::of(&found, &aside, &noise, settings)?;
     let left = leftover(&found, &confirmation, &fitted, settings)?;
     let claims: Claims = claims(&found, &confirmation, &left);
-    let effects = findings(&found, &confirmation, &claims, settings);
+    let members = members(&found, &claims, &fitted, (model, &noise), settings);
+    let effects = findings(&found, &confirmation, (&claims, &members), settings);
     let diagnosis = Diagnosis {
         schema: Diagnosis::SCHEMA.to_owned(),
         verdict: claims.verdict,

@@ -5,6 +5,7 @@
 mod command_line;
 mod commands;
 mod destination;
+mod diagnosis_file;
 mod document;
 mod failure;
 mod file_ending;

@@ -6,18 +6,18 @@ use super::confirmation::Confirmation;
 use super::rules::{Claims, Objection, Rules};
 use super::search::Found;
 use super::{DiagnoseSettings, EffectFinding, Gain, ParameterFinding, Status};
-use crate::{EffectFit, ScreenedCoordinate, ScreenedEffect};
+use crate::{EffectFit, ParameterFit, ScreenedCoordinate, ScreenedEffect};
 
 /// Every effect that the model asked about lacks, those claimed first.
 pub(super) fn findings(
     found: &Found,
     confirmation: &Confirmation,
-    claims: &Claims,
+    (claims, members): (&Claims, &[EffectFit]),
     settings: &DiagnoseSettings,
 ) -> Vec<EffectFinding> {
     let all = found.first_screen.effects.iter();
     let mut findings: Vec<EffectFinding> = all
-        .map(|screened| Finding { found, confirmation, claims, settings, screened }.tell())
+        .map(|screened| Finding { found, confirmation, claims, members, settings, screened }.tell())
         .collect();
     let place = |finding: &EffectFinding| {
         let accepted = found.accepted.iter().position(|one| one.id == finding.id);
@@ -32,6 +32,8 @@ struct Finding<'a> {
     found: &'a Found,
     confirmation: &'a Confirmation,
     claims: &'a Claims,
+    /// Members of groups as fitted.
+    members: &'a [EffectFit],
     settings: &'a DiagnoseSettings,
     screened: &'a ScreenedEffect,
 }
@@ -108,7 +110,8 @@ impl Finding<'_> {
     }
 
     fn parameters(&self, accepted: Option<usize>) -> Vec<ParameterFinding> {
-        let fit = accepted.map(|k| &self.found.accepted[k].effect);
+        let member = || self.members.iter().find(|member| member.id == self.screened.id);
+        let fit = accepted.map(|k| &self.found.accepted[k].effect).or_else(member);
         let coordinates = &self.screened.coordinates;
         match fit {
             Some(fit) => self.fitted(fit),
@@ -130,11 +133,12 @@ impl Finding<'_> {
             let size = coordinate.smallest_detectable;
             Some(if is_axis { (2.0 * size).exp_m1() } else { size })
         };
-        let finding = |parameter: &crate::ParameterFit| ParameterFinding {
+        let finding = |parameter: &ParameterFit| ParameterFinding {
             name: parameter.name.to_owned(),
             unit: parameter.unit.to_owned(),
             off: parameter.off,
             estimate: Some(parameter.value),
+            se: Some(parameter.se),
             low95: parameter.interval.map(|interval| interval.low95),
             high95: parameter.interval.map(|interval| interval.high95),
             smallest_detectable: detectable(parameter.name),
@@ -154,6 +158,7 @@ fn bounded(coordinate: &ScreenedCoordinate) -> ParameterFinding {
     let ScreenedCoordinate { change, se, smallest_detectable, .. } = *coordinate;
     ParameterFinding {
         estimate: Some(change),
+        se: Some(se),
         low95: Some(change - 1.96 * se),
         high95: Some(change + 1.96 * se),
         smallest_detectable: Some(smallest_detectable),
@@ -167,6 +172,7 @@ fn unknown(coordinate: &ScreenedCoordinate) -> ParameterFinding {
         unit: coordinate.unit.to_owned(),
         off: None,
         estimate: None,
+        se: None,
         low95: None,
         high95: None,
         smallest_detectable: None,
