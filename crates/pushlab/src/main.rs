@@ -14,6 +14,7 @@ mod origin;
 mod people;
 mod progress;
 mod recorded_steps;
+mod speed;
 mod step_size;
 mod table_summary;
 mod terminal;

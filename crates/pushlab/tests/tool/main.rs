@@ -13,4 +13,5 @@ mod generated;
 mod report_page;
 mod schema;
 mod small_set;
+mod suggested;
 mod usage;
