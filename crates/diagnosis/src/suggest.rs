@@ -149,10 +149,7 @@ pub fn suggest(
     aim: &Aim,
     settings: &SuggestSettings,
 ) -> Result<Suggestion, DiagnosisError> {
-    let noise = NoiseModel::learn(model, &settings.own, observations)?;
-    let stand = |ids: &[&str]| Standpoint::fitted(observations, model, ids, &noise, settings);
-    let standpoints =
-        aim.claims(known).iter().map(|ids| stand(ids)).collect::<Result<Vec<_>, _>>()?;
+    let (noise, standpoints) = standpoints(observations, model, &aim.claims(known), settings)?;
     let reach = Reach::of(observations, settings);
     let routes = route::candidates(observations, &standpoints[0], &reach, settings)?;
     let planned = Planned::new(observations, &routes);
@@ -195,6 +192,24 @@ pub fn suggest(
         area: reach.area,
         pusher_radius: reach.pusher_radius,
     })
+}
+
+/// The noise and the fitted models: beside the first, the noise is not what the model misses.
+fn standpoints(
+    observations: &Observations,
+    model: &Description,
+    claims: &[Vec<&str>],
+    settings: &SuggestSettings,
+) -> Result<(NoiseModel, Vec<Standpoint>), DiagnosisError> {
+    let stand = |ids: &[&str], noise: &NoiseModel| {
+        Standpoint::fitted(observations, model, ids, noise, settings)
+    };
+    let rough = NoiseModel::learn(model, &settings.own, observations)?;
+    let first = stand(&claims[0], &rough)?;
+    let noise = NoiseModel::learn(&first.description, &settings.own, observations)?;
+    let others = claims[1..].iter().map(|ids| stand(ids, &noise));
+    let all = std::iter::once(Ok(first)).chain(others).collect::<Result<_, _>>()?;
+    Ok((noise, all))
 }
 
 /// Every chosen push as often as it is to be done.

@@ -3,6 +3,7 @@
 use super::SuggestSettings;
 use crate::Observations;
 use crate::coverage::Coverage;
+use crate::steady_ingest::FIRST_WAY;
 
 /// Limits of pushes.
 #[derive(Clone, Debug)]
@@ -21,8 +22,6 @@ pub(super) struct Reach {
 const SPEEDS: [f64; 2] = [0.005, 0.5];
 /// Of pushes with several steps, in m.
 const TRAVELS: [f64; 2] = [0.02, 0.1];
-/// Way before the first step, in m: the first touch.
-pub(super) const FIRST_TOUCH: f64 = 2e-3;
 
 impl Reach {
     /// What the set has covered, where the settings say nothing else.
@@ -61,7 +60,7 @@ impl Reach {
 
 /// The median way of a push, in whole mm.
 fn usual_travel(observations: &Observations) -> f64 {
-    let mut ways = vec![FIRST_TOUCH; observations.pushes.len()];
+    let mut ways = vec![FIRST_WAY; observations.pushes.len()];
     for (step, push) in observations.push_of.iter().enumerate() {
         ways[*push] += observations.way(step);
     }

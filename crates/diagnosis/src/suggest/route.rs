@@ -11,11 +11,11 @@ use rand_chacha::ChaCha8Rng;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::f64::consts::TAU;
 
-use super::area::{FIRST_TOUCH, Reach};
+use super::area::Reach;
 use super::standpoint::Standpoint;
 use super::{SuggestSettings, SuggestedPush, halton};
 use crate::rollout::moved_by;
-use crate::steady_ingest::{STEP_TIME, STEP_WAY};
+use crate::steady_ingest::{FIRST_TIME, FIRST_WAY, STEP_TIME, STEP_WAY};
 use crate::{DiagnosisError, Observations};
 
 /// A push with its expected steps.
@@ -153,7 +153,8 @@ impl Rig<'_> {
         let [touch_w, direction_w] = self.touch(push);
         let step_way = STEP_WAY.max(STEP_TIME * push.speed);
         let (mut pose_wb, mut twist_wb) = (push.pose_wb, Twist::default());
-        let (mut way, mut length) = (0.0, FIRST_TOUCH);
+        let first_way = FIRST_WAY.max(FIRST_TIME * push.speed);
+        let (mut way, mut length) = (0.0, first_way);
         let mut course =
             Course { steps: vec![], positions_w: vec![pose_wb.position], good_way: 0.0 };
         while way + length <= push.travel + 1e-9 {
@@ -186,7 +187,7 @@ impl Rig<'_> {
             if !is_good {
                 break;
             }
-            if way >= FIRST_TOUCH {
+            if way >= first_way {
                 let (place, predicted) = ([contact.p, beta], moved.to_array());
                 course.steps.push(RouteStep { input: step, place, predicted });
             }

@@ -55,8 +55,8 @@ impl Standpoint {
         settings: &SuggestSettings,
     ) -> Result<Self, DiagnosisError> {
         let (own, tolerances) = (settings.own.clone(), settings.tolerances);
-        let fit_settings =
-            FitSettings { own: own.clone(), tolerances, priors: true, intervals: false };
+        let known = FitSettings { own: own.clone(), tolerances, ..FitSettings::default() };
+        let fit_settings = FitSettings { intervals: false, resemblances: false, ..known };
         let fit = fit_with_noise(observations, model, ids, noise, &fit_settings)?;
         let description = fit.with_nuisances;
         let candidates = Candidates::of(&description, &own, observations)?;

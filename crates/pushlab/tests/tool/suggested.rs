@@ -1,10 +1,8 @@
 //! `pushlab suggest`: the suggested pushes, made on the simulated rig, tell rivals apart.
 
-use std::path::Path;
-
-use dataset::{RecordingSet, ingest};
+use dataset::{Manifest, RecordingSet, StepRow, Table, ingest};
 use diagnosis::{
-    Aim, FitSettings, NoiseModel, Observations, SuggestSettings, SuggestedPush, Suggestion,
+    Aim, FitSettings, NoiseModel, Observations, Separation, SuggestSettings, SuggestedPush,
     fit_with_noise, steady_ingest, suggest,
 };
 use models::{Analytical, Base, Description, SurfaceKind};
@@ -14,20 +12,27 @@ const RIVALS: [&str; 2] = ["table-anisotropy", "body-anisotropy"];
 /// Hidden: the first of the rivals.
 const HIDDEN: &str = "table-anisotropy: ratio=1.02, direction_deg=20";
 
-/// A set of some pushes on the table with the hidden effect.
-fn observed(design: Design, seed: u64) -> Observations {
+/// Steps of some pushes on the table with the hidden effect.
+fn made(design: Design, seed: u64) -> (Table, Manifest) {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("set");
     let hidden = vec![HIDDEN.parse().unwrap()];
     let settings = GenerateSettings { design, hidden, seed, ..GenerateSettings::default() };
     generate(&settings, &out).unwrap();
-    observations(&out)
+    let set = RecordingSet::open(&out).unwrap();
+    let (table, _) = ingest(&set, &steady_ingest()).unwrap();
+    (table, set.manifest().clone())
 }
 
-fn observations(set: &Path) -> Observations {
-    let set = RecordingSet::open(set).unwrap();
-    let (table, _) = ingest(&set, &steady_ingest()).unwrap();
-    Observations::steady(&table, set.manifest()).unwrap()
+/// The pushes so far with further ones.
+fn together(so_far: &(Table, Manifest), further: &[SuggestedPush]) -> Observations {
+    let (mut all, manifest) = so_far.clone();
+    let (further, _) = made(list(further), 6);
+    all.rows.extend(further.rows.into_iter().map(|row| {
+        let recording = format!("further-{}", row.recording).into();
+        StepRow { recording, ..row }
+    }));
+    Observations::steady(&all, &manifest).unwrap()
 }
 
 fn planned(push: &SuggestedPush) -> PlannedPush {
@@ -48,7 +53,7 @@ fn model() -> Description {
 
 /// By how much twice the log likelihood of the true rival is larger, both fitted to these pushes.
 fn ratio(observations: &Observations) -> f64 {
-    let settings = FitSettings { intervals: false, ..FitSettings::default() };
+    let settings = FitSettings { intervals: false, resemblances: false, ..FitSettings::default() };
     let noise = NoiseModel::learn(&model(), &[], observations).unwrap();
     let misfit = RIVALS.map(|rival| {
         let fit = fit_with_noise(observations, &model(), &[rival], &noise, &settings).unwrap();
@@ -62,17 +67,23 @@ fn ratio(observations: &Observations) -> f64 {
 fn suggested_pushes_tell_rivals_apart_better_than_random_ones() {
     let layout = Layout::Narrow { edge: 0 };
     let narrow = Design { layout, n_pushes: 24, ..Design::default() };
-    let so_far = observed(narrow, 5);
+    let so_far = made(narrow, 5);
+    let before = Observations::steady(&so_far.0, &so_far.1).unwrap();
     let aim = Aim::Rivals(vec![RIVALS.map(str::to_owned).to_vec()]);
     let settings = SuggestSettings { n_candidates: 150, ..SuggestSettings::default() };
-    let found: Suggestion = suggest(&so_far, &model(), &[], &aim, &settings).unwrap();
-    let separation = &found.separations[0];
-    eprintln!("{separation:?}, {} feasible", found.feasible.len());
-    let before = ratio(&so_far);
-    let suggested = ratio(&observed(list(&found.pushes), 6));
-    let stride = found.feasible.len() / 20;
-    let random: Vec<_> = found.feasible.iter().step_by(stride).take(20).cloned().collect();
-    let random = ratio(&observed(list(&random), 6));
-    eprintln!("2Δ log L: {before:.1} so far, {suggested:.1} suggested, {random:.1} random");
+    let found = suggest(&before, &model(), &[], &aim, &settings).unwrap();
+    let Separation { now, expected, with_random, .. } = found.separations[0].clone();
+    let stride = found.feasible.len() / 4;
+    let random = found.feasible.iter().step_by(stride).take(4);
+    let random: Vec<_> = random.flat_map(|push| vec![push.clone(); 5]).collect();
+    assert_eq!((found.pushes.len(), random.len()), (20, 20));
+    let before = ratio(&before);
+    let [suggested, random] =
+        [&found.pushes, &random].map(|further| ratio(&together(&so_far, further)));
+    eprintln!(
+        "2Δ log L: {before:.0} so far, {suggested:.0} with suggested, {random:.0} with random"
+    );
+    eprintln!("in sd, as told: {now:.1}, {expected:.1}, {with_random:.1}");
     assert!(suggested > 6.0 && suggested > random, "{before} {suggested} {random}");
+    assert!(expected > with_random && with_random > now, "{now} {expected} {with_random}");
 }

@@ -30,10 +30,14 @@ pub(super) fn chosen(found: &Diagnosis, asked: Option<&str>) -> Result<Vec<Model
             ),
         }
     }
-    ids.into_iter().map(|id| effect(found, id)).collect()
+    ids.into_iter().map(|id| diagnosed_effect(found, id)).collect()
 }
 
-fn effect(found: &Diagnosis, id: &str) -> Result<ModelEffect> {
+/// An effect with the values that a diagnosis tells.
+///
+/// # Errors
+/// If it is none of those claimed or possible, or has no values.
+pub(crate) fn diagnosed_effect(found: &Diagnosis, id: &str) -> Result<ModelEffect> {
     let known = found.effects.iter().find(|effect| effect.id == id);
     let Some(EffectFinding { status, parameters, why, .. }) = known else {
         bail!("the diagnosis does not tell of {id}: the model that was diagnosed has it already")

@@ -12,6 +12,8 @@ use diagnosis::Diagnosis;
 use effects::{EffectError, Setting, by_id};
 use models::{ChannelModel, ModelEffect, ModelFile};
 
+pub(super) use self::from_diagnosis::diagnosed_effect;
+
 use self::from_diagnosis::chosen;
 use super::models::Parameters;
 use crate::destination::Destination;
