@@ -110,8 +110,17 @@ impl Finding<'_> {
             None if self.screened.not_testable.is_some() => {
                 coordinates.iter().map(unknown).collect()
             }
-            None => coordinates.iter().map(bounded).collect(),
+            // Beside what was added: before, it took what the added effects do for itself.
+            None => self.beside_the_added().iter().map(bounded).collect(),
         }
+    }
+
+    /// The coordinates of an effect that was not added, tested beside those that were.
+    fn beside_the_added(&self) -> &[ScreenedCoordinate] {
+        let mut last = self.found.last_screen.effects.iter();
+        let last = last.find(|effect| effect.id == self.screened.id);
+        let known = last.map(|effect| effect.coordinates.as_slice());
+        known.filter(|known| !known.is_empty()).unwrap_or(&self.screened.coordinates)
     }
 
     fn fitted(&self, fit: &EffectFit) -> Vec<ParameterFinding> {

@@ -10,9 +10,9 @@ use plant::{Design, GenerateSettings, Layout, PlannedPush, generate};
 
 const RIVALS: [&str; 2] = ["table-anisotropy", "body-anisotropy"];
 /// Hidden: the first of the rivals.
-const HIDDEN: &str = "table-anisotropy: ratio=1.02, direction_deg=20";
+const HIDDEN: &str = "table-anisotropy: ratio=1.01, direction_deg=20";
 
-/// Steps of some pushes on the table with the hidden effect.
+/// Steps of some pushes on the table with the hidden effect, on a rig without force sensor.
 fn made(design: Design, seed: u64) -> (Table, Manifest) {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("set");
@@ -20,7 +20,8 @@ fn made(design: Design, seed: u64) -> (Table, Manifest) {
     let settings = GenerateSettings { design, hidden, seed, ..GenerateSettings::default() };
     generate(&settings, &out).unwrap();
     let set = RecordingSet::open(&out).unwrap();
-    let (table, _) = ingest(&set, &steady_ingest()).unwrap();
+    let (mut table, _) = ingest(&set, &steady_ingest()).unwrap();
+    table.rows.iter_mut().for_each(|row| row.force = None);
     (table, set.manifest().clone())
 }
 
@@ -66,7 +67,7 @@ fn ratio(observations: &Observations) -> f64 {
 #[test]
 fn suggested_pushes_tell_rivals_apart_better_than_random_ones() {
     let layout = Layout::Narrow { edge: 0 };
-    let narrow = Design { layout, n_pushes: 24, ..Design::default() };
+    let narrow = Design { layout, n_pushes: 20, ..Design::default() };
     let so_far = made(narrow, 5);
     let before = Observations::steady(&so_far.0, &so_far.1).unwrap();
     let aim = Aim::Rivals(vec![RIVALS.map(str::to_owned).to_vec()]);

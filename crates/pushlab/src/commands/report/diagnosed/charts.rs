@@ -69,8 +69,7 @@ fn fall(
     let measure = Measure::of(unit);
     let top = errors.into_iter().chain(floor).fold(0.0, f64::max);
     let x = Axis::new("model").range(0.4, 2.6).names(&[(1.0, "before"), (2.0, "after")]);
-    let y = Axis::new(&measure.label("error of a step"))
-        .range(0.0, (1.1 * measure.per * top).max(1e-12));
+    let y = Axis::new(&measure.label("error")).range(0.0, (1.1 * measure.per * top).max(1e-12));
     let mut panel = Panel::new(x, y).title(title(name)).legend(LegendPlace::Hidden);
     let mut hover = Hover::new();
     for (index, (what, rms)) in ["before", "after"].into_iter().zip(errors).enumerate() {

@@ -89,7 +89,7 @@ fn rows(found: &Diagnosis, is_told: impl Fn(&&EffectFinding) -> bool) -> Vec<Vec
             _ => "",
         };
         let gain = effect.log_density_gain;
-        let gain = gain.map_or_else(dash, |Gain { mean, se }| format!("{mean:.0} ± {se:.0}"));
+        let gain = gain.map_or_else(dash, |Gain { mean, se }| format!("{mean:.1} ± {se:.1}"));
         let closed = effect.gap_closed.map_or_else(dash, |share| format!("{:.0} %", 100.0 * share));
         let p = effect.p_adjusted.map_or_else(dash, |p| format!("{p:.4}"));
         let values = effect.parameters.iter().filter_map(value).collect::<Vec<_>>().join("; ");

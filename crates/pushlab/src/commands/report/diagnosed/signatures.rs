@@ -58,9 +58,7 @@ impl Signatures {
             let name = strongest(&signature);
             let maps = [&signature, comparison].map(|one| map(one, name));
             if let [Some(effect), Some(residual)] = maps {
-                let mut pair = vec![(format!("what {id} changes"), effect)];
-                pair.push(("what the model misses".to_owned(), residual));
-                drawings.extend(pair_of(&pair)?);
+                drawings.extend(pair_of(id, [effect, residual])?);
             } else {
                 notes.push(format!(
                     "Too few pushes at each place and angle to draw what {id} changes."
@@ -86,16 +84,21 @@ fn map<'a>(comparison: &'a Comparison, name: &str) -> Option<&'a ResidualMap> {
     maps.find(|map| map.name == name && map.covariates == OVER && !map.cells.is_empty())
 }
 
-/// Two maps with the same colors for the same values.
-fn pair_of(maps: &[(String, &ResidualMap)]) -> Result<Vec<Drawing>, ReportError> {
-    let measure = Measure::of(maps[0].1.unit);
-    let values = maps.iter().flat_map(|(_, map)| &map.cells).map(|cell| cell.mean.abs());
+/// The map of an effect and of what is missed, with the same colors for the same values.
+fn pair_of(id: &str, maps: [&ResidualMap; 2]) -> Result<Vec<Drawing>, ReportError> {
+    let measure = Measure::of(maps[0].unit);
+    let values = maps.iter().flat_map(|map| &map.cells).map(|cell| cell.mean.abs());
     let reach = (measure.per * values.fold(0.0, f64::max)).max(1e-12);
-    maps.iter().map(|(what, map)| drawing(what, map, measure, reach)).collect()
+    let what = title(maps[0].name);
+    let [of_effect, of_model] = [format!("{id}: {what}"), format!("the model: {what}")];
+    Ok(vec![
+        drawing(["what the effect changes", &of_effect], maps[0], measure, reach)?,
+        drawing(["what the model misses", &of_model], maps[1], measure, reach)?,
+    ])
 }
 
 fn drawing(
-    what: &str,
+    [heading, caption]: [&str; 2],
     map: &ResidualMap,
     measure: Measure,
     reach: f64,
@@ -115,10 +118,10 @@ fn drawing(
     }
     let x = Axis::new(covariate(OVER[0])).range(0.0, 1.0);
     let y = Axis::new(covariate(OVER[1])).range(-90.0, 90.0);
-    let label = measure.label(title(map.name));
+    let label = measure.label("mean");
     let panel = Panel::new(x, y)
-        .title(what)
+        .title(heading)
         .with(Cells::new(cells, &label).range(-reach, reach))
         .with(hover);
-    Drawing::new(&Figure::new(1, 1).panel_size(310.0, 240.0).with(panel), title(map.name))
+    Drawing::new(&Figure::new(1, 1).panel_size(310.0, 240.0).with(panel), caption)
 }
