@@ -153,7 +153,7 @@ pub fn suggest(
     let reach = Reach::of(observations, settings);
     let routes = route::candidates(observations, &standpoints[0], &reach, settings)?;
     let planned = Planned::new(observations, &routes);
-    let n_designs = settings.n_pushes.div_ceil(settings.n_repeats.max(1)).max(1);
+    let n_designs = settings.n_pushes.div_ceil(settings.n_repeats.max(1)).clamp(1, routes.len());
     let counts: Vec<f64> = (0..n_designs)
         .map(|k| {
             let left = settings.n_pushes - (k * settings.n_repeats).min(settings.n_pushes);
@@ -214,17 +214,10 @@ fn standpoints(
 
 /// Every chosen push as often as it is to be done.
 fn repeated(routes: &[Route], design: &[(usize, f64)]) -> Vec<SuggestedPush> {
-    let mut merged: Vec<(usize, usize)> = Vec::new();
-    for (route, count) in design {
-        match merged.iter_mut().find(|(other, _)| other == route) {
-            Some((_, sum)) => *sum += *count as usize,
-            None => merged.push((*route, *count as usize)),
-        }
-    }
-    let copies = merged.iter().enumerate().flat_map(|(index, (route, count))| {
+    let copies = design.iter().enumerate().flat_map(|(index, (route, count))| {
         let repeat = format!("suggested-{}", index + 1);
         let push = SuggestedPush { repeat, ..routes[*route].push.clone() };
-        std::iter::repeat_n(push, *count)
+        std::iter::repeat_n(push, *count as usize)
     });
     copies.collect()
 }

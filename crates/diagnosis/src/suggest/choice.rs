@@ -9,8 +9,9 @@ const MOST_ROUNDS: usize = 4;
 /// A value is better if it is larger by this share.
 const BETTER: f64 = 1.0 + 1e-9;
 
-/// Candidates that together have the largest value, each with how often it is done: one after the
-/// other, then each exchanged for a better one as long as that helps.
+/// Different candidates that together have the largest value, each with how often it is done: one
+/// after the other, then each exchanged for a better one as long as that helps. There are at least
+/// as many candidates as counts.
 pub(super) fn best(
     counts: &[f64],
     n_candidates: usize,
@@ -26,8 +27,13 @@ pub(super) fn best(
         other
     };
     let best_at = |design: &[(usize, f64)], place: usize| {
+        let is_free = |candidate: &usize| {
+            let mut others = design.iter().enumerate();
+            others.all(|(index, (other, _))| index == place || other != candidate)
+        };
         let of = |candidate: usize| (value(&with(design, place, candidate)), candidate);
-        let values: Vec<(f64, usize)> = (0..n_candidates).into_par_iter().map(of).collect();
+        let values: Vec<(f64, usize)> =
+            (0..n_candidates).into_par_iter().filter(is_free).map(of).collect();
         values.into_iter().fold((f64::NEG_INFINITY, 0), |a, b| if b.0 > a.0 { b } else { a })
     };
     let mut reached = f64::NEG_INFINITY;
@@ -87,5 +93,13 @@ mod tests {
         assert_eq!(found, [1, 2]);
         let sizes: Vec<_> = best(&[5.0, 2.0], 4, value).iter().map(|one| one.1).collect();
         assert_eq!(sizes, [5.0, 2.0]);
+    }
+
+    #[test]
+    fn no_candidate_is_taken_twice() {
+        let value = |design: &[(usize, f64)]| design.iter().map(|(k, n)| *k as f64 * n).sum();
+        let mut found: Vec<_> = best(&[1.0; 3], 6, value).iter().map(|one| one.0).collect();
+        found.sort_unstable();
+        assert_eq!(found, [3, 4, 5]);
     }
 }

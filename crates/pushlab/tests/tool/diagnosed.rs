@@ -8,7 +8,7 @@ use crate::small_set::SmallSet;
 
 /// The fixture pushes, whose object stands on a uniform patch, with the nominal model, the same with
 /// λ fitted, and the diagnosis that says so.
-fn diagnosed() -> (SmallSet, Value) {
+pub(crate) fn diagnosed() -> (SmallSet, Value) {
     let set = SmallSet::new();
     let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/pushes");
     crate::documentation::copy(&from, &set.path("pushes"));
@@ -86,6 +86,35 @@ fn what_a_diagnosis_names_is_added_and_compared_on_the_pushes_that_confirmed_it(
     assert_eq!(tilted["effects"][1]["parameters"]["ax"]["se"].as_float(), Some(0.01));
     assert_eq!(tilted["split"]["confirm"].as_array().unwrap().len(), 15);
     refused(&set, diagnosis);
+}
+
+#[test]
+fn the_page_shows_what_is_missing_beside_what_the_model_misses() {
+    let (set, mut diagnosis) = diagnosed();
+    diagnosis["sentence"] = "Missing: </script><script>alert(1)</script>".into();
+    set.write("d.json", &diagnosis.to_string());
+    let report = ["report", "pushes", "--diagnosis", "d.json"];
+    set.done(&report);
+    let page = set.read("report.html");
+    for part in [
+        "id=\"diagnosis\"",
+        "What is missing",
+        "what the effect changes",
+        "what the model misses",
+        "1 limit-surface-shape",
+        "The diagnosis does not tell the values of inertia",
+        "it may be chance",
+        "--diagnosis d.json",
+        "nothing beyond chance",
+    ] {
+        assert!(page.contains(part), "no {part}");
+    }
+    assert!(!page.contains("<script>alert(1)"));
+    set.done(&["report", "pushes", "--model", "fitted.toml", "--diagnosis", "d.json"]);
+    assert!(set.read("report.html").contains("limit-surface-shape is in the page"));
+    diagnosis["split"]["set"] = "0123".into();
+    set.write("d.json", &diagnosis.to_string());
+    assert!(set.error(&report).contains("is about other recordings than pushes"));
 }
 
 /// What cannot be added is told, and nothing is written.
