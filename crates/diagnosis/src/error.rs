@@ -54,19 +54,19 @@ pub enum DiagnosisError {
     NothingToSuggest,
     /// Hardly any push can be done within the limits.
     #[error(
-        "{n_feasible} of {n_candidates} pushes of {travel_mm:.0} mm can be done where the object \
-         stays within {} × {} mm and off its vertices; allow a larger area or a shorter way",
-        area_mm[0].round(), area_mm[1].round()
+        "{n_feasible} of {n_candidates} pushes of {:.0} mm can be done where the object stays within \
+         {:.0} × {:.0} mm and off its vertices; allow a larger area or a shorter way",
+        1e3 * travel, 1e3 * area[0], 1e3 * area[1]
     )]
     NoFeasiblePush {
         /// How many were tried.
         n_candidates: usize,
         /// How many can be done.
         n_feasible: usize,
-        /// Way of a push, in mm.
-        travel_mm: f64,
-        /// Extents of the area, in mm.
-        area_mm: [f64; 2],
+        /// Way of a push, in m.
+        travel: f64,
+        /// Extents of the area, in m.
+        area: [f64; 2],
     },
     /// No push that can be done makes an effect testable.
     #[error(

@@ -71,12 +71,11 @@ pub(super) fn candidates(
         (0..settings.n_candidates).into_par_iter().map(route).collect();
     let routes: Vec<Route> = routes.into_iter().flatten().collect();
     if routes.len() < FEWEST_ROUTES {
-        let [x, y] = reach.area.map(|[low, high]| 1e3 * (high - low));
         return Err(DiagnosisError::NoFeasiblePush {
             n_candidates: settings.n_candidates,
             n_feasible: routes.len(),
-            travel_mm: 1e3 * reach.travel,
-            area_mm: [x, y],
+            travel: reach.travel,
+            area: reach.area.map(|[low, high]| high - low),
         });
     }
     Ok(routes)

@@ -128,3 +128,43 @@ fn apart(truth: &View, fitted: &View) -> Vec<Products> {
     });
     products.collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+
+    use super::Pair;
+    use crate::score::Products;
+
+    /// Candidates with two numbers and one free number each.
+    fn pair(distances: &[[f64; 2]], slopes: &[[f64; 2]]) -> Pair {
+        let push = |(distance, slope): (&[f64; 2], &[f64; 2])| {
+            let slope = DMatrix::from_column_slice(2, 1, slope);
+            Products::of(&DVector::from_column_slice(distance), &slope)
+        };
+        let of_candidates = distances.iter().zip(slopes).map(push).collect();
+        Pair { so_far: Products::zero(1), of_candidates }
+    }
+
+    #[test]
+    fn what_the_free_numbers_can_follow_does_not_separate() {
+        let pair = pair(&[[3.0, 0.0], [0.0, 3.0]], &[[100.0, 0.0], [100.0, 0.0]]);
+        // |d|² less (gᵀd)²/(gᵀg + 1).
+        let followed = 9.0 - 9e4 / 10_001.0;
+        assert!((pair.left(&[(0, 1.0)]) - followed).abs() < 1e-9);
+        assert!((pair.left(&[(1, 1.0)]) - 9.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn further_pushes_never_bring_rivals_together() {
+        let distances = [[1.0, -0.5], [0.3, 2.0], [-1.2, 0.1]];
+        let pair = pair(&distances, &[[0.7, 0.2], [-2.0, 1.0], [0.5, 5.0]]);
+        let mut before = pair.left(&[]);
+        for design in [vec![(0, 1.0)], vec![(0, 2.0)], vec![(0, 2.0), (1, 1.0)]] {
+            let after = pair.left(&design);
+            assert!(after >= before - 1e-12, "{before} {after}");
+            before = after;
+        }
+        assert!(before > 1.0, "{before}");
+    }
+}
