@@ -29,7 +29,7 @@ impl Search<'_> {
         let numbers = self.wrong_numbers(here, &mut progress.refused)?;
         let as_choice = |id: &&'static str| Choice { id, p_adjusted: 1.0, rivals: Vec::new() };
         progress.chosen.splice(..0, numbers.iter().map(as_choice));
-        let whole = here.asking(&ids(&progress.chosen));
+        let whole = here.asking(&ids(&progress.chosen)).settled()?;
         let (whole, fit) = self.without_open(whole, &mut progress)?;
         let confirmed = self.confirmed(whole, fit, &mut progress, &noise)?;
         let first_screen = progress.first_screen.unwrap_or_else(|| last_screen.clone());

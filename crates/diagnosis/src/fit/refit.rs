@@ -76,7 +76,7 @@ impl<'a> Refit<'a> {
         let slopes = self.problem.whitening.rewhitened(&self.minimum.whole, whitening);
         let mut problem: Problem<'b> = self.problem.clone();
         problem.whitening = whitening;
-        let minimum = problem.settle(self.minimum.at.x.clone(), Some(slopes), true)?;
+        let minimum = problem.settle(self.minimum.at.x.clone(), Some(slopes), false)?;
         let (observations, model, before) = (self.observations, self.model, minimum.clone());
         let (dropped, n_own) = (self.dropped.clone(), self.n_own);
         Ok(Refit { observations, model, problem, before, minimum, dropped, n_own })
@@ -101,6 +101,15 @@ impl<'a> Refit<'a> {
         let dropped = added.filter(|id| ids.contains(id)).chain(self.dropped.iter().copied());
         let dropped = dropped.collect();
         Ok(Self { problem, before: minimum.clone(), minimum, dropped, ..*self })
+    }
+
+    /// The same minimum, found as exactly as predictions allow, with the slopes there.
+    ///
+    /// # Errors
+    /// As a descent.
+    pub(crate) fn settled(mut self) -> Result<Self, DiagnosisError> {
+        self.minimum = self.problem.settle(self.minimum.at.x.clone(), None, true)?;
+        Ok(self)
     }
 
     /// The same minimum, at which some of the nuisances are asked for.
@@ -166,7 +175,7 @@ impl<'a> Refit<'a> {
     pub(crate) fn with(&self, trial: &Trial<'a>) -> Result<Self, DiagnosisError> {
         let mut problem = trial.problem.clone();
         let Minimum { at, whole, .. } = &trial.minimum;
-        let minimum = problem.settle(at.x.clone(), Some(whole.clone()), true)?;
+        let minimum = problem.settle(at.x.clone(), Some(whole.clone()), false)?;
         let (before, dropped) = (self.minimum.clone(), self.dropped.clone());
         Ok(Self { problem, minimum, before, dropped, ..*self })
     }

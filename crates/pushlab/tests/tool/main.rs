@@ -7,6 +7,7 @@ mod checked;
 mod commands;
 mod comparison;
 mod diagnosed;
+mod diagnosing;
 mod documentation;
 mod fitting;
 mod generated;
