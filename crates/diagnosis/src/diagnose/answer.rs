@@ -151,6 +151,8 @@ pub struct ParameterFinding {
     pub off: Option<f64>,
     /// The best value.
     pub estimate: Option<f64>,
+    /// Its standard error, from whole clusters; 0 for a switch.
+    pub se: Option<f64>,
     /// Lower end of the 95 % interval.
     pub low95: Option<f64>,
     /// Upper end.

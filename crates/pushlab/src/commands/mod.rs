@@ -15,6 +15,7 @@ mod init;
 mod inspect;
 mod models;
 mod report;
+mod suggest;
 
 use anyhow::Result;
 use clap::Subcommand;
@@ -38,6 +39,7 @@ pub(crate) enum Command {
     Diagnose(diagnose::Args),
     Fit(fit::Args),
     Add(add::Args),
+    Suggest(suggest::Args),
     Report(report::Args),
     Completions(completions::Args),
 }
@@ -62,6 +64,7 @@ impl Command {
             Self::Diagnose(args) => diagnose::run(args, terminal),
             Self::Fit(args) => fit::run(args, terminal),
             Self::Add(args) => add::run(args, terminal),
+            Self::Suggest(args) => suggest::run(args, terminal),
             Self::Report(args) => report::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
         }
