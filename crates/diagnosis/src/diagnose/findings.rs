@@ -48,7 +48,7 @@ impl Finding<'_> {
             Status::Present
         } else if claims.groups.iter().any(|group| group.contains(&id)) {
             Status::Possible
-        } else if objection.is_some() || is_hint {
+        } else if accepted.is_some() || objection.is_some() || is_hint {
             Status::Weak
         } else {
             Status::Bounded
@@ -56,6 +56,9 @@ impl Finding<'_> {
         let why = match (&self.screened.not_testable, objection) {
             (Some(why), _) => format!("{}; measure {}", why.because, why.measure),
             (None, Some(objection)) => objection.to_string(),
+            (None, None) if accepted.is_some() && status == Status::Weak => {
+                "it is confirmed, but most of the error has another cause".to_owned()
+            }
             (None, None) => String::new(),
         };
         let is_tested = self.screened.not_testable.is_none();
