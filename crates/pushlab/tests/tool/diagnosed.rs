@@ -99,8 +99,8 @@ fn the_page_shows_what_is_missing_beside_what_the_model_misses() {
     for part in [
         "id=\"diagnosis\"",
         "What is missing",
-        "what the effect changes",
-        "what the model misses",
+        "effect changes<",
+        "model misses<",
         "1 limit-surface-shape",
         "The diagnosis does not tell the values of inertia",
         "it may be chance",

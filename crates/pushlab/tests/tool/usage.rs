@@ -20,8 +20,10 @@ fn help_lists_every_command() {
   generate     Simulate pushes and write them as a recording set that can hide an effect
   check        Tell what recordings can and cannot show, before any model is fitted to them
   compare      Tell how wrong a model is on recordings, where, and how wrong it may be at best
+  diagnose     Name the physical effect that a model lacks, or say that these recordings cannot tell
   fit          Fit nominal parameters, or effects that a model carries, to recordings
-  add          Add an effect to a model, with values by hand or fitted to recordings
+  add          Add effects to a model: what a diagnosis names, or one with values by hand or fitted
+  suggest      Tell which pushes to do next: those that decide between rivals, or measure a name
   report       Show how models do on recordings: one HTML page, to be read without a network
   completions  Print a completion script for a shell
   help         Print this message or the help of the given subcommand(s)"

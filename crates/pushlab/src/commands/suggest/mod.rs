@@ -25,7 +25,7 @@ use crate::recorded_steps::RecordedSteps;
 use crate::speed::Speed;
 use crate::terminal::{Terminal, WARNING};
 
-/// Tell which pushes to do next: those that would tell rivals apart, or measure what is named
+/// Tell which pushes to do next: those that decide between rivals, or measure a name
 ///
 /// Candidates are drawn among the pushes that the rig can do: on any edge, at any angle and
 /// orientation, where the object stays in the area that it covered. Of a group of which one effect

@@ -92,8 +92,8 @@ fn pair_of(id: &str, maps: [&ResidualMap; 2]) -> Result<Vec<Drawing>, ReportErro
     let what = title(maps[0].name);
     let [of_effect, of_model] = [format!("{id}: {what}"), format!("the model: {what}")];
     Ok(vec![
-        drawing(["what the effect changes", &of_effect], maps[0], measure, reach)?,
-        drawing(["what the model misses", &of_model], maps[1], measure, reach)?,
+        drawing(["effect changes", &of_effect], maps[0], measure, reach)?,
+        drawing(["model misses", &of_model], maps[1], measure, reach)?,
     ])
 }
 
@@ -123,5 +123,5 @@ fn drawing(
         .title(heading)
         .with(Cells::new(cells, &label).range(-reach, reach))
         .with(hover);
-    Drawing::new(&Figure::new(1, 1).panel_size(310.0, 240.0).with(panel), caption)
+    Drawing::new(&Figure::new(1, 1).panel_size(310.0, 260.0).with(panel), caption)
 }
