@@ -11,7 +11,8 @@ fn help_lists_every_command() {
     let list = help.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
     assert_eq!(
         list,
-        "  init         Write a commented dataset.toml from what a folder of recordings holds
+        "  demo         Hide an effect in simulated recordings, find it, add it, and watch the error fall
+  init         Write a commented dataset.toml from what a folder of recordings holds
   inspect      Tell what recordings contain: topics, types, columns, samples, rates, frames
   ingest       Turn recordings into a step table, with a report of every repair [alias: table]
   describe     Tell what a step table holds: rows, shapes, flags, coverage, and what made it

@@ -68,5 +68,5 @@ fn empty_folder(folder: &Path) -> Result<()> {
 /// Another one every time.
 fn seed_of_the_clock() -> u32 {
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
-    now.map_or(1, |since| since.subsec_nanos() / 1000 + since.as_secs() as u32 % 4000)
+    now.map_or(1, |since| since.subsec_micros())
 }
