@@ -48,7 +48,7 @@ impl Finding<'_> {
             Status::Present
         } else if claims.groups.iter().any(|group| group.contains(&id)) {
             Status::Possible
-        } else if accepted.is_some() || objection.is_some() || is_hint {
+        } else if accepted.is_some() || objection.as_ref().map_or(is_hint, Objection::is_hint) {
             Status::Weak
         } else {
             Status::Bounded

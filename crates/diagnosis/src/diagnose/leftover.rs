@@ -13,12 +13,17 @@ pub(super) struct Left {
     pub(super) p: Option<f64>,
     /// Where it shows most, in words.
     pub(super) sentence: Option<String>,
-    /// Whitened root mean square of the last model.
+    /// Share of a number's squared error that the mean of a region explains: the largest.
+    share: f64,
+    /// Whitened root mean square of the last model, on pushes set aside.
     rms: f64,
 }
 
-/// Whitened error of a model that leaves something, where its structure is not told in words.
-const MISSES: f64 = 1.25;
+/// Structure that matters is 0.6 of the noise: it adds a sixth to the whitened error, or is a fifth of
+/// what is left of some number. On recordings with nothing hidden less than that is seen, for a model
+/// of a rig is never quite the rig.
+const MISSES: f64 = 1.15;
+const SHARE: f64 = 0.2;
 
 /// Looks for structure in what the confirmed model leaves of the pushes that it was fitted to.
 pub(super) fn leftover(
@@ -31,16 +36,25 @@ pub(super) fn leftover(
     let map_settings = MapSettings { seed: settings.seed, ..MapSettings::default() };
     let comparison = compare(fitted, &predictions, &floor, &map_settings)?;
     let p = comparison.maps.iter().map(|map| map.p_adjusted).min_by(f64::total_cmp);
-    let mut sure = comparison.findings.iter().filter(|finding| finding.p_adjusted <= Rules::NAME);
-    let sentence = sure.next().map(|finding| finding.sentence.clone());
-    Ok(Left { p, sentence, rms: found.error.after })
+    let sure = comparison.findings.iter().filter(|finding| finding.p_adjusted <= Rules::NAME);
+    let share = sure.clone().map(|finding| finding.share).fold(0.0, f64::max);
+    let sentence = sure.map(|finding| finding.sentence.clone()).next();
+    Ok(Left { p, sentence, share, rms: found.error.after })
 }
 
 impl Left {
     /// Whether something is left that matters.
     pub(super) fn is_left(&self) -> bool {
-        let is_sure = self.p.is_some_and(|p| p <= Rules::NAME);
-        is_sure && (self.sentence.is_some() || self.rms >= MISSES)
+        self.is_surer_than(Rules::NAME) && (self.share >= SHARE || self.rms >= MISSES)
+    }
+
+    /// Whether something may be left.
+    pub(super) fn is_hint(&self) -> bool {
+        self.is_surer_than(Rules::HINT) && (self.share >= 0.5 * SHARE || self.rms >= MISSES)
+    }
+
+    fn is_surer_than(&self, level: f64) -> bool {
+        self.p.is_some_and(|p| p <= level)
     }
 
     pub(super) fn summary(&self) -> Leftover {

@@ -29,6 +29,20 @@ pub(super) enum Objection {
     Unsettled { why: String },
 }
 
+impl Objection {
+    /// Whether the effect may be missing none the less: not one that is seen and does not matter.
+    pub(super) fn is_hint(&self) -> bool {
+        let does_not_matter = matches!(
+            self,
+            Self::Small { .. }
+                | Self::LittleMore { .. }
+                | Self::WithinTolerance { .. }
+                | Self::Superfluous
+        );
+        !does_not_matter
+    }
+}
+
 impl Rules {
     /// Largest probability of a name, and of a hint.
     pub(super) const NAME: f64 = 0.01;
@@ -153,7 +167,8 @@ pub(super) fn claims(found: &Found, left: &Left) -> Claims {
         shared.map(|one| [&[one.id], one.rivals.as_slice()].concat()).collect();
     let is_left = left.is_left();
     let closes = found.error.gap_closed.is_none_or(|closed| closed >= HALF);
-    let has_hint = !found.refused.is_empty() || left.p.is_some_and(|p| p <= Rules::HINT);
+    let is_doubted = found.refused.iter().any(|refused| refused.objection.is_hint());
+    let has_hint = is_doubted || left.is_hint();
     let verdict = if is_left && (found.accepted.is_empty() || !closes) {
         Verdict::StructureUnexplained
     } else if !named.is_empty() {

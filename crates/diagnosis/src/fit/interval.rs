@@ -64,6 +64,7 @@ pub(super) fn interval(
         .collect();
     let role = space.members[target.member].parameters()[target.value].role;
     let mut profile = Problem::new(space, problem.whitening, problem.robust.clone());
+    profile.frozen.clone_from(&problem.frozen);
     let column = profile.moved().iter().position(|moved| *moved == k);
     let slopes = in_values(problem, minimum, target.member, &x);
     let slopes = column.map_or(slopes.clone(), |column| slopes.remove_column(column));

@@ -53,7 +53,11 @@ impl<'a> Refit<'a> {
         whitening: &'a Whitening,
         settings: &FitSettings,
     ) -> Result<Self, DiagnosisError> {
-        let space = Space::new(observations, model, &[], settings)?;
+        let mut space = Space::new(observations, model, &[], settings)?;
+        let is_in_model = |id: &str| model.effects.iter().any(|effect| effect.id == id);
+        for member in space.members.iter_mut().filter(|member| !is_in_model(member.id())) {
+            member.part = Part::Nuisance;
+        }
         let start = space.place(|member| member.start.clone());
         let robust = Robust::at(&whitening.rows(), &whitening.whiten(&space.residuals(&start)?));
         let mut problem = Problem::new(space, whitening, robust);

@@ -104,11 +104,14 @@ fn write_parameter(f: &mut fmt::Formatter<'_>, parameter: &ParameterFinding) -> 
 
 /// The effects that are not claimed: named alone, for `--json` has their limits.
 fn write_rest(f: &mut fmt::Formatter<'_>, effects: &[EffectFinding]) -> fmt::Result {
-    for (status, title) in [
-        (Status::Bounded, "not seen (their limits: -o diagnosis.json)"),
-        (Status::NotTestable, "not testable with these pushes (pushlab check says why)"),
+    // A limit with a reason is of an effect that is seen.
+    for (status, is_seen, title) in [
+        (Status::Bounded, true, "seen, but too small to matter (why: -o diagnosis.json)"),
+        (Status::Bounded, false, "not seen (their limits: -o diagnosis.json)"),
+        (Status::NotTestable, true, "not testable with these pushes (pushlab check says why)"),
     ] {
         let ids = effects.iter().filter(|effect| effect.status == status);
+        let ids = ids.filter(|effect| effect.why.is_empty() != is_seen);
         let ids: Vec<&str> = ids.map(|effect| effect.id.as_str()).collect();
         if !ids.is_empty() {
             writeln!(f, "{TITLE}{title}{TITLE:#}")?;
