@@ -79,16 +79,20 @@ pub fn diagnose(
     model: &Description,
     settings: &DiagnoseSettings,
 ) -> Result<Diagnosed, DiagnosisError> {
+    let t0 = std::time::Instant::now();
     let parts = match &settings.split {
         Some(split) => split.clone(),
         None => split(observations, settings.seed)?,
     };
     let (fitted, aside) = (observations.part(&parts.fit)?, observations.part(&parts.confirm)?);
     let noise = NoiseModel::learn(model, &settings.own, &fitted)?;
+    eprintln!("N noise {:?}", t0.elapsed());
     let search = Search { model, fitted: &fitted, noise: &noise, settings };
     let found = search.run()?;
     let confirmation = Confirmation::of(&found, &aside, &noise, settings)?;
+    eprintln!("N confirm {:?}", t0.elapsed());
     let left = leftover(&found, &confirmation, &fitted, settings)?;
+    eprintln!("N left {:?}", t0.elapsed());
     let claims: Claims = claims(&found, &confirmation, &left);
     let effects = findings(&found, &confirmation, &claims, settings);
     let diagnosis = Diagnosis {

@@ -158,16 +158,11 @@ impl<'a> Friction<'a> {
 
     /// Adds, for each point, its share of the load times T²v/|Tv| − v/|v|.
     fn add_anisotropy(&self, motion: &Vector3<f64>, sums: (&mut Vector3<f64>, &mut Matrix3<f64>)) {
-        let (load, slope) = sums;
-        for (place, share) in self.object.points() {
-            let arm = self.stretch * perpendicular(place);
-            let velocity = motion.xy() + motion.z * arm;
-            if velocity != Vector2::zeros() {
-                let (turned, image) = (self.tensor * arm, self.tensor * velocity);
-                add_point(*share, &self.tensor, &turned, &image, load, slope);
-                add_point(-share, &Matrix2::identity(), &arm, &velocity, load, slope);
-            }
-        }
+        let points = self.object.lanes();
+        let (with, with_slope) = points.load(&self.tensor, self.stretch, motion);
+        let (without, without_slope) = points.load(&Matrix2::identity(), self.stretch, motion);
+        *sums.0 += with - without;
+        *sums.1 += with_slope - without_slope;
     }
 
     /// Adds, for each point, its share of the load times its surplus s times T²v/|Tv|.
@@ -245,13 +240,8 @@ pub(crate) fn turning_ratio(object: &Object, support: &Support) -> f64 {
     if support.tensor_o.is_zero() {
         return 1.0;
     }
-    let inverse = support.tensor_o.exp(-1.0);
-    let (mut with, mut without) = (0.0, 0.0);
-    for (place, share) in object.points() {
-        with += share * (inverse * place).norm();
-        without += share * place.norm();
-    }
-    with / without
+    let points = object.lanes();
+    points.mean_norm(&support.tensor_o.exp(-1.0)) / points.mean_norm(&Matrix2::identity())
 }
 
 /// From motions at S to those of a given surface at the origin of the outline.

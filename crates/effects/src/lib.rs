@@ -17,6 +17,7 @@ mod object;
 mod pages;
 mod parameter;
 mod patch_table;
+mod points;
 mod push_physics;
 mod reading;
 mod rig;

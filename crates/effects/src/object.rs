@@ -9,6 +9,7 @@ use planar::{Shape, cross};
 use crate::EffectError;
 use crate::error::{finite, positive};
 use crate::patch_table::PatchTable;
+use crate::points::Points;
 
 /// An object on the table, with what predictions need of it worked out once.
 ///
@@ -24,6 +25,7 @@ pub struct Object {
     mean_distance: f64,
     second_moment: Matrix2<f64>,
     points: Vec<(Vector2<f64>, f64)>,
+    lanes: Points,
     ellipsoid: Ellipsoid,
     patch: OnceLock<Result<PatchTable, MechanicsError>>,
 }
@@ -57,6 +59,7 @@ impl Object {
             centroid,
             mean_distance,
             second_moment,
+            lanes: Points::new(&points),
             points,
             ellipsoid,
             patch,
@@ -111,6 +114,11 @@ impl Object {
     /// Points that stand for the supported area: place from the centroid, in m, and share of the load.
     pub(crate) fn points(&self) -> &[(Vector2<f64>, f64)] {
         &self.points
+    }
+
+    /// The same points, for sums over all of them.
+    pub(crate) fn lanes(&self) -> &Points {
+        &self.lanes
     }
 
     /// The ellipsoid of uniform pressure about the centroid, its largest force 1.

@@ -27,6 +27,9 @@ struct Outcome {
     si: MotionError,
 }
 
+/// Largest gain of one cluster, in nats: 20 000 to 1. Where a model misses by many standard
+/// deviations, the tails of the noise decide, which nobody knows, and few pushes hold it all.
+const MOST_OF_ONE: f64 = 10.0;
 const UNIT: &str = "whitened RMS, confirmation pushes";
 
 impl Confirmation {
@@ -110,16 +113,19 @@ impl Outcome {
 
 /// The gain in log density from one model to another, with the scatter of whole pushes.
 fn gain(one: &Outcome, other: &Outcome) -> Gain {
-    let gains: Vec<f64> = one
-        .log_densities
-        .iter()
-        .zip(&other.log_densities)
-        .map(|(one, other)| other - one)
-        .collect();
-    let n = gains.len() as f64;
-    let mean = gains.iter().sum::<f64>() / n;
-    let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-    Gain { mean: n * mean, se: (n * variance).sqrt() }
+    let gains = one.log_densities.iter().zip(&other.log_densities).map(|(one, other)| other - one);
+    Gain::of(&gains.collect::<Vec<_>>())
+}
+
+impl Gain {
+    /// Of the gains of clusters, none of which says more than [`MOST_OF_ONE`].
+    pub(super) fn of(gains: &[f64]) -> Self {
+        let n = gains.len() as f64;
+        let capped = || gains.iter().map(|gain| gain.clamp(-MOST_OF_ONE, MOST_OF_ONE));
+        let mean = capped().sum::<f64>() / n;
+        let squares = capped().map(|gain| (gain - mean).powi(2)).sum::<f64>();
+        Self { mean: n * mean, se: (n * squares / (n - 1.0).max(1.0)).sqrt() }
+    }
 }
 
 /// The noise of the motion.

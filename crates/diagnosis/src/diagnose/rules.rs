@@ -6,7 +6,8 @@ use super::confirmation::Confirmation;
 use super::leftover::Left;
 use super::search::Found;
 use super::{Gain, Verdict};
-use crate::{Fit, Tolerances};
+use crate::fit::Refit;
+use crate::{Fit, Observations, Tolerances, Undetermined};
 
 /// Rules for an effect that explains more than those before it.
 pub(super) struct Rules {
@@ -23,7 +24,10 @@ pub(super) enum Objection {
     LittleMore { share: f64 },
     Undetermined { why: String },
     WithinTolerance { parameter: &'static str },
+    NotPredictive { gain: Gain },
     NotConfirmed { gain: Gain },
+    Superfluous,
+    Unsettled { why: String },
 }
 
 impl Rules {
@@ -56,15 +60,13 @@ impl Rules {
     }
 
     /// What speaks against an effect by its estimate.
-    pub(super) fn objection_to(
-        &self,
-        fit: &Fit,
-        id: &str,
-        tolerances: &Tolerances,
-    ) -> Option<Objection> {
+    ///
+    /// That another effect looks like it does not: the two are rivals.
+    pub(super) fn objection_to(fit: &Fit, id: &str, tolerances: &Tolerances) -> Option<Objection> {
         let effect = fit.effects.iter().find(|effect| effect.id == id)?;
-        if let Some(why) = &effect.undetermined {
-            return Some(Objection::Undetermined { why: why.to_string() });
+        match &effect.undetermined {
+            None | Some(Undetermined::LooksLike { .. }) => {}
+            Some(why) => return Some(Objection::Undetermined { why: why.to_string() }),
         }
         if effect.p > Self::NAME {
             return Some(Objection::NotSure { p: effect.p });
@@ -78,6 +80,21 @@ impl Rules {
         let n_within = within.clone().count();
         let first = within.next().filter(|_| n_within == effect.parameters.len());
         first.map(|parameter| Objection::WithinTolerance { parameter: parameter.name })
+    }
+
+    /// What speaks against an effect by what it predicts of clusters that are left out of the fit:
+    /// the simpler model stays where it is within a standard error.
+    pub(super) fn objection_to_gain(
+        observations: &Observations,
+        without: &Refit,
+        with: &Refit,
+    ) -> Option<Objection> {
+        let (without, with) = (without.left_out()?, with.left_out()?);
+        let gains = observations.pushes_of_clusters().into_iter().map(|pushes| {
+            pushes.iter().map(|push| 0.5 * (without[*push] - with[*push])).sum::<f64>()
+        });
+        let gain = Gain::of(&gains.collect::<Vec<_>>());
+        (gain.mean < gain.se).then_some(Objection::NotPredictive { gain })
     }
 
     fn confirms(gain: &Gain) -> bool {
@@ -100,6 +117,12 @@ impl fmt::Display for Objection {
             Self::WithinTolerance { parameter } => {
                 write!(f, "{parameter} is within what the manifest leaves open")
             }
+            Self::NotPredictive { gain } => {
+                let Gain { mean, se } = gain;
+                write!(f, "pushes left out of the fit gain {mean:.1} ± {se:.1} nats alone")
+            }
+            Self::Superfluous => f.write_str("a later effect explains what it explained"),
+            Self::Unsettled { why } => write!(f, "its fit does not settle: {why}"),
             Self::NotConfirmed { gain } => {
                 let Gain { mean, se } = gain;
                 write!(f, "pushes set aside gain {mean:.1} ± {se:.1} nats alone")

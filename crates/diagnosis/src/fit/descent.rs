@@ -122,6 +122,37 @@ impl Problem<'_> {
         }
     }
 
+    /// At most some steps down a start, with the slopes that are known there: near the minimum below
+    /// it where it is a smooth one.
+    ///
+    /// # Errors
+    /// `Flat`; what a prediction refuses.
+    pub(super) fn descend_briefly(
+        &self,
+        start: Start,
+        most_steps: usize,
+    ) -> Result<Minimum, DiagnosisError> {
+        let Start { mut at, slopes, .. } = start;
+        let (mut widths, mut damping) = (self.secants.clone(), DAMPING);
+        let mut whole = match slopes {
+            Some(slopes) => slopes,
+            None => self.slopes(&at, &widths)?,
+        };
+        let mut steps = 0;
+        loop {
+            let quadratic = self.quadratic(&at, &whole)?;
+            let is_end = steps == most_steps || quadratic.decrement < STUCK;
+            let next = match is_end {
+                true => None,
+                false => self.step_down(&at, &quadratic, &mut damping),
+            };
+            let Some(next) = next else { return Ok(quadratic.end(at, whole, steps)) };
+            self.fit_widths(&mut widths, &quadratic, &at, &next);
+            whole = updated(whole, &self.moved(), &widths, &at, &next);
+            (at, steps) = (next, steps + 1);
+        }
+    }
+
     /// The quadratic at a place, over the numbers that do not press against a bound.
     fn quadratic(&self, at: &Standing, whole: &DMatrix<f64>) -> Result<Quadratic, DiagnosisError> {
         let weights = self.robust.weights(&at.z);
