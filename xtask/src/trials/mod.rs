@@ -10,6 +10,7 @@ mod power;
 mod queue;
 mod quick;
 mod record;
+mod row;
 mod rows;
 mod score;
 mod trial;

@@ -8,7 +8,8 @@ use super::detectable::detectable;
 use super::oracle::Oracle;
 use super::power::Power;
 use super::record::{Outcome, Record};
-use super::rows::{Row, rows};
+use super::row::Row;
+use super::rows::rows;
 
 /// Everything that the page tells.
 pub(super) struct Page<'a> {

@@ -7,162 +7,143 @@ use super::detectable::detectable;
 use super::oracle::Oracle;
 use super::power::Power;
 use super::record::{Outcome, Record};
+use super::row::{Mark, Row, median_row, row};
 use super::score::{Score, intervals};
 use super::trial::over_floor;
 use super::variant::Variant;
-use super::wilson::Share;
-
-/// A figure that the diagnosis is held to.
-pub(super) struct Row {
-    pub(super) figure: String,
-    pub(super) mark: &'static str,
-    pub(super) measured: String,
-    /// None where nothing was measured.
-    pub(super) holds: Option<bool>,
-    /// What did not hold, a line each.
-    pub(super) failed: Vec<String>,
-}
-
-/// Which side of a mark is right.
-#[derive(Clone, Copy)]
-enum Mark {
-    AtLeast(f64),
-    AtMost(f64),
-    Within(f64, f64),
-}
-
-impl Mark {
-    fn holds(self, value: f64) -> bool {
-        match self {
-            Self::AtLeast(least) => value >= least,
-            Self::AtMost(most) => value <= most,
-            Self::Within(least, most) => (least..=most).contains(&value),
-        }
-    }
-}
-
-/// From a share; `items` are a line for the list and whether it counts.
-fn row(
-    figure: &str,
-    (text, mark): (&'static str, Mark),
-    items: impl IntoIterator<Item = (String, bool)>,
-) -> Row {
-    let items: Vec<(String, bool)> = items.into_iter().collect();
-    let share = Share::of(items.iter().map(|(_, hit)| *hit));
-    // Of errors those that happened are listed, of what should be those that did not.
-    let listed = matches!(mark, Mark::AtMost(_));
-    let failed = items.into_iter().filter(|(_, hit)| *hit == listed).map(|(line, _)| line);
-    Row {
-        figure: figure.to_owned(),
-        mark: text,
-        measured: share.text(),
-        holds: share.value().map(|value| mark.holds(value)),
-        failed: failed.collect(),
-    }
-}
 
 /// Every row.
 pub(super) fn rows(records: &[Record], oracle: &Oracle) -> Vec<Row> {
-    let of = |family: Family| records.iter().filter(move |record| record.family == family);
-    let is_wrong = |record: &Record| (line(record), !Score::of(record).wrong.is_empty());
-    let is_found = |record: &Record| (line(record), Score::of(record).is_all_found());
-    let single = |times: f64| of(Family::Single).filter(move |one| one.multiple == Some(times));
-    let at_most = |text, most| (text, Mark::AtMost(most));
-    let at_least = |text, least| (text, Mark::AtLeast(least));
-    let wrong_mark = at_most("≤ 5 %", 0.05);
-    let large = || of(Family::Outside).filter(|one| one.visibility.is_some_and(|size| size >= 0.6));
+    let mut rows = Vec::from(nothing_hidden(records));
+    rows.extend(one_hidden(records));
+    rows.extend(others_hidden(records));
+    rows.extend(numbers(records));
+    rows.extend(told_otherwise(records));
+    rows.push(told_sizes(records, oracle));
+    rows.push(measured_sizes(records));
+    rows.push(time(records));
+    rows
+}
+
+/// Marks of what should not be, and of what always should.
+const RARE: (&str, Mark) = ("≤ 5 %", Mark::AtMost(0.05));
+const SELDOM: (&str, Mark) = ("≤ 10 %", Mark::AtMost(0.1));
+const ALWAYS: (&str, Mark) = ("always", Mark::AtLeast(1.0));
+
+fn of(records: &[Record], family: Family) -> impl Iterator<Item = &Record> + Clone {
+    records.iter().filter(move |record| record.family == family)
+}
+
+fn is_wrong(record: &Record) -> (String, bool) {
+    (line(record), !Score::of(record).wrong.is_empty())
+}
+
+fn is_found(record: &Record) -> (String, bool) {
+    (line(record), Score::of(record).is_all_found())
+}
+
+fn nothing_hidden(records: &[Record]) -> [Row; 2] {
+    let wrong = |base: &str, family: Family| {
+        let figure = format!("a wrong name where nothing is hidden, {base}");
+        row(&figure, RARE, of(records, family).map(is_wrong))
+    };
+    [wrong("right base", Family::Nothing), wrong("the thesis' ellipsoid", Family::Ellipsoid)]
+}
+
+fn one_hidden(records: &[Record]) -> [Row; 5] {
+    let single = |times: f64| {
+        of(records, Family::Single).filter(move |record| record.multiple == Some(times))
+    };
+    let nearly_always = ("≥ 97 %", Mark::AtLeast(0.97));
+    let wrong = single(2.0).chain(single(4.0)).map(is_wrong);
+    [
+        row(
+            "right class named at 2× the nameable size",
+            ("≥ 90 %", Mark::AtLeast(0.9)),
+            single(2.0).map(is_found),
+        ),
+        row("right class named at 4× the nameable size", nearly_always, single(4.0).map(is_found)),
+        row("a wrong name beside or instead, at 2× and 4×", SELDOM, wrong),
+        row(
+            "right class named at typical sizes",
+            nearly_always,
+            of(records, Family::Typical).map(is_found),
+        ),
+        row(
+            "a wrong name beside or instead, at typical sizes",
+            SELDOM,
+            of(records, Family::Typical).map(is_wrong),
+        ),
+    ]
+}
+
+fn others_hidden(records: &[Record]) -> [Row; 7] {
+    let (pairs, outside) = (of(records, Family::Pair), of(records, Family::Outside));
+    let is_large = |record: &&Record| record.visibility.is_some_and(|size| size >= LARGE);
+    let narrow = of(records, Family::Narrow);
     let claims_one = |record: &Record| {
         let answer = record.outcome.answer();
         (line(record), answer.is_none_or(|answer| answer.named.len() == 1))
     };
-    let mut rows = vec![
+    [
         row(
-            "a wrong name where nothing is hidden, right base",
-            wrong_mark,
-            of(Family::Nothing).map(is_wrong),
+            "both of a pair found at 4×",
+            ("≥ 85 %", Mark::AtLeast(0.85)),
+            pairs.clone().map(is_found),
         ),
-        row(
-            "a wrong name where nothing is hidden, the thesis' ellipsoid",
-            wrong_mark,
-            of(Family::Ellipsoid).map(is_wrong),
-        ),
-        row(
-            "right class named at 2× the nameable size",
-            at_least("≥ 90 %", 0.9),
-            single(2.0).map(is_found),
-        ),
-        row(
-            "right class named at 4× the nameable size",
-            at_least("≥ 97 %", 0.97),
-            single(4.0).map(is_found),
-        ),
-        row(
-            "a wrong name beside or instead, at 2× and 4×",
-            at_most("≤ 10 %", 0.1),
-            single(2.0).chain(single(4.0)).map(is_wrong),
-        ),
-        row(
-            "right class named at typical sizes",
-            at_least("≥ 97 %", 0.97),
-            of(Family::Typical).map(is_found),
-        ),
-        row("both of a pair found at 4×", at_least("≥ 85 %", 0.85), of(Family::Pair).map(is_found)),
-        row("extra names beside a pair", at_most("≤ 10 %", 0.1), of(Family::Pair).map(is_wrong)),
+        row("extra names beside a pair", SELDOM, pairs.map(is_wrong)),
         row(
             "outside the catalogue, 0.6 of the noise or more: none of these",
-            at_least("≥ 80 %", 0.8),
-            large().map(is_unexplained),
+            ("≥ 80 %", Mark::AtLeast(0.8)),
+            outside.clone().filter(is_large).map(is_unexplained),
         ),
-        row(
-            "outside the catalogue: a wrong name",
-            at_most("≤ 10 %", 0.1),
-            of(Family::Outside).map(is_wrong),
-        ),
-        row("narrow design: a single name claimed", wrong_mark, of(Family::Narrow).map(claims_one)),
-        row("narrow design: a wrong name claimed", wrong_mark, of(Family::Narrow).map(is_wrong)),
+        row("outside the catalogue: a wrong name", SELDOM, outside.map(is_wrong)),
+        row("narrow design: a single name claimed", RARE, narrow.clone().map(claims_one)),
+        row("narrow design: a wrong name claimed", RARE, narrow.map(is_wrong)),
         row(
             "untestable effects called untestable",
-            at_least("100 %", 1.0),
-            of(Family::Untestable).map(is_untestable),
+            ("100 %", Mark::AtLeast(1.0)),
+            of(records, Family::Untestable).map(is_untestable),
         ),
+    ]
+}
+
+/// Change of a step's numbers over the noise, from which something is large.
+const LARGE: f64 = 0.6;
+
+fn numbers(records: &[Record]) -> [Row; 4] {
+    let families = [Family::Single, Family::Typical, Family::Pair];
+    let claimed = families.into_iter().flat_map(|family| of(records, family));
+    [
         row(
             "95 % intervals that hold the truth",
             ("92–98 %", Mark::Within(0.92, 0.98)),
-            of(Family::Single)
-                .chain(of(Family::Typical))
-                .chain(of(Family::Pair))
-                .flat_map(intervals),
+            claimed.flat_map(intervals),
         ),
         gap_closed(records),
         error_left(records),
         row(
             "a wrong effect added by hand closes at most 20 %",
-            at_least("always", 1.0),
-            of(Family::WrongEffect).flat_map(by_hand),
+            ALWAYS,
+            of(records, Family::WrongEffect).flat_map(by_hand),
         ),
-        row(
-            "nominal μp 20 % wrong: the verdict gains pusher-friction alone",
-            at_least("always", 1.0),
-            of(Family::WrongNominal).map(gains_friction),
-        ),
-    ];
+    ]
+}
+
+/// The same sets told or asked otherwise.
+fn told_otherwise(records: &[Record]) -> Vec<Row> {
+    let mut rows = vec![row(
+        "nominal μp 20 % wrong: the verdict gains pusher-friction alone",
+        ALWAYS,
+        of(records, Family::WrongNominal).map(gains_friction),
+    )];
     rows.extend(Variant::SAME.map(|variant| {
-        let same = of(Family::Robust).filter_map(|record| is_same(record, variant));
-        row(
-            &format!("the same verdict with {}", variant.name()),
-            at_least("≥ 90 % (own mark)", 0.9),
-            same,
-        )
+        let same = of(records, Family::Robust).filter_map(|record| is_same(record, variant));
+        let mark = ("≥ 90 % (own mark)", Mark::AtLeast(0.9));
+        row(&format!("the same verdict with {}", variant.name()), mark, same)
     }));
-    let shuffled = of(Family::Robust).filter_map(claims_shuffled);
-    rows.push(row(
-        "shuffled control: a name that is no friction of the set's",
-        wrong_mark,
-        shuffled,
-    ));
-    rows.push(told_sizes(records, oracle));
-    rows.push(measured_sizes(records));
-    rows.push(time(records));
+    let shuffled = of(records, Family::Robust).filter_map(claims_shuffled);
+    rows.push(row("shuffled control: an effect is claimed", RARE, shuffled));
     rows
 }
 
@@ -195,28 +176,6 @@ fn errors(record: &Record) -> Option<[f64; 2]> {
     };
     let [before, after] = [over(answer.error.before_si)?, over(answer.error.after_si)?];
     (before >= MISSES).then_some([before, after])
-}
-
-fn median_row(
-    (figure, text, mark): (&str, &'static str, Mark),
-    mut values: Vec<(String, f64)>,
-) -> Row {
-    values.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let median = values.get(values.len() / 2).map(|(_, value)| *value);
-    let quartile = |k: usize| values[k * (values.len() - 1) / 4].1;
-    let measured = median.map_or("not run".to_owned(), |median| {
-        let [low, high] = [quartile(1), quartile(3)];
-        format!("{median:.2} (half of them {low:.2} to {high:.2}, n = {})", values.len())
-    });
-    let failed = values.iter().filter(|(_, value)| !mark.holds(*value));
-    let failed = failed.map(|(line, value)| format!("{line}: {value:.2}")).collect();
-    Row {
-        figure: figure.to_owned(),
-        mark: text,
-        measured,
-        holds: median.map(|m| mark.holds(m)),
-        failed,
-    }
 }
 
 fn gap_closed(records: &[Record]) -> Row {
@@ -287,7 +246,7 @@ fn told_sizes(records: &[Record], oracle: &Oracle) -> Row {
         (line, (0.8..=1.25).contains(&ratio))
     };
     let found = detectable(records, oracle);
-    let mark = ("every effect", Mark::AtLeast(1.0));
+    let mark = ("every effect", ALWAYS.1);
     row("told smallest detectable size within 1.25× of the oracle's", mark, found.iter().map(near))
 }
 
@@ -305,7 +264,7 @@ fn measured_sizes(records: &[Record]) -> Row {
         };
         Some((line, size.is_some_and(|size| size <= 1.5)))
     });
-    let mark = ("every effect", Mark::AtLeast(1.0));
+    let mark = ("every effect", ALWAYS.1);
     row("nine in ten found from 1.5× the nameable size on", mark, near)
 }
 
@@ -314,27 +273,4 @@ fn time(records: &[Record]) -> Row {
     let times = times.map(|record| (format!("`{}`", record.case), record.seconds)).collect();
     let what = ("time of a diagnosis on one core, in s, median", "≤ 5 on two", Mark::AtMost(10.0));
     median_row(what, times)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Mark, median_row, row};
-
-    #[test]
-    fn a_row_lists_what_did_not_hold() {
-        let items = || [("a".to_owned(), true), ("b".to_owned(), false)];
-        let found = row("found", ("≥ 90 %", Mark::AtLeast(0.9)), items());
-        assert_eq!((found.holds, found.failed), (Some(false), vec!["b".to_owned()]));
-        let wrong = row("wrong", ("≤ 60 %", Mark::AtMost(0.6)), items());
-        assert_eq!((wrong.holds, wrong.failed), (Some(true), vec!["a".to_owned()]));
-        assert_eq!(row("none", ("≥ 90 %", Mark::AtLeast(0.9)), []).holds, None);
-    }
-
-    #[test]
-    fn a_median_is_that_of_the_values() {
-        let values = [3.0, 1.0, 2.0].map(|value| (value.to_string(), value)).to_vec();
-        let row = median_row(("m", "≤ 1.5", Mark::AtMost(1.5)), values);
-        assert!(row.measured.starts_with("2.00 (half"), "{}", row.measured);
-        assert_eq!((row.holds, row.failed.len()), (Some(false), 2));
-    }
 }
