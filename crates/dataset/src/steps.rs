@@ -181,7 +181,8 @@ impl StepContext<'_> {
             let distance = scene.outline.vertex_distance(contact);
             distance.is_some_and(|distance| distance < settings.vertex_distance)
         };
-        let begun = curves.robot.position(self.push.contact.start);
+        // A curve that is fitted to the contact alone begins a sample later.
+        let begun = scene.robot_track.position(self.push.contact.start);
         let way = begun.zip(curves.robot.position(t0)).map(|(from, to)| (to - from).norm());
         let early = t0 - self.push.contact.start < settings.first_touch_time
             || way.is_some_and(|way| way < settings.first_touch_way);

@@ -50,12 +50,32 @@ impl Points {
 
     /// Σ of each point's share of |M r|.
     pub(crate) fn mean_norm(&self, matrix: &Matrix2<f64>) -> f64 {
-        let of = |lanes: &Lanes| {
-            (0..WIDTH)
-                .map(|k| lanes.share[k] * (matrix * Vector2::new(lanes.x[k], lanes.y[k])).norm())
-                .sum::<f64>()
-        };
-        self.lanes.iter().map(of).sum()
+        Arch::new().dispatch(Norms { points: self, matrix })
+    }
+}
+
+/// One pass for the sum of norms.
+struct Norms<'a> {
+    points: &'a Points,
+    matrix: &'a Matrix2<f64>,
+}
+
+impl WithSimd for Norms<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> f64 {
+        let m = self.matrix;
+        let (m11, m12, m21, m22) = (m.m11, m.m12, m.m21, m.m22);
+        let mut sums = [0.0; WIDTH];
+        for lanes in &self.points.lanes {
+            for k in 0..WIDTH {
+                let (x, y) = (lanes.x[k], lanes.y[k]);
+                let (image_x, image_y) = (m11 * x + m12 * y, m21 * x + m22 * y);
+                sums[k] += lanes.share[k] * (image_x * image_x + image_y * image_y).sqrt();
+            }
+        }
+        sums.iter().sum()
     }
 }
 

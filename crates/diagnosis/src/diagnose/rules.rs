@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use super::confirmation::Confirmation;
 use super::leftover::Left;
 use super::search::Found;
 use super::{Gain, Verdict};
@@ -97,7 +96,8 @@ impl Rules {
         (gain.mean < gain.se).then_some(Objection::NotPredictive { gain })
     }
 
-    fn confirms(gain: &Gain) -> bool {
+    /// Whether pushes set aside miss an effect.
+    pub(super) fn confirms(gain: &Gain) -> bool {
         gain.mean >= Self::GAIN.max(Self::GAIN_OVER_SE * gain.se)
     }
 }
@@ -137,8 +137,6 @@ pub(super) struct Claims {
     /// Effects that are claimed, and groups of which one is.
     pub(super) named: Vec<&'static str>,
     pub(super) groups: Vec<Vec<&'static str>>,
-    /// Accepted effects that the pushes set aside confirm.
-    pub(super) n_accepted: usize,
     /// Whether something is left that no effect explains.
     pub(super) is_left: bool,
 }
@@ -147,20 +145,16 @@ pub(super) struct Claims {
 const HALF: f64 = 0.5;
 
 /// The verdict.
-pub(super) fn claims(found: &Found, confirmation: &Confirmation, left: &Left) -> Claims {
-    let n_accepted = confirmation.n_confirmed();
-    let confirmed = &found.accepted[..n_accepted];
-    let alone = confirmed.iter().filter(|one| one.rivals.is_empty());
+pub(super) fn claims(found: &Found, left: &Left) -> Claims {
+    let alone = found.accepted.iter().filter(|one| one.rivals.is_empty());
     let mut named: Vec<&'static str> = alone.map(|one| one.id).collect();
-    let shared = confirmed.iter().filter(|one| !one.rivals.is_empty());
+    let shared = found.accepted.iter().filter(|one| !one.rivals.is_empty());
     let mut groups: Vec<Vec<&'static str>> =
         shared.map(|one| [&[one.id], one.rivals.as_slice()].concat()).collect();
     let is_left = left.is_left();
-    let closes = confirmation.error.gap_closed.is_none_or(|closed| closed >= HALF);
-    let has_hint = !found.refused.is_empty()
-        || n_accepted < found.accepted.len()
-        || left.p.is_some_and(|p| p <= Rules::HINT);
-    let verdict = if is_left && (n_accepted == 0 || !closes) {
+    let closes = found.error.gap_closed.is_none_or(|closed| closed >= HALF);
+    let has_hint = !found.refused.is_empty() || left.p.is_some_and(|p| p <= Rules::HINT);
+    let verdict = if is_left && (found.accepted.is_empty() || !closes) {
         Verdict::StructureUnexplained
     } else if !named.is_empty() {
         Verdict::Named
@@ -175,12 +169,5 @@ pub(super) fn claims(found: &Found, confirmation: &Confirmation, left: &Left) ->
         named.clear();
         groups.clear();
     }
-    Claims { verdict, named, groups, n_accepted, is_left }
-}
-
-impl Confirmation {
-    /// How many of the accepted effects, in their order, predict the pushes set aside better.
-    pub(super) fn n_confirmed(&self) -> usize {
-        self.gains.iter().take_while(|gain| Rules::confirms(gain)).count()
-    }
+    Claims { verdict, named, groups, is_left }
 }

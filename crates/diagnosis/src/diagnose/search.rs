@@ -3,36 +3,42 @@
 use effects::{Effect, by_id};
 use models::Description;
 
-use super::DiagnoseSettings;
 use super::rules::{Objection, Rules};
+use super::{DiagnoseSettings, ErrorFall, Gain};
 use crate::fit::{Refit, Trial};
-use crate::{
-    DiagnosisError, EffectFit, FitSettings, NoiseModel, Observations, Screen, Whitening, screen,
-};
+use crate::{DiagnosisError, EffectFit, FitSettings, NoiseModel, Observations, Screen, screen};
 
 /// The search on the pushes to fit to.
 pub(super) struct Search<'a> {
     pub(super) model: &'a Description,
+    pub(super) all: &'a Observations,
     pub(super) fitted: &'a Observations,
-    pub(super) noise: &'a NoiseModel,
+    /// Opened when the search is over.
+    pub(super) aside: &'a Observations,
     pub(super) settings: &'a DiagnoseSettings,
 }
 
 /// What a search found.
 pub(super) struct Found {
-    /// The model asked about: its nuisances fitted, but for those that are claimed to be wrong.
-    pub(super) base: Description,
     /// The screen of the model asked about.
     pub(super) first_screen: Screen,
     /// The screen of the last model.
     pub(super) last_screen: Screen,
-    /// Effects in the order of adding.
+    /// What the pushes set aside confirm, in the order of adding.
     pub(super) accepted: Vec<Accepted>,
     /// Effects that passed the screen, and what speaks against them.
     pub(super) refused: Vec<Refused>,
+    /// The noise, learnt beside the last model.
+    pub(super) noise: NoiseModel,
+    /// The error on the pushes set aside.
+    pub(super) error: ErrorFall,
+    /// The model with what is confirmed.
+    pub(super) description: Description,
+    /// The same with the nuisances, for predictions.
+    pub(super) with_nuisances: Description,
 }
 
-/// An effect that was added.
+/// An effect that was added and is confirmed.
 #[derive(Clone)]
 pub(super) struct Accepted {
     pub(super) id: &'static str,
@@ -41,10 +47,10 @@ pub(super) struct Accepted {
     pub(super) rivals: Vec<&'static str>,
     /// The effect as fitted beside all others.
     pub(super) effect: EffectFit,
-    /// The model with it, and those before.
-    pub(super) description: Description,
-    /// The same with the nuisances, for predictions.
-    pub(super) with_nuisances: Description,
+    /// What the pushes set aside lose without it, all others fitted anew.
+    pub(super) gain: Gain,
+    /// Share of the gap to the floor that opens without it.
+    pub(super) gap_closed: Option<f64>,
 }
 
 /// An effect that passed the screen and was not added.
@@ -79,37 +85,31 @@ const LEAST_SHARE: f64 = 0.05;
 /// minimum.
 const FINALIST: (f64, f64) = (50.0, 0.2);
 
-impl Found {
-    /// The model with the first `n` accepted effects and the nuisances, for predictions.
-    pub(super) fn predictor(&self, n: usize) -> &Description {
-        match n {
-            0 => &self.base,
-            _ => &self.accepted[n - 1].with_nuisances,
-        }
-    }
-}
-
 impl Search<'_> {
     pub(super) fn run(&self) -> Result<Found, DiagnosisError> {
-        let whitening = self.whitening(self.model)?;
+        let noise = self.noise(self.model)?;
+        let whitening = noise.whitening(self.model, &self.settings.own, self.fitted)?;
         let settings = self.fit_settings(false);
         let here = Refit::new(self.fitted, self.model, &whitening, &settings)?;
         self.go_on(&here, Progress::default())
     }
 
-    /// Adds one effect after the other to a model at its minimum, each time with the covariance
-    /// linearised anew.
+    /// Adds one effect after the other to a model at its minimum. Each time the noise is learnt anew,
+    /// for what alike pushes differ by is the less the model misses the surer noise; and its
+    /// covariance is linearised anew, for pushes at the edge of sliding change sides.
     fn go_on(&self, from: &Refit, mut progress: Progress) -> Result<Found, DiagnosisError> {
         let [_, about] = from.descriptions()?;
-        let whitening = self.whitening(&about)?;
+        let noise = self.noise(&about)?;
+        let whitening = noise.whitening(&about, &self.settings.own, self.fitted)?;
         let here = from.rewhitened(&whitening)?;
-        let screen = self.screen(&self.screened(&here)?)?;
+        let (screened, own) = (self.screened(&here)?, &self.settings.own);
+        let screen = screen(&screened, own, self.fitted, &noise, &self.settings.screen)?;
         progress.first_screen.get_or_insert_with(|| screen.clone());
         if progress.chosen.len() == self.settings.most_effects {
-            return self.concluded(&here, progress, screen);
+            return self.concluded(&here, progress, screen, noise);
         }
         let Some((choice, there)) = self.next(&here, &screen, &mut progress)? else {
-            return self.concluded(&here, progress, screen);
+            return self.concluded(&here, progress, screen, noise);
         };
         progress.refused.retain(|one| one.id != choice.id);
         progress.gain += here.misfit() - there.misfit();
@@ -254,12 +254,8 @@ impl Search<'_> {
         FitSettings { own, tolerances, priors: true, intervals, resemblances: false }
     }
 
-    fn whitening(&self, about: &Description) -> Result<Whitening, DiagnosisError> {
-        self.noise.whitening(about, &self.settings.own, self.fitted)
-    }
-
-    fn screen(&self, model: &Description) -> Result<Screen, DiagnosisError> {
-        screen(model, &self.settings.own, self.fitted, self.noise, &self.settings.screen)
+    fn noise(&self, about: &Description) -> Result<NoiseModel, DiagnosisError> {
+        NoiseModel::learn(about, &self.settings.own, self.fitted)
     }
 
     fn effect(&self, id: &str) -> Option<&'static dyn Effect> {

@@ -52,10 +52,13 @@ const SETTLED: f64 = 1e-3;
 /// Where no step leads further down, a fifth of a standard error is near enough: predictions jump a
 /// little where pushes come to slide or let go. What is left widens the errors of the estimates.
 const STUCK: f64 = 0.04;
-/// Where slopes over the narrowest secants lead no further either, half of one.
-const AT_MOST: f64 = 0.25;
+/// Where slopes over the narrowest secants lead no further either, places half of one away are tried
+/// along each axis of the quadratic: at a kink a slope promises what no place keeps.
+const POLL: f64 = 0.5;
 /// Slopes that leave more than this of the distance are worked out anew.
 const SLOW: f64 = 0.3;
+/// Share of the fall so far that a brief descent leaves to go.
+const BRIEFLY: f64 = 0.01;
 /// Damping at first, and of slopes that were just worked out.
 const DAMPING: f64 = 1e-3;
 /// Damping at which a step is too short to matter.
@@ -102,14 +105,10 @@ impl Problem<'_> {
                 return Ok(quadratic.end(at, whole, iterations));
             }
             if is_fresh && self.narrow(&mut widths) {
-                if decrement < AT_MOST {
-                    return Ok(quadratic.end(at, whole, iterations));
-                }
-                return Err(DiagnosisError::NotConverged {
-                    what: "the fit",
-                    iterations,
-                    decrement,
-                });
+                let Some(next) = self.poll(&at, &quadratic) else {
+                    return Ok(quadratic.within(POLL).end(at, whole, iterations));
+                };
+                (widths, at, last) = (self.secants.clone(), next, f64::INFINITY);
             }
             damping = DAMPING;
         }
@@ -138,10 +137,11 @@ impl Problem<'_> {
             Some(slopes) => slopes,
             None => self.slopes(&at, &widths)?,
         };
-        let mut steps = 0;
+        let (mut steps, first) = (0, at.value);
         loop {
             let quadratic = self.quadratic(&at, &whole)?;
-            let is_end = steps == most_steps || quadratic.decrement < STUCK;
+            let left = quadratic.decrement * self.robust.scale().powi(2);
+            let is_end = steps == most_steps || left < STUCK.max(BRIEFLY * (first - at.value));
             let next = match is_end {
                 true => None,
                 false => self.step_down(&at, &quadratic, &mut damping),
@@ -207,6 +207,34 @@ impl Problem<'_> {
         None
     }
 
+    /// The lowest place near by that is lower by more than a descent would stop at; none if no place
+    /// is.
+    fn poll(&self, from: &Standing, quadratic: &Quadratic) -> Option<Standing> {
+        let Quadratic { moved, curvature, .. } = quadratic;
+        // In standard errors that each number has when the others are known, so that units do not
+        // matter.
+        let units = curvature.diagonal().map(|curvature| curvature.sqrt().recip());
+        let scaled = DMatrix::from_fn(moved.len(), moved.len(), |row, column| {
+            units[row] * curvature[(row, column)] * units[column]
+        });
+        let axes = scaled.symmetric_eigen();
+        let enough = SETTLED * self.robust.scale().powi(2);
+        let mut lowest: Option<Standing> = None;
+        for (axis, stiffness) in axes.eigenvectors.column_iter().zip(&axes.eigenvalues) {
+            let length = POLL * self.robust.scale() / stiffness.sqrt();
+            for side in [-length, length] {
+                let mut x = from.x.clone();
+                for ((share, unit), &k) in axis.iter().zip(&units).zip(moved) {
+                    x[k] = (x[k] + side * share * unit).clamp(self.ranges[k].0, self.ranges[k].1);
+                }
+                let least = lowest.as_ref().map_or(from.value - enough, |lowest| lowest.value);
+                // A place that the mechanics refuse is no way down.
+                lowest = self.stand(x).ok().filter(|next| next.value < least).or(lowest);
+            }
+        }
+        lowest
+    }
+
     fn fit_widths(&self, widths: &mut [f64], at: &Quadratic, from: &Standing, to: &Standing) {
         for (column, &k) in at.moved.iter().enumerate() {
             let least = self.robust.scale() / at.curvature[(column, column)].sqrt();
@@ -228,6 +256,11 @@ impl Problem<'_> {
 }
 
 impl Quadratic {
+    /// The same, known to be no farther from the minimum than a number of standard errors.
+    fn within(self, standard_errors: f64) -> Self {
+        Self { decrement: self.decrement.min(standard_errors.powi(2)), ..self }
+    }
+
     fn end(self, at: Standing, whole: DMatrix<f64>, iterations: usize) -> Minimum {
         let Self { moved, slopes, weights, curvature, decrement, .. } = self;
         Minimum { at, moved, slopes, weights, curvature, whole, iterations, decrement }

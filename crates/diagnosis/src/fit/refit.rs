@@ -23,8 +23,10 @@ pub(crate) struct Refit<'a> {
     /// The minimum without the effect that was added last.
     before: Minimum,
     minimum: Minimum,
-    /// Effects that were taken out: they stand at "off".
+    /// Added effects that were taken out again: they stand at "off".
     dropped: Vec<&'static str>,
+    /// Members that the model has without added effects.
+    n_own: usize,
 }
 
 /// One more effect beside a fitted model, near the minimum of both.
@@ -56,8 +58,8 @@ impl<'a> Refit<'a> {
         let robust = Robust::at(&whitening.rows(), &whitening.whiten(&space.residuals(&start)?));
         let mut problem = Problem::new(space, whitening, robust);
         let minimum = problem.settle(start, None, false)?;
-        let before = minimum.clone();
-        Ok(Self { observations, model, problem, before, minimum, dropped: Vec::new() })
+        let (before, n_own) = (minimum.clone(), problem.space.members.len());
+        Ok(Self { observations, model, problem, before, minimum, dropped: Vec::new(), n_own })
     }
 
     /// The same under another covariance.
@@ -74,9 +76,10 @@ impl<'a> Refit<'a> {
         let slopes = self.problem.whitening.rewhitened(&self.minimum.whole, whitening);
         let mut problem: Problem<'b> = self.problem.clone();
         problem.whitening = whitening;
-        let minimum = problem.settle(self.minimum.at.x.clone(), Some(slopes), true)?;
+        let minimum = problem.settle(self.minimum.at.x.clone(), Some(slopes), false)?;
         let (observations, model, before) = (self.observations, self.model, minimum.clone());
-        Ok(Refit { observations, model, problem, before, minimum, dropped: self.dropped.clone() })
+        let (dropped, n_own) = (self.dropped.clone(), self.n_own);
+        Ok(Refit { observations, model, problem, before, minimum, dropped, n_own })
     }
 
     /// The minimum without some of the effects that were asked for.
@@ -94,8 +97,19 @@ impl<'a> Refit<'a> {
         let slopes = self.minimum.whole.select_columns(&kept);
         let x = self.place_with(|id| ids.contains(&id), |member| member.off.clone());
         let minimum = problem.settle(x, Some(slopes), false)?;
-        let dropped = self.dropped.iter().chain(ids).copied().collect();
+        let added = problem.space.members.iter().skip(self.n_own).map(|member| member.id());
+        let dropped = added.filter(|id| ids.contains(id)).chain(self.dropped.iter().copied());
+        let dropped = dropped.collect();
         Ok(Self { problem, before: minimum.clone(), minimum, dropped, ..*self })
+    }
+
+    /// The same minimum, found as exactly as predictions allow, with the slopes there.
+    ///
+    /// # Errors
+    /// As a descent.
+    pub(crate) fn settled(mut self) -> Result<Self, DiagnosisError> {
+        self.minimum = self.problem.settle(self.minimum.at.x.clone(), None, true)?;
+        Ok(self)
     }
 
     /// The same minimum, at which some of the nuisances are asked for.
@@ -161,7 +175,7 @@ impl<'a> Refit<'a> {
     pub(crate) fn with(&self, trial: &Trial<'a>) -> Result<Self, DiagnosisError> {
         let mut problem = trial.problem.clone();
         let Minimum { at, whole, .. } = &trial.minimum;
-        let minimum = problem.settle(at.x.clone(), Some(whole.clone()), true)?;
+        let minimum = problem.settle(at.x.clone(), Some(whole.clone()), false)?;
         let (before, dropped) = (self.minimum.clone(), self.dropped.clone());
         Ok(Self { problem, minimum, before, dropped, ..*self })
     }
