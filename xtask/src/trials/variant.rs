@@ -170,3 +170,73 @@ fn shuffle(table: &mut Table, random: &mut ChaCha8Rng) {
         row.t += other_t - t;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use dataset::{RecordingSet, Table, ingest};
+    use diagnosis::{Observations, steady_ingest};
+    use plant::generate;
+
+    use super::super::case::Setup;
+    use super::{Variant, recordings};
+
+    fn with_tables(test: impl Fn(&Table, &RecordingSet, &dyn Fn(Variant) -> Table)) {
+        let folder = tempfile::tempdir().unwrap();
+        let rig = Setup { n_pushes: 20, ..Setup::RICH }.rig(7);
+        let set = generate(&rig, &folder.path().join("set")).unwrap().set;
+        let set = RecordingSet::open(&set).unwrap();
+        let table = ingest(&set, &steady_ingest()).unwrap().0;
+        test(&table, &set, &|variant| variant.table(&table, &set, 7).unwrap());
+    }
+
+    #[test]
+    fn each_variant_changes_what_it_says_and_nothing_else() {
+        with_tables(|table, set, told| {
+            let n = recordings(table).len();
+            let fewer = recordings(&told(Variant::Subsample)).len();
+            assert_eq!(fewer, (0.8 * n as f64).round() as usize);
+            let rows = |table: &Table| {
+                let mut rows = table.rows.clone();
+                rows.sort_by_key(|row| (row.recording.clone(), row.push, row.step));
+                rows
+            };
+            let reordered = told(Variant::Reordered);
+            assert_ne!(recordings(&reordered), recordings(table));
+            assert_eq!(rows(&reordered), rows(table));
+            let single = told(Variant::WithoutRepeats);
+            let repeats = recordings(&single).into_iter().filter_map(|name| {
+                let repeat = &set.session(&name)?.repeat;
+                (!repeat.is_empty()).then(|| repeat.clone())
+            });
+            let mut repeats: Vec<_> = repeats.collect();
+            let n_repeats = repeats.len();
+            repeats.sort();
+            repeats.dedup();
+            assert_eq!((repeats.len(), n_repeats), (4, 4));
+            let outliers = told(Variant::Outliers);
+            let pairs = outliers.rows.iter().zip(&table.rows);
+            let n_off = pairs.filter(|(one, other)| one.dx != other.dx).count() as f64;
+            let share = n_off / table.rows.len() as f64;
+            assert!((0.01..0.12).contains(&share), "{share}");
+        });
+    }
+
+    #[test]
+    fn shuffled_pushes_are_elsewhere_and_look_the_same_to_the_pusher() {
+        with_tables(|table, set, told| {
+            let shuffled = told(Variant::Shuffled);
+            let of = |table: &Table| Observations::steady(table, set.manifest()).unwrap();
+            let (before, after) = (of(table), of(&shuffled));
+            let mut n_moved = 0;
+            for (one, other) in before.steps().iter().zip(after.steps()) {
+                assert_eq!(one.observed, other.observed);
+                let tip = |step: &models::ChannelObservation| {
+                    step.input.pose_wb.inverse_transform_point(&step.input.track.start())
+                };
+                assert!((tip(one) - tip(other)).norm() < 1e-12);
+                n_moved += usize::from(one.input.pose_wb.angle != other.input.pose_wb.angle);
+            }
+            assert!(2 * n_moved > before.n_steps());
+        });
+    }
+}

@@ -257,3 +257,39 @@ fn tolerated(id: &str) -> f64 {
     };
     2.0 * tolerance / typical
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::case::{Asked, Pushes, Setup};
+    use super::information::Information;
+    use super::{Bench, Sizes};
+
+    #[test]
+    fn noise_simulated_again_is_white_and_sizes_fall_with_information() {
+        let setup = Setup { pushes: Pushes::Rich, n_pushes: 16, has_force: true };
+        let bench = Bench::of(&setup).unwrap();
+        let rms = bench.noise.check(&bench.pushes, &bench.views).unwrap();
+        // About 700 numbers, some of them of pushes at the edge of sliding.
+        assert!((0.85..1.25).contains(&rms), "{rms}");
+        let found = |id: &'static str| {
+            let signature = bench.signature(&Asked::typical(id), 0.05).unwrap();
+            Information::of(&bench, &signature, id)
+        };
+        let (tilt, gradient) = (found("table-tilt"), found("friction-gradient"));
+        assert!((tilt.correlation(&tilt) - 1.0).abs() < 1e-9);
+        assert!(tilt.correlation(&gradient).abs() < 1.0);
+        // What every diagnosis leaves open is no evidence for anything but itself.
+        let signature = bench.signature(&Asked::typical("support-friction"), 0.05).unwrap();
+        let itself = Information::of(&bench, &signature, "support-friction");
+        let cleared = Information::of(&bench, &signature, "table-tilt");
+        let [itself, cleared] = [itself, cleared].map(|found| found.detectable("support-friction"));
+        assert!(itself < 0.2 && cleared > 20.0 * itself, "{itself} {cleared}");
+    }
+
+    #[test]
+    fn an_effect_is_nameable_from_the_largest_of_its_sizes() {
+        let sizes = Sizes { detectable: 0.1, visible: 0.3, tolerated: 0.0 };
+        assert_eq!((sizes.nameable(), sizes.visibility()), (0.3, 1.0));
+        assert!(Sizes { tolerated: 0.4, ..sizes }.nameable() > 0.4);
+    }
+}
