@@ -222,7 +222,7 @@ impl Case {
     /// Whether a size or a score of it comes from the oracle.
     pub(super) fn needs_oracle(&self) -> bool {
         let is_sized = |asked: &Asked| matches!(asked.size, Size::Nameable(_));
-        let family = matches!(self.family, Family::WrongEffect | Family::Outside);
+        let family = matches!(self.family, Family::WrongEffect | Family::Outside | Family::Narrow);
         family || self.hidden.iter().any(is_sized)
     }
 

@@ -25,6 +25,9 @@ pub(super) struct Page<'a> {
 /// Lines of a list before it is cut short.
 const MOST_LINES: usize = 40;
 
+/// Correlation from which effects are told as alike.
+const ALIKE: f64 = 0.9;
+
 const INTRODUCTION: &str = "\
 # How often the diagnosis is right
 
@@ -145,6 +148,12 @@ cargo xtask diagnosis-trials --seed {}
                     sizes.tolerated,
                     sizes.nameable()
                 );
+            }
+            let alike = found.correlations.iter().filter(|(.., one)| one.abs() >= ALIKE);
+            let alike = alike.map(|(one, other, rho)| format!("{one} and {other} ({rho:.2})"));
+            let alike = alike.collect::<Vec<_>>().join(", ");
+            if !alike.is_empty() {
+                text += &format!("\nAlike, at their typical proportions: {alike}.\n");
             }
         }
         text += "\nSmallest detectable sizes where nothing is hidden, medians:\n\n\

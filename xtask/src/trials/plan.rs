@@ -186,17 +186,13 @@ fn narrow() -> Vec<Case> {
 }
 
 fn untestable() -> Vec<Case> {
-    let ids = [FORCE_ALONE.as_slice(), &[OF_THE_PUSHES, "edge-rounding"]].concat();
+    let ids = [FORCE_ALONE.as_slice(), &["edge-rounding"]].concat();
     each(N_EACH, &ids, |id, turn| {
-        let plain = typical(Family::Untestable, id, turn);
-        match id {
-            // The simulator's object always has its mass, which 20 mm/s do not show.
-            OF_THE_PUSHES => Case { hidden: Vec::new(), setup: Setup::RICH, ..plain },
-            "edge-rounding" => {
-                Case { setup: Setup { pushes: Pushes::Central, ..Setup::RICH }, ..plain }
-            }
-            _ => Case { setup: Setup { has_force: false, ..Setup::RICH }, ..plain },
-        }
+        let has_force = !FORCE_ALONE.contains(&id);
+        // Pushes at the middle of an edge say nothing about its corners.
+        let pushes = if has_force { Pushes::Central } else { Pushes::Rich };
+        let setup = Setup { pushes, has_force, ..Setup::RICH };
+        Case { setup, ..typical(Family::Untestable, id, turn) }
     })
 }
 

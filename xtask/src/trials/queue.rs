@@ -12,6 +12,7 @@ use anyhow::{Context, Result};
 
 use super::case::Case;
 use super::record::{Record, append};
+use super::score::is_right;
 use super::truth;
 
 /// How trials are run.
@@ -47,9 +48,7 @@ impl Queue<'_> {
                 let record = self.trial(case)?;
                 let _one_at_a_time = next.lock();
                 append(self.results, &record)?;
-                let score = super::score::Score::of(&record);
-                let mark =
-                    if score.is_all_found() && score.wrong.is_empty() { "    " } else { "miss" };
+                let mark = if is_right(&record) { "    " } else { "miss" };
                 let (time, n) = (start.elapsed().as_secs(), cases.len());
                 let line = format!(
                     "{mark} {}/{n} {time:5} s  {}: {} ({:.1} s)",

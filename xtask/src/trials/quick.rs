@@ -10,7 +10,7 @@ use super::case::{Asked, Case, Family, Pushes, Setup};
 use super::plan;
 use super::queue::Queue;
 use super::record::{self, Record};
-use super::score::Score;
+use super::score::is_right;
 
 /// Seed of the slice: of development, for it runs with every change.
 const SEED: u64 = 500_000;
@@ -68,17 +68,9 @@ pub(super) fn run(n_jobs: usize, folder: &Path) -> Result<()> {
 
 /// What is wrong with an answer; none if it holds.
 fn broken(record: &Record) -> Option<String> {
-    let score = Score::of(record);
-    let holds = match record.family {
-        Family::Typical => score.is_all_found() && score.wrong.is_empty(),
-        Family::Untestable => {
-            let told = record.outcome.answer().and_then(|answer| answer.told(&record.about));
-            told.is_some_and(|told| told.status == diagnosis::Status::NotTestable)
-        }
-        _ => score.wrong.is_empty(),
-    };
     let hidden: Vec<&str> = record.truth.iter().map(|effect| effect.id.as_str()).collect();
-    (!holds).then(|| format!("{}: {:?}, told {}", record.case, hidden, record.outcome.text()))
+    (!is_right(record))
+        .then(|| format!("{}: {:?}, told {}", record.case, hidden, record.outcome.text()))
 }
 
 #[cfg(test)]

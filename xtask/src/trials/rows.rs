@@ -1,6 +1,6 @@
 //! The rows of the table of pass marks.
 
-use diagnosis::{Status, Verdict};
+use diagnosis::Verdict;
 
 use super::case::Family;
 use super::detectable::detectable;
@@ -8,7 +8,7 @@ use super::oracle::Oracle;
 use super::power::Power;
 use super::record::{Outcome, Record};
 use super::row::{Mark, Row, median_row, row};
-use super::score::{Score, intervals};
+use super::score::{Score, intervals, is_right};
 use super::trial::over_floor;
 use super::variant::Variant;
 
@@ -42,12 +42,32 @@ fn is_found(record: &Record) -> (String, bool) {
     (line(record), Score::of(record).is_all_found())
 }
 
-fn nothing_hidden(records: &[Record]) -> [Row; 2] {
+fn nothing_hidden(records: &[Record]) -> [Row; 4] {
     let wrong = |base: &str, family: Family| {
         let figure = format!("a wrong name where nothing is hidden, {base}");
         row(&figure, RARE, of(records, family).map(is_wrong))
     };
-    [wrong("right base", Family::Nothing), wrong("the thesis' ellipsoid", Family::Ellipsoid)]
+    let verdict = |record: &Record| record.outcome.answer().map(|answer| answer.verdict);
+    let nothing = of(records, Family::Nothing);
+    let unexplained = nothing.clone().map(|record| {
+        let is_unexplained = verdict(record) == Some(Verdict::StructureUnexplained);
+        (line(record), is_unexplained || verdict(record).is_none())
+    });
+    let none = nothing.map(|record| (line(record), verdict(record) == Some(Verdict::NoneFound)));
+    [
+        wrong("right base", Family::Nothing),
+        wrong("the thesis' ellipsoid", Family::Ellipsoid),
+        row(
+            "something unexplained where nothing is hidden, right base",
+            ("≤ 5 % (own mark)", RARE.1),
+            unexplained,
+        ),
+        row(
+            "no hint either where nothing is hidden, right base",
+            ("no mark", Mark::AtLeast(0.0)),
+            none,
+        ),
+    ]
 }
 
 fn one_hidden(records: &[Record]) -> [Row; 5] {
@@ -95,7 +115,7 @@ fn others_hidden(records: &[Record]) -> [Row; 7] {
         row(
             "outside the catalogue, 0.6 of the noise or more: none of these",
             ("≥ 80 %", Mark::AtLeast(0.8)),
-            outside.clone().filter(is_large).map(is_unexplained),
+            outside.clone().filter(is_large).map(as_asked),
         ),
         row("outside the catalogue: a wrong name", SELDOM, outside.map(is_wrong)),
         row("narrow design: a single name claimed", RARE, narrow.clone().map(claims_one)),
@@ -103,7 +123,7 @@ fn others_hidden(records: &[Record]) -> [Row; 7] {
         row(
             "untestable effects called untestable",
             ("100 %", Mark::AtLeast(1.0)),
-            of(records, Family::Untestable).map(is_untestable),
+            of(records, Family::Untestable).map(as_asked),
         ),
     ]
 }
@@ -151,19 +171,8 @@ fn line(record: &Record) -> String {
     format!("`{}`: {}", record.case, record.outcome.text())
 }
 
-fn is_unexplained(record: &Record) -> (String, bool) {
-    let score = Score::of(record);
-    let answer = record.outcome.answer();
-    let is = answer.is_some_and(|answer| {
-        let unexplained = answer.verdict == Verdict::StructureUnexplained;
-        unexplained || (score.wrong.is_empty() && !answer.claimed().is_empty())
-    });
-    (line(record), is)
-}
-
-fn is_untestable(record: &Record) -> (String, bool) {
-    let told = record.outcome.answer().and_then(|answer| answer.told(&record.about));
-    (line(record), told.is_some_and(|told| told.status == Status::NotTestable))
+fn as_asked(record: &Record) -> (String, bool) {
+    (line(record), is_right(record))
 }
 
 /// Errors over the floor before and after, where the model asked about misses something.

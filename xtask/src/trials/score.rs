@@ -1,7 +1,9 @@
 //! Whether an answer is right.
 
+use diagnosis::{Status, Verdict};
 use effects::by_id;
 
+use super::case::Family;
 use super::record::{Answer, Outcome, Record};
 
 /// The shape that an ellipsoid on a patch lacks, too.
@@ -63,6 +65,33 @@ impl Score {
     }
 }
 
+/// Whether an answer is what its family asks for, as far as one answer tells.
+pub(super) fn is_right(record: &Record) -> bool {
+    let score = Score::of(record);
+    let answer = record.outcome.answer();
+    let is_unexplained =
+        answer.is_some_and(|answer| answer.verdict == Verdict::StructureUnexplained);
+    match record.family {
+        Family::Nothing => score.wrong.is_empty() && !is_unexplained,
+        Family::Ellipsoid => score.wrong.is_empty(),
+        Family::Single | Family::Typical | Family::Pair | Family::Robust => {
+            score.is_all_found() && score.wrong.is_empty()
+        }
+        Family::WrongNominal | Family::WrongEffect => score.is_all_found(),
+        Family::Outside => {
+            is_unexplained
+                || (score.wrong.is_empty() && answer.is_some_and(|one| !one.claimed().is_empty()))
+        }
+        Family::Narrow => {
+            score.wrong.is_empty() && answer.is_some_and(|answer| answer.named.len() != 1)
+        }
+        Family::Untestable => {
+            let told = answer.and_then(|answer| answer.told(&record.about));
+            told.is_some_and(|told| told.status == Status::NotTestable)
+        }
+    }
+}
+
 /// Whether a group is an effect with documented look-alikes of it.
 fn is_class_of(group: &[String], id: &str) -> bool {
     let documents = |one: &str, other: &str| {
@@ -80,11 +109,11 @@ impl Record {
 }
 
 /// How many of an answer's intervals hold the truth, of how many: those of claimed effects that
-/// are hidden, of parameters with an interval.
+/// are hidden, of parameters with an interval and of the same law.
 pub(super) fn intervals(record: &Record) -> Vec<(String, bool)> {
     let Some(answer) = record.outcome.answer() else { return Vec::new() };
     let mut held = Vec::new();
-    for effect in &record.truth {
+    for effect in record.truth.iter().filter(|effect| effect.is_same_law()) {
         let claimed = answer.claimed().contains(effect.id.as_str());
         let Some(told) = answer.told(&effect.id).filter(|_| claimed) else { continue };
         for (name, truth) in effect.parameters() {

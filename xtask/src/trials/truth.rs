@@ -34,6 +34,12 @@ pub(super) fn open(path: &Path) -> Result<Vec<TrueEffect>> {
 }
 
 impl TrueEffect {
+    /// Whether the catalogue's law is the simulator's, so that its parameters can be compared: of
+    /// stiction the simulator has exp(−(v/vₛ)²) where the catalogue has exp(−v/vₛ) or a switch.
+    pub(super) fn is_same_law(&self) -> bool {
+        !matches!(self.id.as_str(), "support-stiction" | "pusher-stiction")
+    }
+
     /// The values as parameters of the catalogue's effect; those that it shares alone.
     ///
     /// The simulator tells where the tracked frame is in the outline, what is added to the reading
