@@ -1,43 +1,43 @@
-//! Sums over the points that stand for a support, a few at a time.
+//! Sums over the points that stand for a support, in the machine's vector registers.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
-use pulp::{Arch, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 
 use crate::friction::Load;
 
-/// Points from the center of a support with their shares of the load, in lanes.
+/// Points from the center of a support with their shares of the load, in blocks.
 #[derive(Clone, Debug)]
 pub(crate) struct Points {
-    lanes: Vec<Lanes>,
+    blocks: Vec<Block>,
 }
 
-/// Points side by side; what is over has no share.
-#[derive(Clone, Copy, Debug, Default)]
-struct Lanes {
-    x: [f64; WIDTH],
-    y: [f64; WIDTH],
-    share: [f64; WIDTH],
+/// Some points; what is over has no share.
+#[derive(Clone, Debug)]
+struct Block {
+    x: [f64; SIZE],
+    y: [f64; SIZE],
+    share: [f64; SIZE],
 }
 
-const WIDTH: usize = 8;
+const SIZE: usize = 32;
 
 impl Points {
     pub(crate) fn new(points: &[(Vector2<f64>, f64)]) -> Self {
-        let lanes = points.chunks(WIDTH).map(|chunk| {
-            let mut lanes = Lanes::default();
-            for (k, (place, share)) in chunk.iter().enumerate() {
-                (lanes.x[k], lanes.y[k], lanes.share[k]) = (place.x, place.y, *share);
-            }
-            lanes
-        });
-        Self { lanes: lanes.collect() }
+        let block = |chunk: &[(Vector2<f64>, f64)]| {
+            let of = |number: fn(&(Vector2<f64>, f64)) -> f64| {
+                std::array::from_fn(|k| chunk.get(k).map_or(0.0, number))
+            };
+            Block { x: of(|(at, _)| at.x), y: of(|(at, _)| at.y), share: of(|(_, share)| *share) }
+        };
+        Self { blocks: points.chunks(SIZE).map(block).collect() }
     }
 
     /// Σ of each point's share of T² v/|T v|, with its moment, and its derivatives by the motion.
     ///
-    /// v = (vx, vy) + ω J `stretch` r. The order of the sum does not depend on the machine.
+    /// v = (vx, vy) + ω J `stretch` r. No operation is fused and the order is fixed, so the bits do
+    /// not depend on the machine.
     pub(crate) fn load(&self, tensor: &Matrix2<f64>, stretch: f64, motion: &Vector3<f64>) -> Load {
-        let sums = Arch::new().dispatch(Pass { points: self, tensor, stretch, motion });
+        let sums = Arch::new().dispatch(Forces { points: self, tensor, stretch, motion });
         let [x, y, turn, xx, xy, yy, x_turn, y_turn, turn_turn] = sums;
         let force = tensor.tr_mul(&Vector2::new(x, y));
         let block = tensor.tr_mul(&Matrix2::new(xx, xy, xy, yy)) * tensor;
@@ -54,6 +54,58 @@ impl Points {
     }
 }
 
+/// One pass for the load: Σ s u and Σ s (T J r)·u with u = T v/|T v|, and Σ s/|T v| of the products
+/// of (u⊥, (T J r)·u⊥).
+struct Forces<'a> {
+    points: &'a Points,
+    tensor: &'a Matrix2<f64>,
+    stretch: f64,
+    motion: &'a Vector3<f64>,
+}
+
+/// Square of a speed below which a point is at rest: its direction is 0.
+const AT_REST: f64 = 1e-300;
+
+impl WithSimd for Forces<'_> {
+    type Output = [f64; 9];
+
+    /// Loops without a sum, so that the compiler may take several points at once.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> [f64; 9] {
+        let Self { points, tensor, stretch, motion } = self;
+        let (m11, m12, m21, m22) = (tensor.m11, tensor.m12, tensor.m21, tensor.m22);
+        let mut sums = [0.0; 9];
+        for Block { x, y, share } in &points.blocks {
+            let mut terms = [[0.0; SIZE]; 9];
+            let [fx, fy, turn, xx, xy, yy, x_turn, y_turn, turn_turn] = &mut terms;
+            for k in 0..SIZE {
+                let (arm_x, arm_y) = (-stretch * y[k], stretch * x[k]);
+                let (vx, vy) = (motion.x + motion.z * arm_x, motion.y + motion.z * arm_y);
+                let (image_x, image_y) = (m11 * vx + m12 * vy, m21 * vx + m22 * vy);
+                let (lever_x, lever_y) = (m11 * arm_x + m12 * arm_y, m21 * arm_x + m22 * arm_y);
+                let square = image_x * image_x + image_y * image_y;
+                let square = if square > AT_REST { square } else { AT_REST };
+                let inverse = 1.0 / square.sqrt();
+                let (ux, uy) = (image_x * inverse, image_y * inverse);
+                let (along, across) = (lever_x * ux + lever_y * uy, lever_y * ux - lever_x * uy);
+                let weight = share[k] * inverse;
+                fx[k] = share[k] * ux;
+                fy[k] = share[k] * uy;
+                turn[k] = share[k] * along;
+                // The direction across u is (−u_y, u_x).
+                xx[k] = weight * uy * uy;
+                xy[k] = -weight * ux * uy;
+                yy[k] = weight * ux * ux;
+                x_turn[k] = -weight * uy * across;
+                y_turn[k] = weight * ux * across;
+                turn_turn[k] = weight * across * across;
+            }
+            sums.iter_mut().zip(&terms).for_each(|(sum, terms)| *sum += total(terms));
+        }
+        sums
+    }
+}
+
 /// One pass for the sum of norms.
 struct Norms<'a> {
     points: &'a Points,
@@ -64,65 +116,32 @@ impl WithSimd for Norms<'_> {
     type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> f64 {
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
         let m = self.matrix;
         let (m11, m12, m21, m22) = (m.m11, m.m12, m.m21, m.m22);
-        let mut sums = [0.0; WIDTH];
-        for lanes in &self.points.lanes {
-            for k in 0..WIDTH {
-                let (x, y) = (lanes.x[k], lanes.y[k]);
-                let (image_x, image_y) = (m11 * x + m12 * y, m21 * x + m22 * y);
-                sums[k] += lanes.share[k] * (image_x * image_x + image_y * image_y).sqrt();
+        let mut sum = 0.0;
+        for Block { x, y, share } in &self.points.blocks {
+            let mut terms = [0.0; SIZE];
+            for k in 0..SIZE {
+                let (image_x, image_y) = (m11 * x[k] + m12 * y[k], m21 * x[k] + m22 * y[k]);
+                terms[k] = share[k] * (image_x * image_x + image_y * image_y).sqrt();
             }
+            sum += total(&terms);
         }
-        sums.iter().sum()
+        sum
     }
 }
 
-/// One pass over all points.
-struct Pass<'a> {
-    points: &'a Points,
-    tensor: &'a Matrix2<f64>,
-    stretch: f64,
-    motion: &'a Vector3<f64>,
-}
-
-impl WithSimd for Pass<'_> {
-    type Output = [f64; 9];
-
-    /// Plain loops over lanes, which the compiler turns into the machine's widest instructions.
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
-        let Self { points, tensor, stretch, motion } = self;
-        let (m11, m12, m21, m22) = (tensor.m11, tensor.m12, tensor.m21, tensor.m22);
-        let mut sums = [[0.0; WIDTH]; 9];
-        for lanes in &points.lanes {
-            for k in 0..WIDTH {
-                let (arm_x, arm_y) = (-stretch * lanes.y[k], stretch * lanes.x[k]);
-                let (vx, vy) = (motion.x + motion.z * arm_x, motion.y + motion.z * arm_y);
-                let (image_x, image_y) = (m11 * vx + m12 * vy, m21 * vx + m22 * vy);
-                let (turned_x, turned_y) = (m11 * arm_x + m12 * arm_y, m21 * arm_x + m22 * arm_y);
-                let square = image_x * image_x + image_y * image_y;
-                let inverse = if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 };
-                let (ux, uy) = (image_x * inverse, image_y * inverse);
-                let (along, across) =
-                    (turned_x * ux + turned_y * uy, turned_y * ux - turned_x * uy);
-                let share = lanes.share[k];
-                let weight = share * inverse;
-                // The direction across u is (−u_y, u_x).
-                sums[0][k] += share * ux;
-                sums[1][k] += share * uy;
-                sums[2][k] += share * along;
-                sums[3][k] += weight * uy * uy;
-                sums[4][k] -= weight * ux * uy;
-                sums[5][k] += weight * ux * ux;
-                sums[6][k] -= weight * uy * across;
-                sums[7][k] += weight * ux * across;
-                sums[8][k] += weight * across * across;
-            }
+/// The sum of a block's terms, four running sums side by side.
+#[inline(always)]
+fn total(terms: &[f64; SIZE]) -> f64 {
+    let mut sums = [0.0; 4];
+    for four in terms.chunks_exact(4) {
+        for k in 0..4 {
+            sums[k] += four[k];
         }
-        sums.map(|lanes| lanes.iter().sum())
     }
+    (sums[0] + sums[1]) + (sums[2] + sums[3])
 }
 
 #[cfg(test)]

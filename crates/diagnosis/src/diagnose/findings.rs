@@ -58,7 +58,9 @@ impl Finding<'_> {
         };
         let is_tested = self.screened.not_testable.is_none();
         let p_adjusted = accepted.map(|k| found.accepted[k].p_adjusted);
-        let p_adjusted = p_adjusted.or(last.filter(|_| is_tested).map(|one| one.p_adjusted));
+        let p_adjusted = p_adjusted
+            .or_else(|| last.filter(|_| is_tested).map(|one| one.p_adjusted))
+            .or_else(|| is_tested.then_some(self.screened.p_adjusted));
         EffectFinding {
             id: id.to_owned(),
             status,

@@ -45,10 +45,10 @@ struct Quadratic {
 }
 
 const MAX_ITERATIONS: usize = 200;
-/// A hundredth of a standard error: predictions are not smooth on a finer scale.
-const CONVERGED: f64 = 1e-4;
-/// The same where the sum alone counts.
-const SETTLED: f64 = 1e-3;
+/// A thirtieth of a standard error: predictions are hardly smooth on a finer scale.
+const CONVERGED: f64 = 1e-3;
+/// The same where the sum alone counts, which is then near enough wherever no step leads down.
+const SETTLED: f64 = 2e-2;
 /// Where no step leads further down, a fifth of a standard error is near enough: predictions jump a
 /// little where pushes come to slide or let go. What is left widens the errors of the estimates.
 const STUCK: f64 = 0.04;
@@ -100,8 +100,9 @@ impl Problem<'_> {
                 (at, last) = (next, decrement);
                 continue;
             }
-            let is_near = decrement < near && !is_final;
-            if is_near || (is_fresh && decrement < STUCK) {
+            let is_enough = if is_final { is_fresh } else { true };
+            let is_low = decrement < STUCK || (is_fresh && !is_final);
+            if is_enough && is_low {
                 return Ok(quadratic.end(at, whole, iterations));
             }
             if is_fresh && self.narrow(&mut widths) {
