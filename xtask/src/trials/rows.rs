@@ -62,11 +62,10 @@ fn nothing_hidden(records: &[Record]) -> [Row; 4] {
             ("≤ 5 % (own mark)", RARE.1),
             unexplained,
         ),
-        row(
-            "no hint either where nothing is hidden, right base",
-            ("no mark", Mark::AtLeast(0.0)),
-            none,
-        ),
+        Row {
+            holds: None,
+            ..row("no hint either where nothing is hidden, right base", ("no mark", ALWAYS.1), none)
+        },
     ]
 }
 

@@ -46,7 +46,7 @@ const N_NUISANCES: usize = 3;
 /// From here on in `SCATTER` it is about where the object is laid down.
 const FIRST_PLACE: usize = 8;
 /// A measured start pose is taken as given: its scatter is as good as unknown.
-const UNKNOWN: f64 = 100.0;
+const UNKNOWN: f64 = 10.0;
 /// The scatter of the trials.
 const USUAL: plant::Scatter = plant::Scatter {
     support_friction_sd: 0.02,
