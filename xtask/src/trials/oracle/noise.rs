@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, bail};
 use nalgebra::linalg::Cholesky;
 use nalgebra::{DMatrix, DVector, Dyn};
-use plant::{GenerateSettings, Layout, SimulatedPush, simulate};
+use plant::{GenerateSettings, Scatter, SimulatedPush, simulate};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use super::view::View;
@@ -29,7 +29,7 @@ pub(super) struct PushNoise {
 type Change = fn(&mut GenerateSettings, f64);
 
 /// What scatters, in standard deviations, as `plant::Scatter` has it; the nuisances come first.
-const SCATTER: [Change; 11] = [
+const SCATTER: [Change; 8] = [
     |rig, z| rig.truth.support_friction.coefficient *= 1.0 + z * USUAL.support_friction_sd,
     |rig, z| rig.truth.tip_friction.coefficient *= 1.0 + z * USUAL.tip_friction_sd,
     |rig, z| rig.truth.pressure.radius_ratio *= 1.0 + z * USUAL.pressure_radius_sd,
@@ -38,17 +38,14 @@ const SCATTER: [Change; 11] = [
     |rig, z| rig.truth.tip.bias += z * USUAL.contact_sd,
     |rig, z| rig.truth.force_sensor.loaded_bias[0] += z * USUAL.force_bias_sd,
     |rig, z| rig.truth.force_sensor.loaded_bias[1] += z * USUAL.force_bias_sd,
-    |rig, z| place(rig, 0, z * USUAL.placing_sd),
-    |rig, z| place(rig, 1, z * USUAL.placing_sd),
-    |rig, z| place(rig, 2, z * USUAL.turning_sd),
 ];
 const N_NUISANCES: usize = 3;
-/// From here on in `SCATTER` it is about where the object is laid down.
-const FIRST_PLACE: usize = 8;
-/// A measured start pose is taken as given: its scatter is as good as unknown.
+/// Draws of where the object is laid down on a path that stays: as many as a place has numbers.
+const N_PLACES: u64 = 3;
+/// A measured start pose is taken as given: its scatter is so many times the usual.
 const UNKNOWN: f64 = 10.0;
 /// The scatter of the trials.
-const USUAL: plant::Scatter = plant::Scatter {
+const USUAL: Scatter = Scatter {
     support_friction_sd: 0.02,
     tip_friction_sd: 0.02,
     pressure_radius_sd: 0.01,
@@ -59,12 +56,6 @@ const USUAL: plant::Scatter = plant::Scatter {
     turning_sd: 1e-3,
     session_share: 0.0,
 };
-
-fn place(rig: &mut GenerateSettings, axis: usize, by: f64) {
-    if let Layout::List(pushes) = &mut rig.design.layout {
-        pushes.iter_mut().for_each(|push| push.place[axis] += by);
-    }
-}
 
 impl Noise {
     /// The noise that `noisy` states, at pushes of a rig without noise.
@@ -86,14 +77,19 @@ impl Noise {
         for change in &SCATTER {
             ends.push([changed(change, 1.0)?, changed(change, -1.0)?]);
         }
+        let placing =
+            Scatter { placing_sd: USUAL.placing_sd, turning_sd: USUAL.turning_sd, ..Scatter::NONE };
+        let placed = |draw: u64| {
+            simulate(&GenerateSettings { scatter: placing, seed: rig.seed + draw, ..rig.clone() })
+        };
+        let places = (1..=N_PLACES).map(placed).collect::<Result<Vec<_>, _>>()?;
         let own = (0..views.len()).into_par_iter().map(|push| {
             let view = &views[push];
             let base = view.numbers(&pushes[push]);
-            let ends = ends
-                .iter()
-                .map(|pair| pair.each_ref().map(|end| &view.numbers(&end[push]) - &base));
-            let ends: Vec<[DVector<f64>; 2]> = ends.collect();
-            PushNoise::of(view.sensor_variances(noisy), &ends)
+            let change = |end: &Vec<SimulatedPush>| view.numbers(&end[push]) - &base;
+            let ends: Vec<_> = ends.iter().map(|pair| pair.each_ref().map(change)).collect();
+            let places: Vec<_> = places.iter().map(change).collect();
+            PushNoise::of(view.sensor_variances(noisy), &ends, &places)
         });
         Ok(Self { pushes: own.collect(), noisy: noisy.clone(), rig: rig.clone() })
     }
@@ -119,7 +115,7 @@ impl Noise {
             let white = self.pushes[k].whiten(view.difference(&pushes[k], &again[k], 1.0));
             let Some(white) = white.filter(|white| white.amax() > 0.0) else { continue };
             sum += white.norm_squared();
-            n += white.len() as f64 - (SCATTER.len() - FIRST_PLACE) as f64;
+            n += white.len() as f64 - N_PLACES as f64;
         }
         (n > 0.0).then(|| (sum / n).sqrt()).context("no push stays in contact")
     }
@@ -129,18 +125,16 @@ impl PushNoise {
     /// From the variances of the sensors and what one scatter to either side does.
     ///
     /// With y = h z + c z² and z normal the variance is h hᵀ + 2 c cᵀ.
-    fn of(sensors: DVector<f64>, ends: &[[DVector<f64>; 2]]) -> Self {
+    fn of(sensors: DVector<f64>, ends: &[[DVector<f64>; 2]], places: &[DVector<f64>]) -> Self {
         let mut in_place = DMatrix::from_diagonal(&sensors);
         let mut whole = DMatrix::zeros(sensors.len(), sensors.len());
         let slope = |[up, down]: &[DVector<f64>; 2]| 0.5 * (up - down);
-        for (k, end) in ends.iter().enumerate() {
-            let slope = slope(end);
-            if k >= FIRST_PLACE {
-                whole += UNKNOWN * UNKNOWN * &slope * slope.transpose();
-                continue;
-            }
-            let bend = 0.5 * (&end[0] + &end[1]);
+        for end in ends {
+            let (slope, bend) = (slope(end), 0.5 * (&end[0] + &end[1]));
             in_place += &slope * slope.transpose() + 2.0 * &bend * bend.transpose();
+        }
+        for place in places {
+            whole += UNKNOWN * UNKNOWN * place * place.transpose();
         }
         let columns: Vec<DVector<f64>> = ends[..N_NUISANCES].iter().map(slope).collect();
         let nuisances = match sensors.len() {
