@@ -16,6 +16,7 @@ mod samples;
 mod simulated_and_real;
 mod test;
 mod tidy;
+mod trials;
 
 use std::process::ExitCode;
 
@@ -33,6 +34,7 @@ struct CommandLine {
 enum Task {
     Bench(bench::Args),
     Ci(ci::Args),
+    DiagnosisTrials(trials::Args),
     EffectsAtlas(effects_atlas::Args),
     Fixtures(fixtures::Args),
     RealComparison(real_comparison::Args),
@@ -48,6 +50,7 @@ fn main() -> ExitCode {
     let result = match CommandLine::parse().task {
         Task::Bench(args) => bench::run(&args),
         Task::Ci(args) => ci::run(&args),
+        Task::DiagnosisTrials(args) => trials::run(&args),
         Task::EffectsAtlas(args) => effects_atlas::run(&args),
         Task::Fixtures(args) => fixtures::run(&args),
         Task::RealComparison(args) => real_comparison::run(&args),

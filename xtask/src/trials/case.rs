@@ -1,53 +1,97 @@
-//! One trial: what is hidden, how it is pushed, and which answers are right.
+//! One trial: what is hidden, how it is pushed, and what is asked.
 
+use std::f64::consts::PI;
+
+use anyhow::{Context, Result};
 use models::SurfaceKind;
-use plant::{Design, GenerateSettings, Layout};
+use plant::{
+    Design, GenerateSettings, Hidden, HiddenEffect, Layout, PlannedPush, Scatter, Sensor, Sensors,
+    effect_kinds,
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 
-/// A kind of trial, with a row of its own in the table of pass marks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) enum Family {
-    /// Nothing hidden, and a base that is right.
+use super::variant::Variant;
+
+/// A kind of trial, with rows of its own in the table of pass marks.
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    clap::ValueEnum,
+)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Family {
+    /// Nothing hidden, and a base that is right
     Nothing,
-    /// Nothing hidden, and the thesis' ellipsoid on a patch.
+    /// Nothing hidden, and the thesis' ellipsoid on a patch
     Ellipsoid,
-    /// One effect of the catalogue.
+    /// One effect, in multiples of its nameable size
     Single,
-    /// Two of them.
+    /// One effect of a fixed, typical size
+    Typical,
+    /// Two effects of four times their nameable sizes
     Pair,
-    /// An effect that no catalogue has.
+    /// An effect that no catalogue has
     Outside,
-    /// One edge, one orientation, one speed.
+    /// One edge, one orientation, one speed
     Narrow,
-    /// An effect that the sensors cannot show.
+    /// An effect that the sensors or pushes cannot show
     Untestable,
-    /// A nominal friction of the pusher that is a fifth too small.
+    /// A nominal friction of the pusher that is a fifth too small
     WrongNominal,
+    /// The same set told otherwise
+    Robust,
+    /// Another effect than the hidden one, added by hand
+    WrongEffect,
 }
 
-impl Family {
-    pub(super) const ALL: [Self; 8] = [
-        Self::Nothing,
-        Self::Ellipsoid,
-        Self::Single,
-        Self::Pair,
-        Self::Outside,
-        Self::Narrow,
-        Self::Untestable,
-        Self::WrongNominal,
-    ];
+/// Which pushes are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Pushes {
+    /// Any place, angle and orientation, at 20 mm/s.
+    Rich,
+    /// The same at 10, 20 and 40 mm/s.
+    Speeds,
+    /// One edge, one orientation, one place, one speed.
+    Narrow,
+    /// Rich, but away from the corners.
+    Central,
+}
 
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Nothing => "nothing",
-            Self::Ellipsoid => "ellipsoid",
-            Self::Single => "single",
-            Self::Pair => "pair",
-            Self::Outside => "outside",
-            Self::Narrow => "narrow",
-            Self::Untestable => "untestable",
-            Self::WrongNominal => "wrong-nominal",
-        }
-    }
+/// How the rig is set up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub(super) struct Setup {
+    pub(super) pushes: Pushes,
+    pub(super) n_pushes: usize,
+    pub(super) has_force: bool,
+}
+
+/// How large a hidden effect is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Size {
+    /// So many typical sizes of the simulator.
+    Typical(f64),
+    /// So many of the smallest sizes that may be named, by the oracle.
+    Nameable(f64),
+}
+
+/// An effect to hide.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Asked {
+    pub(super) id: &'static str,
+    pub(super) size: Size,
+    /// To the other side, where there are two.
+    pub(super) is_mirrored: bool,
 }
 
 /// One trial.
@@ -56,14 +100,166 @@ pub(super) struct Case {
     /// Unique, and the same in every run.
     pub(super) name: String,
     pub(super) family: Family,
+    /// The effect that it is about; several are joined by +.
+    pub(super) about: String,
+    pub(super) seed: u64,
     /// Surface of the model that is asked about.
     pub(super) surface: SurfaceKind,
-    /// Effects as `plant` takes them.
-    pub(super) hidden: Vec<String>,
-    pub(super) settings: GenerateSettings,
-    /// Whether the recordings have a force sensor.
-    pub(super) has_force: bool,
+    pub(super) setup: Setup,
+    /// How many measuring sessions, and how they differ over how pushes do.
+    pub(super) sessions: (usize, f64),
+    pub(super) hidden: Vec<Asked>,
+    /// What else is asked of the same set.
+    pub(super) variants: Vec<Variant>,
 }
 
-/// Trials that are reported use seeds from here on; below are those of development.
-pub(super) const FIRST_SEED: u64 = 1_000_000;
+/// Reported trials use seeds from here on; those below are for development.
+pub(super) const FIRST_REPORTED_SEED: u64 = 1_000_000;
+
+const SPEEDS: [f64; 3] = [0.01, 0.02, 0.04];
+const STEEPEST: f64 = 40.0 * PI / 180.0;
+
+impl Setup {
+    pub(super) const RICH: Self = Self { pushes: Pushes::Rich, n_pushes: 120, has_force: true };
+
+    /// The setup that shows an effect.
+    pub(super) fn of(id: &str) -> Self {
+        match id {
+            "rate-dependent-friction"
+            | "support-stiction"
+            | "pusher-stiction"
+            | "stream-latency"
+            | "pusher-compliance"
+            | "liquid-film"
+            | "flexing-tip" => Self { pushes: Pushes::Speeds, ..Self::RICH },
+            _ => Self::RICH,
+        }
+    }
+
+    /// A rig where nothing is hidden and sessions do not differ.
+    pub(super) fn rig(&self, seed: u64) -> GenerateSettings {
+        let layout = match self.pushes {
+            Pushes::Rich | Pushes::Speeds => Layout::Rich,
+            Pushes::Narrow => Layout::Narrow { edge: 0 },
+            Pushes::Central => Layout::List(central(self.n_pushes, seed)),
+        };
+        let speeds = if self.pushes == Pushes::Speeds { SPEEDS.to_vec() } else { Vec::new() };
+        let design = Design {
+            layout,
+            n_pushes: self.n_pushes,
+            speeds,
+            repeat_share: 0.25,
+            n_repeated: 4,
+            steepest: STEEPEST,
+            ..Design::default()
+        };
+        let sensors = Sensors::default();
+        let force =
+            if self.has_force { sensors.force } else { Sensor { rate: 0.0, ..Sensor::default() } };
+        GenerateSettings {
+            name: "pushes of a trial".to_owned(),
+            design,
+            scatter: Scatter { session_share: 0.0, ..Scatter::default() },
+            sensors: Sensors { force, ..sensors },
+            format: "csv".to_owned(),
+            seed,
+            ..GenerateSettings::default()
+        }
+    }
+}
+
+/// Pushes of all edges and orientations at the middle fifth of the edges of a square; every fourth
+/// one of four that are repeated.
+fn central(n_pushes: usize, seed: u64) -> Vec<PlannedPush> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut draw = |repeat: String| PlannedPush {
+        edge: random.random_range(0..4),
+        p: random.random_range(0.4..0.6),
+        angle: random.random_range(-STEEPEST..STEEPEST),
+        speed: 0.02,
+        travel: 0.03,
+        place: [
+            random.random_range(-0.1..0.1),
+            random.random_range(-0.1..0.1),
+            random.random_range(-PI..PI),
+        ],
+        session: 0,
+        repeat,
+    };
+    let repeated: Vec<PlannedPush> = (0..4).map(|k| draw(format!("repeat-{k}"))).collect();
+    let push = |k: usize| match k % 4 {
+        0 => repeated[k / 4 % 4].clone(),
+        _ => draw(String::new()),
+    };
+    (0..n_pushes).map(push).collect()
+}
+
+impl Asked {
+    pub(super) fn typical(id: &'static str) -> Self {
+        Self { id, size: Size::Typical(1.0), is_mirrored: false }
+    }
+
+    /// The effect at a share of its typical departure from "off".
+    ///
+    /// # Errors
+    /// A value out of the effect's range.
+    pub(super) fn hidden(&self, share: f64) -> Result<HiddenEffect> {
+        let kind = effect_kinds().into_iter().find(|kind| kind.id == self.id);
+        let kind = kind.with_context(|| format!("nothing hides {}", self.id))?;
+        let mut effect = HiddenEffect::typical(self.id)?;
+        for parameter in kind.parameters {
+            let Some(off) = parameter.off else { continue };
+            let has_sides = parameter.range.0 == -parameter.range.1;
+            let side = if self.is_mirrored && has_sides { -1.0 } else { 1.0 };
+            let value = off + side * share * (parameter.typical - off);
+            effect = effect.with(parameter.name, value)?;
+        }
+        Ok(effect)
+    }
+}
+
+impl Case {
+    /// Whether a size or a score of it comes from the oracle.
+    pub(super) fn needs_oracle(&self) -> bool {
+        let is_sized = |asked: &Asked| matches!(asked.size, Size::Nameable(_));
+        let family = matches!(self.family, Family::WrongEffect | Family::Outside | Family::Narrow);
+        family || self.hidden.iter().any(is_sized)
+    }
+
+    /// Times the nameable size of the first hidden effect; none for typical sizes.
+    pub(super) fn multiple(&self) -> Option<f64> {
+        self.hidden.first().and_then(|asked| match asked.size {
+            Size::Nameable(times) => Some(times),
+            Size::Typical(_) => None,
+        })
+    }
+
+    /// The rig, with hidden effects at these shares of their typical sizes.
+    ///
+    /// # Errors
+    /// A size out of an effect's range.
+    pub(super) fn rig(&self, shares: &[f64]) -> Result<GenerateSettings> {
+        let mut rig = self.setup.rig(self.seed);
+        (rig.design.n_sessions, rig.scatter.session_share) = self.sessions;
+        for (asked, share) in self.hidden.iter().zip(shares) {
+            rig.hidden.push(Hidden::Effect(asked.hidden(*share)?));
+        }
+        Ok(rig)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Asked, Size};
+
+    #[test]
+    fn a_share_scales_the_departure_and_a_mirror_turns_what_has_two_sides() {
+        let asked = Asked { id: "table-tilt", size: Size::Nameable(2.0), is_mirrored: true };
+        let hidden = asked.hidden(0.5).unwrap();
+        assert_eq!((hidden.values["x"], hidden.values["y"]), (0.125, -0.1));
+        let grain = Asked { id: "table-anisotropy", ..asked }.hidden(0.5).unwrap();
+        assert!((grain.values["ratio"] - 1.15).abs() < 1e-12);
+        assert_eq!(grain.values["direction"], 0.6);
+        assert!(Asked { id: "limit-surface-shape", ..asked }.hidden(3.0).is_err());
+    }
+}

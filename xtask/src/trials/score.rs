@@ -1,0 +1,203 @@
+//! Whether an answer is right.
+
+use diagnosis::{Status, Verdict};
+use effects::by_id;
+
+use super::case::Family;
+use super::record::{Answer, Outcome, Record};
+
+/// The shape that an ellipsoid on a patch lacks, too.
+const SHAPE: &str = "limit-surface-shape";
+/// Effects outside the catalogue and what of the catalogue says the same: the first is a compliance
+/// that also remembers, the second a friction that depends on the speed, the third a corner that is
+/// no longer there, the fourth a force over the table that hardly changes within a hand's breadth.
+const EQUIVALENTS: [(&str, &[&str]); 4] = [
+    ("flexing-tip", &["pusher-compliance"]),
+    ("liquid-film", &["rate-dependent-friction", "support-stiction"]),
+    ("chipped-corner", &["edge-rounding"]),
+    ("cable-drag", &["table-tilt"]),
+];
+
+/// What an answer is worth.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Score {
+    /// For each hidden effect whether it is named, or in a group of its documented look-alikes.
+    pub(super) found: Vec<bool>,
+    /// Names that are not right, and groups without a right member.
+    pub(super) wrong: Vec<String>,
+}
+
+impl Score {
+    /// Of a record; without an answer nothing is found, and that is wrong.
+    pub(super) fn of(record: &Record) -> Self {
+        let hidden: Vec<&str> = record.truth.iter().map(|effect| effect.id.as_str()).collect();
+        match &record.outcome {
+            Outcome::Answer(answer) => Self::of_answer(answer, &hidden, record.has_ellipsoid()),
+            Outcome::Failed(why) => {
+                Self { found: vec![false; hidden.len()], wrong: vec![format!("failed: {why}")] }
+            }
+        }
+    }
+
+    /// Of an answer about sets that hide some effects, where the base may lack the shape as well.
+    pub(super) fn of_answer(answer: &Answer, hidden: &[&str], lacks_shape: bool) -> Self {
+        let mut right: Vec<&str> = hidden.to_vec();
+        if lacks_shape {
+            right.push(SHAPE);
+        }
+        for (id, same) in EQUIVALENTS.iter().filter(|(id, _)| hidden.contains(id)) {
+            debug_assert!(by_id(id).is_err());
+            right.extend(*same);
+        }
+        let is_found = |id: &&str| {
+            let names = answer.named.iter().any(|name| name == id);
+            names || answer.one_of.iter().any(|group| is_class_of(group, id))
+        };
+        let is_wrong = |name: &&String| !right.contains(&name.as_str());
+        let mut wrong: Vec<String> = answer.named.iter().filter(is_wrong).cloned().collect();
+        let groups = answer.one_of.iter().filter(|group| group.iter().all(|id| is_wrong(&id)));
+        wrong.extend(groups.map(|group| format!("one of {}", group.join(", "))));
+        Self { found: hidden.iter().map(is_found).collect(), wrong }
+    }
+
+    pub(super) fn is_all_found(&self) -> bool {
+        self.found.iter().all(|found| *found)
+    }
+}
+
+/// Whether an answer is what its family asks for, as far as one answer tells.
+pub(super) fn is_right(record: &Record) -> bool {
+    let score = Score::of(record);
+    let answer = record.outcome.answer();
+    let is_unexplained =
+        answer.is_some_and(|answer| answer.verdict == Verdict::StructureUnexplained);
+    match record.family {
+        Family::Nothing => score.wrong.is_empty() && !is_unexplained,
+        Family::Ellipsoid => score.wrong.is_empty(),
+        Family::Single | Family::Typical | Family::Pair | Family::Robust => {
+            score.is_all_found() && score.wrong.is_empty()
+        }
+        Family::WrongNominal | Family::WrongEffect => score.is_all_found(),
+        Family::Outside => {
+            is_unexplained
+                || (score.wrong.is_empty() && answer.is_some_and(|one| !one.claimed().is_empty()))
+        }
+        Family::Narrow => {
+            score.wrong.is_empty() && answer.is_some_and(|answer| answer.named.len() != 1)
+        }
+        Family::Untestable => {
+            let told = answer.and_then(|answer| answer.told(&record.about));
+            told.is_some_and(|told| told.status == Status::NotTestable)
+        }
+    }
+}
+
+/// Whether a group is an effect with documented look-alikes of it.
+fn is_class_of(group: &[String], id: &str) -> bool {
+    let documents = |one: &str, other: &str| {
+        let alikes = by_id(one).map(|effect| effect.about().look_alikes);
+        alikes.is_ok_and(|alikes| alikes.iter().any(|alike| alike.id == other))
+    };
+    let is_alike = |other: &String| other == id || documents(id, other) || documents(other, id);
+    group.iter().any(|member| member == id) && group.iter().all(is_alike)
+}
+
+impl Record {
+    pub(super) fn has_ellipsoid(&self) -> bool {
+        self.surface == models::SurfaceKind::Ellipsoid.name()
+    }
+}
+
+/// How many of an answer's intervals hold the truth, of how many: those of claimed effects that
+/// are hidden, of parameters with an interval and of the same law.
+pub(super) fn intervals(record: &Record) -> Vec<(String, bool)> {
+    let Some(answer) = record.outcome.answer() else { return Vec::new() };
+    let mut held = Vec::new();
+    for effect in record.truth.iter().filter(|effect| effect.is_same_law()) {
+        let claimed = answer.claimed().contains(effect.id.as_str());
+        let Some(told) = answer.told(&effect.id).filter(|_| claimed) else { continue };
+        for (name, truth) in effect.parameters() {
+            let found = told.parameters.iter().find(|parameter| parameter.name == name);
+            let Some((low, high)) = found.and_then(|one| one.low95.zip(one.high95)) else {
+                continue;
+            };
+            let turn = if name == "direction" { std::f64::consts::PI } else { 0.0 };
+            let holds = [-turn, 0.0, turn].iter().any(|by| (low..=high).contains(&(truth + by)));
+            let estimate = found.and_then(|one| one.estimate).unwrap_or(f64::NAN);
+            let text = format!(
+                "{}: {} {name} is {truth:.4}, told {estimate:.4} ({low:.4} to {high:.4})",
+                record.case, effect.id
+            );
+            held.push((text, holds));
+        }
+    }
+    held
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use diagnosis::{ErrorFall, Leftover, Status, Verdict};
+
+    use super::super::record::{Answer, Told};
+    use super::Score;
+
+    pub(in super::super) fn answer(named: &[&str], one_of: &[&[&str]]) -> Answer {
+        let owned = |ids: &[&str]| ids.iter().map(|id| (*id).to_owned()).collect::<Vec<_>>();
+        let told = |id: &&str| Told {
+            id: (*id).to_owned(),
+            status: Status::Present,
+            p: Some(0.001),
+            gain: None,
+            why: String::new(),
+            rivals: Vec::new(),
+            parameters: Vec::new(),
+        };
+        Answer {
+            verdict: if named.is_empty() { Verdict::NoneFound } else { Verdict::Named },
+            named: owned(named),
+            one_of: one_of.iter().map(|group| owned(group)).collect(),
+            sentence: String::new(),
+            error: ErrorFall::default(),
+            leftover: Leftover { p: None, covariate: None },
+            effects: named.iter().map(told).collect(),
+        }
+    }
+
+    fn score(named: &[&str], one_of: &[&[&str]], hidden: &[&str], lacks_shape: bool) -> Score {
+        Score::of_answer(&answer(named, one_of), hidden, lacks_shape)
+    }
+
+    #[test]
+    fn the_hidden_name_is_found_and_any_other_is_wrong() {
+        let right = score(&["table-tilt"], &[], &["table-tilt"], false);
+        assert_eq!(right, Score { found: vec![true], wrong: Vec::new() });
+        let extra = score(&["table-tilt", "inertia"], &[], &["table-tilt"], false);
+        assert_eq!((extra.found, extra.wrong), (vec![true], vec!["inertia".to_owned()]));
+        let other = score(&["friction-gradient"], &[], &["table-tilt"], false);
+        assert_eq!((other.found, other.wrong.len()), (vec![false], 1));
+        assert_eq!(score(&[], &[], &["table-tilt"], false).found, [false]);
+    }
+
+    #[test]
+    fn a_group_counts_if_its_members_are_documented_look_alikes() {
+        let group: &[&[&str]] = &[&["friction-gradient", "table-tilt"]];
+        assert_eq!(score(&[], group, &["table-tilt"], false).found, [true]);
+        let loose: &[&[&str]] = &[&["inertia", "table-tilt"]];
+        assert_eq!(score(&[], loose, &["table-tilt"], false).found, [false]);
+        let wrong = score(&[], group, &["inertia"], false).wrong;
+        assert_eq!(wrong, ["one of friction-gradient, table-tilt"]);
+    }
+
+    #[test]
+    fn the_shape_is_right_beside_anything_only_where_the_base_lacks_it() {
+        let names: &[&str] = &["limit-surface-shape", "inertia"];
+        assert!(score(names, &[], &["inertia"], true).wrong.is_empty());
+        assert_eq!(score(names, &[], &["inertia"], false).wrong, ["limit-surface-shape"]);
+    }
+
+    #[test]
+    fn of_what_no_catalogue_has_documented_equivalents_are_no_wrong_names() {
+        assert!(score(&["pusher-compliance"], &[], &["flexing-tip"], false).wrong.is_empty());
+        assert_eq!(score(&["pusher-compliance"], &[], &["magnet"], false).wrong.len(), 1);
+    }
+}
