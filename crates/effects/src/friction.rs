@@ -1,11 +1,15 @@
 //! The friction load of a motion, with its derivatives.
 
+use std::sync::Arc;
+
 use mechanics::LimitSurface;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use planar::{Pose, Twist, perpendicular};
 
 use crate::effect::Sliding;
 use crate::patch_table::PatchTable;
+use crate::plates::{Group, Plates};
+use crate::pressure::Pressure;
 use crate::{EffectError, Object, PushPhysics, Support};
 
 /// Friction of one moment, per unit of the largest force, about the center of friction S.
@@ -17,10 +21,10 @@ pub(crate) struct Friction<'a> {
     shape: f64,
     /// c of the ellipsoid, in m.
     length: f64,
-    /// How much farther apart the points of the support are than nominal.
-    stretch: f64,
     base: Base<'a>,
     patch: Option<&'a PatchTable>,
+    /// Of the patch and of single points; none if it is uniform.
+    pressure: Option<Arc<Pressure>>,
     tensor: Matrix2<f64>,
     is_isotropic: bool,
     local: Option<Local<'a>>,
@@ -67,11 +71,11 @@ impl<'a> Friction<'a> {
         object: &'a Object,
         support: &Support,
         given: Given<'a>,
+        pressure: Option<Arc<Pressure>>,
         local: Option<Local<'a>>,
     ) -> Result<Self, EffectError> {
         let tensor = support.tensor_o.exp(1.0);
-        let stretch = support.length_ratio;
-        let turning = stretch * turning_ratio(object, support);
+        let turning = support.length_ratio * turning_ratio(object, support);
         let length = turning * object.mean_distance();
         let base = match given {
             None => Base::Ellipsoid(ellipsoid(support, length)),
@@ -83,7 +87,7 @@ impl<'a> Friction<'a> {
         let patch = if support.shape == 0.0 { None } else { Some(object.patch()?) };
         let is_isotropic = support.tensor_o.is_zero();
         let shape = support.shape;
-        Ok(Self { object, shape, length, stretch, base, patch, tensor, is_isotropic, local })
+        Ok(Self { object, shape, length, base, patch, pressure, tensor, is_isotropic, local })
     }
 
     /// c = Mmax/Fmax, in m.
@@ -140,37 +144,47 @@ impl<'a> Friction<'a> {
         }
     }
 
-    /// The table's load; where friction has directions, the points add the difference: at a ratio
-    /// of 1.5 to 0.4 % of the largest load (RMS), 2 % at worst where the object turns about a point.
+    /// How far the points of uniform pressure are apart about S, and how far their center is from
+    /// it, in m.
+    fn layout(&self) -> (f64, Vector2<f64>) {
+        match &self.pressure {
+            Some(pressure) => (pressure.stretch, -pressure.stretch * pressure.center),
+            None => (1.0, Vector2::zeros()),
+        }
+    }
+
+    fn plates(&self) -> &Plates {
+        self.pressure.as_ref().map_or_else(|| self.object.plates(), |pressure| &pressure.plates)
+    }
+
+    /// The table's load, to which the points add what pressure and directions of friction change: at
+    /// a ratio of 1.5 to 0.4 % of the largest load (RMS), 2 % at worst where the object turns about a
+    /// point.
     fn patch_load(&self, table: &PatchTable, motion: &Vector3<f64>) -> Load {
-        let scale = self.stretch * self.object.mean_distance();
-        let (unit, unit_slope) = table.load(&Vector3::new(motion.x, motion.y, scale * motion.z));
-        let mut load = Vector3::new(unit.x, unit.y, scale * unit.z);
-        let mut slope = Matrix3::from_fn(|i, j| {
-            let factors = [1.0, 1.0, scale];
-            factors[i] * factors[j] * unit_slope[(i, j)]
-        });
+        let (stretch, offset) = self.layout();
+        let scale = stretch * self.object.mean_distance();
+        // From motions at S to those of the table, and from its loads back.
+        let (x, y) = (-offset.y, offset.x);
+        let map = Matrix3::new(1.0, 0.0, x, 0.0, 1.0, y, 0.0, 0.0, scale);
+        let (unit, unit_slope) = table.load(&(map * motion));
+        let (mut load, mut slope) = (map.tr_mul(&unit), map.tr_mul(&(unit_slope * map)));
+        let mut add = |(more, more_slope): Load| {
+            load += more;
+            slope += more_slope;
+        };
+        let (plates, identity) = (self.plates(), Matrix2::identity());
         if !self.is_isotropic {
-            self.add_anisotropy(motion, (&mut load, &mut slope));
+            add(plates.load(&self.tensor, motion, |group| group.share));
+            add(plates.load(&identity, motion, |group| group.uniform.map(|share| -share)));
+        } else if self.pressure.is_some() {
+            let more =
+                |group: &Group| std::array::from_fn(|lane| group.share[lane] - group.uniform[lane]);
+            add(plates.load(&identity, motion, more));
         }
         (load, slope)
     }
 
-    /// Adds, for each point, its share of the load times T²v/|Tv| − v/|v|.
-    fn add_anisotropy(&self, motion: &Vector3<f64>, sums: (&mut Vector3<f64>, &mut Matrix3<f64>)) {
-        let (load, slope) = sums;
-        for (place, share) in self.object.points() {
-            let arm = self.stretch * perpendicular(place);
-            let velocity = motion.xy() + motion.z * arm;
-            if velocity != Vector2::zeros() {
-                let (turned, image) = (self.tensor * arm, self.tensor * velocity);
-                add_point(*share, &self.tensor, &turned, &image, load, slope);
-                add_point(-share, &Matrix2::identity(), &arm, &velocity, load, slope);
-            }
-        }
-    }
-
-    /// Adds, for each point, its share of the load times its surplus s times T²v/|Tv|.
+    /// Adds, for each plate, its share of the load times its surplus.
     fn add_local(
         &self,
         local: &Local<'_>,
@@ -180,46 +194,34 @@ impl<'a> Friction<'a> {
         /// Relative change of a speed over which the surplus' slope is taken.
         const STEP: f64 = 1e-6;
         let (load, slope) = sums;
-        for (place, share) in self.object.points() {
-            let place = self.stretch * place;
-            let arm = perpendicular(&place);
+        let mut surpluses = Vec::new();
+        for plate in self.plates().each() {
+            let arm = perpendicular(&plate.place);
             let velocity = motion.xy() + motion.z * arm;
             let square = velocity.norm_squared();
             if square == 0.0 {
+                surpluses.push(0.0);
                 continue;
             }
-            let surplus = local.surplus(&place, &velocity);
-            let growth = (local.surplus(&place, &((1.0 + STEP) * velocity)) - surplus) / STEP;
-            let (turned, image) = (self.tensor * arm, self.tensor * velocity);
-            add_point(share * surplus, &self.tensor, &turned, &image, load, slope);
+            let surplus = local.surplus(&plate.place, &velocity);
+            let growth = (local.surplus(&plate.place, &((1.0 + STEP) * velocity)) - surplus) / STEP;
+            surpluses.push(surplus);
             if growth != 0.0 {
                 // ds = growth · d|v|/|v|, with d|v| = v·(dv + J r dω)/|v|.
+                let (turned, image) = (self.tensor * arm, self.tensor * velocity);
                 let force = self.tensor * image / image.norm();
                 let force = Vector3::new(force.x, force.y, turned.dot(&image) / image.norm());
                 let faster = Vector3::new(velocity.x, velocity.y, velocity.dot(&arm));
-                *slope += share * growth / square * force * faster.transpose();
+                *slope += plate.share * growth / square * force * faster.transpose();
             }
         }
+        let mut surpluses = surpluses.into_iter();
+        let weights =
+            |group: &Group| group.share.map(|share| share * surpluses.next().unwrap_or_default());
+        let (more, more_slope) = self.plates().load(&self.tensor, motion, weights);
+        *load += more;
+        *slope += more_slope;
     }
-}
-
-/// Adds `weight` times Aᵀ v/|v|, with v = A t the velocity of a point and A = (`tensor`, `arm`).
-fn add_point(
-    weight: f64,
-    tensor: &Matrix2<f64>,
-    arm: &Vector2<f64>,
-    velocity: &Vector2<f64>,
-    load: &mut Vector3<f64>,
-    slope: &mut Matrix3<f64>,
-) {
-    let speed = velocity.norm();
-    let across = perpendicular(velocity) / speed;
-    let force = tensor.tr_mul(velocity) * (weight / speed);
-    *load += Vector3::new(force.x, force.y, weight / speed * arm.dot(velocity));
-    // (1 − v̂ v̂ᵀ) is the part across the velocity.
-    let side = tensor.tr_mul(&across);
-    let side = Vector3::new(side.x, side.y, arm.dot(&across));
-    *slope += weight / speed * side * side.transpose();
 }
 
 /// A⁻¹ = diag(T², c²) of the ellipsoid of a moment, per unit of the largest force.
@@ -290,7 +292,7 @@ mod tests {
             // Only on a long triangle is the surface of the largest λ not quite convex.
             for shape in [-0.5, if name == "tri1" { 1.25 } else { 1.5 }] {
                 let support = Support { shape, ..Support::nominal(0.25, 0.0) };
-                let friction = Friction::new(&object, &support, None, None).unwrap();
+                let friction = Friction::new(&object, &support, None, None, None).unwrap();
                 for _ in 0..2000 {
                     let motion = motion(&mut random);
                     let (_, mut slope) = friction.load(&motion).unwrap();
@@ -319,7 +321,7 @@ mod tests {
         let corners = outline.vertices().iter().map(|corner| inverse * corner).collect();
         let patch = Patch::uniform(&Shape::Polygon(Polygon::new(corners).unwrap()), 1.0).unwrap();
         let support = Support { tensor_o, ..Support::nominal(0.25, 1.0) };
-        let friction = Friction::new(&object, &support, None, None).unwrap();
+        let friction = Friction::new(&object, &support, None, None, None).unwrap();
         let mut squares = 0.0;
         for _ in 0..2000 {
             let motion = motion(&mut random);
@@ -342,7 +344,7 @@ mod tests {
         let tensor_o = LogTensor::axis(1.5, 0.5);
         for shape in [0.0, 0.7, 1.0] {
             let support = Support { tensor_o, shape, ..Support::nominal(0.25, 0.0) };
-            let friction = Friction::new(&object, &support, None, None).unwrap();
+            let friction = Friction::new(&object, &support, None, None, None).unwrap();
             for _ in 0..50 {
                 let motion = motion(&mut random);
                 let (_, slope) = friction.load(&motion).unwrap();

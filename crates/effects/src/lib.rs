@@ -17,6 +17,8 @@ mod object;
 mod pages;
 mod parameter;
 mod patch_table;
+mod plates;
+mod pressure;
 mod push_physics;
 mod reading;
 mod rig;

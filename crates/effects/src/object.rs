@@ -1,6 +1,6 @@
 //! What is pushed: outline, mass and support.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use mechanics::{Ellipsoid, MechanicsError};
 use nalgebra::{Matrix2, Vector2};
@@ -9,6 +9,8 @@ use planar::{Shape, cross};
 use crate::EffectError;
 use crate::error::{finite, positive};
 use crate::patch_table::PatchTable;
+use crate::plates::{Plate, Plates};
+use crate::pressure::Pressure;
 
 /// An object on the table, with what predictions need of it worked out once.
 ///
@@ -24,8 +26,11 @@ pub struct Object {
     mean_distance: f64,
     second_moment: Matrix2<f64>,
     points: Vec<(Vector2<f64>, f64)>,
+    plates: Plates,
     ellipsoid: Ellipsoid,
     patch: OnceLock<Result<PatchTable, MechanicsError>>,
+    /// The last one that was asked for: the steps of a set ask for the same again and again.
+    pressure: Mutex<Option<Arc<Pressure>>>,
 }
 
 impl Object {
@@ -48,7 +53,15 @@ impl Object {
         let second_moment = points.iter().map(|(r, share)| *share * r * r.transpose()).sum();
         let mean_distance = shape.mean_distance(&centroid);
         let ellipsoid = Ellipsoid::new(1.0, mean_distance)?;
-        let patch = OnceLock::new();
+        let spin = shape.area() / 12.0;
+        let plate = |(place, share): &(Vector2<f64>, f64)| Plate {
+            place: *place,
+            spin: share * spin,
+            uniform: *share,
+            share: *share,
+        };
+        let plates = Plates::new(points.iter().map(plate));
+        let (patch, pressure) = (OnceLock::new(), Mutex::new(None));
         Ok(Self {
             shape,
             mass,
@@ -58,8 +71,10 @@ impl Object {
             mean_distance,
             second_moment,
             points,
+            plates,
             ellipsoid,
             patch,
+            pressure,
         })
     }
 
@@ -113,6 +128,11 @@ impl Object {
         &self.points
     }
 
+    /// The supported area as square plates, under uniform pressure.
+    pub(crate) fn plates(&self) -> &Plates {
+        &self.plates
+    }
+
     /// The ellipsoid of uniform pressure about the centroid, its largest force 1.
     pub(crate) fn ellipsoid(&self) -> &Ellipsoid {
         &self.ellipsoid
@@ -122,6 +142,22 @@ impl Object {
     pub(crate) fn patch(&self) -> Result<&PatchTable, EffectError> {
         let made = self.patch.get_or_init(|| PatchTable::new(&self.shape));
         made.as_ref().map_err(|error| EffectError::Mechanics(error.clone()))
+    }
+
+    /// Pressure whose center is `shift` (m) from the centroid, and whose mean distance from it is
+    /// `ratio` times that of uniform pressure.
+    pub(crate) fn pressure(
+        &self,
+        shift: &Vector2<f64>,
+        ratio: f64,
+    ) -> Result<Arc<Pressure>, EffectError> {
+        let last = || self.pressure.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = last().as_ref().filter(|known| known.is(shift, ratio)) {
+            return Ok(known.clone());
+        }
+        let pressure = Arc::new(Pressure::new(self, shift, ratio)?);
+        *last() = Some(pressure.clone());
+        Ok(pressure)
     }
 }
 
