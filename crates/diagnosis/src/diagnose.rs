@@ -1,10 +1,10 @@
 //! Which physical effect a model lacks, how sure that is, and what else it could be.
 
 mod answer;
+mod conclusion;
 mod confirmation;
 mod findings;
 mod leftover;
-mod nominal;
 mod rules;
 mod search;
 mod sentence;
@@ -17,13 +17,12 @@ pub use self::answer::{
     NoiseOrigin, ParameterFinding, Status, Verdict,
 };
 
-use self::confirmation::Confirmation;
 use self::findings::findings;
 use self::leftover::leftover;
 use self::rules::{Claims, claims};
 use self::search::Search;
 use self::sentence::sentence;
-use crate::{DiagnosisError, NoiseModel, Observations, ScreenSettings, split};
+use crate::{DiagnosisError, Observations, ScreenSettings, split};
 
 /// How a diagnosis is made.
 #[derive(Clone, Debug)]
@@ -84,27 +83,25 @@ pub fn diagnose(
         None => split(observations, settings.seed)?,
     };
     let (fitted, aside) = (observations.part(&parts.fit)?, observations.part(&parts.confirm)?);
-    let noise = NoiseModel::learn(model, &settings.own, &fitted)?;
-    let search = Search { model, fitted: &fitted, noise: &noise, settings };
+    let search = Search { model, all: observations, fitted: &fitted, aside: &aside, settings };
     let found = search.run()?;
-    let confirmation = Confirmation::of(&found, &aside, &noise, settings)?;
-    let left = leftover(&found, &confirmation, &fitted, settings)?;
-    let claims: Claims = claims(&found, &confirmation, &left);
-    let effects = findings(&found, &confirmation, &claims, settings);
+    let left = leftover(&found, &fitted, settings)?;
+    let claims: Claims = claims(&found, &left);
+    let effects = findings(&found, &claims, settings);
     let diagnosis = Diagnosis {
         schema: Diagnosis::SCHEMA.to_owned(),
         verdict: claims.verdict,
-        sentence: sentence(&claims, &effects, &confirmation.error, &left),
+        sentence: sentence(&claims, &effects, &found.error, &left),
         named: claims.named.iter().map(|id| (*id).to_owned()).collect(),
         one_of: claims
             .groups
             .iter()
             .map(|g| g.iter().map(|id| (*id).to_owned()).collect())
             .collect(),
-        error: confirmation.error.clone(),
+        error: found.error.clone(),
         effects,
         leftover: left.summary(),
-        noise: NoiseOrigin::of(&noise),
+        noise: NoiseOrigin::of(&found.noise),
         data: DataUsed {
             pushes_used: observations.pushes().len(),
             pushes_set_aside: settings.n_pushes_set_aside,
@@ -113,7 +110,5 @@ pub fn diagnose(
         split: parts,
         made_by: None,
     };
-    let accepted = found.accepted[..claims.n_accepted].last();
-    let description = accepted.map_or(model, |accepted| &accepted.description).clone();
-    Ok(Diagnosed { diagnosis, description })
+    Ok(Diagnosed { diagnosis, description: found.description })
 }

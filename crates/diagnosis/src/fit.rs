@@ -5,6 +5,7 @@ mod estimates;
 mod interval;
 mod member;
 mod problem;
+mod refit;
 mod resemblance;
 mod robust;
 mod sandwich;
@@ -18,6 +19,7 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 pub use self::interval::Interval;
+pub(crate) use self::refit::{Refit, Trial};
 pub use self::resemblance::Resemblance;
 pub use self::undetermined::Undetermined;
 
@@ -39,12 +41,14 @@ pub struct FitSettings {
     pub priors: bool,
     /// Whether intervals are sought by profile likelihood, which takes several fits each.
     pub intervals: bool,
+    /// Whether it is told what fitted effects could be taken for.
+    pub resemblances: bool,
 }
 
 impl Default for FitSettings {
     fn default() -> Self {
         let tolerances = Tolerances::default();
-        Self { own: Vec::new(), tolerances, priors: true, intervals: true }
+        Self { own: Vec::new(), tolerances, priors: true, intervals: true, resemblances: true }
     }
 }
 
@@ -182,7 +186,7 @@ pub fn fit_with_noise(
     settings: &FitSettings,
 ) -> Result<Fit, DiagnosisError> {
     let whitening = |model| noise.whitening(model, &settings.own, observations);
-    let first = FitSettings { intervals: false, ..settings.clone() };
+    let first = FitSettings { intervals: false, resemblances: false, ..settings.clone() };
     let first = fit(observations, model, free, &whitening(model)?, &first)?;
     fit(observations, model, free, &whitening(&first.with_nuisances)?, settings)
 }

@@ -84,6 +84,18 @@ impl Whitening {
         columns
     }
 
+    /// Columns that this whitening made, as `other` would have made them; rows that follow those of
+    /// the last push stay.
+    pub(crate) fn rewhitened(&self, columns: &DMatrix<f64>, other: &Self) -> DMatrix<f64> {
+        let mut found = columns.clone();
+        for (push, rows) in self.rows().into_iter().enumerate() {
+            let plain = self.blocks[push].factor.l() * columns.rows(rows.start, rows.len());
+            let white = other.whiten_columns(push, plain);
+            found.rows_mut(rows.start, rows.len()).copy_from(&white);
+        }
+        found
+    }
+
     /// The standard deviation of each number, as (step, number, standard deviation in its unit).
     pub fn sd(&self) -> Vec<(usize, usize, f64)> {
         let of = |block: &Block| {

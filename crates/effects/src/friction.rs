@@ -8,7 +8,7 @@ use planar::{Pose, Twist, perpendicular};
 
 use crate::effect::Sliding;
 use crate::patch_table::PatchTable;
-use crate::plates::{Group, Plates};
+use crate::points::Point;
 use crate::pressure::Pressure;
 use crate::{EffectError, Object, PushPhysics, Support};
 
@@ -21,6 +21,8 @@ pub(crate) struct Friction<'a> {
     shape: f64,
     /// c of the ellipsoid, in m.
     length: f64,
+    /// How much farther apart the points of the support are than nominal.
+    stretch: f64,
     base: Base<'a>,
     patch: Option<&'a PatchTable>,
     /// Of the patch and of single points; none if it is uniform.
@@ -75,7 +77,8 @@ impl<'a> Friction<'a> {
         local: Option<Local<'a>>,
     ) -> Result<Self, EffectError> {
         let tensor = support.tensor_o.exp(1.0);
-        let turning = support.length_ratio * turning_ratio(object, support);
+        let stretch = support.length_ratio;
+        let turning = stretch * turning_ratio(object, support);
         let length = turning * object.mean_distance();
         let base = match given {
             None => Base::Ellipsoid(ellipsoid(support, length)),
@@ -87,7 +90,18 @@ impl<'a> Friction<'a> {
         let patch = if support.shape == 0.0 { None } else { Some(object.patch()?) };
         let is_isotropic = support.tensor_o.is_zero();
         let shape = support.shape;
-        Ok(Self { object, shape, length, base, patch, pressure, tensor, is_isotropic, local })
+        Ok(Self {
+            object,
+            shape,
+            length,
+            stretch,
+            base,
+            patch,
+            pressure,
+            tensor,
+            is_isotropic,
+            local,
+        })
     }
 
     /// c = Mmax/Fmax, in m.
@@ -144,47 +158,40 @@ impl<'a> Friction<'a> {
         }
     }
 
-    /// How far the points of uniform pressure are apart about S, and how far their center is from
-    /// it, in m.
-    fn layout(&self) -> (f64, Vector2<f64>) {
-        match &self.pressure {
-            Some(pressure) => (pressure.stretch, -pressure.stretch * pressure.center),
-            None => (1.0, Vector2::zeros()),
-        }
-    }
-
-    fn plates(&self) -> &Plates {
-        self.pressure.as_ref().map_or_else(|| self.object.plates(), |pressure| &pressure.plates)
-    }
-
-    /// The table's load, to which the points add what pressure and directions of friction change: at
-    /// a ratio of 1.5 to 0.4 % of the largest load (RMS), 2 % at worst where the object turns about a
-    /// point.
+    /// The table's load, to which the points add what a leaning load and directions of friction
+    /// change: at a ratio of 1.5 to 0.4 % of the largest load (RMS), 2 % at worst where the object
+    /// turns about a point.
     fn patch_load(&self, table: &PatchTable, motion: &Vector3<f64>) -> Load {
-        let (stretch, offset) = self.layout();
-        let scale = stretch * self.object.mean_distance();
+        let scale = self.stretch * self.object.mean_distance();
         // From motions at S to those of the table, and from its loads back.
-        let (x, y) = (-offset.y, offset.x);
+        let center = self.pressure.as_ref().map_or_else(Vector2::zeros, |leaning| leaning.center);
+        let (x, y) = (self.stretch * center.y, -self.stretch * center.x);
         let map = Matrix3::new(1.0, 0.0, x, 0.0, 1.0, y, 0.0, 0.0, scale);
         let (unit, unit_slope) = table.load(&(map * motion));
-        let (mut load, mut slope) = (map.tr_mul(&unit), map.tr_mul(&(unit_slope * map)));
-        let mut add = |(more, more_slope): Load| {
-            load += more;
-            slope += more_slope;
-        };
-        let (plates, identity) = (self.plates(), Matrix2::identity());
-        if !self.is_isotropic {
-            add(plates.load(&self.tensor, motion, |group| group.share));
-            add(plates.load(&identity, motion, |group| group.uniform.map(|share| -share)));
-        } else if self.pressure.is_some() {
-            let more =
-                |group: &Group| std::array::from_fn(|lane| group.share[lane] - group.uniform[lane]);
-            add(plates.load(&identity, motion, more));
+        let (load, slope) = (map.tr_mul(&unit), map.tr_mul(&(unit_slope * map)));
+        match self.points_load(motion) {
+            Some((more, more_slope)) => (load + more, slope + more_slope),
+            None => (load, slope),
         }
-        (load, slope)
     }
 
-    /// Adds, for each plate, its share of the load times its surplus.
+    /// Of each point, its share of the load times T²v/|Tv|, less its uniform share times v/|v|.
+    fn points_load(&self, motion: &Vector3<f64>) -> Option<Load> {
+        let (stretch, identity) = (self.stretch, Matrix2::identity());
+        let (all, uniform) = match &self.pressure {
+            Some(pressure) if self.is_isotropic => {
+                return Some(pressure.surplus.load(&identity, stretch, motion));
+            }
+            None if self.is_isotropic => return None,
+            Some(pressure) => (&pressure.lanes, &pressure.uniform),
+            None => (self.object.lanes(), self.object.lanes()),
+        };
+        let (with, with_slope) = all.load(&self.tensor, stretch, motion);
+        let (without, without_slope) = uniform.load(&identity, stretch, motion);
+        Some((with - without, with_slope - without_slope))
+    }
+
+    /// Adds, for each point, its share of the load times its surplus s times T²v/|Tv|.
     fn add_local(
         &self,
         local: &Local<'_>,
@@ -194,34 +201,48 @@ impl<'a> Friction<'a> {
         /// Relative change of a speed over which the surplus' slope is taken.
         const STEP: f64 = 1e-6;
         let (load, slope) = sums;
-        let mut surpluses = Vec::new();
-        for plate in self.plates().each() {
-            let arm = perpendicular(&plate.place);
+        let uniform = self.object.points();
+        let points = self.pressure.as_ref().map_or(uniform, |pressure| &pressure.points);
+        for Point { place, share, .. } in points {
+            let place = self.stretch * place;
+            let arm = perpendicular(&place);
             let velocity = motion.xy() + motion.z * arm;
             let square = velocity.norm_squared();
             if square == 0.0 {
-                surpluses.push(0.0);
                 continue;
             }
-            let surplus = local.surplus(&plate.place, &velocity);
-            let growth = (local.surplus(&plate.place, &((1.0 + STEP) * velocity)) - surplus) / STEP;
-            surpluses.push(surplus);
+            let surplus = local.surplus(&place, &velocity);
+            let growth = (local.surplus(&place, &((1.0 + STEP) * velocity)) - surplus) / STEP;
+            let (turned, image) = (self.tensor * arm, self.tensor * velocity);
+            add_point(share * surplus, &self.tensor, &turned, &image, load, slope);
             if growth != 0.0 {
                 // ds = growth · d|v|/|v|, with d|v| = v·(dv + J r dω)/|v|.
-                let (turned, image) = (self.tensor * arm, self.tensor * velocity);
                 let force = self.tensor * image / image.norm();
                 let force = Vector3::new(force.x, force.y, turned.dot(&image) / image.norm());
                 let faster = Vector3::new(velocity.x, velocity.y, velocity.dot(&arm));
-                *slope += plate.share * growth / square * force * faster.transpose();
+                *slope += share * growth / square * force * faster.transpose();
             }
         }
-        let mut surpluses = surpluses.into_iter();
-        let weights =
-            |group: &Group| group.share.map(|share| share * surpluses.next().unwrap_or_default());
-        let (more, more_slope) = self.plates().load(&self.tensor, motion, weights);
-        *load += more;
-        *slope += more_slope;
     }
+}
+
+/// Adds `weight` times Aᵀ v/|v|, with v = A t the velocity of a point and A = (`tensor`, `arm`).
+fn add_point(
+    weight: f64,
+    tensor: &Matrix2<f64>,
+    arm: &Vector2<f64>,
+    velocity: &Vector2<f64>,
+    load: &mut Vector3<f64>,
+    slope: &mut Matrix3<f64>,
+) {
+    let speed = velocity.norm();
+    let across = perpendicular(velocity) / speed;
+    let force = tensor.tr_mul(velocity) * (weight / speed);
+    *load += Vector3::new(force.x, force.y, weight / speed * arm.dot(velocity));
+    // (1 − v̂ v̂ᵀ) is the part across the velocity.
+    let side = tensor.tr_mul(&across);
+    let side = Vector3::new(side.x, side.y, arm.dot(&across));
+    *slope += weight / speed * side * side.transpose();
 }
 
 /// A⁻¹ = diag(T², c²) of the ellipsoid of a moment, per unit of the largest force.
@@ -247,13 +268,8 @@ pub(crate) fn turning_ratio(object: &Object, support: &Support) -> f64 {
     if support.tensor_o.is_zero() {
         return 1.0;
     }
-    let inverse = support.tensor_o.exp(-1.0);
-    let (mut with, mut without) = (0.0, 0.0);
-    for (place, share) in object.points() {
-        with += share * (inverse * place).norm();
-        without += share * place.norm();
-    }
-    with / without
+    let points = object.lanes();
+    points.mean_norm(&support.tensor_o.exp(-1.0)) / points.mean_norm(&Matrix2::identity())
 }
 
 /// From motions at S to those of a given surface at the origin of the outline.

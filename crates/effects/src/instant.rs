@@ -9,6 +9,7 @@ use planar::{Pose, Twist, cross, perpendicular};
 use crate::balance::{Answer, Balance, Touch, closed_form};
 use crate::effect::{Moment, Stage};
 use crate::friction::{Friction, Local, ellipsoid, turning_ratio};
+use crate::points::Point;
 use crate::pressure::Pressure;
 use crate::{ContactLaw, EffectError, PushPhysics, StepInput, Support};
 
@@ -190,7 +191,7 @@ impl<'a> Instant<'a> {
             return None;
         }
         let local = Local::new(self.physics, &self.pose_wo, &self.center);
-        let is_there = self.step.object.points().iter().any(|(place, _)| {
+        let is_there = self.step.object.points().iter().any(|Point { place, .. }| {
             local.surplus(place, &(motion.xy() + motion.z * perpendicular(place))) != 0.0
         });
         is_there.then_some(local)
@@ -207,16 +208,16 @@ impl<'a> Instant<'a> {
         Friction::new(&self.step.object, &self.support, given, pressure, local)
     }
 
-    /// The pressure of the moment, worked out anew only if it changed; none for uniform pressure.
+    /// The load that leans, worked out anew only if its center moved; none for uniform pressure.
     fn pressure(&self, memory: &mut Memory) -> Result<Option<Arc<Pressure>>, EffectError> {
-        let Support { center_o, length_ratio, .. } = &self.support;
-        if *center_o == Vector2::zeros() && *length_ratio == 1.0 {
+        let center = &self.support.center_o;
+        if *center == Vector2::zeros() {
             return Ok(None);
         }
-        let known = memory.pressure.take().filter(|known| known.is(center_o, *length_ratio));
+        let known = memory.pressure.take().filter(|known| known.is(center));
         memory.pressure = Some(match known {
             Some(known) => known,
-            None => self.step.object.pressure(center_o, *length_ratio)?,
+            None => self.step.object.pressure(center)?,
         });
         Ok(memory.pressure.clone())
     }

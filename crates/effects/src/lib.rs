@@ -17,7 +17,7 @@ mod object;
 mod pages;
 mod parameter;
 mod patch_table;
-mod plates;
+mod points;
 mod pressure;
 mod push_physics;
 mod reading;

@@ -9,7 +9,7 @@ use planar::{Shape, cross};
 use crate::EffectError;
 use crate::error::{finite, positive};
 use crate::patch_table::PatchTable;
-use crate::plates::{Plate, Plates};
+use crate::points::{Point, Points};
 use crate::pressure::Pressure;
 
 /// An object on the table, with what predictions need of it worked out once.
@@ -25,8 +25,8 @@ pub struct Object {
     centroid: Vector2<f64>,
     mean_distance: f64,
     second_moment: Matrix2<f64>,
-    points: Vec<(Vector2<f64>, f64)>,
-    plates: Plates,
+    points: Vec<Point>,
+    lanes: Points,
     ellipsoid: Ellipsoid,
     patch: OnceLock<Result<PatchTable, MechanicsError>>,
     /// The last one that was asked for: the steps of a set ask for the same again and again.
@@ -50,17 +50,9 @@ impl Object {
         finite("the center of mass", center_of_mass.x + center_of_mass.y, "m")?;
         let centroid = shape.centroid();
         let points = support_points(&shape, &centroid);
-        let second_moment = points.iter().map(|(r, share)| *share * r * r.transpose()).sum();
+        let second_moment = points.iter().map(|p| p.share * p.place * p.place.transpose()).sum();
         let mean_distance = shape.mean_distance(&centroid);
         let ellipsoid = Ellipsoid::new(1.0, mean_distance)?;
-        let spin = shape.area() / 12.0;
-        let plate = |(place, share): &(Vector2<f64>, f64)| Plate {
-            place: *place,
-            spin: share * spin,
-            uniform: *share,
-            share: *share,
-        };
-        let plates = Plates::new(points.iter().map(plate));
         let (patch, pressure) = (OnceLock::new(), Mutex::new(None));
         Ok(Self {
             shape,
@@ -70,8 +62,8 @@ impl Object {
             centroid,
             mean_distance,
             second_moment,
+            lanes: Points::new(&points),
             points,
-            plates,
             ellipsoid,
             patch,
             pressure,
@@ -123,14 +115,14 @@ impl Object {
         &self.second_moment
     }
 
-    /// Points that stand for the supported area: place from the centroid, in m, and share of the load.
-    pub(crate) fn points(&self) -> &[(Vector2<f64>, f64)] {
+    /// Points about the centroid that stand for the supported area under uniform pressure.
+    pub(crate) fn points(&self) -> &[Point] {
         &self.points
     }
 
-    /// The supported area as square plates, under uniform pressure.
-    pub(crate) fn plates(&self) -> &Plates {
-        &self.plates
+    /// The same points, for sums over all of them.
+    pub(crate) fn lanes(&self) -> &Points {
+        &self.lanes
     }
 
     /// The ellipsoid of uniform pressure about the centroid, its largest force 1.
@@ -144,18 +136,16 @@ impl Object {
         made.as_ref().map_err(|error| EffectError::Mechanics(error.clone()))
     }
 
-    /// Pressure whose center is `shift` (m) from the centroid, and whose mean distance from it is
-    /// `ratio` times that of uniform pressure.
-    pub(crate) fn pressure(
-        &self,
-        shift: &Vector2<f64>,
-        ratio: f64,
-    ) -> Result<Arc<Pressure>, EffectError> {
+    /// Pressure whose center is `shift` from the centroid, in m.
+    ///
+    /// # Errors
+    /// `NotConverged`.
+    pub(crate) fn pressure(&self, shift: &Vector2<f64>) -> Result<Arc<Pressure>, EffectError> {
         let last = || self.pressure.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = last().as_ref().filter(|known| known.is(shift, ratio)) {
+        if let Some(known) = last().as_ref().filter(|known| known.is(shift)) {
             return Ok(known.clone());
         }
-        let pressure = Arc::new(Pressure::new(self, shift, ratio)?);
+        let pressure = Arc::new(Pressure::new(self, shift)?);
         *last() = Some(pressure.clone());
         Ok(pressure)
     }
@@ -170,9 +160,13 @@ const GAUSS: [(f64, f64); 4] = [
 ];
 
 /// Sixteen points on the triangle of the centroid and each edge, or on each eighth of an ellipse.
-fn support_points(shape: &Shape, centroid: &Vector2<f64>) -> Vec<(Vector2<f64>, f64)> {
+fn support_points(shape: &Shape, centroid: &Vector2<f64>) -> Vec<Point> {
     let area = shape.area();
     let mut points = Vec::new();
+    // A square plate of the point's share of the area.
+    let mut add = |place, share: f64| {
+        points.push(Point { place, share, spin: (share * area / 12.0).sqrt() });
+    };
     match shape {
         Shape::Polygon(polygon) => {
             for (a, b) in polygon.edges() {
@@ -180,7 +174,7 @@ fn support_points(shape: &Shape, centroid: &Vector2<f64>) -> Vec<(Vector2<f64>, 
                 let share = cross(&a, &b) / area;
                 for (s, weight_s) in GAUSS {
                     for (u, weight_u) in GAUSS {
-                        points.push((s * (a + u * (b - a)), weight_s * weight_u * s * share));
+                        add(s * (a + u * (b - a)), weight_s * weight_u * s * share);
                     }
                 }
             }
@@ -191,7 +185,7 @@ fn support_points(shape: &Shape, centroid: &Vector2<f64>) -> Vec<(Vector2<f64>, 
                 for k in 0..ANGLES {
                     let psi = std::f64::consts::TAU * (f64::from(k) + 0.5) / f64::from(ANGLES);
                     let share = 2.0 * weight * s / f64::from(ANGLES);
-                    points.push((s * ellipse.at_parameter(psi), share));
+                    add(s * ellipse.at_parameter(psi), share);
                 }
             }
         }
@@ -212,8 +206,9 @@ mod tests {
         for name in MIT_NAMES {
             let shape = Arc::new(mit_object(name).unwrap().shape);
             let object = Object::uniform(shape.clone(), 0.8).unwrap();
-            let total: f64 = object.points().iter().map(|(_, share)| share).sum();
-            let first: Vector2<f64> = object.points().iter().map(|(r, share)| *share * r).sum();
+            let total: f64 = object.points().iter().map(|point| point.share).sum();
+            let first: Vector2<f64> =
+                object.points().iter().map(|point| point.share * point.place).sum();
             assert!((total - 1.0).abs() < 1e-14, "{name} {total}");
             assert!(first.norm() < 1e-16, "{name} {first}");
             let polar = shape.second_moment(object.centroid()) / shape.area();

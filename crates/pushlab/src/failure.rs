@@ -1,5 +1,6 @@
 //! How a run ends, and what is said when it fails.
 
+use dataset::MANIFEST_NAME;
 use std::fmt;
 use std::io::{self, ErrorKind};
 use std::process::ExitCode;
@@ -60,6 +61,12 @@ fn chain(error: &anyhow::Error) -> String {
     text
 }
 
+/// Whether a message is about a model file that is not there.
+fn is_model(message: &str) -> bool {
+    let first = message.lines().next().unwrap_or_default();
+    first.ends_with(".toml") && !first.ends_with(MANIFEST_NAME)
+}
+
 /// What to do about a draft that `init` wrote, or an error of the operating system; other messages
 /// say it themselves.
 fn remedy(error: &anyhow::Error) -> Option<&'static str> {
@@ -68,6 +75,9 @@ fn remedy(error: &anyhow::Error) -> Option<&'static str> {
     }
     let system = error.chain().find_map(|cause| cause.downcast_ref::<io::Error>())?;
     match system.kind() {
+        ErrorKind::NotFound if is_model(&chain(error)) => Some(
+            "check the path; `pushlab models init SET` writes the nominal model of a recording set",
+        ),
         ErrorKind::NotFound => Some("check the path; a relative one begins at the current folder"),
         ErrorKind::PermissionDenied => Some("check who may read and write there"),
         ErrorKind::IsADirectory => Some("this is a folder; name a file"),

@@ -2,23 +2,20 @@
 
 use effects::{Effect, Off, by_id};
 
-use super::confirmation::Confirmation;
 use super::rules::{Claims, Objection, Rules};
 use super::search::Found;
-use super::{DiagnoseSettings, EffectFinding, Gain, ParameterFinding, Status};
+use super::{DiagnoseSettings, EffectFinding, ParameterFinding, Status};
 use crate::{EffectFit, ScreenedCoordinate, ScreenedEffect};
 
 /// Every effect that the model asked about lacks, those claimed first.
 pub(super) fn findings(
     found: &Found,
-    confirmation: &Confirmation,
     claims: &Claims,
     settings: &DiagnoseSettings,
 ) -> Vec<EffectFinding> {
     let all = found.first_screen.effects.iter();
-    let mut findings: Vec<EffectFinding> = all
-        .map(|screened| Finding { found, confirmation, claims, settings, screened }.tell())
-        .collect();
+    let mut findings: Vec<EffectFinding> =
+        all.map(|screened| Finding { found, claims, settings, screened }.tell()).collect();
     let place = |finding: &EffectFinding| {
         let accepted = found.accepted.iter().position(|one| one.id == finding.id);
         (finding.status as usize, accepted.unwrap_or(usize::MAX))
@@ -30,7 +27,6 @@ pub(super) fn findings(
 /// One effect with all that is known of it.
 struct Finding<'a> {
     found: &'a Found,
-    confirmation: &'a Confirmation,
     claims: &'a Claims,
     settings: &'a DiagnoseSettings,
     screened: &'a ScreenedEffect,
@@ -60,16 +56,17 @@ impl Finding<'_> {
             (None, Some(objection)) => objection.to_string(),
             (None, None) => String::new(),
         };
-        let log_density_gain: Option<Gain> = accepted.map(|k| self.confirmation.gains[k]);
         let is_tested = self.screened.not_testable.is_none();
         let p_adjusted = accepted.map(|k| found.accepted[k].p_adjusted);
-        let p_adjusted = p_adjusted.or(last.filter(|_| is_tested).map(|one| one.p_adjusted));
+        let p_adjusted = p_adjusted
+            .or_else(|| last.filter(|_| is_tested).map(|one| one.p_adjusted))
+            .or_else(|| is_tested.then_some(self.screened.p_adjusted));
         EffectFinding {
             id: id.to_owned(),
             status,
             p_adjusted,
-            gap_closed: accepted.and_then(|k| self.confirmation.gap_closed(k)),
-            log_density_gain,
+            gap_closed: accepted.and_then(|k| found.accepted[k].gap_closed),
+            log_density_gain: accepted.map(|k| found.accepted[k].gain),
             parameters: self.parameters(accepted),
             rivals: self.rivals(accepted),
             why,
@@ -78,15 +75,12 @@ impl Finding<'_> {
 
     /// What keeps an effect that passed the screen from being claimed.
     fn objection(&self, accepted: Option<usize>) -> Option<Objection> {
-        match accepted {
-            Some(k) if k < self.claims.n_accepted => None,
-            Some(k) => Some(Objection::NotConfirmed { gain: self.confirmation.gains[k] }),
-            None => {
-                let mut refused = self.found.refused.iter().rev();
-                let refused = refused.find(|refused| refused.id == self.screened.id);
-                refused.map(|refused| refused.objection.clone())
-            }
+        if accepted.is_some() {
+            return None;
         }
+        let mut refused = self.found.refused.iter().rev();
+        let refused = refused.find(|refused| refused.id == self.screened.id);
+        refused.map(|refused| refused.objection.clone())
     }
 
     /// Effects that explain as much, and those that the screen could not tell from it.

@@ -1,6 +1,5 @@
 //! What the best model leaves over.
 
-use super::confirmation::Confirmation;
 use super::rules::Rules;
 use super::search::Found;
 use super::{DiagnoseSettings, Leftover};
@@ -24,19 +23,17 @@ const MISSES: f64 = 1.25;
 /// Looks for structure in what the confirmed model leaves of the pushes that it was fitted to.
 pub(super) fn leftover(
     found: &Found,
-    confirmation: &Confirmation,
     fitted: &Observations,
     settings: &DiagnoseSettings,
 ) -> Result<Left, DiagnosisError> {
-    let n = confirmation.n_confirmed();
-    let model = found.predictor(n);
-    let predictions = Predictions::of(model, &settings.own, fitted)?;
+    let predictions = Predictions::of(&found.with_nuisances, &settings.own, fitted)?;
     let floor = noise_floor(fitted, &predictions, &RepeatTolerance::default())?;
     let map_settings = MapSettings { seed: settings.seed, ..MapSettings::default() };
     let comparison = compare(fitted, &predictions, &floor, &map_settings)?;
     let p = comparison.maps.iter().map(|map| map.p_adjusted).min_by(f64::total_cmp);
-    let sentence = comparison.findings.first().map(|finding| finding.sentence.clone());
-    Ok(Left { p, sentence, rms: confirmation.rms[n] })
+    let mut sure = comparison.findings.iter().filter(|finding| finding.p_adjusted <= Rules::NAME);
+    let sentence = sure.next().map(|finding| finding.sentence.clone());
+    Ok(Left { p, sentence, rms: found.error.after })
 }
 
 impl Left {

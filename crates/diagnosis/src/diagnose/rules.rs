@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-use super::confirmation::Confirmation;
 use super::leftover::Left;
 use super::search::Found;
 use super::{Gain, Verdict};
-use crate::{Fit, Tolerances};
+use crate::fit::Refit;
+use crate::{Fit, Observations, Tolerances, Undetermined};
 
 /// Rules for an effect that explains more than those before it.
 pub(super) struct Rules {
@@ -23,7 +23,10 @@ pub(super) enum Objection {
     LittleMore { share: f64 },
     Undetermined { why: String },
     WithinTolerance { parameter: &'static str },
+    NotPredictive { gain: Gain },
     NotConfirmed { gain: Gain },
+    Superfluous,
+    Unsettled { why: String },
 }
 
 impl Rules {
@@ -56,15 +59,13 @@ impl Rules {
     }
 
     /// What speaks against an effect by its estimate.
-    pub(super) fn objection_to(
-        &self,
-        fit: &Fit,
-        id: &str,
-        tolerances: &Tolerances,
-    ) -> Option<Objection> {
+    ///
+    /// That another effect looks like it does not: the two are rivals.
+    pub(super) fn objection_to(fit: &Fit, id: &str, tolerances: &Tolerances) -> Option<Objection> {
         let effect = fit.effects.iter().find(|effect| effect.id == id)?;
-        if let Some(why) = &effect.undetermined {
-            return Some(Objection::Undetermined { why: why.to_string() });
+        match &effect.undetermined {
+            None | Some(Undetermined::LooksLike { .. }) => {}
+            Some(why) => return Some(Objection::Undetermined { why: why.to_string() }),
         }
         if effect.p > Self::NAME {
             return Some(Objection::NotSure { p: effect.p });
@@ -80,7 +81,23 @@ impl Rules {
         first.map(|parameter| Objection::WithinTolerance { parameter: parameter.name })
     }
 
-    fn confirms(gain: &Gain) -> bool {
+    /// What speaks against an effect by what it predicts of clusters that are left out of the fit:
+    /// the simpler model stays where it is within a standard error.
+    pub(super) fn objection_to_gain(
+        observations: &Observations,
+        without: &Refit,
+        with: &Refit,
+    ) -> Option<Objection> {
+        let (without, with) = (without.left_out()?, with.left_out()?);
+        let gains = observations.pushes_of_clusters().into_iter().map(|pushes| {
+            pushes.iter().map(|push| 0.5 * (without[*push] - with[*push])).sum::<f64>()
+        });
+        let gain = Gain::of(&gains.collect::<Vec<_>>());
+        (gain.mean < gain.se).then_some(Objection::NotPredictive { gain })
+    }
+
+    /// Whether pushes set aside miss an effect.
+    pub(super) fn confirms(gain: &Gain) -> bool {
         gain.mean >= Self::GAIN.max(Self::GAIN_OVER_SE * gain.se)
     }
 }
@@ -100,6 +117,12 @@ impl fmt::Display for Objection {
             Self::WithinTolerance { parameter } => {
                 write!(f, "{parameter} is within what the manifest leaves open")
             }
+            Self::NotPredictive { gain } => {
+                let Gain { mean, se } = gain;
+                write!(f, "pushes left out of the fit gain {mean:.1} ± {se:.1} nats alone")
+            }
+            Self::Superfluous => f.write_str("a later effect explains what it explained"),
+            Self::Unsettled { why } => write!(f, "its fit does not settle: {why}"),
             Self::NotConfirmed { gain } => {
                 let Gain { mean, se } = gain;
                 write!(f, "pushes set aside gain {mean:.1} ± {se:.1} nats alone")
@@ -114,8 +137,6 @@ pub(super) struct Claims {
     /// Effects that are claimed, and groups of which one is.
     pub(super) named: Vec<&'static str>,
     pub(super) groups: Vec<Vec<&'static str>>,
-    /// Accepted effects that the pushes set aside confirm.
-    pub(super) n_accepted: usize,
     /// Whether something is left that no effect explains.
     pub(super) is_left: bool,
 }
@@ -124,20 +145,16 @@ pub(super) struct Claims {
 const HALF: f64 = 0.5;
 
 /// The verdict.
-pub(super) fn claims(found: &Found, confirmation: &Confirmation, left: &Left) -> Claims {
-    let n_accepted = confirmation.n_confirmed();
-    let confirmed = &found.accepted[..n_accepted];
-    let alone = confirmed.iter().filter(|one| one.rivals.is_empty());
+pub(super) fn claims(found: &Found, left: &Left) -> Claims {
+    let alone = found.accepted.iter().filter(|one| one.rivals.is_empty());
     let mut named: Vec<&'static str> = alone.map(|one| one.id).collect();
-    let shared = confirmed.iter().filter(|one| !one.rivals.is_empty());
+    let shared = found.accepted.iter().filter(|one| !one.rivals.is_empty());
     let mut groups: Vec<Vec<&'static str>> =
         shared.map(|one| [&[one.id], one.rivals.as_slice()].concat()).collect();
     let is_left = left.is_left();
-    let closes = confirmation.error.gap_closed.is_none_or(|closed| closed >= HALF);
-    let has_hint = !found.refused.is_empty()
-        || n_accepted < found.accepted.len()
-        || left.p.is_some_and(|p| p <= Rules::HINT);
-    let verdict = if is_left && (n_accepted == 0 || !closes) {
+    let closes = found.error.gap_closed.is_none_or(|closed| closed >= HALF);
+    let has_hint = !found.refused.is_empty() || left.p.is_some_and(|p| p <= Rules::HINT);
+    let verdict = if is_left && (found.accepted.is_empty() || !closes) {
         Verdict::StructureUnexplained
     } else if !named.is_empty() {
         Verdict::Named
@@ -152,12 +169,5 @@ pub(super) fn claims(found: &Found, confirmation: &Confirmation, left: &Left) ->
         named.clear();
         groups.clear();
     }
-    Claims { verdict, named, groups, n_accepted, is_left }
-}
-
-impl Confirmation {
-    /// How many of the accepted effects, in their order, predict the pushes set aside better.
-    pub(super) fn n_confirmed(&self) -> usize {
-        self.gains.iter().take_while(|gain| Rules::confirms(gain)).count()
-    }
+    Claims { verdict, named, groups, is_left }
 }

@@ -1,50 +1,56 @@
 //! Adding the best effect, as long as one obeys every rule.
 
-use effects::Channels;
+use effects::{Effect, by_id};
 use models::Description;
 
-use super::DiagnoseSettings;
 use super::rules::{Objection, Rules};
-use crate::{
-    DiagnosisError, EffectFit, Fit, FitSettings, NoiseModel, Observations, Predictions, Screen,
-    Whitening, fit, screen,
-};
+use super::{DiagnoseSettings, ErrorFall, Gain};
+use crate::fit::{Refit, Trial};
+use crate::{DiagnosisError, EffectFit, FitSettings, NoiseModel, Observations, Screen, screen};
 
 /// The search on the pushes to fit to.
 pub(super) struct Search<'a> {
     pub(super) model: &'a Description,
+    pub(super) all: &'a Observations,
     pub(super) fitted: &'a Observations,
-    pub(super) noise: &'a NoiseModel,
+    /// Opened when the search is over.
+    pub(super) aside: &'a Observations,
     pub(super) settings: &'a DiagnoseSettings,
 }
 
 /// What a search found.
 pub(super) struct Found {
-    /// The model asked about: its nuisances fitted, but for those that are claimed to be wrong.
-    pub(super) base: Description,
     /// The screen of the model asked about.
     pub(super) first_screen: Screen,
     /// The screen of the last model.
     pub(super) last_screen: Screen,
-    /// Effects in the order of adding.
+    /// What the pushes set aside confirm, in the order of adding.
     pub(super) accepted: Vec<Accepted>,
     /// Effects that passed the screen, and what speaks against them.
     pub(super) refused: Vec<Refused>,
+    /// The noise, learnt beside the last model.
+    pub(super) noise: NoiseModel,
+    /// The error on the pushes set aside.
+    pub(super) error: ErrorFall,
+    /// The model with what is confirmed.
+    pub(super) description: Description,
+    /// The same with the nuisances, for predictions.
+    pub(super) with_nuisances: Description,
 }
 
-/// An effect that was added.
+/// An effect that was added and is confirmed.
 #[derive(Clone)]
 pub(super) struct Accepted {
     pub(super) id: &'static str,
     pub(super) p_adjusted: f64,
     /// Effects that explain as much.
     pub(super) rivals: Vec<&'static str>,
-    /// The effect as fitted beside those before it.
+    /// The effect as fitted beside all others.
     pub(super) effect: EffectFit,
-    /// The model with it, and those before.
-    pub(super) description: Description,
-    /// The same with the nuisances, for predictions.
-    pub(super) with_nuisances: Description,
+    /// What the pushes set aside lose without it, all others fitted anew.
+    pub(super) gain: Gain,
+    /// Share of the gap to the floor that opens without it.
+    pub(super) gap_closed: Option<f64>,
 }
 
 /// An effect that passed the screen and was not added.
@@ -53,183 +59,219 @@ pub(super) struct Refused {
     pub(super) objection: Objection,
 }
 
-/// An effect fitted beside those that were added before.
-struct Attempt {
-    id: &'static str,
-    p_adjusted: f64,
-    freedom: usize,
-    fit: Fit,
+/// An effect that obeys every rule so far.
+#[derive(Clone)]
+pub(super) struct Choice {
+    pub(super) id: &'static str,
+    pub(super) p_adjusted: f64,
+    pub(super) rivals: Vec<&'static str>,
 }
 
-/// Effects that are refitted after a screen.
-const MOST_REFITS: usize = 6;
-/// An effect whose score is a smaller share of the largest is not refitted.
+/// How far a search has come.
+#[derive(Default)]
+pub(super) struct Progress {
+    pub(super) chosen: Vec<Choice>,
+    pub(super) refused: Vec<Refused>,
+    pub(super) first_screen: Option<Screen>,
+    /// Fall of the sum by all that were chosen.
+    gain: f64,
+}
+
+/// Effects that are tried after a screen, the strongest first.
+const MOST_TRIALS: usize = 6;
+/// An effect whose score is a smaller share of the largest is not tried.
 const LEAST_SHARE: f64 = 0.05;
-
-impl Found {
-    /// The model with the first `n` accepted effects and the nuisances, for predictions.
-    pub(super) fn predictor(&self, n: usize) -> &Description {
-        match n {
-            0 => &self.base,
-            _ => &self.accepted[n - 1].with_nuisances,
-        }
-    }
-}
+/// Trials within this of the best, in units of the sum and as a share of the fall, go on to their
+/// minimum.
+const FINALIST: (f64, f64) = (50.0, 0.2);
 
 impl Search<'_> {
     pub(super) fn run(&self) -> Result<Found, DiagnosisError> {
-        let own = &self.settings.own;
-        let mut whitening = self.noise.whitening(self.model, own, self.fitted)?;
-        let mut here = self.fit(&[], &whitening, false)?;
-        let first_screen = self.screen(&here.description)?;
-        let mut found = Found {
-            base: here.with_nuisances.clone(),
-            last_screen: first_screen.clone(),
-            first_screen,
-            accepted: Vec::new(),
-            refused: Vec::new(),
-        };
-        while found.accepted.len() < self.settings.most_effects {
-            let known: Vec<&'static str> = found.accepted.iter().map(|one| one.id).collect();
-            whitening = self.noise.whitening(&here.with_nuisances, own, self.fitted)?;
-            here = self.fit(&known, &whitening, false)?;
-            let (best, refused) = self.next(&here, &known, &found.last_screen, &whitening)?;
-            found.refused.extend(refused);
-            let Some((accepted, fit)) = best else { break };
-            found.refused.retain(|one| one.id != accepted.id);
-            found.last_screen = self.screen(&fit.description)?;
-            found.accepted.push(accepted);
-            here = fit;
-        }
-        self.add_nominal(&mut found, &here, &whitening)?;
-        Ok(found)
+        let noise = self.noise(self.model)?;
+        let whitening = noise.whitening(self.model, &self.settings.own, self.fitted)?;
+        let settings = self.fit_settings(false);
+        let here = Refit::new(self.fitted, self.model, &whitening, &settings)?;
+        self.go_on(&here, Progress::default())
     }
 
-    /// The best effect beside those known that obeys every rule, and those that did not.
-    fn next(
-        &self,
-        here: &Fit,
-        known: &[&'static str],
-        screen: &Screen,
-        whitening: &Whitening,
-    ) -> Result<(Option<(Accepted, Fit)>, Vec<Refused>), DiagnosisError> {
-        let mut attempts = self.attempts(known, screen, whitening)?;
-        let cost =
-            |attempt: &Attempt| misfit(&attempt.fit, whitening) + 2.0 * attempt.freedom as f64;
-        attempts.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-        let base = match known {
-            [] => misfit(here, whitening),
-            _ => misfit(&self.fit(&[], whitening, false)?, whitening),
+    /// Adds one effect after the other to a model at its minimum. Each time the noise is learnt anew,
+    /// for what alike pushes differ by is the less the model misses the surer noise; and its
+    /// covariance is linearised anew, for pushes at the edge of sliding change sides.
+    fn go_on(&self, from: &Refit, mut progress: Progress) -> Result<Found, DiagnosisError> {
+        let [_, about] = from.descriptions()?;
+        let noise = self.noise(&about)?;
+        let whitening = noise.whitening(&about, &self.settings.own, self.fitted)?;
+        let here = from.rewhitened(&whitening)?;
+        let (screened, own) = (self.screened(&here)?, &self.settings.own);
+        let screen = screen(&screened, own, self.fitted, &noise, &self.settings.screen)?;
+        progress.first_screen.get_or_insert_with(|| screen.clone());
+        if progress.chosen.len() == self.settings.most_effects {
+            return self.concluded(&here, progress, screen, noise);
+        }
+        let Some((choice, there)) = self.next(&here, &screen, &mut progress)? else {
+            return self.concluded(&here, progress, screen, noise);
         };
-        let gain_so_far = base - misfit(here, whitening);
-        let rules = Rules { gain_so_far, is_first: known.is_empty() };
-        let mut refused = Vec::new();
-        for (index, attempt) in attempts.iter().enumerate() {
-            let Attempt { id, p_adjusted, .. } = *attempt;
-            let gain = misfit(here, whitening) - misfit(&attempt.fit, whitening);
-            let size = self.size(&here.with_nuisances, &attempt.fit.with_nuisances)?;
-            let mut objection = rules.objection(p_adjusted, gain, size);
+        progress.refused.retain(|one| one.id != choice.id);
+        progress.gain += here.misfit() - there.misfit();
+        progress.chosen.push(choice);
+        let there = self.without_superfluous(there, &mut progress)?;
+        self.go_on(&there, progress)
+    }
+
+    /// The best effect beside those chosen that obeys every rule; notes those that do not.
+    fn next<'a>(
+        &self,
+        here: &Refit<'a>,
+        screen: &Screen,
+        progress: &mut Progress,
+    ) -> Result<Option<(Choice, Refit<'a>)>, DiagnosisError> {
+        let rules = Rules { gain_so_far: progress.gain, is_first: progress.chosen.is_empty() };
+        let trials = self.trials(here, screen, progress)?;
+        for (index, (trial, size)) in trials.iter().enumerate() {
+            let id = trial.id();
+            let screened = screen.effects.iter().find(|effect| effect.id == id);
+            let p_adjusted = screened.map_or(1.0, |effect| effect.p_adjusted);
+            let gain = here.misfit() - trial.misfit();
+            let mut objection = rules.objection(p_adjusted, gain, *size);
+            // An effect whose refit does not settle is no explanation.
             if objection.is_none() {
-                let ids: Vec<&str> = known.iter().copied().chain([id]).collect();
-                let whole = self.fit(&ids, whitening, true)?;
-                objection = rules.objection_to(&whole, id, &self.settings.screen.tolerances);
-                if objection.is_none()
-                    && let Some(accepted) = Accepted::of(&whole, id, p_adjusted)
-                {
-                    let rivals = rivals(&attempts, index, whitening);
-                    return Ok((Some((Accepted { rivals, ..accepted }, whole)), refused));
+                match here.with(trial) {
+                    Err(why) => objection = Some(Objection::Unsettled { why: why.to_string() }),
+                    Ok(there) => {
+                        objection = self.objection_to(here, &there, id)?;
+                        if objection.is_none() {
+                            let rivals = rivals(&trials, index, there.scale());
+                            return Ok(Some((Choice { id, p_adjusted, rivals }, there)));
+                        }
+                    }
                 }
             }
-            refused.extend(objection.map(|objection| Refused { id, objection }));
+            progress.refused.extend(objection.map(|objection| Refused { id, objection }));
         }
-        Ok((None, refused))
+        Ok(None)
     }
 
-    /// The best effects of a screen, each fitted beside those known.
-    fn attempts(
+    /// What speaks against an effect by its estimate and by what it predicts.
+    fn objection_to(
         &self,
-        known: &[&'static str],
+        here: &Refit,
+        there: &Refit,
+        id: &str,
+    ) -> Result<Option<Objection>, DiagnosisError> {
+        let fit = there.fit(&self.fit_settings(false))?;
+        let objection = Rules::objection_to(&fit, id, &self.settings.screen.tolerances);
+        Ok(objection.or_else(|| Rules::objection_to_gain(self.fitted, here, there)))
+    }
+
+    /// The likeliest effects of a screen beside those chosen, near their minima, the best first, each
+    /// with its size.
+    fn trials<'a>(
+        &self,
+        here: &Refit<'a>,
         screen: &Screen,
-        whitening: &Whitening,
-    ) -> Result<Vec<Attempt>, DiagnosisError> {
+        progress: &Progress,
+    ) -> Result<Vec<(Trial<'a>, f64)>, DiagnosisError> {
+        let ids = self.worth_a_trial(screen, progress);
+        let trial = |id: &str| here.trial(self.effect(id)?).ok();
+        let trials = ids.into_iter().filter_map(trial);
+        let sized = |trial: Trial<'a>| Ok((here.size_of(&trial)?, trial));
+        let mut trials = trials.map(sized).collect::<Result<Vec<_>, DiagnosisError>>()?;
+        let cost = |trial: &Trial| trial.misfit() + 2.0 * trial.freedom as f64;
+        let least = trials.iter().map(|(_, trial)| cost(trial)).fold(f64::INFINITY, f64::min);
+        let near = FINALIST.0.max(FINALIST.1 * (here.misfit() - least));
+        for (size, trial) in &mut trials {
+            // Where the way ends early, what was reached counts.
+            if *size >= Rules::SIZE && cost(trial) < least + near && trial.finish().is_ok() {
+                *size = here.size_of(trial)?;
+            }
+        }
+        trials.sort_by(|(_, a), (_, b)| cost(a).total_cmp(&cost(b)));
+        Ok(trials.into_iter().map(|(size, trial)| (trial, size)).collect())
+    }
+
+    /// The strongest effects of a screen, and what looks like the very strongest.
+    fn worth_a_trial(&self, screen: &Screen, progress: &Progress) -> Vec<&'static str> {
         let largest = screen.effects.iter().map(|effect| effect.statistic).fold(0.0, f64::max);
+        let is_nominal = |id: &str| self.settings.screen.tolerances.of(id) == Some(f64::INFINITY);
+        let is_dropped = |id: &str| {
+            let mut refused = progress.refused.iter();
+            refused.any(|one| one.id == id && one.objection == Objection::Superfluous)
+        };
         let is_worth = |effect: &&crate::ScreenedEffect| {
             effect.not_testable.is_none()
+                && !is_nominal(effect.id)
+                && !is_dropped(effect.id)
                 && effect.p_adjusted <= Rules::HINT
                 && effect.statistic >= LEAST_SHARE * largest
         };
-        let mut attempts = Vec::new();
-        for effect in screen.effects.iter().filter(is_worth).take(MOST_REFITS) {
-            let ids: Vec<&str> = known.iter().copied().chain([effect.id]).collect();
-            // An effect whose refit does not settle is no explanation.
-            if let Ok(fit) = self.fit(&ids, whitening, false) {
-                let (id, p_adjusted, freedom) = (effect.id, effect.p_adjusted, effect.freedom);
-                attempts.push(Attempt { id, p_adjusted, freedom, fit });
+        let worth = screen.effects.iter().filter(is_worth).map(|effect| effect.id);
+        let worth: Vec<&'static str> = worth.collect();
+        let best = worth.first().copied().unwrap_or_default();
+        let is_like_best = |id: &str| {
+            let mut pairs = screen.look_alikes.iter();
+            pairs.any(|pair| {
+                [pair.one, pair.other] == [best, id] || [pair.other, pair.one] == [best, id]
+            })
+        };
+        let tried = worth.iter().enumerate();
+        let tried = tried.filter(|(rank, id)| *rank < MOST_TRIALS || is_like_best(id));
+        tried.map(|(_, id)| *id).collect()
+    }
+
+    /// A model without the effects that the last one explains, too.
+    fn without_superfluous<'a>(
+        &self,
+        there: Refit<'a>,
+        progress: &mut Progress,
+    ) -> Result<Refit<'a>, DiagnosisError> {
+        let last = progress.chosen.len() - 1;
+        for id in ids(&progress.chosen[..last]) {
+            let without = there.without(&[id])?;
+            if without.misfit() - there.misfit() < Rules::APART * there.scale().powi(2) {
+                progress.chosen.retain(|one| one.id != id);
+                progress.refused.push(Refused { id, objection: Objection::Superfluous });
+                return Ok(without);
             }
         }
-        Ok(attempts)
+        Ok(there)
     }
 
-    /// The largest root mean square difference that two models' predictions have in one number of a
-    /// step, over the standard deviation of its noise.
-    pub(super) fn size(
-        &self,
-        one: &Description,
-        other: &Description,
-    ) -> Result<f64, DiagnosisError> {
-        let own = &self.settings.own;
-        let predict = |model: &Description| Predictions::of(model, own, self.fitted);
-        let (one, other) = (predict(one)?, predict(other)?);
-        let sd = self.noise.whitening(self.model, own, self.fitted)?.sd();
-        let of_number = |number: usize| {
-            let own = sd.iter().filter(|(_, other, _)| *other == number);
-            let squares: Vec<f64> = own
-                .filter_map(|(step, number, sd)| {
-                    let difference = one.values[*step][*number]? - other.values[*step][*number]?;
-                    Some((difference / sd).powi(2))
-                })
-                .collect();
-            (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
-        };
-        Ok((0..Channels::NAMES.len()).map(of_number).fold(0.0, f64::max))
+    /// The model at its minimum as a screen takes it: what is known beforehand of small nuisances
+    /// stays what it was.
+    fn screened(&self, here: &Refit) -> Result<Description, DiagnosisError> {
+        let [asked, mut whole] = here.descriptions()?;
+        let tolerances = &self.settings.screen.tolerances;
+        let is_bounded = |id: &str| tolerances.of(id).is_some_and(f64::is_finite);
+        whole.effects.retain(|effect| {
+            let is_asked = asked.effects.iter().any(|other| other.id == effect.id);
+            is_asked || !is_bounded(&effect.id)
+        });
+        Ok(whole)
     }
 
-    pub(super) fn fit(
-        &self,
-        ids: &[&str],
-        whitening: &Whitening,
-        intervals: bool,
-    ) -> Result<Fit, DiagnosisError> {
+    pub(super) fn fit_settings(&self, intervals: bool) -> FitSettings {
         let (own, tolerances) = (self.settings.own.clone(), self.settings.screen.tolerances);
-        let settings = FitSettings { own, tolerances, priors: true, intervals };
-        fit(self.fitted, self.model, ids, whitening, &settings)
+        FitSettings { own, tolerances, priors: true, intervals, resemblances: false }
     }
 
-    fn screen(&self, model: &Description) -> Result<Screen, DiagnosisError> {
-        screen(model, &self.settings.own, self.fitted, self.noise, &self.settings.screen)
+    fn noise(&self, about: &Description) -> Result<NoiseModel, DiagnosisError> {
+        NoiseModel::learn(about, &self.settings.own, self.fitted)
     }
-}
 
-impl Accepted {
-    /// An effect of a fit, without rivals.
-    pub(super) fn of(fit: &Fit, id: &'static str, p_adjusted: f64) -> Option<Self> {
-        let effect = fit.effects.iter().find(|effect| effect.id == id)?.clone();
-        let (description, with_nuisances) = (fit.description.clone(), fit.with_nuisances.clone());
-        Some(Self { id, p_adjusted, rivals: Vec::new(), effect, description, with_nuisances })
+    fn effect(&self, id: &str) -> Option<&'static dyn Effect> {
+        let mut own = self.settings.own.iter().copied();
+        own.find(|effect| effect.about().id == id).or_else(|| by_id(id).ok())
     }
 }
 
-/// Sum of squares of the whitened residuals.
-fn misfit(fit: &Fit, whitening: &Whitening) -> f64 {
-    fit.whitened_rms[1].powi(2) * whitening.n_numbers() as f64
+pub(super) fn ids(chosen: &[Choice]) -> Vec<&'static str> {
+    chosen.iter().map(|one| one.id).collect()
 }
 
-/// Effects that explain nearly as much as one of the attempts.
-fn rivals(attempts: &[Attempt], best: usize, whitening: &Whitening) -> Vec<&'static str> {
-    let scale = attempts[best].fit.whitened_rms[1].max(1.0).powi(2);
-    let least = misfit(&attempts[best].fit, whitening);
-    let others = attempts.iter().enumerate().filter(|(index, _)| *index != best);
-    let near =
-        others.filter(|(_, other)| misfit(&other.fit, whitening) - least < Rules::APART * scale);
-    near.map(|(_, other)| other.id).collect()
+/// Effects that explain nearly as much as one of the trials.
+fn rivals(trials: &[(Trial, f64)], best: usize, scale: f64) -> Vec<&'static str> {
+    let near = trials[best].0.misfit() + Rules::APART * scale.powi(2);
+    let others = trials.iter().enumerate().filter(|(index, _)| *index != best);
+    let others = others.map(|(_, (trial, _))| trial);
+    others.filter(|other| other.misfit() < near).map(Trial::id).collect()
 }

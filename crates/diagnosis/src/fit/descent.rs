@@ -45,10 +45,10 @@ struct Quadratic {
 }
 
 const MAX_ITERATIONS: usize = 200;
-/// A hundredth of a standard error: predictions are not smooth on a finer scale.
-const CONVERGED: f64 = 1e-4;
-/// The same where the sum alone counts.
-const SETTLED: f64 = 1e-3;
+/// A thirtieth of a standard error: predictions are hardly smooth on a finer scale.
+const CONVERGED: f64 = 1e-3;
+/// The same where the sum alone counts, which is then near enough wherever no step leads down.
+const SETTLED: f64 = 2e-2;
 /// Where no step leads further down, a fifth of a standard error is near enough: predictions jump a
 /// little where pushes come to slide or let go. What is left widens the errors of the estimates.
 const STUCK: f64 = 0.04;
@@ -57,6 +57,8 @@ const STUCK: f64 = 0.04;
 const POLL: f64 = 0.5;
 /// Slopes that leave more than this of the distance are worked out anew.
 const SLOW: f64 = 0.3;
+/// Share of the fall so far that a brief descent leaves to go.
+const BRIEFLY: f64 = 0.01;
 /// Damping at first, and of slopes that were just worked out.
 const DAMPING: f64 = 1e-3;
 /// Damping at which a step is too short to matter.
@@ -98,8 +100,9 @@ impl Problem<'_> {
                 (at, last) = (next, decrement);
                 continue;
             }
-            let is_near = decrement < near && !is_final;
-            if is_near || (is_fresh && decrement < STUCK) {
+            let is_enough = if is_final { is_fresh } else { true };
+            let is_low = decrement < STUCK || (is_fresh && !is_final);
+            if is_enough && is_low {
                 return Ok(quadratic.end(at, whole, iterations));
             }
             if is_fresh && self.narrow(&mut widths) {
@@ -116,6 +119,38 @@ impl Problem<'_> {
         match quadratic.decrement {
             decrement if decrement < STUCK => Ok(quadratic.end(at, whole, iterations)),
             decrement => Err(DiagnosisError::NotConverged { what, iterations, decrement }),
+        }
+    }
+
+    /// At most some steps down a start, with the slopes that are known there: near the minimum below
+    /// it where it is a smooth one.
+    ///
+    /// # Errors
+    /// `Flat`; what a prediction refuses.
+    pub(super) fn descend_briefly(
+        &self,
+        start: Start,
+        most_steps: usize,
+    ) -> Result<Minimum, DiagnosisError> {
+        let Start { mut at, slopes, .. } = start;
+        let (mut widths, mut damping) = (self.secants.clone(), DAMPING);
+        let mut whole = match slopes {
+            Some(slopes) => slopes,
+            None => self.slopes(&at, &widths)?,
+        };
+        let (mut steps, first) = (0, at.value);
+        loop {
+            let quadratic = self.quadratic(&at, &whole)?;
+            let left = quadratic.decrement * self.robust.scale().powi(2);
+            let is_end = steps == most_steps || left < STUCK.max(BRIEFLY * (first - at.value));
+            let next = match is_end {
+                true => None,
+                false => self.step_down(&at, &quadratic, &mut damping),
+            };
+            let Some(next) = next else { return Ok(quadratic.end(at, whole, steps)) };
+            self.fit_widths(&mut widths, &quadratic, &at, &next);
+            whole = updated(whole, &self.moved(), &widths, &at, &next);
+            (at, steps) = (next, steps + 1);
         }
     }
 

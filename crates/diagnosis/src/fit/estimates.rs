@@ -35,10 +35,7 @@ pub(super) fn estimates(
     settings: &FitSettings,
 ) -> Result<Fit, DiagnosisError> {
     let minimum = &found.after;
-    let (cluster, clusters) = (observations.cluster, observations.pushes_of_clusters());
-    let sandwich = Sandwich::of(problem, minimum, &clusters).ok_or(DiagnosisError::Flat)?;
-    let n_clusters = clusters.len();
-    let ending = Ending { problem, found, sandwich, n_clusters };
+    let ending = Ending::of(problem, found, observations)?;
     let members = || problem.space.members.iter().enumerate();
     let asked = members().filter(|(_, member)| member.part == Part::Asked);
     let effects = asked.map(|(index, _)| ending.effect(index, settings));
@@ -59,8 +56,8 @@ pub(super) fn estimates(
         nuisances: nuisances.flat_map(|(index, _)| ending.nuisance(index, settings)).collect(),
         coordinates: minimum.moved.iter().map(|k| names[*k].clone()).collect(),
         covariance: ending.sandwich.covariance.clone(),
-        cluster,
-        n_clusters,
+        cluster: observations.cluster,
+        n_clusters: ending.n_clusters,
         n_pushes: observations.pushes().len(),
         n_steps: observations.n_steps(),
         whitened_rms: [rms(&found.before), rms(&found.after)],
@@ -68,6 +65,32 @@ pub(super) fn estimates(
         iterations: minimum.iterations,
         decrement: minimum.decrement,
     })
+}
+
+/// The model with what was asked for, and the same with its nuisances.
+pub(super) fn descriptions(
+    problem: &Problem,
+    found: &Found,
+    observations: &Observations,
+    model: &Description,
+) -> Result<[Description; 2], DiagnosisError> {
+    let ending = Ending::of(problem, found, observations)?;
+    let source = observations.source();
+    let asked = ending.description(model, &source, |part| part != Part::Nuisance)?;
+    Ok([asked, ending.description(model, &source, |_| true)?])
+}
+
+impl<'a> Ending<'a> {
+    fn of(
+        problem: &'a Problem<'a>,
+        found: &'a Found,
+        observations: &Observations,
+    ) -> Result<Self, DiagnosisError> {
+        let clusters = observations.pushes_of_clusters();
+        let sandwich = Sandwich::of(problem, &found.after, &clusters);
+        let sandwich = sandwich.ok_or(DiagnosisError::Flat)?;
+        Ok(Self { problem, found, sandwich, n_clusters: clusters.len() })
+    }
 }
 
 impl Ending<'_> {
@@ -104,7 +127,10 @@ impl Ending<'_> {
     fn effect(&self, index: usize, settings: &FitSettings) -> Result<EffectFit, DiagnosisError> {
         let member = &self.problem.space.members[index];
         let p = self.p(index)?;
-        let resemblances = resemblances(self.problem, self.minimum(), index)?;
+        let resemblances = match settings.resemblances {
+            true => resemblances(self.problem, self.minimum(), index)?,
+            false => Vec::new(),
+        };
         let unseen = self.unseen(index);
         let has_intervals =
             settings.intervals && unseen.is_none() && (p <= SIGNIFICANT || !has_direction(member));

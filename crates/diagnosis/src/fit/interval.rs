@@ -32,8 +32,8 @@ pub(super) struct Target {
 
 /// Refits of a side.
 const MOST_REFITS: usize = 8;
-/// Share of the quantile to which an end is found.
-const NEAR: f64 = 0.02;
+/// Share of the quantile from which an end is where a straight line reaches it.
+const NEAR: f64 = 0.2;
 
 /// The interval of a number: where the sum, minimised over all others, has risen by t²/ratio.
 ///
@@ -110,8 +110,10 @@ fn end(
     let mut distance = (target.quantile * target.se).min(room);
     for _ in 0..MOST_REFITS {
         let here = (distance, rise(best[k] + sign * distance)?);
+        // The rise is nearly in proportion to the distance.
         if (here.1 / target.quantile - 1.0).abs() < NEAR {
-            return Ok(Some(best[k] + sign * distance));
+            let end = (distance * target.quantile / here.1).min(room);
+            return Ok(Some(best[k] + sign * end));
         }
         if here.1 < target.quantile {
             if distance >= room {

@@ -1,5 +1,7 @@
 //! The lowest of several minima.
 
+use nalgebra::DMatrix;
+
 use super::descent::{Minimum, Start};
 use super::member::{Member, Part};
 use super::problem::Problem;
@@ -30,15 +32,15 @@ impl Problem<'_> {
         let mut without = self.clone();
         let asked = self.space.of_each(|member| vec![member.part == Part::Asked; member.len()]);
         without.frozen.iter_mut().zip(asked).for_each(|(frozen, asked)| *frozen |= asked);
-        let before = without.settle(start, false)?;
+        let before = without.settle(start, None, false)?;
         self.robust = without.robust;
         let plain = self.switched_on(&before.at.x);
         let far = self.far_start(plain.clone())?;
         let mut other = self.clone();
-        let mut after = self.settle(plain.clone(), true)?;
+        let mut after = self.settle(plain.clone(), None, true)?;
         if far != plain {
             // A start may lead to where the mechanics refuse; the other one counts then.
-            if let Ok(found) = other.settle(far, true)
+            if let Ok(found) = other.settle(far, None, true)
                 && other.robust.value(&found.at.z) < other.robust.value(&after.at.z)
             {
                 (*self, after) = (other, found);
@@ -48,9 +50,17 @@ impl Problem<'_> {
     }
 
     /// The minimum below a place, with weights by the typical residual there.
-    fn settle(&mut self, x: Vec<f64>, is_final: bool) -> Result<Minimum, DiagnosisError> {
+    ///
+    /// # Errors
+    /// As a descent.
+    pub(super) fn settle(
+        &mut self,
+        x: Vec<f64>,
+        slopes: Option<DMatrix<f64>>,
+        is_final: bool,
+    ) -> Result<Minimum, DiagnosisError> {
         let rows = self.whitening.rows();
-        let mut start = Start { at: self.stand(x)?, slopes: None, is_final: false };
+        let mut start = Start { at: self.stand(x)?, slopes, is_final: false };
         for _ in 1..MOST_ROUNDS {
             self.robust = Robust::at(&rows, &start.at.z);
             start.at.value = self.robust.value(&start.at.z);
@@ -69,7 +79,8 @@ impl Problem<'_> {
         })
     }
 
-    fn switched_on(&self, x: &[f64]) -> Vec<f64> {
+    /// The place with the switches of what was asked for set.
+    pub(super) fn switched_on(&self, x: &[f64]) -> Vec<f64> {
         let on = |(member, own): (&Member, &[f64])| {
             let switches = member.switches();
             let asked = member.part == Part::Asked;

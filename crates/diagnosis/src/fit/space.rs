@@ -1,5 +1,6 @@
 //! A model as a function of the numbers that a fit moves.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use effects::{Effect, Object, PressureRadius, PushPhysics, PusherFriction, Setting, by_id};
@@ -90,16 +91,27 @@ impl<'a> Space<'a> {
         Ok(Self { observations, physics, object_of, members })
     }
 
-    /// The same with one more effect, at "off".
+    /// The same with one more effect, at "off"; one that is a nuisance loses its prior.
     pub(super) fn with(&self, effect: &'static dyn Effect) -> Result<Self, DiagnosisError> {
         let mut other = self.clone();
         let rig = self.physics[0].rig().clone();
         let off = effect.about().off(&rig);
+        if let Some(known) = other.members.iter_mut().find(|m| m.id() == effect.about().id) {
+            *known = Member::new(effect, Part::Asked, &known.start, &rig);
+            return Ok(other);
+        }
         for physics in &mut other.physics {
             *physics = physics.clone().with(effect, &off).map_err(models::ModelError::from)?;
         }
         other.members.push(Member::new(effect, Part::Asked, &off, &rig));
         Ok(other)
+    }
+
+    /// The numbers of an effect, if it is moved.
+    pub(super) fn numbers_of(&self, id: &str) -> Option<Range<usize>> {
+        let index = self.members.iter().position(|member| member.id() == id)?;
+        let first = self.first(index);
+        Some(first..first + self.members[index].len())
     }
 
     /// The same space, in which one effect is moved in the values that people read.

@@ -11,10 +11,8 @@ static ABOUT: About = About {
     title: "Pressure radius",
     physics: "Pressure that sits at the rim resists turning more than uniform pressure, pressure \
         in the middle less. The characteristic length c, the largest moment over the largest \
-        force, grows or shrinks. On an exact surface the load itself gathers or spreads under the \
-        outline; an ellipsoid keeps its kind.",
-    equation: "c = ratio · c₀, with c₀ the mean distance of the area from its centroid, in m; p(r) \
-        ∝ exp(a |r|), beyond ratios of 0.75 and 1.25 with all points moved together or apart.",
+        force, grows or shrinks; the surface keeps its kind.",
+    equation: "c = ratio · c₀, with c₀ the mean distance of the area from its centroid, in m.",
     source: "Mason (1986), Mechanics and planning of manipulator pushing operations, Int. J. \
         Robotics Research 5(3); Lee & Cutkosky (1991), Fixture planning with friction.",
     stages: &[Stage::Support],

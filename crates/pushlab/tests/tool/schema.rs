@@ -4,8 +4,18 @@ use serde_json::{Map, Value, json};
 
 /// The schema of a comparison.
 pub(crate) fn comparison() -> Value {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/comparison.schema.json");
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+    read("comparison")
+}
+
+/// The schema of a diagnosis.
+pub(crate) fn diagnosis() -> Value {
+    read("diagnosis")
+}
+
+fn read(name: &str) -> Value {
+    let docs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs");
+    let text = std::fs::read_to_string(format!("{docs}/{name}.schema.json")).unwrap();
+    serde_json::from_str(&text).unwrap()
 }
 
 /// Where a value breaks a schema made of the words that ours uses; none if nowhere.
@@ -77,6 +87,7 @@ fn holds(value: &Value, word: &str, rule: &Value, rules: &Map<String, Value>) ->
         "$schema" | "$id" | "$defs" | "title" | "description" | "$ref" | "items" | "properties"
         | "oneOf" => true,
         "additionalProperties" => rule == &json!(false) && rules.contains_key("properties"),
+        "const" => value == rule,
         "enum" => rule.as_array().unwrap().contains(value),
         "required" => {
             rule.as_array().unwrap().iter().all(|key| value.get(key.as_str().unwrap()).is_some())

@@ -1,0 +1,161 @@
+//! The end of a search: wrong nominal numbers, and what the pushes set aside confirm.
+
+use models::Description;
+
+use super::ErrorFall;
+use super::confirmation::Aside;
+use super::rules::{Objection, Rules};
+use super::search::{Accepted, Choice, Found, Progress, Refused, Search, ids};
+use crate::fit::Refit;
+use crate::{DiagnosisError, Fit, NoiseModel, NuisanceFit, Screen, Undetermined};
+
+/// The numbers that every fit leaves open, and how exactly a manifest is taken to know them.
+const NOMINAL: [(&str, f64); 3] =
+    [("support-friction", 0.03), ("pusher-friction", 0.03), ("pressure-radius", 0.01)];
+
+impl Search<'_> {
+    /// Adds the nominal numbers that the best model does not leave at their values, takes out what
+    /// has no interval, and then what the pushes set aside do not confirm.
+    ///
+    /// Nominal numbers are left open in every fit, so no effect is blamed for them; here they are
+    /// asked for.
+    pub(super) fn concluded(
+        &self,
+        here: &Refit,
+        mut progress: Progress,
+        last_screen: Screen,
+        noise: NoiseModel,
+    ) -> Result<Found, DiagnosisError> {
+        let numbers = self.wrong_numbers(here, &mut progress.refused)?;
+        let as_choice = |id: &&'static str| Choice { id, p_adjusted: 1.0, rivals: Vec::new() };
+        progress.chosen.splice(..0, numbers.iter().map(as_choice));
+        let whole = here.asking(&ids(&progress.chosen)).settled()?;
+        let (whole, fit) = self.without_open(whole, &mut progress)?;
+        let confirmed = self.confirmed(whole, fit, &mut progress, &noise)?;
+        let first_screen = progress.first_screen.unwrap_or_else(|| last_screen.clone());
+        let Confirmed { accepted, error, descriptions: [description, with_nuisances] } = confirmed;
+        let refused = progress.refused;
+        Ok(Found {
+            first_screen,
+            last_screen,
+            accepted,
+            refused,
+            noise,
+            error,
+            description,
+            with_nuisances,
+        })
+    }
+
+    /// Nominal numbers that are off by more than their tolerance and matter.
+    fn wrong_numbers(
+        &self,
+        here: &Refit,
+        refused: &mut Vec<Refused>,
+    ) -> Result<Vec<&'static str>, DiagnosisError> {
+        let mut claimed = Vec::new();
+        for nuisance in here.fit(&self.fit_settings(false))?.nuisances {
+            if !is_wrong(&nuisance) {
+                continue;
+            }
+            let size = here.size_against(nuisance.id, &[nuisance.nominal])?;
+            match size < Rules::SIZE {
+                true => {
+                    let objection = Objection::Small { size };
+                    refused.push(Refused { id: nuisance.id, objection });
+                }
+                false => claimed.push(nuisance.id),
+            }
+        }
+        Ok(claimed)
+    }
+
+    /// The fit with intervals, without effects that it leaves open.
+    fn without_open<'a>(
+        &self,
+        mut whole: Refit<'a>,
+        progress: &mut Progress,
+    ) -> Result<(Refit<'a>, Fit), DiagnosisError> {
+        loop {
+            let fit = whole.fit(&self.fit_settings(true))?;
+            let Some((id, objection)) = open(&fit, &progress.chosen) else {
+                return Ok((whole, fit));
+            };
+            progress.chosen.retain(|one| one.id != id);
+            progress.refused.push(Refused { id, objection });
+            whole = whole.without(&[id])?;
+        }
+    }
+
+    /// Takes out, the least first, what the pushes set aside do not miss.
+    fn confirmed(
+        &self,
+        mut whole: Refit,
+        mut fit: Fit,
+        progress: &mut Progress,
+        noise: &NoiseModel,
+    ) -> Result<Confirmed, DiagnosisError> {
+        let [_, base] = whole.without(&ids(&progress.chosen))?.descriptions()?;
+        loop {
+            let descriptions = whole.descriptions()?;
+            let aside = Aside::new(self.aside, &descriptions[1], noise, self.settings)?;
+            let (before, after) = (aside.outcome(&base)?, aside.outcome(&descriptions[1])?);
+            let mut accepted = Vec::new();
+            for choice in &progress.chosen {
+                let [_, without] = whole.without(&[choice.id])?.descriptions()?;
+                let without = aside.outcome(&without)?;
+                let effect = fit.effects.iter().find(|effect| effect.id == choice.id);
+                let Some(effect) = effect.cloned() else { continue };
+                let is_number = NOMINAL.iter().any(|(id, _)| *id == choice.id);
+                accepted.push(Accepted {
+                    id: choice.id,
+                    p_adjusted: if is_number { effect.p } else { choice.p_adjusted },
+                    rivals: choice.rivals.clone(),
+                    effect,
+                    gain: aside.gain(&without, &after),
+                    gap_closed: Some((without.rms() - after.rms()) / (before.rms() - 1.0)),
+                });
+            }
+            let doubted = accepted.iter().filter(|one| !Rules::confirms(&one.gain));
+            let least = doubted.min_by(|a, b| a.gain.mean.total_cmp(&b.gain.mean));
+            let Some(Accepted { id, gain, .. }) = least else {
+                let error = aside.fall(&before, &after, &descriptions[1], self.all)?;
+                if error.gap_closed.is_none() {
+                    accepted.iter_mut().for_each(|one| one.gap_closed = None);
+                }
+                return Ok(Confirmed { accepted, error, descriptions });
+            };
+            let (id, objection) = (*id, Objection::NotConfirmed { gain: *gain });
+            progress.chosen.retain(|one| one.id != id);
+            progress.refused.push(Refused { id, objection });
+            whole = whole.without(&[id])?;
+            fit = whole.fit(&self.fit_settings(true))?;
+        }
+    }
+}
+
+/// What the pushes set aside confirm.
+struct Confirmed {
+    accepted: Vec<Accepted>,
+    error: ErrorFall,
+    /// The model with it, and the same with the nuisances.
+    descriptions: [Description; 2],
+}
+
+/// An effect of a fit that the data leave open.
+fn open(fit: &Fit, chosen: &[Choice]) -> Option<(&'static str, Objection)> {
+    let is_chosen = |id: &str| chosen.iter().any(|one| one.id == id);
+    let chosen = fit.effects.iter().filter(|effect| is_chosen(effect.id));
+    chosen.into_iter().find_map(|effect| match &effect.undetermined {
+        None | Some(Undetermined::LooksLike { .. }) => None,
+        Some(why) => Some((effect.id, Objection::Undetermined { why: why.to_string() })),
+    })
+}
+
+/// Whether a nominal number is off by more than twice its tolerance and twice its error.
+fn is_wrong(nuisance: &NuisanceFit) -> bool {
+    let known = NOMINAL.iter().find(|(id, _)| *id == nuisance.id);
+    let Some((_, tolerance)) = known else { return false };
+    let miss = (nuisance.value - nuisance.nominal).abs();
+    miss > 2.0 * tolerance * nuisance.nominal.abs() + 2.0 * nuisance.se
+}

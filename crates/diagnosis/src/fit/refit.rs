@@ -1,0 +1,297 @@
+//! A model at its minimum, beside which single effects are tried.
+
+use effects::{Channels, Effect};
+use models::Description;
+use nalgebra::{DMatrix, DVector};
+
+use super::descent::{Minimum, Start};
+use super::estimates::{descriptions, estimates};
+use super::member::{Member, Part};
+use super::problem::Problem;
+use super::robust::Robust;
+use super::search::Found;
+use super::space::Space;
+use super::{Fit, FitSettings};
+use crate::{DiagnosisError, Observations, Whitening};
+
+/// A model with its nuisances, and the effects asked for, at the minimum.
+#[derive(Clone, Debug)]
+pub(crate) struct Refit<'a> {
+    observations: &'a Observations,
+    model: &'a Description,
+    problem: Problem<'a>,
+    /// The minimum without the effect that was added last.
+    before: Minimum,
+    minimum: Minimum,
+    /// Added effects that were taken out again: they stand at "off".
+    dropped: Vec<&'static str>,
+    /// Members that the model has without added effects.
+    n_own: usize,
+}
+
+/// One more effect beside a fitted model, near the minimum of both.
+#[derive(Clone, Debug)]
+pub(crate) struct Trial<'a> {
+    pub(crate) effect: &'static dyn Effect,
+    /// Numbers in which it is moved.
+    pub(crate) freedom: usize,
+    problem: Problem<'a>,
+    minimum: Minimum,
+}
+
+/// Steps that a trial goes down.
+const BRIEF: usize = 12;
+
+impl<'a> Refit<'a> {
+    /// The minimum over the nuisances, from where the model stands.
+    ///
+    /// # Errors
+    /// As [`super::fit`].
+    pub(crate) fn new(
+        observations: &'a Observations,
+        model: &'a Description,
+        whitening: &'a Whitening,
+        settings: &FitSettings,
+    ) -> Result<Self, DiagnosisError> {
+        let space = Space::new(observations, model, &[], settings)?;
+        let start = space.place(|member| member.start.clone());
+        let robust = Robust::at(&whitening.rows(), &whitening.whiten(&space.residuals(&start)?));
+        let mut problem = Problem::new(space, whitening, robust);
+        let minimum = problem.settle(start, None, false)?;
+        let (before, n_own) = (minimum.clone(), problem.space.members.len());
+        Ok(Self { observations, model, problem, before, minimum, dropped: Vec::new(), n_own })
+    }
+
+    /// The same under another covariance.
+    ///
+    /// # Errors
+    /// As a descent.
+    pub(crate) fn rewhitened<'b>(
+        &self,
+        whitening: &'b Whitening,
+    ) -> Result<Refit<'b>, DiagnosisError>
+    where
+        'a: 'b,
+    {
+        let slopes = self.problem.whitening.rewhitened(&self.minimum.whole, whitening);
+        let mut problem: Problem<'b> = self.problem.clone();
+        problem.whitening = whitening;
+        let minimum = problem.settle(self.minimum.at.x.clone(), Some(slopes), false)?;
+        let (observations, model, before) = (self.observations, self.model, minimum.clone());
+        let (dropped, n_own) = (self.dropped.clone(), self.n_own);
+        Ok(Refit { observations, model, problem, before, minimum, dropped, n_own })
+    }
+
+    /// The minimum without some of the effects that were asked for.
+    ///
+    /// # Errors
+    /// As a descent.
+    pub(crate) fn without(&self, ids: &[&'static str]) -> Result<Self, DiagnosisError> {
+        let mut problem = self.problem.clone();
+        let known = problem.moved();
+        for own in ids.iter().filter_map(|id| problem.space.numbers_of(id)) {
+            problem.frozen[own].fill(true);
+        }
+        let moved = problem.moved();
+        let kept: Vec<usize> = (0..known.len()).filter(|k| moved.contains(&known[*k])).collect();
+        let slopes = self.minimum.whole.select_columns(&kept);
+        let x = self.place_with(|id| ids.contains(&id), |member| member.off.clone());
+        let minimum = problem.settle(x, Some(slopes), false)?;
+        let added = problem.space.members.iter().skip(self.n_own).map(|member| member.id());
+        let dropped = added.filter(|id| ids.contains(id)).chain(self.dropped.iter().copied());
+        let dropped = dropped.collect();
+        Ok(Self { problem, before: minimum.clone(), minimum, dropped, ..*self })
+    }
+
+    /// The same minimum, found as exactly as predictions allow, with the slopes there.
+    ///
+    /// # Errors
+    /// As a descent.
+    pub(crate) fn settled(mut self) -> Result<Self, DiagnosisError> {
+        self.minimum = self.problem.settle(self.minimum.at.x.clone(), None, true)?;
+        Ok(self)
+    }
+
+    /// The same minimum, at which some of the nuisances are asked for.
+    pub(crate) fn asking(&self, ids: &[&'static str]) -> Self {
+        let mut other = self.clone();
+        let members = &mut other.problem.space.members;
+        members.iter_mut().filter(|member| ids.contains(&member.id())).for_each(|member| {
+            member.part = Part::Asked;
+        });
+        other
+    }
+
+    /// What is minimised: squares of whitened residuals with a say of their own, and of priors.
+    pub(crate) fn misfit(&self) -> f64 {
+        self.minimum.at.value
+    }
+
+    /// Typical whitened residual of a push, at least 1.
+    pub(crate) fn scale(&self) -> f64 {
+        self.problem.robust.scale()
+    }
+
+    /// Goes some way down with one more effect, from "off".
+    ///
+    /// The weights stay those of the model without it, so falls of the sum can be compared.
+    ///
+    /// # Errors
+    /// What a prediction refuses.
+    pub(crate) fn trial(&self, effect: &'static dyn Effect) -> Result<Trial<'a>, DiagnosisError> {
+        let Problem { space, whitening, robust, .. } = &self.problem;
+        let problem = Problem::new(space.with(effect)?, whitening, robust.clone());
+        let mut x = self.minimum.at.x.clone();
+        for member in problem.space.members.iter().skip(space.members.len()) {
+            x.extend(member.place(&member.off));
+        }
+        let at = problem.stand(problem.switched_on(&x))?;
+        let numbers = problem.space.numbers_of(effect.about().id).unwrap_or_default();
+        let mut own = problem.clone();
+        own.frozen.iter_mut().enumerate().for_each(|(k, frozen)| *frozen |= !numbers.contains(&k));
+        let of_effect = own.slopes(&at, &own.secants)?;
+        let (columns, known) = (problem.moved(), self.problem.moved());
+        let mut slopes = DMatrix::zeros(at.z.len(), columns.len());
+        for (column, k) in columns.iter().enumerate() {
+            let source = match own.moved().iter().position(|other| other == k) {
+                Some(place) => of_effect.column(place),
+                None => {
+                    let place = known.iter().position(|other| other == k).unwrap_or_default();
+                    self.minimum.whole.column(place)
+                }
+            };
+            slopes.view_mut((0, column), (source.len(), 1)).copy_from(&source);
+        }
+        let freedom = own.moved().len().max(1);
+        let start = Start { at, slopes: Some(slopes), is_final: false };
+        let minimum = problem.descend_briefly(start, BRIEF)?;
+        Ok(Trial { effect, freedom, problem, minimum })
+    }
+
+    /// The minimum with the effect of a trial.
+    ///
+    /// # Errors
+    /// As a descent.
+    pub(crate) fn with(&self, trial: &Trial<'a>) -> Result<Self, DiagnosisError> {
+        let mut problem = trial.problem.clone();
+        let Minimum { at, whole, .. } = &trial.minimum;
+        let minimum = problem.settle(at.x.clone(), Some(whole.clone()), false)?;
+        let (before, dropped) = (self.minimum.clone(), self.dropped.clone());
+        Ok(Self { problem, minimum, before, dropped, ..*self })
+    }
+
+    /// The root mean square difference that another place of the same steps makes to each number,
+    /// over the standard deviation of its noise: the largest.
+    ///
+    /// # Errors
+    /// What a prediction refuses.
+    fn difference(&self, other: &[[f64; 7]]) -> Result<f64, DiagnosisError> {
+        let own = self.problem.space.residuals(&self.minimum.at.x)?;
+        let mut sums = [(0.0, 0_usize); Channels::NAMES.len()];
+        for (step, number, sd) in self.problem.whitening.sd() {
+            let change = (own[step][number] - other[step][number]) / sd;
+            sums[number].0 += change * change;
+            sums[number].1 += 1;
+        }
+        let rms = sums.into_iter().map(|(sum, n)| (sum / n.max(1) as f64).sqrt());
+        Ok(rms.fold(0.0, f64::max))
+    }
+
+    /// What a trial changes in the number that it changes most, over the noise.
+    ///
+    /// # Errors
+    /// What a prediction refuses.
+    pub(crate) fn size_of(&self, trial: &Trial) -> Result<f64, DiagnosisError> {
+        self.difference(&trial.problem.space.residuals(&trial.minimum.at.x)?)
+    }
+
+    /// What the values of one effect change against others, with all else where it is.
+    ///
+    /// # Errors
+    /// What a prediction refuses.
+    pub(crate) fn size_against(&self, id: &str, values: &[f64]) -> Result<f64, DiagnosisError> {
+        let x = self.place_with(|other| other == id, |_| values.to_vec());
+        self.difference(&self.problem.space.residuals(&x)?)
+    }
+
+    /// The minimum's place with other values of some effects.
+    fn place_with(
+        &self,
+        is_other: impl Fn(&'static str) -> bool,
+        values: impl Fn(&Member) -> Vec<f64>,
+    ) -> Vec<f64> {
+        let members = self.problem.space.shares(&self.minimum.at.x);
+        let of = |(member, own): (&Member, &[f64])| match is_other(member.id()) {
+            true => member.place(&values(member)),
+            false => own.to_vec(),
+        };
+        members.flat_map(of).collect()
+    }
+
+    /// Each push's part of the sum when the numbers are fitted without its cluster, in one step.
+    pub(crate) fn left_out(&self) -> Option<Vec<f64>> {
+        let Minimum { at, slopes, weights, curvature, .. } = &self.minimum;
+        let rows = self.problem.whitening.rows();
+        let mut z = at.z.clone();
+        for cluster in self.observations.pushes_of_clusters() {
+            let rows: Vec<usize> = cluster.iter().flat_map(|push| rows[*push].clone()).collect();
+            let own = slopes.select_rows(&rows);
+            let mut weighted = own.clone();
+            let mut pull = DVector::zeros(own.ncols());
+            for (k, row) in rows.iter().enumerate() {
+                pull.axpy(weights[*row] * at.z[*row], &own.row(k).transpose(), 1.0);
+                weighted.row_mut(k).scale_mut(weights[*row]);
+            }
+            let shift = (curvature - own.tr_mul(&weighted)).cholesky()?.solve(&pull);
+            let change = own * shift;
+            rows.iter().zip(change.iter()).for_each(|(row, change)| z[*row] += change);
+        }
+        Some(self.problem.robust.of_pushes(&z))
+    }
+
+    /// The model with what was asked for, and the same with its nuisances.
+    ///
+    /// # Errors
+    /// `Flat`; `Model`.
+    pub(crate) fn descriptions(&self) -> Result<[Description; 2], DiagnosisError> {
+        let mut found = descriptions(&self.problem, &self.found(), self.observations, self.model)?;
+        for description in &mut found {
+            description.effects.retain(|effect| !self.dropped.contains(&effect.id.as_str()));
+        }
+        Ok(found)
+    }
+
+    /// Estimates that people read.
+    ///
+    /// # Errors
+    /// As [`super::fit`].
+    pub(crate) fn fit(&self, settings: &FitSettings) -> Result<Fit, DiagnosisError> {
+        estimates(&self.problem, &self.found(), self.observations, self.model, settings)
+    }
+
+    fn found(&self) -> Found {
+        Found { before: self.before.clone(), after: self.minimum.clone() }
+    }
+}
+
+impl Trial<'_> {
+    pub(crate) fn id(&self) -> &'static str {
+        self.effect.about().id
+    }
+
+    /// What is minimised.
+    pub(crate) fn misfit(&self) -> f64 {
+        self.minimum.at.value
+    }
+
+    /// Goes on to where the sum falls no more, with the same weights.
+    ///
+    /// # Errors
+    /// As a descent.
+    pub(crate) fn finish(&mut self) -> Result<(), DiagnosisError> {
+        let Minimum { at, whole, .. } = self.minimum.clone();
+        let start = Start { at, slopes: Some(whole), is_final: false };
+        self.minimum = self.problem.descend(start)?;
+        Ok(())
+    }
+}
