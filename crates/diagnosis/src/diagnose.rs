@@ -5,6 +5,7 @@ mod conclusion;
 mod confirmation;
 mod findings;
 mod leftover;
+mod members;
 mod rules;
 mod search;
 mod sentence;
@@ -19,6 +20,7 @@ pub use self::answer::{
 
 use self::findings::findings;
 use self::leftover::leftover;
+use self::members::members;
 use self::rules::{Claims, claims};
 use self::search::Search;
 use self::sentence::sentence;
@@ -87,7 +89,8 @@ pub fn diagnose(
     let found = search.run()?;
     let left = leftover(&found, &fitted, settings)?;
     let claims: Claims = claims(&found, &left);
-    let effects = findings(&found, &claims, settings);
+    let members = members(&found, &claims, &fitted, model, settings);
+    let effects = findings(&found, (&claims, &members), settings);
     let diagnosis = Diagnosis {
         schema: Diagnosis::SCHEMA.to_owned(),
         verdict: claims.verdict,

@@ -46,6 +46,39 @@ pub enum DiagnosisError {
     /// A score could not be computed.
     #[error("the model's intervals cannot be scored")]
     Scores(#[from] gp_core::GpError),
+    /// A diagnosis leaves nothing to tell apart and nothing to measure better.
+    #[error(
+        "the diagnosis has no rivals, no named effect and no hint that pushes could decide; name an \
+         effect that they are to make testable"
+    )]
+    NothingToSuggest,
+    /// Hardly any push can be done within the limits.
+    #[error(
+        "{n_feasible} of {n_candidates} pushes of {:.0} mm can be done where the object stays within \
+         {:.0} × {:.0} mm and off its vertices; allow a larger area or a shorter way",
+        1e3 * travel, 1e3 * area[0], 1e3 * area[1]
+    )]
+    NoFeasiblePush {
+        /// How many were tried.
+        n_candidates: usize,
+        /// How many can be done.
+        n_feasible: usize,
+        /// Way of a push, in m.
+        travel: f64,
+        /// Extents of the area, in m.
+        area: [f64; 2],
+    },
+    /// No push that can be done makes an effect testable.
+    #[error(
+        "no push of those that can be done shows {effect}: {because}; what it needs is in `pushlab \
+         effects explain {effect}`"
+    )]
+    NoPushShows {
+        /// Id of the effect.
+        effect: String,
+        /// What stands in the way.
+        because: &'static str,
+    },
     /// A search did not end.
     #[error(
         "{what} did not converge: after {iterations} iterations the likelihood still rises by \

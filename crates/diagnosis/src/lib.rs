@@ -38,6 +38,7 @@ mod sign_flips;
 mod split;
 mod steady_ingest;
 mod structure;
+mod suggest;
 #[cfg(test)]
 mod synthetic;
 mod tolerances;
@@ -81,6 +82,9 @@ pub use screen::{
 };
 pub use split::split;
 pub use steady_ingest::steady_ingest;
+pub use suggest::{
+    Aim, Precision, Separation, SuggestSettings, SuggestedPush, Suggestion, suggest,
+};
 pub use tolerances::Tolerances;
 pub use untestable::{NotTestable, Reason};
 pub use whitening::{PushCovariance, Whitening};

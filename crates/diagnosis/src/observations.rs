@@ -15,7 +15,7 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::split::FEWEST_SESSIONS;
-use crate::{Covariate, DiagnosisError};
+use crate::{Covariate, DiagnosisError, Predictions};
 
 /// Observed steps, the push of each, and the nominal table.
 #[derive(Clone, Debug)]
@@ -211,6 +211,19 @@ impl Observations {
             set_aside: self.set_aside.clone(),
         };
         part.checked()
+    }
+
+    /// The same steps as a model would have them, without noise: with its predictions in the place
+    /// of what was observed. What it does not predict is not observed.
+    #[must_use]
+    pub fn as_predicted(&self, predictions: &Predictions) -> Self {
+        let mut all = self.clone();
+        for (step, predicted) in all.steps.iter_mut().zip(&predictions.values) {
+            for (observed, predicted) in step.observed.iter_mut().zip(predicted) {
+                *observed = observed.and(*predicted);
+            }
+        }
+        all
     }
 
     /// Whether a split is of these recordings.

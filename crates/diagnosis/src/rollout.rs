@@ -176,7 +176,7 @@ fn step_by_step(
 }
 
 /// The pose after a displacement along a direction and its left normal, in m, and a turn, in rad.
-fn moved_by(pose_wb: &Pose, along_w: &Vector2<f64>, [dx, dy, dtheta]: [f64; 3]) -> Pose {
+pub(crate) fn moved_by(pose_wb: &Pose, along_w: &Vector2<f64>, [dx, dy, dtheta]: [f64; 3]) -> Pose {
     let position = pose_wb.position + dx * along_w + dy * perpendicular(along_w);
     Pose { position, angle: pose_wb.angle + dtheta }
 }

@@ -2,6 +2,13 @@
 
 use dataset::{Curve, IngestSettings, StepLength};
 
+/// Way of a step, in m, and its least time, in s.
+pub(crate) const STEP_WAY: f64 = 5e-3;
+pub(crate) const STEP_TIME: f64 = 0.05;
+/// Way and time of the first touch, in m and s.
+pub(crate) const FIRST_WAY: f64 = 2e-3;
+pub(crate) const FIRST_TIME: f64 = 0.03;
+
 /// Settings with which recordings become steps of little noise: steps of 5 mm and at least 50 ms
 /// between smooth curves that are fitted to the contact alone.
 ///
@@ -10,11 +17,11 @@ use dataset::{Curve, IngestSettings, StepLength};
 /// that begins within it has an unknown share of its impulse.
 pub fn steady_ingest() -> IngestSettings {
     IngestSettings {
-        step: StepLength::Distance(5e-3),
-        least_step_time: 0.05,
+        step: StepLength::Distance(STEP_WAY),
+        least_step_time: STEP_TIME,
         curve: Curve::Smooth,
-        first_touch_time: 0.03,
-        first_touch_way: 2e-3,
+        first_touch_time: FIRST_TIME,
+        first_touch_way: FIRST_WAY,
         ..IngestSettings::default()
     }
 }

@@ -35,11 +35,15 @@ const COLUMNS: [Column; 9] = [
 const COUNTS: [&str; 2] = ["edge", "session"];
 /// The column of names.
 const REPEAT: &str = "repeat";
+/// The pusher's path, for robots: it follows from the other columns and is passed over.
+const PATH: [&str; 6] =
+    ["start_x_mm", "start_y_mm", "touch_x_mm", "touch_y_mm", "end_x_mm", "end_y_mm"];
 
 /// Reads pushes from a CSV file with the columns edge, p, angle_deg, speed_mm_s and, if wanted,
 /// travel_mm, x_mm, y_mm, theta_deg, session and repeat, in any order.
 ///
-/// Lines that begin with `#` are comments.
+/// Lines that begin with `#` are comments. The pusher's path in start_x_mm, start_y_mm, touch_x_mm,
+/// touch_y_mm, end_x_mm and end_y_mm is for robots: here it follows from the other columns.
 ///
 /// # Errors
 /// `PushList` with the line, the column, what is there and what it should be.
@@ -93,7 +97,8 @@ fn known() -> String {
 /// Refuses headers that are not known, are missing or are given twice.
 fn check(header: &StringRecord) -> Result<(), String> {
     for (k, name) in header.iter().enumerate() {
-        if name != REPEAT && !COLUMNS.iter().any(|column| column.name == name) {
+        let is_known = name == REPEAT || PATH.contains(&name);
+        if !is_known && !COLUMNS.iter().any(|column| column.name == name) {
             return Err(format!("column {} is called `{name}`", k + 1));
         }
         if header.iter().take(k).any(|before| before == name) {
@@ -172,6 +177,13 @@ mod tests {
         assert_eq!((pushes[0].place[2], pushes[0].repeat.as_str()), (90.0_f64.to_radians(), "a"));
         let pushes = read("speed_mm_s,x_mm,p,edge,angle_deg\n20,,0.25,1,0\n").unwrap();
         assert_eq!((pushes[0].place[0], pushes[0].speed), (0.0, 0.02));
+    }
+
+    #[test]
+    fn the_path_that_robots_read_is_passed_over() {
+        let plain = "edge,p,angle_deg,speed_mm_s\n1,0.25,-30,20\n";
+        let with_path = "edge,p,start_x_mm,end_y_mm,angle_deg,speed_mm_s\n1,0.25,-60.1,3,-30,20\n";
+        assert_eq!(read(plain), read(with_path));
     }
 
     #[test]

@@ -5,6 +5,7 @@
 mod command_line;
 mod commands;
 mod destination;
+mod diagnosis_file;
 mod document;
 mod failure;
 mod file_ending;
@@ -13,6 +14,7 @@ mod origin;
 mod people;
 mod progress;
 mod recorded_steps;
+mod speed;
 mod step_size;
 mod table_summary;
 mod terminal;

@@ -67,6 +67,19 @@ impl Terminal {
         }
     }
 
+    /// For commands within a command, whose results programs do not get.
+    pub(crate) fn within(&self) -> Self {
+        Self { json: false, quiet: self.quiet || self.json, color: self.color }
+    }
+
+    /// Prints what is no result.
+    ///
+    /// # Errors
+    /// As [`Terminal::finish`].
+    pub(crate) fn print_for_people(&self, text: &str) -> Result<()> {
+        if self.json || self.quiet { Ok(()) } else { self.print(text) }
+    }
+
     /// Prints what the user asked for itself, whatever they want to see of the rest.
     ///
     /// # Errors

@@ -101,9 +101,9 @@ pub struct EffectFinding {
     pub status: Status,
     /// Probability of as strong a sign of any effect where none is missing; none if not tested.
     pub p_adjusted: Option<f64>,
-    /// Share of the gap to the floor that it closes alone, on pushes that no fit has seen.
+    /// Share of the gap to the floor that opens without it, on pushes that no fit has seen.
     pub gap_closed: Option<f64>,
-    /// Gain in log predictive density on pushes that no fit has seen, in nats.
+    /// Log predictive density that pushes which no fit has seen lose without it, in nats.
     pub log_density_gain: Option<Gain>,
     /// Its parameters as fitted.
     pub parameters: Vec<ParameterFinding>,
@@ -133,7 +133,7 @@ pub enum Status {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gain {
-    /// The sum over the confirming pushes, in nats.
+    /// The sum over the confirming clusters, none of which counts for more than 10, in nats.
     pub mean: f64,
     /// Its standard error, from whole pushes.
     pub se: f64,
@@ -151,6 +151,8 @@ pub struct ParameterFinding {
     pub off: Option<f64>,
     /// The best value.
     pub estimate: Option<f64>,
+    /// Its standard error, from whole clusters; 0 for a switch.
+    pub se: Option<f64>,
     /// Lower end of the 95 % interval.
     pub low95: Option<f64>,
     /// Upper end.

@@ -32,9 +32,8 @@ impl Search<'_> {
         let whole = here.asking(&ids(&progress.chosen)).settled()?;
         let (whole, fit) = self.without_open(whole, &mut progress)?;
         let confirmed = self.confirmed(whole, fit, &mut progress, &noise)?;
-        let first_screen = progress.first_screen.unwrap_or_else(|| last_screen.clone());
         let Confirmed { accepted, error, descriptions: [description, with_nuisances] } = confirmed;
-        let refused = progress.refused;
+        let Progress { refused, first_screen, .. } = progress;
         Ok(Found {
             first_screen,
             last_screen,

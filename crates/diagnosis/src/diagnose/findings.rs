@@ -5,17 +5,17 @@ use effects::{Effect, Off, by_id};
 use super::rules::{Claims, Objection, Rules};
 use super::search::Found;
 use super::{DiagnoseSettings, EffectFinding, ParameterFinding, Status};
-use crate::{EffectFit, ScreenedCoordinate, ScreenedEffect};
+use crate::{EffectFit, ParameterFit, ScreenedCoordinate, ScreenedEffect};
 
 /// Every effect that the model asked about lacks, those claimed first.
 pub(super) fn findings(
     found: &Found,
-    claims: &Claims,
+    (claims, members): (&Claims, &[EffectFit]),
     settings: &DiagnoseSettings,
 ) -> Vec<EffectFinding> {
     let all = found.first_screen.effects.iter();
     let mut findings: Vec<EffectFinding> =
-        all.map(|screened| Finding { found, claims, settings, screened }.tell()).collect();
+        all.map(|screened| Finding { found, claims, members, settings, screened }.tell()).collect();
     let place = |finding: &EffectFinding| {
         let accepted = found.accepted.iter().position(|one| one.id == finding.id);
         (finding.status as usize, accepted.unwrap_or(usize::MAX))
@@ -28,6 +28,8 @@ pub(super) fn findings(
 struct Finding<'a> {
     found: &'a Found,
     claims: &'a Claims,
+    /// Members of groups as fitted.
+    members: &'a [EffectFit],
     settings: &'a DiagnoseSettings,
     screened: &'a ScreenedEffect,
 }
@@ -46,7 +48,7 @@ impl Finding<'_> {
             Status::Present
         } else if claims.groups.iter().any(|group| group.contains(&id)) {
             Status::Possible
-        } else if objection.is_some() || is_hint {
+        } else if accepted.is_some() || objection.is_some() || is_hint {
             Status::Weak
         } else {
             Status::Bounded
@@ -54,6 +56,9 @@ impl Finding<'_> {
         let why = match (&self.screened.not_testable, objection) {
             (Some(why), _) => format!("{}; measure {}", why.because, why.measure),
             (None, Some(objection)) => objection.to_string(),
+            (None, None) if accepted.is_some() && status == Status::Weak => {
+                "it is confirmed, but most of the error has another cause".to_owned()
+            }
             (None, None) => String::new(),
         };
         let is_tested = self.screened.not_testable.is_none();
@@ -102,15 +107,25 @@ impl Finding<'_> {
     }
 
     fn parameters(&self, accepted: Option<usize>) -> Vec<ParameterFinding> {
-        let fit = accepted.map(|k| &self.found.accepted[k].effect);
+        let member = || self.members.iter().find(|member| member.id == self.screened.id);
+        let fit = accepted.map(|k| &self.found.accepted[k].effect).or_else(member);
         let coordinates = &self.screened.coordinates;
         match fit {
             Some(fit) => self.fitted(fit),
             None if self.screened.not_testable.is_some() => {
                 coordinates.iter().map(unknown).collect()
             }
-            None => coordinates.iter().map(bounded).collect(),
+            // Beside what was added: before, it took what the added effects do for itself.
+            None => self.beside_the_added().iter().map(bounded).collect(),
         }
+    }
+
+    /// The coordinates of an effect that was not added, tested beside those that were.
+    fn beside_the_added(&self) -> &[ScreenedCoordinate] {
+        let mut last = self.found.last_screen.effects.iter();
+        let last = last.find(|effect| effect.id == self.screened.id);
+        let known = last.map(|effect| effect.coordinates.as_slice());
+        known.filter(|known| !known.is_empty()).unwrap_or(&self.screened.coordinates)
     }
 
     fn fitted(&self, fit: &EffectFit) -> Vec<ParameterFinding> {
@@ -124,11 +139,12 @@ impl Finding<'_> {
             let size = coordinate.smallest_detectable;
             Some(if is_axis { (2.0 * size).exp_m1() } else { size })
         };
-        let finding = |parameter: &crate::ParameterFit| ParameterFinding {
+        let finding = |parameter: &ParameterFit| ParameterFinding {
             name: parameter.name.to_owned(),
             unit: parameter.unit.to_owned(),
             off: parameter.off,
             estimate: Some(parameter.value),
+            se: Some(parameter.se),
             low95: parameter.interval.map(|interval| interval.low95),
             high95: parameter.interval.map(|interval| interval.high95),
             smallest_detectable: detectable(parameter.name),
@@ -148,6 +164,7 @@ fn bounded(coordinate: &ScreenedCoordinate) -> ParameterFinding {
     let ScreenedCoordinate { change, se, smallest_detectable, .. } = *coordinate;
     ParameterFinding {
         estimate: Some(change),
+        se: Some(se),
         low95: Some(change - 1.96 * se),
         high95: Some(change + 1.96 * se),
         smallest_detectable: Some(smallest_detectable),
@@ -161,6 +178,7 @@ fn unknown(coordinate: &ScreenedCoordinate) -> ParameterFinding {
         unit: coordinate.unit.to_owned(),
         off: None,
         estimate: None,
+        se: None,
         low95: None,
         high95: None,
         smallest_detectable: None,

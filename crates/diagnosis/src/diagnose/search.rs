@@ -68,13 +68,21 @@ pub(super) struct Choice {
 }
 
 /// How far a search has come.
-#[derive(Default)]
 pub(super) struct Progress {
     pub(super) chosen: Vec<Choice>,
     pub(super) refused: Vec<Refused>,
-    pub(super) first_screen: Option<Screen>,
+    pub(super) first_screen: Screen,
     /// Fall of the sum by all that were chosen.
     gain: f64,
+}
+
+/// An effect tried beside a model.
+struct Tried<'a> {
+    trial: Trial<'a>,
+    /// The model without it, where its nominal value was a nuisance before.
+    without: Option<Refit<'a>>,
+    /// What it changes, over the noise.
+    size: f64,
 }
 
 /// Effects that are tried after a screen, the strongest first.
@@ -88,10 +96,15 @@ const FINALIST: (f64, f64) = (50.0, 0.2);
 impl Search<'_> {
     pub(super) fn run(&self) -> Result<Found, DiagnosisError> {
         let noise = self.noise(self.model)?;
-        let whitening = noise.whitening(self.model, &self.settings.own, self.fitted)?;
+        let own = &self.settings.own;
+        let first_screen = screen(self.model, own, self.fitted, &noise, &self.settings.screen)?;
+        let whitening = noise.whitening(self.model, own, self.fitted)?;
         let settings = self.fit_settings(false);
         let here = Refit::new(self.fitted, self.model, &whitening, &settings)?;
-        self.go_on(&here, Progress::default())
+        self.go_on(
+            &here,
+            Progress { first_screen, chosen: Vec::new(), refused: Vec::new(), gain: 0.0 },
+        )
     }
 
     /// Adds one effect after the other to a model at its minimum. Each time the noise is learnt anew,
@@ -104,7 +117,6 @@ impl Search<'_> {
         let here = from.rewhitened(&whitening)?;
         let (screened, own) = (self.screened(&here)?, &self.settings.own);
         let screen = screen(&screened, own, self.fitted, &noise, &self.settings.screen)?;
-        progress.first_screen.get_or_insert_with(|| screen.clone());
         if progress.chosen.len() == self.settings.most_effects {
             return self.concluded(&here, progress, screen, noise);
         }
@@ -126,21 +138,21 @@ impl Search<'_> {
         progress: &mut Progress,
     ) -> Result<Option<(Choice, Refit<'a>)>, DiagnosisError> {
         let rules = Rules { gain_so_far: progress.gain, is_first: progress.chosen.is_empty() };
-        let trials = self.trials(here, screen, progress)?;
-        for (index, (trial, size)) in trials.iter().enumerate() {
-            let id = trial.id();
+        let tried = self.tried(here, screen, progress)?;
+        for (index, Tried { trial, without, size }) in tried.iter().enumerate() {
+            let (id, without) = (trial.id(), without.as_ref().unwrap_or(here));
             let screened = screen.effects.iter().find(|effect| effect.id == id);
             let p_adjusted = screened.map_or(1.0, |effect| effect.p_adjusted);
-            let gain = here.misfit() - trial.misfit();
+            let gain = without.misfit() - trial.misfit();
             let mut objection = rules.objection(p_adjusted, gain, *size);
             // An effect whose refit does not settle is no explanation.
             if objection.is_none() {
                 match here.with(trial) {
                     Err(why) => objection = Some(Objection::Unsettled { why: why.to_string() }),
                     Ok(there) => {
-                        objection = self.objection_to(here, &there, id)?;
+                        objection = self.objection_to(without, &there, id)?;
                         if objection.is_none() {
-                            let rivals = rivals(&trials, index, there.scale());
+                            let rivals = rivals(&tried, index, there.scale());
                             return Ok(Some((Choice { id, p_adjusted, rivals }, there)));
                         }
                     }
@@ -163,30 +175,34 @@ impl Search<'_> {
         Ok(objection.or_else(|| Rules::objection_to_gain(self.fitted, here, there)))
     }
 
-    /// The likeliest effects of a screen beside those chosen, near their minima, the best first, each
-    /// with its size.
-    fn trials<'a>(
+    /// The likeliest effects of a screen beside those chosen, near their minima, the best first.
+    fn tried<'a>(
         &self,
         here: &Refit<'a>,
         screen: &Screen,
         progress: &Progress,
-    ) -> Result<Vec<(Trial<'a>, f64)>, DiagnosisError> {
-        let ids = self.worth_a_trial(screen, progress);
-        let trial = |id: &str| here.trial(self.effect(id)?).ok();
-        let trials = ids.into_iter().filter_map(trial);
-        let sized = |trial: Trial<'a>| Ok((here.size_of(&trial)?, trial));
-        let mut trials = trials.map(sized).collect::<Result<Vec<_>, DiagnosisError>>()?;
-        let cost = |trial: &Trial| trial.misfit() + 2.0 * trial.freedom as f64;
-        let least = trials.iter().map(|(_, trial)| cost(trial)).fold(f64::INFINITY, f64::min);
+    ) -> Result<Vec<Tried<'a>>, DiagnosisError> {
+        let mut tried = Vec::new();
+        for id in self.worth_a_trial(screen, progress) {
+            // What cannot be predicted with a little of an effect is not explained by it.
+            let Some(Ok(trial)) = self.effect(id).map(|effect| here.trial(effect)) else {
+                continue;
+            };
+            let without = if here.has(id) { Some(here.without(&[id])?) } else { None };
+            let size = without.as_ref().unwrap_or(here).size_of(&trial)?;
+            tried.push(Tried { trial, without, size });
+        }
+        let least = tried.iter().map(Tried::cost).fold(f64::INFINITY, f64::min);
         let near = FINALIST.0.max(FINALIST.1 * (here.misfit() - least));
-        for (size, trial) in &mut trials {
+        for one in &mut tried {
+            let is_finalist = one.size >= Rules::SIZE && one.cost() < least + near;
             // Where the way ends early, what was reached counts.
-            if *size >= Rules::SIZE && cost(trial) < least + near && trial.finish().is_ok() {
-                *size = here.size_of(trial)?;
+            if is_finalist && one.trial.finish().is_ok() {
+                one.size = one.without.as_ref().unwrap_or(here).size_of(&one.trial)?;
             }
         }
-        trials.sort_by(|(_, a), (_, b)| cost(a).total_cmp(&cost(b)));
-        Ok(trials.into_iter().map(|(size, trial)| (trial, size)).collect())
+        tried.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        Ok(tried)
     }
 
     /// The strongest effects of a screen, and what looks like the very strongest.
@@ -268,10 +284,17 @@ pub(super) fn ids(chosen: &[Choice]) -> Vec<&'static str> {
     chosen.iter().map(|one| one.id).collect()
 }
 
-/// Effects that explain nearly as much as one of the trials.
-fn rivals(trials: &[(Trial, f64)], best: usize, scale: f64) -> Vec<&'static str> {
-    let near = trials[best].0.misfit() + Rules::APART * scale.powi(2);
-    let others = trials.iter().enumerate().filter(|(index, _)| *index != best);
-    let others = others.map(|(_, (trial, _))| trial);
+impl Tried<'_> {
+    /// What is minimised, with a price for each number.
+    fn cost(&self) -> f64 {
+        self.trial.misfit() + 2.0 * self.trial.freedom as f64
+    }
+}
+
+/// Effects that explain nearly as much as one of those tried.
+fn rivals(tried: &[Tried], best: usize, scale: f64) -> Vec<&'static str> {
+    let near = tried[best].trial.misfit() + Rules::APART * scale.powi(2);
+    let others = tried.iter().enumerate().filter(|(index, _)| *index != best);
+    let others = others.map(|(_, other)| &other.trial);
     others.filter(|other| other.misfit() < near).map(Trial::id).collect()
 }

@@ -180,21 +180,17 @@ impl<'a> Refit<'a> {
         Ok(Self { problem, minimum, before, dropped, ..*self })
     }
 
-    /// The root mean square difference that another place of the same steps makes to each number,
-    /// over the standard deviation of its noise: the largest.
-    ///
-    /// # Errors
-    /// What a prediction refuses.
-    fn difference(&self, other: &[[f64; 7]]) -> Result<f64, DiagnosisError> {
-        let own = self.problem.space.residuals(&self.minimum.at.x)?;
+    /// The root mean square difference of each number between two predictions of the same steps, over
+    /// the standard deviation of its noise: the largest.
+    fn difference(&self, one: &[[f64; 7]], other: &[[f64; 7]]) -> f64 {
         let mut sums = [(0.0, 0_usize); Channels::NAMES.len()];
         for (step, number, sd) in self.problem.whitening.sd() {
-            let change = (own[step][number] - other[step][number]) / sd;
+            let change = (one[step][number] - other[step][number]) / sd;
             sums[number].0 += change * change;
             sums[number].1 += 1;
         }
         let rms = sums.into_iter().map(|(sum, n)| (sum / n.max(1) as f64).sqrt());
-        Ok(rms.fold(0.0, f64::max))
+        rms.fold(0.0, f64::max)
     }
 
     /// What a trial changes in the number that it changes most, over the noise.
@@ -202,7 +198,13 @@ impl<'a> Refit<'a> {
     /// # Errors
     /// What a prediction refuses.
     pub(crate) fn size_of(&self, trial: &Trial) -> Result<f64, DiagnosisError> {
-        self.difference(&trial.problem.space.residuals(&trial.minimum.at.x)?)
+        let there = trial.problem.space.residuals(&trial.minimum.at.x)?;
+        Ok(self.difference(&self.problem.space.residuals(&self.minimum.at.x)?, &there))
+    }
+
+    /// Whether an effect is moved as a nuisance.
+    pub(crate) fn has(&self, id: &str) -> bool {
+        self.problem.space.numbers_of(id).is_some()
     }
 
     /// What the values of one effect change against others, with all else where it is.
@@ -211,7 +213,8 @@ impl<'a> Refit<'a> {
     /// What a prediction refuses.
     pub(crate) fn size_against(&self, id: &str, values: &[f64]) -> Result<f64, DiagnosisError> {
         let x = self.place_with(|other| other == id, |_| values.to_vec());
-        self.difference(&self.problem.space.residuals(&x)?)
+        let space = &self.problem.space;
+        Ok(self.difference(&space.residuals(&self.minimum.at.x)?, &space.residuals(&x)?))
     }
 
     /// The minimum's place with other values of some effects.

@@ -4,6 +4,7 @@ mod add;
 mod check;
 mod compare;
 mod completions;
+mod demo;
 mod describe;
 mod diagnose;
 mod effects;
@@ -14,6 +15,7 @@ mod init;
 mod inspect;
 mod models;
 mod report;
+mod suggest;
 
 use anyhow::Result;
 use clap::Subcommand;
@@ -23,6 +25,7 @@ use crate::terminal::Terminal;
 /// Every command, in the order of their first use.
 #[derive(Subcommand)]
 pub(crate) enum Command {
+    Demo(demo::Args),
     Init(init::Args),
     Inspect(inspect::Args),
     #[command(visible_alias = "table")]
@@ -36,6 +39,7 @@ pub(crate) enum Command {
     Diagnose(diagnose::Args),
     Fit(fit::Args),
     Add(add::Args),
+    Suggest(suggest::Args),
     Report(report::Args),
     Completions(completions::Args),
 }
@@ -47,6 +51,7 @@ impl Command {
     /// What the command says.
     pub(crate) fn run(&self, terminal: &Terminal) -> Result<()> {
         match self {
+            Self::Demo(args) => demo::run(args, terminal),
             Self::Init(args) => init::run(args, terminal),
             Self::Inspect(args) => inspect::run(args, terminal),
             Self::Ingest(args) => ingest::run(args, terminal),
@@ -59,6 +64,7 @@ impl Command {
             Self::Diagnose(args) => diagnose::run(args, terminal),
             Self::Fit(args) => fit::run(args, terminal),
             Self::Add(args) => add::run(args, terminal),
+            Self::Suggest(args) => suggest::run(args, terminal),
             Self::Report(args) => report::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
         }

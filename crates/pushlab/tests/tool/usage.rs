@@ -11,7 +11,8 @@ fn help_lists_every_command() {
     let list = help.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
     assert_eq!(
         list,
-        "  init         Write a commented dataset.toml from what a folder of recordings holds
+        "  demo         Hide an effect in simulated recordings, find it, add it, and watch the error fall
+  init         Write a commented dataset.toml from what a folder of recordings holds
   inspect      Tell what recordings contain: topics, types, columns, samples, rates, frames
   ingest       Turn recordings into a step table, with a report of every repair [alias: table]
   describe     Tell what a step table holds: rows, shapes, flags, coverage, and what made it
@@ -20,8 +21,10 @@ fn help_lists_every_command() {
   generate     Simulate pushes and write them as a recording set that can hide an effect
   check        Tell what recordings can and cannot show, before any model is fitted to them
   compare      Tell how wrong a model is on recordings, where, and how wrong it may be at best
+  diagnose     Name the physical effect that a model lacks, or say that these recordings cannot tell
   fit          Fit nominal parameters, or effects that a model carries, to recordings
-  add          Add an effect to a model, with values by hand or fitted to recordings
+  add          Add effects to a model: what a diagnosis names, or one with values by hand or fitted
+  suggest      Tell which pushes to do next: those that decide between rivals, or measure a name
   report       Show how models do on recordings: one HTML page, to be read without a network
   completions  Print a completion script for a shell
   help         Print this message or the help of the given subcommand(s)"

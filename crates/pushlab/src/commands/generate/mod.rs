@@ -4,7 +4,6 @@ mod design_name;
 mod generated;
 mod settings_file;
 mod shape_name;
-mod speed;
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -19,11 +18,11 @@ use self::design_name::DesignName;
 use self::generated::Generated;
 use self::settings_file::SettingsFile;
 use self::shape_name::ShapeName;
-use self::speed::Speed;
 use crate::destination::Destination;
 use crate::failure::WrongUsage;
 use crate::origin::{Input, Origin, readable};
 use crate::progress::Progress;
+use crate::speed::Speed;
 use crate::terminal::Terminal;
 
 /// Simulate pushes and write them as a recording set that can hide an effect

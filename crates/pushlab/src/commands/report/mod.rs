@@ -1,5 +1,6 @@
 //! `pushlab report`: how models do on recordings, on one page that needs nothing else.
 
+mod diagnosed;
 mod errors;
 mod headline;
 mod maps;
@@ -12,18 +13,20 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use ::report::{Page, Provenance};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use dataset::{IngestSettings, RecordingSet};
 use diagnosis::{
-    Comparison, MapSettings, NoiseFloor, Observations, OutlineMap, Predictions, PushEnds,
-    RepeatTolerance, Rollout, compare, noise_floor, outline_maps, push_ends, roll_out,
+    Comparison, Diagnosis, MapSettings, NoiseFloor, Observations, OutlineMap, Predictions,
+    PushEnds, RepeatTolerance, Rollout, compare, noise_floor, outline_maps, push_ends, roll_out,
 };
 use models::ModelFile;
 use serde::Serialize;
 
+use self::diagnosed::Signatures;
 use self::headline::Headline;
 use super::compare::Part;
 use crate::destination::Destination;
+use crate::diagnosis_file;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
 use crate::recorded_steps::RecordedSteps;
@@ -47,6 +50,9 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "PAGE", default_value = "report.html",
           value_parser = file_ending::page)]
     output: PathBuf,
+    /// Answer of `pushlab diagnose` about this set and the first model: what is missing
+    #[arg(long, value_name = "DIAGNOSIS", value_parser = file_ending::json)]
+    diagnosis: Option<PathBuf>,
     /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm); else 200ms
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<StepSize>,
@@ -56,6 +62,7 @@ const EXAMPLES: &str = "\
 Examples:
   pushlab report pushes --model model.toml -o report.html
   pushlab report pushes --model model.toml --model better.toml -o report.html
+  pushlab report pushes --model model.toml --diagnosis diagnosis.json -o report.html
   pushlab report pushes --step 4mm --json";
 
 /// What is compared, and on what.
@@ -65,6 +72,7 @@ struct Report {
     floor: NoiseFloor,
     observations: Observations,
     models: Vec<Tried>,
+    diagnosis: Option<(Diagnosis, Signatures)>,
 }
 
 /// A model with all that the page shows of it.
@@ -101,9 +109,12 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         origin.inputs.push(Input::file(path)?);
         files.push((path.as_path(), ModelFile::read(path)?));
     }
+    let diagnosis = args.diagnosis.as_ref();
+    let diagnosis = diagnosis.map(|path| diagnosis_file::read(path, &mut origin)).transpose()?;
     readable(&args.set)?;
     let set = RecordingSet::open(&args.set)?;
     let mut spared = args.model.clone();
+    spared.extend(args.diagnosis.clone());
     spared.extend_from_slice(set.recordings());
     destination.spare(&spared)?;
     let mut settings = IngestSettings::default();
@@ -113,7 +124,15 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let recorded = RecordedSteps::read(&set, &settings, terminal)?;
     origin.inputs.extend(recorded.inputs);
     let observations = Observations::of(&recorded.table, set.manifest())?;
+    if let Some(path) = args
+        .diagnosis
+        .as_ref()
+        .filter(|_| diagnosis.as_ref().is_some_and(|found| !observations.are_of(&found.split)))
+    {
+        bail!("{} is about other recordings than {}", path.display(), args.set.display());
+    }
     let report = Report::of(set.manifest().name.clone(), files, observations)?;
+    let report = report.with_diagnosis(diagnosis)?;
     let (html, written) = report.written(&origin, &args.output)?;
     destination.write(html.as_bytes())?;
     terminal.finish(&origin, &written, &written)
@@ -152,7 +171,18 @@ impl Report {
             models.push(tried().with_context(|| format!("cannot try {}", path.display()))?);
         }
         let floor = floor.context("name a model with --model")?;
-        Ok(Self { set, part, floor, observations, models })
+        Ok(Self { set, part, floor, observations, models, diagnosis: None })
+    }
+
+    /// The same with what a diagnosis says of the first model.
+    fn with_diagnosis(mut self, found: Option<Diagnosis>) -> Result<Self> {
+        let Some(found) = found else { return Ok(self) };
+        let first = &self.models[0];
+        let model = &first.file.description;
+        let beside = (&first.comparison, &self.floor);
+        let signatures = Signatures::of(&found, model, &self.observations, beside)?;
+        self.diagnosis = Some((found, signatures));
+        Ok(self)
     }
 
     /// The page, and what programs want to know of it.
@@ -160,18 +190,22 @@ impl Report {
         let headlines = Headline::all(self);
         let player = pushes::player(self);
         let n_played = player.n_embedded();
-        let html = Page::new(
+        let mut html = Page::new(
             &format!("{}: models and measurements", self.set),
             &self.lead(),
             made_by(origin),
         )
-        .with(headline::section(self, &headlines))
-        .with(errors::section(self)?)
-        .with(pushes::section(player))
-        .with(outlines::section(self)?)
-        .with(maps::section(self)?)
-        .with(parameters::section(self))
-        .single_file()?;
+        .with(headline::section(self, &headlines));
+        if let Some((found, signatures)) = &self.diagnosis {
+            html = html.with(diagnosed::section(found, signatures)?);
+        }
+        let html = html
+            .with(errors::section(self)?)
+            .with(pushes::section(player))
+            .with(outlines::section(self)?)
+            .with(maps::section(self)?)
+            .with(parameters::section(self))
+            .single_file()?;
         let written = Written {
             page: page.to_owned(),
             bytes: html.len(),
@@ -247,6 +281,10 @@ impl Args {
         let mut words = vec!["report".to_owned(), self.set.display().to_string()];
         let models = self.model.iter();
         words.extend(models.flat_map(|path| ["--model".to_owned(), path.display().to_string()]));
+        let diagnosis = self.diagnosis.iter();
+        words.extend(
+            diagnosis.flat_map(|path| ["--diagnosis".to_owned(), path.display().to_string()]),
+        );
         words.extend(self.step.iter().flat_map(|step| ["--step".to_owned(), step.to_string()]));
         Origin::new(words)
     }

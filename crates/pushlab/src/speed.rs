@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 /// A speed of the pusher from the command line, in m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Speed(pub(super) f64);
+pub(crate) struct Speed(pub(crate) f64);
 
 /// What the simulated robot is made for, in m/s.
 const SPEEDS: RangeInclusive<f64> = 0.001..=1.0;

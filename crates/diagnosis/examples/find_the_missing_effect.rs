@@ -1,0 +1,51 @@
+//! Finds the physical effect that the nominal model lacks, with one of one's own among the
+//! candidates: `cargo run -p diagnosis --example find_the_missing_effect -- fixtures/pushes`
+
+use dataset::{RecordingSet, ingest};
+use diagnosis::{DiagnoseSettings, Observations, Verdict, diagnose, steady_ingest};
+use effects::{About, Channel, Effect, Parameter, Sliding, Stage};
+use models::{Analytical, PushModel};
+
+/// Friction that grows towards one place of the table.
+#[derive(Debug)]
+struct StickySpot;
+
+static ABOUT: About = About {
+    id: "sticky-spot",
+    title: "Sticky spot",
+    physics: "Friction is larger around the origin of the table's frame.",
+    equation: "μ(x) = μs (1 + s exp(−|x|²/(2 r²))), r = 30 mm",
+    source: "made up",
+    stages: &[Stage::Local],
+    reaches: &[Channel::Motion, Channel::Force],
+    parameters: &[Parameter::number("surplus", "1", "At its middle", (0.0, 0.5), (0.0, 5.0))],
+    look_alikes: &[],
+};
+
+impl Effect for StickySpot {
+    fn about(&self) -> &About {
+        &ABOUT
+    }
+
+    fn local_friction(&self, values: &[f64], sliding: &Sliding) -> f64 {
+        values[0] * (-0.5 * sliding.place_w.norm_squared() / 0.03_f64.powi(2)).exp()
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let path = std::env::args().nth(1).ok_or("usage: find_the_missing_effect SET")?;
+    let set = RecordingSet::open(path.as_ref())?;
+    let (table, _) = ingest(&set, &steady_ingest())?;
+    let observations = Observations::steady(&table, set.manifest())?;
+    let model = Analytical::nominal(set.manifest().pusher.friction)?.describe()?;
+    let settings = DiagnoseSettings { own: vec![&StickySpot], ..DiagnoseSettings::default() };
+    let found = diagnose(&observations, &model, &settings)?;
+    println!("{}", found.diagnosis.sentence);
+    if found.diagnosis.verdict == Verdict::Named {
+        println!("the model with it: {:?}", found.description.effects);
+    }
+    for effect in found.diagnosis.effects.iter().filter(|effect| effect.id == ABOUT.id) {
+        println!("{}: {:?}, p {:?} {}", effect.id, effect.status, effect.p_adjusted, effect.why);
+    }
+    Ok(())
+}

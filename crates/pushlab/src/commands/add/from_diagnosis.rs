@@ -1,0 +1,85 @@
+//! Effects of a diagnosis as a model carries them.
+
+use anyhow::{Result, bail, ensure};
+use diagnosis::{Diagnosis, EffectFinding, ParameterFinding, Status};
+use effects::{Setting, by_id};
+use models::{Estimate, ModelEffect};
+
+/// The effects that a diagnosis names, in its order; or the one that is asked for.
+///
+/// # Errors
+/// If nothing is named, if the effect is none of those claimed or possible, or if the diagnosis
+/// does not tell its values.
+pub(super) fn chosen(found: &Diagnosis, asked: Option<&str>) -> Result<Vec<ModelEffect>> {
+    let ids = match asked {
+        Some(id) => {
+            by_id(id)?;
+            vec![id]
+        }
+        None => found.named.iter().map(String::as_str).collect(),
+    };
+    if ids.is_empty() {
+        let groups: Vec<String> = found.one_of.iter().map(|group| group.join(", ")).collect();
+        match groups.is_empty() {
+            true => bail!("the diagnosis names no effect: {}", found.sentence),
+            false => bail!(
+                "the diagnosis names no single effect, but one of {}; name the one to add, as in \
+                 `pushlab add {} --from …`, or let `pushlab suggest` tell which pushes would decide",
+                groups.join("; one of "),
+                found.one_of[0].first().map_or("EFFECT", String::as_str),
+            ),
+        }
+    }
+    ids.into_iter().map(|id| diagnosed_effect(found, id)).collect()
+}
+
+/// An effect with the values that a diagnosis tells.
+///
+/// # Errors
+/// If it is none of those claimed or possible, or has no values.
+pub(crate) fn diagnosed_effect(found: &Diagnosis, id: &str) -> Result<ModelEffect> {
+    let known = found.effects.iter().find(|effect| effect.id == id);
+    let Some(EffectFinding { status, parameters, why, .. }) = known else {
+        bail!("the diagnosis does not tell of {id}: the model that was diagnosed has it already")
+    };
+    let said = match status {
+        Status::Present | Status::Possible => "",
+        Status::Weak => "is a hint alone",
+        Status::Bounded => "was not seen",
+        Status::NotTestable => "cannot be tested with these pushes",
+    };
+    let why = if why.is_empty() { String::new() } else { format!(" ({why})") };
+    ensure!(
+        said.is_empty(),
+        "{id} {said}{why}; to add it all the same: `pushlab add {id} --fit SET`, or `--set`"
+    );
+    let about = by_id(id)?.about();
+    let values = parameters.iter().filter_map(|one| Some((one.name.clone(), one.estimate?)));
+    let setting = Setting { id: id.to_owned(), parameters: values.collect() };
+    let Ok(values) = setting.values(about) else {
+        bail!(
+            "the diagnosis does not tell the values of {id}; `pushlab add {id} --fit SET` fits them"
+        )
+    };
+    about.check(&values)?;
+    let source = source(found);
+    let estimate = |one: &ParameterFinding| {
+        let value = one.estimate.unwrap_or_default();
+        (one.name.clone(), Estimate { value, se: se(one), source: source.clone() })
+    };
+    Ok(ModelEffect { id: id.to_owned(), parameters: parameters.iter().map(estimate).collect() })
+}
+
+/// The standard error, or the half-width of the interval over the normal quantile.
+fn se(parameter: &ParameterFinding) -> f64 {
+    const NORMAL_975: f64 = 1.96;
+    let ParameterFinding { se, low95, high95, .. } = parameter;
+    let of_interval = low95.zip(*high95).map(|(low, high)| 0.5 * (high - low) / NORMAL_975);
+    se.or(of_interval).unwrap_or_default().max(0.0)
+}
+
+fn source(found: &Diagnosis) -> String {
+    let tool = found.made_by.as_ref().map_or("a diagnosis", |made| made.tool.as_str());
+    let split = &found.split;
+    format!("diagnosed by {tool} on {} pushes, sha256:{}", split.fit.len(), split.set)
+}

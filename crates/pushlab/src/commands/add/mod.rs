@@ -1,0 +1,220 @@
+//! `pushlab add`: a model with more effects: by hand, fitted to recordings, or from a diagnosis.
+
+mod from_diagnosis;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::{Result, bail, ensure};
+use clap::ArgGroup;
+use diagnosis::Diagnosis;
+use effects::{EffectError, Setting, by_id};
+use models::{ChannelModel, ModelEffect, ModelFile};
+
+pub(super) use self::from_diagnosis::diagnosed_effect;
+
+use self::from_diagnosis::chosen;
+use super::models::Parameters;
+use crate::destination::Destination;
+use crate::diagnosis_file;
+use crate::failure::WrongUsage;
+use crate::file_ending;
+use crate::fitting::{Fitting, model_for};
+use crate::origin::{Origin, TOOL};
+use crate::terminal::{TITLE, Terminal, WARNING};
+
+/// Add effects to a model: what a diagnosis names, or one with values by hand or fitted
+///
+/// With --from the effects that the diagnosis names, or EFFECT alone if it is one of them or of a
+/// group of which one is missing; the pushes that confirmed them are the ones `compare` then uses.
+/// With --fit a quarter of the pushes is set aside first and kept for `compare`. An effect that the
+/// pushes do not determine, or do not tell from nothing, is refused, with what would determine it.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES, group = ArgGroup::new("values").required(true))]
+pub(crate) struct Args {
+    /// Id of the effect, as `pushlab effects list` names it
+    #[arg(required_unless_present = "from")]
+    effect: Option<String>,
+    /// A parameter's value in its SI unit; once for each parameter
+    #[arg(long, value_name = "NAME=VALUE", group = "values")]
+    set: Vec<Value>,
+    /// Recording set to fit the parameters to
+    #[arg(long, value_name = "SET", group = "values", conflicts_with = "set")]
+    fit: Option<PathBuf>,
+    /// Answer of `pushlab diagnose` that names the effects and their values
+    #[arg(long, value_name = "DIAGNOSIS", group = "values", value_parser = file_ending::json,
+          conflicts_with_all = ["set", "fit"])]
+    from: Option<PathBuf>,
+    /// Model file to add to
+    #[arg(long, value_name = "FILE", default_value = "model.toml",
+          value_parser = file_ending::model)]
+    model: PathBuf,
+    /// Where to write the model with the effect
+    #[arg(short, long, value_name = "FILE", value_parser = file_ending::model)]
+    output: PathBuf,
+    /// Seed of the choice of pushes that are set aside
+    #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = clap::value_parser!(u32))]
+    seed: u32,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  pushlab add table-anisotropy --set ratio=1.3 --set direction=0.6 -o better.toml
+  pushlab add table-anisotropy --fit pushes --model model.toml -o better.toml
+  pushlab add --from diagnosis.json --model model.toml -o better.toml
+then:
+  pushlab compare pushes --model better.toml --against model.toml";
+
+/// A parameter's name and value.
+#[derive(Clone, Debug)]
+struct Value {
+    name: String,
+    value: f64,
+}
+
+impl FromStr for Value {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once('=');
+        let value = parts.and_then(|(name, value)| Some((name, value.trim().parse().ok()?)));
+        let (name, value) = value.ok_or("expected NAME=VALUE with a number, such as ratio=1.3")?;
+        Ok(Self { name: name.trim().to_owned(), value })
+    }
+}
+
+pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let mut origin = args.origin();
+    let (mut model, destination) = model_for(&args.model, &args.output, &mut origin)?;
+    if let Some(from) = &args.from {
+        return from_file(args, from, model, origin, terminal);
+    }
+    let about = by_id(args.effect())?.about();
+    refuse_twice(&model, about.id)?;
+    let name = format!("{} + {}", model.name, about.id);
+    let Some(set) = &args.fit else {
+        return by_hand(args, ModelFile { name, ..model }, &origin, &destination, terminal);
+    };
+    let fitting = Fitting::read(set, &model, args.seed.into(), &mut origin, terminal)?;
+    let off = fitting.off(&model, about)?;
+    model.description.effects.push(ModelEffect::from(Setting::new(about, &off)));
+    let fit = fitting.fit(&model, &[about.id])?.distinct()?;
+    let fitted = fitting.write(fit, name, &destination)?;
+    terminal.finish(&origin, &fitted, &fitted)
+}
+
+fn refuse_twice(model: &ModelFile, id: &str) -> Result<()> {
+    let is_there = model.description.effects.iter().any(|effect| effect.id == id);
+    ensure!(!is_there, EffectError::Twice { effect: id.to_owned() });
+    Ok(())
+}
+
+/// What a diagnosis names, with its values and with the parts of its set.
+fn from_file(
+    args: &Args,
+    from: &Path,
+    mut model: ModelFile,
+    mut origin: Origin,
+    terminal: &Terminal,
+) -> Result<()> {
+    let destination = Destination::new(&args.output)?;
+    destination.spare(&[from.to_owned()])?;
+    let found = diagnosis_file::read(from, &mut origin)?;
+    if let Some(split) = model.split.as_ref().filter(|split| split.set != found.split.set) {
+        bail!(
+            "{} was fitted to other recordings (sha256:{:.12}…) than {} is of (sha256:{:.12}…); \
+             diagnose the ones that it was fitted to",
+            args.model.display(),
+            split.set,
+            from.display(),
+            found.split.set
+        );
+    }
+    let added = chosen(&found, args.effect.as_deref())?;
+    for effect in &added {
+        refuse_twice(&model, &effect.id)?;
+        model.name += &format!(" + {}", effect.id);
+    }
+    if model.split.is_none() && !is_of(&found, &origin) {
+        let (model, from) = (args.model.display(), from.display());
+        terminal.tell(format_args!(
+            "{WARNING}note:{WARNING:#} {from} is about another model file than {model}; the values \
+             hold beside the one that it is about"
+        ));
+    }
+    model.description.effects.extend(added);
+    model.split = Some(found.split);
+    write(model, &origin, &destination, terminal)
+}
+
+/// Whether the diagnosis is of the model that was read first.
+fn is_of(found: &Diagnosis, origin: &Origin) -> bool {
+    let inputs = found.made_by.iter().flat_map(|made| &made.inputs);
+    let mut hashes = inputs.map(|input| input.sha256.as_str());
+    origin.inputs.first().is_none_or(|model| hashes.any(|hash| hash == model.sha256))
+}
+
+/// Writes a model whose effects go together.
+fn write(
+    model: ModelFile,
+    origin: &Origin,
+    destination: &Destination,
+    terminal: &Terminal,
+) -> Result<()> {
+    // What cannot be together is refused before anything is written.
+    let support = dataset::SupportSpec { friction: 0.25, gravity: 9.81 };
+    ChannelModel::new(&model.description, support, &[])?;
+    model.write(destination.path())?;
+    let parameters = Parameters::of(&model);
+    let text = format!("{TITLE}wrote {}{TITLE:#}\n{parameters}", destination.path().display());
+    terminal.finish(origin, &parameters, text)
+}
+
+fn by_hand(
+    args: &Args,
+    mut model: ModelFile,
+    origin: &Origin,
+    destination: &Destination,
+    terminal: &Terminal,
+) -> Result<()> {
+    let mut parameters = BTreeMap::new();
+    for Value { name, value } in &args.set {
+        if parameters.insert(name.clone(), *value).is_some() {
+            bail!(WrongUsage("a parameter has two values; give one"));
+        }
+    }
+    let about = by_id(args.effect())?.about();
+    let setting = Setting { id: about.id.to_owned(), parameters };
+    about.check(&setting.values(about)?)?;
+    let mut effect = ModelEffect::from(setting);
+    for estimate in effect.parameters.values_mut() {
+        estimate.source = format!("by hand, {TOOL} {}", origin.command_line());
+    }
+    model.description.effects.push(effect);
+    write(model, origin, destination, terminal)
+}
+
+impl Args {
+    /// The effect asked for; the parser makes sure that there is one without `--from`.
+    fn effect(&self) -> &str {
+        self.effect.as_deref().unwrap_or_default()
+    }
+
+    fn origin(&self) -> Origin {
+        let mut words = vec!["add".to_owned()];
+        words.extend(self.effect.clone());
+        for Value { name, value } in &self.set {
+            words.extend(["--set".to_owned(), format!("{name}={value}")]);
+        }
+        if let Some(set) = &self.fit {
+            words.extend(["--fit".to_owned(), set.display().to_string()]);
+            words.extend(["--seed".to_owned(), self.seed.to_string()]);
+        }
+        if let Some(from) = &self.from {
+            words.extend(["--from".to_owned(), from.display().to_string()]);
+        }
+        words.extend(["--model".to_owned(), self.model.display().to_string()]);
+        Origin::new(words)
+    }
+}

@@ -1,0 +1,146 @@
+//! The commands of the demo, one after the other.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use clap::Parser;
+use diagnosis::{Diagnosis, ErrorFall, Verdict};
+use serde::{Deserialize, Serialize};
+
+use crate::command_line::CommandLine;
+use crate::origin::Origin;
+use crate::terminal::{TITLE, Terminal};
+
+/// What is told, and where.
+pub(super) struct Story<'a> {
+    pub(super) folder: &'a Path,
+    pub(super) seed: u32,
+    pub(super) hidden: &'a str,
+    pub(super) n_pushes: u32,
+    pub(super) terminal: &'a Terminal,
+}
+
+/// The end of the story, for programs.
+#[derive(Serialize)]
+struct End {
+    seed: u32,
+    hidden: Vec<HiddenEffect>,
+    verdict: Verdict,
+    named: Vec<String>,
+    one_of: Vec<Vec<String>>,
+    error: ErrorFall,
+    report: String,
+}
+
+/// The sealed truth, as far as it is told.
+#[derive(Deserialize)]
+struct Truth {
+    hidden: Vec<HiddenEffect>,
+}
+
+/// What was hidden; SI units.
+#[derive(Serialize, Deserialize)]
+struct HiddenEffect {
+    id: String,
+    values: toml::Table,
+}
+
+impl Story<'_> {
+    pub(super) fn tell(&self) -> Result<()> {
+        let [seed, n_pushes] = [self.seed, self.n_pushes].map(|number| number.to_string());
+        let [set, model, answer] = ["pushes", "model.toml", "diagnosis.json"].map(|n| self.path(n));
+        let [better, page] = ["better.toml", "report.html"].map(|name| self.path(name));
+        self.say(
+            "A simulated rig pushes a square. Something is hidden in it; no command below is told.",
+        );
+        let hidden = ["--hidden", self.hidden, "--pushes", &n_pushes, "--seed", &seed];
+        self.run(&[&["generate", &set], &hidden[..]].concat())?;
+        self.say(
+            "The model to begin with: the thesis' push, with what the rig's builder believes.",
+        );
+        self.run(&["models", "init", &set, "-o", &model])?;
+        self.say("How wrong is it, and where?");
+        self.run(&["compare", &set, "--model", &model])?;
+        self.say("Which effect is missing?");
+        self.run(&["diagnose", &set, "--model", &model, "-o", &answer])?;
+        let text = std::fs::read_to_string(&answer);
+        let text = text.with_context(|| format!("cannot read {answer}"))?;
+        let found: Diagnosis =
+            serde_json::from_str(&text).with_context(|| format!("cannot read {answer}"))?;
+        let mut report = vec!["report", &set, "--model", &model];
+        if found.named.is_empty() {
+            self.say("Nothing is named, so nothing is added.");
+        } else {
+            self.say("Add it, and look at the error on pushes that no fit has seen.");
+            self.run(&["add", "--from", &answer, "--model", &model, "-o", &better])?;
+            self.run(&["compare", &set, "--model", &better, "--against", &model])?;
+            report.extend(["--model", &better]);
+        }
+        self.say("All of it on one page.");
+        report.extend(["--diagnosis", &answer, "-o", &page]);
+        self.run(&report)?;
+        self.end(found, page)
+    }
+
+    /// Opens the truth.
+    fn end(&self, found: Diagnosis, report: String) -> Result<()> {
+        let path = self.path("pushes.truth.toml");
+        let text = std::fs::read_to_string(&path).with_context(|| format!("cannot read {path}"))?;
+        let truth: Truth = toml::from_str(&text).with_context(|| format!("cannot read {path}"))?;
+        let hidden: Vec<String> = truth.hidden.iter().map(HiddenEffect::text).collect();
+        let text = format!(
+            "\n{TITLE}The truth, sealed until now: {}{TITLE:#}\n\
+             The object stands on its whole face, of which the thesis' ellipsoid is an \
+             approximation: limit-surface-shape may be named beside it.\n\
+             The page: {report}\nThe same again: pushlab demo FOLDER --seed {}\n",
+            hidden.join("; "),
+            self.seed
+        );
+        let Diagnosis { verdict, named, one_of, error, .. } = found;
+        let (seed, hidden) = (self.seed, truth.hidden);
+        let end = End { seed, hidden, verdict, named, one_of, error, report };
+        let words = ["demo".to_owned(), "--seed".to_owned(), self.seed.to_string()];
+        self.terminal.finish(&Origin::new(words), &end, text)
+    }
+
+    /// Prints a command as one would type it, and runs it.
+    fn run(&self, words: &[&str]) -> Result<()> {
+        let typed: Vec<String> = words.iter().map(|word| quoted(word)).collect();
+        let inner = self.terminal.within();
+        inner.print_for_people(&format!("\n$ pushlab {}\n", typed.join(" ")))?;
+        let words = ["pushlab"].iter().chain(words);
+        CommandLine::try_parse_from(words)?.run(&inner)
+    }
+
+    fn say(&self, text: &str) {
+        // What the story says is no result: programs do not want it.
+        let _ = self.terminal.within().print_for_people(&format!("\n{TITLE}{text}{TITLE:#}\n"));
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.folder.join(name).display().to_string()
+    }
+}
+
+impl HiddenEffect {
+    /// As `table-tilt: x = 0.2, y = 0`.
+    fn text(&self) -> String {
+        let values = self.values.iter().map(|(name, value)| format!("{name} = {value}"));
+        let values: Vec<String> = values.collect();
+        if values.is_empty() {
+            self.id.clone()
+        } else {
+            format!("{}: {}", self.id, values.join(", "))
+        }
+    }
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{word}'")
+    }
+}

@@ -1,0 +1,154 @@
+//! `pushlab add --from`: what a diagnosis names, in a model.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::small_set::SmallSet;
+
+/// The fixture pushes, whose object stands on a uniform patch, with the nominal model, the same with
+/// λ fitted, and the diagnosis that says so.
+pub(crate) fn diagnosed() -> (SmallSet, Value) {
+    let set = SmallSet::new();
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/pushes");
+    crate::documentation::copy(&from, &set.path("pushes"));
+    set.done(&["models", "init", "pushes"]);
+    set.done(&["add", "limit-surface-shape", "--fit", "pushes", "-o", "fitted.toml"]);
+    let fitted: toml::Value = toml::from_str(&set.read("fitted.toml")).unwrap();
+    let is_shape = |effect: &&toml::Value| effect["id"].as_str() == Some("limit-surface-shape");
+    let effect = fitted["effects"].as_array().unwrap().iter().find(is_shape).unwrap();
+    let lambda = &effect["parameters"]["lambda"];
+    let [value, se] = ["value", "se"].map(|key| lambda[key].as_float().unwrap());
+    let motion = json!({ "dx_m": 1e-4, "dy_m": 1e-4, "dtheta_rad": 1e-3 });
+    let finding = |id: &str, status: &str, why: &str, parameters: Value| {
+        json!({ "id": id, "status": status, "p_adjusted": 0.001, "gap_closed": 0.9,
+                "log_density_gain": { "mean": 40.0, "se": 9.0 }, "parameters": parameters,
+                "rivals": [], "why": why })
+    };
+    let parameter = |name: &str, unit: &str, [value, se]: [f64; 2]| {
+        json!({ "name": name, "unit": unit, "off": 0.0, "estimate": value, "se": se,
+                "low95": value - 2.0 * se, "high95": value + 2.0 * se,
+                "smallest_detectable": 0.1 })
+    };
+    let tilt = json!([parameter("ax", "m/s²", [0.1, 0.01]), parameter("ay", "m/s²", [0.0, 0.01])]);
+    let diagnosis = json!({
+        "schema": "pushlab.diagnosis/1", "verdict": "named", "named": ["limit-surface-shape"],
+        "one_of": [["table-tilt", "inertia"]], "sentence": "Missing: the limit surface's shape.",
+        "error": { "before": 2.0, "after": 1.1, "floor": 1.0, "gap_closed": 0.9,
+                   "unit": "whitened RMS", "before_si": motion, "after_si": motion,
+                   "floor_si": motion },
+        "split": serde_json::to_value(&fitted["split"]).unwrap(),
+        "effects": [
+            finding("limit-surface-shape", "present", "",
+                    json!([parameter("lambda", "1", [value, se])])),
+            finding("table-tilt", "possible", "", tilt),
+            finding("inertia", "possible", "", json!([])),
+            finding("stream-latency", "weak", "it may be chance", json!([])),
+        ],
+        "leftover": { "p": 0.5, "covariate": null },
+        "noise": { "source": "repeats", "n_cells": 3 },
+        "data": { "pushes_used": 60, "pushes_set_aside": 0, "steps": 600 },
+    });
+    set.write("d.json", &diagnosis.to_string());
+    (set, diagnosis)
+}
+
+#[test]
+fn what_a_diagnosis_names_is_added_and_compared_on_the_pushes_that_confirmed_it() {
+    let (set, diagnosis) = diagnosed();
+    let added = set.done(&["add", "--from", "d.json", "-o", "better.toml"]);
+    assert!(added.stderr.contains("note:"), "no model is named in it: {}", added.stderr);
+    let models = ["fitted.toml", "better.toml"].map(|name| {
+        let model: toml::Value = toml::from_str(&set.read(name)).unwrap();
+        let effects = model["effects"].as_array().unwrap().clone();
+        let shape =
+            effects.into_iter().find(|effect| effect["id"].as_str() != Some("support-friction"));
+        let lambda = shape.unwrap()["parameters"]["lambda"].clone();
+        (lambda["value"].clone(), lambda["se"].clone(), model["split"].clone())
+    });
+    assert_eq!(models[0], models[1]);
+    assert!(set.read("better.toml").contains("diagnosed by a diagnosis on 45 pushes"));
+    let compare =
+        ["compare", "pushes", "--model", "better.toml", "--against", "model.toml", "--json"];
+    let compared: Value = serde_json::from_str(&set.done(&compare).stdout).unwrap();
+    let compared = &compared["result"];
+    assert_eq!(
+        (&compared["part"]["pushes"], &compared["n_pushes"]),
+        (&json!("confirm"), &json!(15))
+    );
+    let turn = &compared["against"]["changes"][2];
+    let [before, after] = ["before", "after"].map(|key| turn[key].as_f64().unwrap());
+    assert!(after < 0.5 * before, "{turn}");
+    // A member of a group is added where it is asked for, beside what is there.
+    let tilt = ["add", "table-tilt", "--from", "d.json", "--model", "better.toml", "-o", "c.toml"];
+    assert_eq!(set.done(&tilt).stderr, "");
+    let tilted: toml::Value = toml::from_str(&set.read("c.toml")).unwrap();
+    assert_eq!(tilted["effects"][1]["parameters"]["ax"]["se"].as_float(), Some(0.01));
+    assert_eq!(tilted["split"]["confirm"].as_array().unwrap().len(), 15);
+    refused(&set, diagnosis);
+}
+
+#[test]
+fn the_page_shows_what_is_missing_beside_what_the_model_misses() {
+    let (set, mut diagnosis) = diagnosed();
+    diagnosis["sentence"] = "Missing: </script><script>alert(1)</script>".into();
+    set.write("d.json", &diagnosis.to_string());
+    let report = ["report", "pushes", "--diagnosis", "d.json"];
+    set.done(&report);
+    let page = set.read("report.html");
+    for part in [
+        "id=\"diagnosis\"",
+        "What is missing",
+        "effect changes<",
+        "model misses<",
+        "1 limit-surface-shape",
+        "The diagnosis does not tell the values of inertia",
+        "it may be chance",
+        "--diagnosis d.json",
+        "nothing beyond chance",
+    ] {
+        assert!(page.contains(part), "no {part}");
+    }
+    assert!(!page.contains("<script>alert(1)"));
+    set.done(&["report", "pushes", "--model", "fitted.toml", "--diagnosis", "d.json"]);
+    assert!(set.read("report.html").contains("limit-surface-shape is in the page"));
+    diagnosis["split"]["set"] = "0123".into();
+    set.write("d.json", &diagnosis.to_string());
+    assert!(set.error(&report).contains("is about other recordings than pushes"));
+}
+
+/// What cannot be added is told, and nothing is written.
+fn refused(set: &SmallSet, diagnosis: Value) {
+    let error = |words: &[&str]| {
+        let message = set.error(&[&["add", "--from", "d.json", "-o", "e.toml"], words].concat());
+        assert!(!set.exists("e.toml"));
+        message
+    };
+    for (words, says) in [
+        (&["table-grain"][..], "table-grain"),
+        (&["table-anisotropy"], "the model that was diagnosed has it already"),
+        (&["stream-latency"], "is a hint alone (it may be chance)"),
+        (&["inertia"], "does not tell the values of inertia"),
+        (&["--model", "better.toml"], "already in the model"),
+    ] {
+        let message = error(words);
+        assert!(message.contains(says), "{message}");
+    }
+    set.wrong_usage(&["add", "-o", "e.toml"]);
+    set.wrong_usage(&["add", "table-tilt", "--from", "d.json", "--fit", "pushes", "-o", "e.toml"]);
+    let change = |pointer: &str, value: Value| {
+        let mut other = diagnosis.clone();
+        *other.pointer_mut(pointer).unwrap() = value;
+        set.write("d.json", &other.to_string());
+    };
+    change("/named", json!([]));
+    assert!(error(&[]).contains("one of table-tilt, inertia; name the one to add"));
+    change("/effects/0/parameters/0/estimate", json!(7.0));
+    assert!(error(&[]).contains("lambda must be within"));
+    change("/split/set", json!("0123456789abcdef"));
+    assert!(error(&["--model", "fitted.toml", "table-tilt"]).contains("to other recordings"));
+    change("/schema", json!("pushlab.diagnosis/2"));
+    assert!(error(&[]).contains("this release reads `pushlab.diagnosis/1`"));
+    set.write("d.json", "{\"schema\": \"pushlab.diagnosis/1\"\n\"named\": []}");
+    assert!(error(&[]).contains("d.json:2:1: no JSON: expected `,` or `}`"));
+}
