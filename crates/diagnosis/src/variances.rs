@@ -40,6 +40,9 @@ pub(crate) struct Variances {
 const MAX_ITERATIONS: usize = 100;
 /// What is left to gain is a tenth of a standard error.
 const DECREMENT: f64 = 1e-2;
+/// Shares of what a step promises: above the first one the next is damped less, below the second more.
+const WELL_KEPT: f64 = 0.75;
+const BADLY_KEPT: f64 = 0.25;
 /// Longest change of ln θ in one iteration.
 const LONGEST_STEP: f64 = 1.5;
 
@@ -65,10 +68,12 @@ pub(crate) fn variances(
         decrement,
     };
     let mut here = Point::at(blocks, prior, &log).ok_or(failed(0, f64::INFINITY))?;
+    let mut left = f64::INFINITY;
     for iterations in 0..MAX_ITERATIONS {
         let inverse = here.information.clone().cholesky();
         let inverse = inverse.ok_or(failed(iterations, f64::INFINITY))?.inverse();
         let decrement = here.slope.dot(&(&inverse * &here.slope));
+        left = decrement;
         let next = match decrement < DECREMENT {
             true => None,
             false => here.climb(blocks, prior, &log, &mut damping),
@@ -83,7 +88,7 @@ pub(crate) fn variances(
         };
         (log, here) = (next_log, next);
     }
-    Err(failed(MAX_ITERATIONS, f64::INFINITY))
+    Err(failed(MAX_ITERATIONS, left))
 }
 
 /// The logarithm of the likelihood at a point, with its slope and information in ln θ.
@@ -147,8 +152,17 @@ impl Point {
             let scale = (LONGEST_STEP / step.amax()).min(1.0);
             let next: Vec<f64> =
                 log.iter().zip(step.iter()).map(|(log, step)| log + scale * step).collect();
+            let step = scale * step;
+            let promise = self.slope.dot(&step) - 0.5 * step.dot(&(&self.information * &step));
             if let Some(point) = Self::at(blocks, prior, &next).filter(|p| p.value > self.value) {
-                *damping = (*damping / 10.0).max(1e-6);
+                let kept = (point.value - self.value) / promise;
+                // Where sources trade off, the average information is too small: undamped steps go
+                // back and forth across the ridge.
+                if kept > WELL_KEPT {
+                    *damping = (*damping / 10.0).max(1e-6);
+                } else if kept < BADLY_KEPT {
+                    *damping = (*damping * 10.0).max(1e-2);
+                }
                 return Some((next, point));
             }
             *damping *= 10.0;
@@ -318,6 +332,21 @@ mod tests {
                 assert!((slope - here.slope[k]).abs() < 1e-6 * (1.0 + slope.abs()), "{k} {slope}");
             }
         }
+    }
+
+    /// White errors of two kinds, of which every block has nearly the same mixture.
+    #[test]
+    fn sources_that_trade_off_are_told_apart_as_far_as_they_can_be() {
+        let mut blocks = blocks(12, [0.04, 0.5], 0);
+        for (place, block) in blocks.iter_mut().enumerate() {
+            let size = |row: usize| 1.0 + 0.3 * ((row + place) as f64).sin();
+            let other = DMatrix::from_fn(9, 9, |i, k| if i == k { size(i).powi(2) } else { 0.0 });
+            block.shapes.push(other);
+        }
+        let prior = [vague()[0], vague()[1], LogNormal { median: 10.0, log_sd: 2.0 }];
+        let found = variances(&blocks, &prior).unwrap();
+        assert!(found.iterations < 40, "{found:?}");
+        assert!((found.values[1] + found.values[2] - 0.5).abs() < 0.2, "{found:?}");
     }
 
     #[test]

@@ -1,11 +1,15 @@
 //! The friction load of a motion, with its derivatives.
 
+use std::sync::Arc;
+
 use mechanics::LimitSurface;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use planar::{Pose, Twist, perpendicular};
 
 use crate::effect::Sliding;
 use crate::patch_table::PatchTable;
+use crate::points::Point;
+use crate::pressure::Pressure;
 use crate::{EffectError, Object, PushPhysics, Support};
 
 /// Friction of one moment, per unit of the largest force, about the center of friction S.
@@ -21,6 +25,8 @@ pub(crate) struct Friction<'a> {
     stretch: f64,
     base: Base<'a>,
     patch: Option<&'a PatchTable>,
+    /// Of the patch and of single points; none if it is uniform.
+    pressure: Option<Arc<Pressure>>,
     tensor: Matrix2<f64>,
     is_isotropic: bool,
     local: Option<Local<'a>>,
@@ -67,6 +73,7 @@ impl<'a> Friction<'a> {
         object: &'a Object,
         support: &Support,
         given: Given<'a>,
+        pressure: Option<Arc<Pressure>>,
         local: Option<Local<'a>>,
     ) -> Result<Self, EffectError> {
         let tensor = support.tensor_o.exp(1.0);
@@ -83,7 +90,18 @@ impl<'a> Friction<'a> {
         let patch = if support.shape == 0.0 { None } else { Some(object.patch()?) };
         let is_isotropic = support.tensor_o.is_zero();
         let shape = support.shape;
-        Ok(Self { object, shape, length, stretch, base, patch, tensor, is_isotropic, local })
+        Ok(Self {
+            object,
+            shape,
+            length,
+            stretch,
+            base,
+            patch,
+            pressure,
+            tensor,
+            is_isotropic,
+            local,
+        })
     }
 
     /// c = Mmax/Fmax, in m.
@@ -140,29 +158,37 @@ impl<'a> Friction<'a> {
         }
     }
 
-    /// The table's load; where friction has directions, the points add the difference: at a ratio
-    /// of 1.5 to 0.4 % of the largest load (RMS), 2 % at worst where the object turns about a point.
+    /// The table's load, to which the points add what a leaning load and directions of friction
+    /// change: at a ratio of 1.5 to 0.4 % of the largest load (RMS), 2 % at worst where the object
+    /// turns about a point.
     fn patch_load(&self, table: &PatchTable, motion: &Vector3<f64>) -> Load {
         let scale = self.stretch * self.object.mean_distance();
-        let (unit, unit_slope) = table.load(&Vector3::new(motion.x, motion.y, scale * motion.z));
-        let mut load = Vector3::new(unit.x, unit.y, scale * unit.z);
-        let mut slope = Matrix3::from_fn(|i, j| {
-            let factors = [1.0, 1.0, scale];
-            factors[i] * factors[j] * unit_slope[(i, j)]
-        });
-        if !self.is_isotropic {
-            self.add_anisotropy(motion, (&mut load, &mut slope));
+        // From motions at S to those of the table, and from its loads back.
+        let center = self.pressure.as_ref().map_or_else(Vector2::zeros, |leaning| leaning.center);
+        let (x, y) = (self.stretch * center.y, -self.stretch * center.x);
+        let map = Matrix3::new(1.0, 0.0, x, 0.0, 1.0, y, 0.0, 0.0, scale);
+        let (unit, unit_slope) = table.load(&(map * motion));
+        let (load, slope) = (map.tr_mul(&unit), map.tr_mul(&(unit_slope * map)));
+        match self.points_load(motion) {
+            Some((more, more_slope)) => (load + more, slope + more_slope),
+            None => (load, slope),
         }
-        (load, slope)
     }
 
-    /// Adds, for each point, its share of the load times T²v/|Tv| − v/|v|.
-    fn add_anisotropy(&self, motion: &Vector3<f64>, sums: (&mut Vector3<f64>, &mut Matrix3<f64>)) {
-        let points = self.object.lanes();
-        let (with, with_slope) = points.load(&self.tensor, self.stretch, motion);
-        let (without, without_slope) = points.load(&Matrix2::identity(), self.stretch, motion);
-        *sums.0 += with - without;
-        *sums.1 += with_slope - without_slope;
+    /// Of each point, its share of the load times T²v/|Tv|, less its uniform share times v/|v|.
+    fn points_load(&self, motion: &Vector3<f64>) -> Option<Load> {
+        let (stretch, identity) = (self.stretch, Matrix2::identity());
+        let (all, uniform) = match &self.pressure {
+            Some(pressure) if self.is_isotropic => {
+                return Some(pressure.surplus.load(&identity, stretch, motion));
+            }
+            None if self.is_isotropic => return None,
+            Some(pressure) => (&pressure.lanes, &pressure.uniform),
+            None => (self.object.lanes(), self.object.lanes()),
+        };
+        let (with, with_slope) = all.load(&self.tensor, stretch, motion);
+        let (without, without_slope) = uniform.load(&identity, stretch, motion);
+        Some((with - without, with_slope - without_slope))
     }
 
     /// Adds, for each point, its share of the load times its surplus s times T²v/|Tv|.
@@ -175,7 +201,9 @@ impl<'a> Friction<'a> {
         /// Relative change of a speed over which the surplus' slope is taken.
         const STEP: f64 = 1e-6;
         let (load, slope) = sums;
-        for (place, share) in self.object.points() {
+        let uniform = self.object.points();
+        let points = self.pressure.as_ref().map_or(uniform, |pressure| &pressure.points);
+        for Point { place, share, .. } in points {
             let place = self.stretch * place;
             let arm = perpendicular(&place);
             let velocity = motion.xy() + motion.z * arm;
@@ -280,7 +308,7 @@ mod tests {
             // Only on a long triangle is the surface of the largest λ not quite convex.
             for shape in [-0.5, if name == "tri1" { 1.25 } else { 1.5 }] {
                 let support = Support { shape, ..Support::nominal(0.25, 0.0) };
-                let friction = Friction::new(&object, &support, None, None).unwrap();
+                let friction = Friction::new(&object, &support, None, None, None).unwrap();
                 for _ in 0..2000 {
                     let motion = motion(&mut random);
                     let (_, mut slope) = friction.load(&motion).unwrap();
@@ -309,7 +337,7 @@ mod tests {
         let corners = outline.vertices().iter().map(|corner| inverse * corner).collect();
         let patch = Patch::uniform(&Shape::Polygon(Polygon::new(corners).unwrap()), 1.0).unwrap();
         let support = Support { tensor_o, ..Support::nominal(0.25, 1.0) };
-        let friction = Friction::new(&object, &support, None, None).unwrap();
+        let friction = Friction::new(&object, &support, None, None, None).unwrap();
         let mut squares = 0.0;
         for _ in 0..2000 {
             let motion = motion(&mut random);
@@ -330,9 +358,17 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(5);
         let object = object("tri2");
         let tensor_o = LogTensor::axis(1.5, 0.5);
-        for shape in [0.0, 0.7, 1.0] {
+        let leaning = object.pressure(&Vector2::new(6e-3, -4e-3)).unwrap();
+        let cases = [
+            (0.0, tensor_o, None),
+            (0.7, tensor_o, None),
+            (1.0, tensor_o, None),
+            (1.0, tensor_o, Some(leaning.clone())),
+            (1.0, LogTensor::default(), Some(leaning)),
+        ];
+        for (shape, tensor_o, pressure) in cases {
             let support = Support { tensor_o, shape, ..Support::nominal(0.25, 0.0) };
-            let friction = Friction::new(&object, &support, None, None).unwrap();
+            let friction = Friction::new(&object, &support, None, pressure, None).unwrap();
             for _ in 0..50 {
                 let motion = motion(&mut random);
                 let (_, slope) = friction.load(&motion).unwrap();

@@ -63,14 +63,14 @@ impl Forward<'_> {
     /// Midpoint rule in steps of an eighth of the time that is left until rest.
     pub(crate) fn slid_with_inertia(&self, time: f64) -> Result<(Pose, Twist), EffectError> {
         let (mut pose, mut twist, mut left) = (self.pose_wo, self.twist_w, time);
-        let first = self.energy(&twist);
+        let (first, mut memory) = (self.energy(&twist), self.memory.clone());
         while left > 0.0 {
             let energy = self.energy(&twist);
             if energy <= f64::MIN_POSITIVE {
                 return Ok((pose, Twist::default()));
             }
             let now = Instant::new(self.physics, self.step, &pose, self.time);
-            let (acceleration, power) = now.free_acceleration(&twist)?;
+            let (acceleration, power) = now.free_acceleration(&twist, &mut memory)?;
             // With constant forces the energy 2E/P more seconds would bring the object to rest.
             let until_rest = if power > 0.0 { 2.0 * energy / power } else { f64::INFINITY };
             if energy <= REST_SHARE * first && until_rest <= left {
@@ -81,7 +81,7 @@ impl Forward<'_> {
             let middle = twist + 0.5 * length * acceleration;
             let half_way = self.moved_center(&pose, &twist, 0.5 * length);
             let then = Instant::new(self.physics, self.step, &half_way, self.time);
-            let (acceleration, _) = then.free_acceleration(&middle)?;
+            let (acceleration, _) = then.free_acceleration(&middle, &mut memory)?;
             pose = self.moved_center(&pose, &middle, length);
             twist = twist + length * acceleration;
             left -= length;

@@ -1,5 +1,7 @@
 //! What moves the object at one moment.
 
+use std::sync::Arc;
+
 use mechanics::{ContactMode, Ellipsoid, MechanicsError};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Pose, Twist, cross, perpendicular};
@@ -7,6 +9,8 @@ use planar::{Pose, Twist, cross, perpendicular};
 use crate::balance::{Answer, Balance, Touch, closed_form};
 use crate::effect::{Moment, Stage};
 use crate::friction::{Friction, Local, ellipsoid, turning_ratio};
+use crate::points::Point;
+use crate::pressure::Pressure;
 use crate::{ContactLaw, EffectError, PushPhysics, StepInput, Support};
 
 /// The model at one pose and time of a step.
@@ -34,9 +38,10 @@ pub(crate) struct Rate {
 }
 
 /// What one moment hands on to the next, to be faster.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Memory {
     ellipsoid: Option<(Support, Ellipsoid)>,
+    pressure: Option<Arc<Pressure>>,
     answer: Option<Answer>,
 }
 
@@ -91,7 +96,7 @@ impl<'a> Instant<'a> {
         let answer = if is_quadric && local.is_none() && self.external == Vector3::zeros() {
             closed_form(&self.ellipsoid(memory)?, touch, law)?
         } else {
-            self.balance(&self.friction(local)?, None).touched(touch, law, &guess)?
+            self.balance(&self.friction(local, memory)?, None).touched(touch, law, &guess)?
         };
         memory.answer = Some(answer);
         Ok(self.rate(&answer))
@@ -115,7 +120,7 @@ impl<'a> Instant<'a> {
         let pull = self.to_motion(target, center);
         let inertia = Some((self.mass() / (self.f_max * duration), pull));
         let local = self.local(&guess.motion);
-        let friction = self.friction(local)?;
+        let friction = self.friction(local, memory)?;
         let answer = self.balance(&friction, inertia).touched(touch, law, &guess)?;
         memory.answer = Some(answer);
         Ok(self.rate_at(&answer, center))
@@ -151,11 +156,15 @@ impl<'a> Instant<'a> {
     }
 
     /// Acceleration of the center of mass without a pusher, and the power that slows it, in W.
-    pub(crate) fn free_acceleration(&self, twist_w: &Twist) -> Result<(Twist, f64), EffectError> {
+    pub(crate) fn free_acceleration(
+        &self,
+        twist_w: &Twist,
+        memory: &mut Memory,
+    ) -> Result<(Twist, f64), EffectError> {
         let center = self.step.object.center_of_mass();
         let motion = self.to_motion(twist_w, center);
         let local = self.local(&motion);
-        let (load, _) = self.friction(local)?.load(&motion)?;
+        let (load, _) = self.friction(local, memory)?.load(&motion)?;
         let net = self.f_max * (self.external - load);
         let inverse = self.mass().try_inverse();
         let inverse = inverse.expect("mass and moment of inertia are positive");
@@ -182,15 +191,35 @@ impl<'a> Instant<'a> {
             return None;
         }
         let local = Local::new(self.physics, &self.pose_wo, &self.center);
-        let is_there = self.step.object.points().iter().any(|(place, _)| {
+        let is_there = self.step.object.points().iter().any(|Point { place, .. }| {
             local.surplus(place, &(motion.xy() + motion.z * perpendicular(place))) != 0.0
         });
         is_there.then_some(local)
     }
 
-    fn friction(&self, local: Option<Local<'a>>) -> Result<Friction<'_>, EffectError> {
+    fn friction(
+        &self,
+        local: Option<Local<'a>>,
+        memory: &mut Memory,
+    ) -> Result<Friction<'_>, EffectError> {
         let given = self.physics.rig().given();
-        Friction::new(&self.step.object, &self.support, given, local)
+        let has_points = self.support.shape != 0.0 || local.is_some();
+        let pressure = if has_points { self.pressure(memory)? } else { None };
+        Friction::new(&self.step.object, &self.support, given, pressure, local)
+    }
+
+    /// The load that leans, worked out anew only if its center moved; none for uniform pressure.
+    fn pressure(&self, memory: &mut Memory) -> Result<Option<Arc<Pressure>>, EffectError> {
+        let center = &self.support.center_o;
+        if *center == Vector2::zeros() {
+            return Ok(None);
+        }
+        let known = memory.pressure.take().filter(|known| known.is(center));
+        memory.pressure = Some(match known {
+            Some(known) => known,
+            None => self.step.object.pressure(center)?,
+        });
+        Ok(memory.pressure.clone())
     }
 
     /// The ellipsoid of the moment, made anew only if it changed; its largest force is 1.

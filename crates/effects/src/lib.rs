@@ -18,6 +18,7 @@ mod pages;
 mod parameter;
 mod patch_table;
 mod points;
+mod pressure;
 mod push_physics;
 mod reading;
 mod rig;

@@ -1,6 +1,6 @@
 //! What is pushed: outline, mass and support.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use mechanics::{Ellipsoid, MechanicsError};
 use nalgebra::{Matrix2, Vector2};
@@ -9,7 +9,8 @@ use planar::{Shape, cross};
 use crate::EffectError;
 use crate::error::{finite, positive};
 use crate::patch_table::PatchTable;
-use crate::points::Points;
+use crate::points::{Point, Points};
+use crate::pressure::Pressure;
 
 /// An object on the table, with what predictions need of it worked out once.
 ///
@@ -24,10 +25,12 @@ pub struct Object {
     centroid: Vector2<f64>,
     mean_distance: f64,
     second_moment: Matrix2<f64>,
-    points: Vec<(Vector2<f64>, f64)>,
+    points: Vec<Point>,
     lanes: Points,
     ellipsoid: Ellipsoid,
     patch: OnceLock<Result<PatchTable, MechanicsError>>,
+    /// The last one that was asked for: the steps of a set ask for the same again and again.
+    pressure: Mutex<Option<Arc<Pressure>>>,
 }
 
 impl Object {
@@ -47,10 +50,10 @@ impl Object {
         finite("the center of mass", center_of_mass.x + center_of_mass.y, "m")?;
         let centroid = shape.centroid();
         let points = support_points(&shape, &centroid);
-        let second_moment = points.iter().map(|(r, share)| *share * r * r.transpose()).sum();
+        let second_moment = points.iter().map(|p| p.share * p.place * p.place.transpose()).sum();
         let mean_distance = shape.mean_distance(&centroid);
         let ellipsoid = Ellipsoid::new(1.0, mean_distance)?;
-        let patch = OnceLock::new();
+        let (patch, pressure) = (OnceLock::new(), Mutex::new(None));
         Ok(Self {
             shape,
             mass,
@@ -63,6 +66,7 @@ impl Object {
             points,
             ellipsoid,
             patch,
+            pressure,
         })
     }
 
@@ -111,8 +115,8 @@ impl Object {
         &self.second_moment
     }
 
-    /// Points that stand for the supported area: place from the centroid, in m, and share of the load.
-    pub(crate) fn points(&self) -> &[(Vector2<f64>, f64)] {
+    /// Points about the centroid that stand for the supported area under uniform pressure.
+    pub(crate) fn points(&self) -> &[Point] {
         &self.points
     }
 
@@ -131,6 +135,20 @@ impl Object {
         let made = self.patch.get_or_init(|| PatchTable::new(&self.shape));
         made.as_ref().map_err(|error| EffectError::Mechanics(error.clone()))
     }
+
+    /// Pressure whose center is `shift` from the centroid, in m.
+    ///
+    /// # Errors
+    /// `NotConverged`.
+    pub(crate) fn pressure(&self, shift: &Vector2<f64>) -> Result<Arc<Pressure>, EffectError> {
+        let last = || self.pressure.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = last().as_ref().filter(|known| known.is(shift)) {
+            return Ok(known.clone());
+        }
+        let pressure = Arc::new(Pressure::new(self, shift)?);
+        *last() = Some(pressure.clone());
+        Ok(pressure)
+    }
 }
 
 /// Gauss–Legendre points and weights on 0 to 1, exact for polynomials up to degree 7.
@@ -142,9 +160,13 @@ const GAUSS: [(f64, f64); 4] = [
 ];
 
 /// Sixteen points on the triangle of the centroid and each edge, or on each eighth of an ellipse.
-fn support_points(shape: &Shape, centroid: &Vector2<f64>) -> Vec<(Vector2<f64>, f64)> {
+fn support_points(shape: &Shape, centroid: &Vector2<f64>) -> Vec<Point> {
     let area = shape.area();
     let mut points = Vec::new();
+    // A square plate of the point's share of the area.
+    let mut add = |place, share: f64| {
+        points.push(Point { place, share, spin: (share * area / 12.0).sqrt() });
+    };
     match shape {
         Shape::Polygon(polygon) => {
             for (a, b) in polygon.edges() {
@@ -152,7 +174,7 @@ fn support_points(shape: &Shape, centroid: &Vector2<f64>) -> Vec<(Vector2<f64>, 
                 let share = cross(&a, &b) / area;
                 for (s, weight_s) in GAUSS {
                     for (u, weight_u) in GAUSS {
-                        points.push((s * (a + u * (b - a)), weight_s * weight_u * s * share));
+                        add(s * (a + u * (b - a)), weight_s * weight_u * s * share);
                     }
                 }
             }
@@ -163,7 +185,7 @@ fn support_points(shape: &Shape, centroid: &Vector2<f64>) -> Vec<(Vector2<f64>, 
                 for k in 0..ANGLES {
                     let psi = std::f64::consts::TAU * (f64::from(k) + 0.5) / f64::from(ANGLES);
                     let share = 2.0 * weight * s / f64::from(ANGLES);
-                    points.push((s * ellipse.at_parameter(psi), share));
+                    add(s * ellipse.at_parameter(psi), share);
                 }
             }
         }
@@ -184,8 +206,9 @@ mod tests {
         for name in MIT_NAMES {
             let shape = Arc::new(mit_object(name).unwrap().shape);
             let object = Object::uniform(shape.clone(), 0.8).unwrap();
-            let total: f64 = object.points().iter().map(|(_, share)| share).sum();
-            let first: Vector2<f64> = object.points().iter().map(|(r, share)| *share * r).sum();
+            let total: f64 = object.points().iter().map(|point| point.share).sum();
+            let first: Vector2<f64> =
+                object.points().iter().map(|point| point.share * point.place).sum();
             assert!((total - 1.0).abs() < 1e-14, "{name} {total}");
             assert!(first.norm() < 1e-16, "{name} {first}");
             let polar = shape.second_moment(object.centroid()) / shape.area();

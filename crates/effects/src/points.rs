@@ -5,10 +5,23 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::friction::Load;
 
-/// Points from the center of a support with their shares of the load, in blocks.
+/// The points that stand for a support, in blocks.
 #[derive(Clone, Debug)]
 pub(crate) struct Points {
     blocks: Vec<Block>,
+}
+
+/// A point that stands for a small plate around it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Point {
+    /// From the center of the support, in m.
+    pub(crate) place: Vector2<f64>,
+    /// Share of the load.
+    pub(crate) share: f64,
+    /// Radius of gyration of the plate over √2, in m: turning about its middle at ω, it dissipates
+    /// what one does that slides at `spin`·ω. With it nothing is singular where the object turns
+    /// about a point.
+    pub(crate) spin: f64,
 }
 
 /// Some points; what is over has no share.
@@ -17,25 +30,32 @@ struct Block {
     x: [f64; SIZE],
     y: [f64; SIZE],
     share: [f64; SIZE],
+    spin: [f64; SIZE],
 }
 
 const SIZE: usize = 32;
 
 impl Points {
-    pub(crate) fn new(points: &[(Vector2<f64>, f64)]) -> Self {
-        let block = |chunk: &[(Vector2<f64>, f64)]| {
-            let of = |number: fn(&(Vector2<f64>, f64)) -> f64| {
+    pub(crate) fn new(points: &[Point]) -> Self {
+        let block = |chunk: &[Point]| {
+            let of = |number: fn(&Point) -> f64| {
                 std::array::from_fn(|k| chunk.get(k).map_or(0.0, number))
             };
-            Block { x: of(|(at, _)| at.x), y: of(|(at, _)| at.y), share: of(|(_, share)| *share) }
+            Block {
+                x: of(|point| point.place.x),
+                y: of(|point| point.place.y),
+                share: of(|point| point.share),
+                spin: of(|point| point.spin),
+            }
         };
         Self { blocks: points.chunks(SIZE).map(block).collect() }
     }
 
-    /// Σ of each point's share of T² v/|T v|, with its moment, and its derivatives by the motion.
+    /// The derivatives by the motion of Σ of each point's share of √(|T v|² + s² ω²), and those of
+    /// the derivatives.
     ///
-    /// v = (vx, vy) + ω J `stretch` r. No operation is fused and the order is fixed, so the bits do
-    /// not depend on the machine.
+    /// v = (vx, vy) + ω J `stretch` r and s = `stretch` times the spin. No operation is fused and
+    /// the order is fixed, so the bits do not depend on the machine.
     pub(crate) fn load(&self, tensor: &Matrix2<f64>, stretch: f64, motion: &Vector3<f64>) -> Load {
         let sums = Arch::new().dispatch(Forces { points: self, tensor, stretch, motion });
         let [x, y, turn, xx, xy, yy, x_turn, y_turn, turn_turn] = sums;
@@ -54,8 +74,9 @@ impl Points {
     }
 }
 
-/// One pass for the load: Σ s u and Σ s (T J r)·u with u = T v/|T v|, and Σ s/|T v| of the products
-/// of (u⊥, (T J r)·u⊥).
+/// One pass for the load. The image of a motion at a point is (T v, s ω), its direction u and the
+/// lever l the image of ω = 1: Σ of the shares times u and l·u, and Σ of the shares over the image's
+/// length times the elements of 1 − u uᵀ, its product with l and l·(1 − u uᵀ) l = |l × u|².
 struct Forces<'a> {
     points: &'a Points,
     tensor: &'a Matrix2<f64>,
@@ -75,7 +96,7 @@ impl WithSimd for Forces<'_> {
         let Self { points, tensor, stretch, motion } = self;
         let (m11, m12, m21, m22) = (tensor.m11, tensor.m12, tensor.m21, tensor.m22);
         let mut sums = [0.0; 9];
-        for Block { x, y, share } in &points.blocks {
+        for Block { x, y, share, spin } in &points.blocks {
             let mut terms = [[0.0; SIZE]; 9];
             let [fx, fy, turn, xx, xy, yy, x_turn, y_turn, turn_turn] = &mut terms;
             for k in 0..SIZE {
@@ -83,22 +104,25 @@ impl WithSimd for Forces<'_> {
                 let (vx, vy) = (motion.x + motion.z * arm_x, motion.y + motion.z * arm_y);
                 let (image_x, image_y) = (m11 * vx + m12 * vy, m21 * vx + m22 * vy);
                 let (lever_x, lever_y) = (m11 * arm_x + m12 * arm_y, m21 * arm_x + m22 * arm_y);
-                let square = image_x * image_x + image_y * image_y;
+                let (lever_s, image_s) = (stretch * spin[k], motion.z * (stretch * spin[k]));
+                let square = image_x * image_x + image_y * image_y + image_s * image_s;
                 let square = if square > AT_REST { square } else { AT_REST };
                 let inverse = 1.0 / square.sqrt();
-                let (ux, uy) = (image_x * inverse, image_y * inverse);
-                let (along, across) = (lever_x * ux + lever_y * uy, lever_y * ux - lever_x * uy);
+                let (ux, uy, us) = (image_x * inverse, image_y * inverse, image_s * inverse);
+                // The components of l × u.
+                let cross_x = lever_y * us - lever_s * uy;
+                let cross_y = lever_s * ux - lever_x * us;
+                let cross_s = lever_x * uy - lever_y * ux;
                 let weight = share[k] * inverse;
                 fx[k] = share[k] * ux;
                 fy[k] = share[k] * uy;
-                turn[k] = share[k] * along;
-                // The direction across u is (−u_y, u_x).
-                xx[k] = weight * uy * uy;
+                turn[k] = share[k] * (lever_x * ux + lever_y * uy + lever_s * us);
+                xx[k] = weight * (uy * uy + us * us);
                 xy[k] = -weight * ux * uy;
-                yy[k] = weight * ux * ux;
-                x_turn[k] = -weight * uy * across;
-                y_turn[k] = weight * ux * across;
-                turn_turn[k] = weight * across * across;
+                yy[k] = weight * (ux * ux + us * us);
+                x_turn[k] = weight * (uy * cross_s - us * cross_y);
+                y_turn[k] = weight * (us * cross_x - ux * cross_s);
+                turn_turn[k] = weight * (cross_x * cross_x + cross_y * cross_y + cross_s * cross_s);
             }
             sums.iter_mut().zip(&terms).for_each(|(sum, terms)| *sum += total(terms));
         }
@@ -120,7 +144,7 @@ impl WithSimd for Norms<'_> {
         let m = self.matrix;
         let (m11, m12, m21, m22) = (m.m11, m.m12, m.m21, m.m22);
         let mut sum = 0.0;
-        for Block { x, y, share } in &self.points.blocks {
+        for Block { x, y, share, .. } in &self.points.blocks {
             let mut terms = [0.0; SIZE];
             for k in 0..SIZE {
                 let (image_x, image_y) = (m11 * x[k] + m12 * y[k], m21 * x[k] + m22 * y[k]);
@@ -146,14 +170,15 @@ fn total(terms: &[f64; SIZE]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::Points;
+    use super::{Point, Points};
     use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
     use planar::perpendicular;
 
-    fn points() -> Vec<(Vector2<f64>, f64)> {
+    fn points() -> Vec<Point> {
         let point = |k: usize| {
             let at = k as f64;
-            (0.04 * Vector2::new((1.7 * at).sin(), (2.3 * at).cos()), 0.02 + 0.001 * at)
+            let place = 0.04 * Vector2::new((1.7 * at).sin(), (2.3 * at).cos());
+            Point { place, share: 0.02 + 0.001 * at, spin: 1e-4 * at }
         };
         (0..21).map(point).collect()
     }
@@ -164,18 +189,24 @@ mod tests {
         let tensor = Matrix2::new(1.2, 0.1, 0.1, 0.9);
         let motion = Vector3::new(0.01, -0.02, 0.7);
         let (mut load, mut slope) = (Vector3::zeros(), Matrix3::zeros());
-        for (place, share) in &points {
-            let arm = stretch * perpendicular(place);
-            let map = nalgebra::Matrix2x3::from_columns(&[
-                tensor.column(0).into(),
-                tensor.column(1).into(),
-                tensor * arm,
-            ]);
+        for Point { place, share, spin } in &points {
+            let arm = tensor * (stretch * perpendicular(place));
+            let map = Matrix3::new(
+                tensor.m11,
+                tensor.m12,
+                arm.x,
+                tensor.m21,
+                tensor.m22,
+                arm.y,
+                0.0,
+                0.0,
+                stretch * spin,
+            );
             let image = map * motion;
             let unit = image / image.norm();
             load += *share * map.transpose() * unit;
-            let across = map.transpose() * perpendicular(&unit);
-            slope += *share / image.norm() * across * across.transpose();
+            let across = Matrix3::identity() - unit * unit.transpose();
+            slope += *share / image.norm() * map.transpose() * across * map;
         }
         let (lanes_load, lanes_slope) = Points::new(&points).load(&tensor, stretch, &motion);
         assert!((lanes_load - load).norm() < 1e-14 * load.norm());
@@ -184,7 +215,7 @@ mod tests {
 
     #[test]
     fn a_point_at_rest_adds_nothing() {
-        let one = [(Vector2::new(0.01, 0.0), 1.0)];
+        let one = [Point { place: Vector2::new(0.01, 0.0), share: 1.0, spin: 1e-3 }];
         let (load, slope) = Points::new(&one).load(&Matrix2::identity(), 1.0, &Vector3::zeros());
         assert_eq!((load, slope), (Vector3::zeros(), Matrix3::zeros()));
     }
@@ -193,7 +224,7 @@ mod tests {
     fn the_mean_norm_is_that_of_the_points() {
         let points = points();
         let matrix = Matrix2::new(1.2, 0.1, 0.1, 0.9);
-        let sum: f64 = points.iter().map(|(place, share)| share * (matrix * place).norm()).sum();
+        let sum: f64 = points.iter().map(|point| point.share * (matrix * point.place).norm()).sum();
         assert!((Points::new(&points).mean_norm(&matrix) - sum).abs() < 1e-15);
     }
 }

@@ -14,8 +14,13 @@ static ABOUT: About = About {
     id: "friction-center-offset",
     title: "Offset of the center of friction",
     physics: "The object presses harder on one side, because its mass is not centered or its base \
-        not flat. A push through the shifted center moves it without turning.",
-    equation: "p_center = p_centroid + (dx, dy), in m, fixed to the object.",
+        not flat. A push through the shifted center moves it without turning. The center is that \
+        of the pressure: the load leans toward it and stays under the outline, with the same mean \
+        distance c from it. An ellipsoid moves as it is, and so does any load by what is beyond 0.8 \
+        standard deviations of the area.",
+    equation: "p_center = p_centroid + (dx, dy), in m, fixed to the object; p(r) ∝ exp(g·r + \
+        a |r − d|) with d = ∫ r p dA and c = ∫ |r − d| p dA, of all such pressures the nearest \
+        to uniform.",
     source: "Yoshikawa & Kurisu (1991), Identification of the center of friction from pushing an \
         object by a mobile robot, IROS.",
     stages: &[Stage::Support],

@@ -1,0 +1,151 @@
+//! How the load leans under an object.
+
+use nalgebra::{Matrix3, Vector2, Vector3};
+
+use crate::points::{Point, Points};
+use crate::{EffectError, Object};
+
+/// The load of every support point where the center of friction is beside the centroid.
+///
+/// Of all pressures with a given center and the mean distance from it that uniform pressure has
+/// from the centroid, this is the one nearest to uniform pressure (in relative entropy): p(r) ∝
+/// exp(g·r + a |r − d|), with d the center, r and d from the centroid. It is positive everywhere and
+/// stays under the outline.
+#[derive(Clone, Debug)]
+pub(crate) struct Pressure {
+    asked: Vector2<f64>,
+    /// Its center from the centroid, in m, axes of the outline.
+    pub(crate) center: Vector2<f64>,
+    /// The object's points about the center, with their shares.
+    pub(crate) points: Vec<Point>,
+    /// The same points, for sums over all of them.
+    pub(crate) lanes: Points,
+    /// With the shares of uniform pressure.
+    pub(crate) uniform: Points,
+    /// With what their shares have over those of uniform pressure.
+    pub(crate) surplus: Points,
+}
+
+const MAX_ITERATIONS: usize = 60;
+/// In mean distances.
+const TOLERANCE: f64 = 1e-12;
+/// Near the minimum the dual changes by no more than this.
+const ROUNDING: f64 = 1e-13;
+/// Largest shift that the load leans by, in standard deviations of uniform pressure along it: at the
+/// middle of a square's edge are 1.7. Beyond, all points are shifted.
+const FARTHEST: f64 = 0.8;
+
+impl Pressure {
+    /// Pressure whose center is `shift` from the centroid, in m.
+    ///
+    /// # Errors
+    /// `NotConverged`.
+    pub(crate) fn new(object: &Object, shift: &Vector2<f64>) -> Result<Self, EffectError> {
+        let precision = object.second_moment().try_inverse();
+        let precision = precision.expect("an area has a positive second moment");
+        let distance = shift.dot(&(precision * shift)).sqrt();
+        let center = shift * (FARTHEST / distance.max(FARTHEST));
+        let weights = weights(object.points(), &center)?;
+        let with = |share_of: fn(f64) -> f64| -> Vec<Point> {
+            let pairs = object.points().iter().zip(&weights);
+            let point = |(point, weight): (&Point, &f64)| Point {
+                place: point.place - center,
+                share: point.share * share_of(*weight),
+                spin: point.spin,
+            };
+            pairs.map(point).collect()
+        };
+        let points = with(|weight| weight);
+        let lanes = Points::new(&points);
+        let uniform = Points::new(&with(|_| 1.0));
+        let surplus = Points::new(&with(|weight| weight - 1.0));
+        Ok(Self { asked: *shift, center, points, lanes, uniform, surplus })
+    }
+
+    /// Whether this is the pressure with a center.
+    pub(crate) fn is(&self, shift: &Vector2<f64>) -> bool {
+        self.asked == *shift
+    }
+}
+
+/// Newton's method on the dual ln Σ s exp(e·φ), which is convex; φ are the constraints' misses.
+fn weights(points: &[Point], center: &Vector2<f64>) -> Result<Vec<f64>, EffectError> {
+    let uniform: f64 = points.iter().map(|point| point.share * point.place.norm()).sum();
+    let miss = |point: &Point| {
+        let from_center = point.place - center;
+        Vector3::new(from_center.x, from_center.y, from_center.norm() - uniform) / uniform
+    };
+    let misses: Vec<Vector3<f64>> = points.iter().map(miss).collect();
+    let dual = |exponents: &Vector3<f64>| {
+        let terms = points.iter().zip(&misses);
+        terms.map(|(point, miss)| point.share * exponents.dot(miss).exp()).sum::<f64>().ln()
+    };
+    let mut exponents = Vector3::zeros();
+    let mut value = dual(&exponents);
+    for _ in 0..MAX_ITERATIONS {
+        let (mut slope, mut curvature) = (Vector3::zeros(), Matrix3::zeros());
+        for (point, miss) in points.iter().zip(&misses) {
+            let share = point.share * (exponents.dot(miss) - value).exp();
+            slope += share * miss;
+            curvature += share * miss * miss.transpose();
+        }
+        if slope.amax() < TOLERANCE {
+            let weight = |miss: &Vector3<f64>| (exponents.dot(miss) - value).exp();
+            return Ok(misses.iter().map(weight).collect());
+        }
+        curvature -= slope * slope.transpose();
+        let Some(factor) = curvature.cholesky() else { break };
+        let step = factor.solve(&slope);
+        let mut share = 1.0;
+        let mut next = dual(&(exponents - step));
+        while next > value + ROUNDING && share > 1e-6 {
+            share *= 0.5;
+            next = dual(&(exponents - share * step));
+        }
+        exponents -= share * step;
+        value = next;
+    }
+    Err(EffectError::NotConverged { what: "the pressure's center", iterations: MAX_ITERATIONS })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Pressure;
+    use crate::Object;
+    use crate::points::Point;
+    use nalgebra::Vector2;
+    use planar::{MIT_NAMES, mit_object};
+    use std::sync::Arc;
+
+    fn object(name: &str) -> Object {
+        Object::uniform(Arc::new(mit_object(name).unwrap().shape), 0.8).unwrap()
+    }
+
+    #[test]
+    fn the_load_has_the_center_asked_for_and_the_mean_distance_of_uniform_pressure() {
+        for name in MIT_NAMES {
+            let object = object(name);
+            for (x, y) in [(5e-3, -3e-3), (0.0, 1e-2), (-0.2, 0.1)] {
+                let pressure = Pressure::new(&object, &Vector2::new(x, y)).unwrap();
+                assert!(pressure.points.iter().all(|point| point.share > 0.0), "{name}");
+                let center: Vector2<f64> =
+                    pressure.points.iter().map(|point| point.share * point.place).sum();
+                assert!(center.norm() < 1e-12, "{name}");
+                let distance = |points: &[Point]| {
+                    points.iter().map(|point| point.share * point.place.norm()).sum::<f64>()
+                };
+                let ratio = distance(&pressure.points) / distance(object.points());
+                assert!((ratio - 1.0).abs() < 1e-11, "{name} {ratio}");
+            }
+        }
+    }
+
+    #[test]
+    fn pressure_that_is_not_moved_is_uniform() {
+        let object = object("tri1");
+        let pressure = Pressure::new(&object, &Vector2::zeros()).unwrap();
+        for (leaning, uniform) in pressure.points.iter().zip(object.points()) {
+            assert!((leaning.share / uniform.share - 1.0).abs() < 1e-14);
+        }
+    }
+}
