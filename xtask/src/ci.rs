@@ -7,7 +7,7 @@ use cargo_metadata::MetadataCommand;
 use clap::ValueEnum;
 
 use crate::cargo::{cargo, run as run_command, workspace_root};
-use crate::{fixtures, test, tidy};
+use crate::{fixtures, test, tidy, trials};
 
 /// Run every check that a change has to pass; stops at the first that fails.
 #[derive(clap::Args)]
@@ -47,6 +47,8 @@ enum Stage {
     Fixtures,
     /// All tests and doctests
     Test,
+    /// Recordings with sealed truth, answered by the diagnosis
+    Trials,
 }
 
 impl Stage {
@@ -59,6 +61,7 @@ impl Stage {
             Stage::Alone => "alone",
             Stage::Fixtures => "fixtures",
             Stage::Test => "test",
+            Stage::Trials => "trials",
         }
     }
 
@@ -80,6 +83,7 @@ impl Stage {
             Stage::Alone => check_each_crate(),
             Stage::Fixtures => fixtures::run(&fixtures::Args { check: true }),
             Stage::Test => test::run(&test::Args {}),
+            Stage::Trials => trials::quick(),
         }
     }
 }

@@ -68,6 +68,17 @@ pub(crate) struct Args {
 const FOLDER: &str = "target/diagnosis-trials";
 const PAGE: &str = "docs/diagnosis-trials.md";
 
+/// The slice that runs with every change.
+///
+/// # Errors
+/// A verdict that is broken.
+pub(crate) fn quick() -> Result<()> {
+    const JOBS: usize = 2;
+    let folder = workspace_root().join(FOLDER);
+    fs::create_dir_all(&folder).with_context(|| format!("cannot create {}", folder.display()))?;
+    quick::run(JOBS, &folder)
+}
+
 /// Runs trials, or one of them.
 ///
 /// # Errors

@@ -54,6 +54,8 @@ impl Rules {
     const SHARE: f64 = 0.01;
     /// Difference in twice the log likelihood that tells effects apart.
     pub(super) const APART: f64 = 6.0;
+    /// Share of what an effect explains by which a known look-alike has to fall behind.
+    pub(super) const SHARE_APART: f64 = 0.05;
     /// Least gain in log density on pushes set aside, in nats and in standard errors.
     const GAIN: f64 = 4.0;
     const GAIN_OVER_SE: f64 = 3.0;

@@ -152,7 +152,7 @@ impl Search<'_> {
                     Ok(there) => {
                         objection = self.objection_to(without, &there, id)?;
                         if objection.is_none() {
-                            let rivals = rivals(&tried, index, there.scale());
+                            let rivals = self.rivals(&tried, index, without, there.scale());
                             return Ok(Some((Choice { id, p_adjusted, rivals }, there)));
                         }
                     }
@@ -225,9 +225,10 @@ impl Search<'_> {
         let best = worth.first().copied().unwrap_or_default();
         let is_like_best = |id: &str| {
             let mut pairs = screen.look_alikes.iter();
-            pairs.any(|pair| {
-                [pair.one, pair.other] == [best, id] || [pair.other, pair.one] == [best, id]
-            })
+            self.are_known_alike(best, id)
+                || pairs.any(|pair| {
+                    [pair.one, pair.other] == [best, id] || [pair.other, pair.one] == [best, id]
+                })
         };
         let tried = worth.iter().enumerate();
         let tried = tried.filter(|(rank, id)| *rank < MOST_TRIALS || is_like_best(id));
@@ -274,6 +275,38 @@ impl Search<'_> {
         NoiseModel::learn(about, &self.settings.own, self.fitted)
     }
 
+    /// Effects that explain nearly as much as one of those tried: within [`Rules::APART`] in twice the
+    /// log likelihood; of known look-alikes within a share of what it explains, for a model of a rig
+    /// is not true enough to tell them apart by less.
+    fn rivals(
+        &self,
+        tried: &[Tried],
+        best: usize,
+        without: &Refit,
+        scale: f64,
+    ) -> Vec<&'static str> {
+        let (winner, apart) = (&tried[best].trial, Rules::APART * scale.powi(2));
+        let of_alike = Rules::SHARE_APART * (without.misfit() - winner.misfit());
+        let is_near = |other: &&Trial| {
+            let bound = match self.are_known_alike(winner.id(), other.id()) {
+                true => apart.max(of_alike),
+                false => apart,
+            };
+            other.misfit() < winner.misfit() + bound
+        };
+        let others = tried.iter().enumerate().filter(|(index, _)| *index != best);
+        others.map(|(_, other)| &other.trial).filter(is_near).map(Trial::id).collect()
+    }
+
+    /// Whether one of two effects is documented to look like the other.
+    fn are_known_alike(&self, one: &str, other: &str) -> bool {
+        let names = |id: &str, other: &str| {
+            let about = self.effect(id).map(Effect::about);
+            about.is_some_and(|about| about.look_alikes.iter().any(|alike| alike.id == other))
+        };
+        names(one, other) || names(other, one)
+    }
+
     fn effect(&self, id: &str) -> Option<&'static dyn Effect> {
         let mut own = self.settings.own.iter().copied();
         own.find(|effect| effect.about().id == id).or_else(|| by_id(id).ok())
@@ -289,12 +322,4 @@ impl Tried<'_> {
     fn cost(&self) -> f64 {
         self.trial.misfit() + 2.0 * self.trial.freedom as f64
     }
-}
-
-/// Effects that explain nearly as much as one of those tried.
-fn rivals(tried: &[Tried], best: usize, scale: f64) -> Vec<&'static str> {
-    let near = tried[best].trial.misfit() + Rules::APART * scale.powi(2);
-    let others = tried.iter().enumerate().filter(|(index, _)| *index != best);
-    let others = others.map(|(_, other)| &other.trial);
-    others.filter(|other| other.misfit() < near).map(Trial::id).collect()
 }
