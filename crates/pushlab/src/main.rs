@@ -16,6 +16,7 @@ mod progress;
 mod recorded_steps;
 mod speed;
 mod step_size;
+mod step_source;
 mod table_summary;
 mod terminal;
 

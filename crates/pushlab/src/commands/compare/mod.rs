@@ -1,13 +1,11 @@
 //! `pushlab compare`: where a model fails on recordings, and how wrong it may be at best.
 
 mod part;
-mod steps;
 mod text;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use dataset::Preset;
 use diagnosis::{
     ChannelChange, Comparison, MapSettings, Predictions, PushEnds, RepeatTolerance, change,
     compare, noise_floor, push_ends, roll_out,
@@ -16,11 +14,10 @@ use models::ModelFile;
 use serde::Serialize;
 
 pub(super) use self::part::Part;
-use self::steps::Steps;
-use crate::command_line::preset_parser;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
 use crate::step_size::StepSize;
+use crate::step_source::{Reading, StepSource, Steps};
 use crate::terminal::Terminal;
 
 /// Tell how wrong a model is on recordings, where, and how wrong it may be at best
@@ -31,8 +28,8 @@ use crate::terminal::Terminal;
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// Recording set (a folder with dataset.toml), or a step table (.csv, .parquet)
-    set: PathBuf,
+    #[command(flatten)]
+    source: StepSource,
     /// Model file
     #[arg(long, value_name = "FILE", default_value = "model.toml",
           value_parser = file_ending::model)]
@@ -43,15 +40,6 @@ pub(crate) struct Args {
     /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm); else 200ms
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<StepSize>,
-    /// Manifest of the set that a step table is of; else dataset.toml beside it
-    #[arg(long, value_name = "FILE")]
-    manifest: Option<PathBuf>,
-    /// What is known of public data, for recordings or a table of others
-    #[arg(long, value_name = "NAME", value_parser = preset_parser())]
-    preset: Option<Preset>,
-    /// How the columns of a table of others become ours
-    #[arg(long, value_name = "FILE", conflicts_with = "preset")]
-    mapping: Option<PathBuf>,
 }
 
 const EXAMPLES: &str = "\
@@ -93,7 +81,8 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     };
     let model = read(&args.model)?;
     let other = args.against.as_deref().map(&mut read).transpose()?;
-    let Steps { observations, inputs } = Steps::read(args, terminal)?;
+    let reading = Reading::Plain(args.step);
+    let Steps { observations, inputs, .. } = args.source.read(reading, terminal)?;
     origin.inputs.extend(inputs);
     let splits =
         [Some(&model), other.as_ref()].into_iter().flatten().filter_map(|f| f.split.as_ref());
@@ -119,16 +108,15 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
 impl Args {
     fn origin(&self) -> Origin {
         let path = |path: &Path| path.display().to_string();
-        let mut words = vec!["compare".to_owned(), path(&self.set)];
+        let mut words = vec!["compare".to_owned(), path(&self.source.set)];
         let mut option = |name: &str, value: Option<String>| {
             words.extend(value.into_iter().flat_map(|value| [format!("--{name}"), value]));
         };
         option("model", Some(path(&self.model)));
         option("against", self.against.as_deref().map(path));
-        option("manifest", self.manifest.as_deref().map(path));
-        option("preset", self.preset.map(|preset| preset.name().to_owned()));
-        option("mapping", self.mapping.as_deref().map(path));
-        option("step", self.step.map(|step| step.to_string()));
+        words.extend(self.source.words());
+        words
+            .extend(self.step.into_iter().flat_map(|step| ["--step".to_owned(), step.to_string()]));
         Origin::new(words)
     }
 }

@@ -5,16 +5,13 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use dataset::RecordingSet;
-use diagnosis::{
-    DiagnoseSettings, Diagnosis, MadeBy, MadeFrom, Observations, diagnose, steady_ingest,
-};
+use diagnosis::{DiagnoseSettings, Diagnosis, MadeBy, MadeFrom, diagnose};
 use models::ModelFile;
 
 use crate::destination::Destination;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
-use crate::recorded_steps::RecordedSteps;
+use crate::step_source::{Reading, StepSource, Steps};
 use crate::terminal::Terminal;
 
 /// Name the physical effect that a model lacks, or say that these recordings cannot tell
@@ -26,8 +23,8 @@ use crate::terminal::Terminal;
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// Recording set: a folder with dataset.toml
-    set: PathBuf,
+    #[command(flatten)]
+    source: StepSource,
     /// Model file
     #[arg(long, value_name = "FILE", default_value = "model.toml",
           value_parser = file_ending::model)]
@@ -47,6 +44,7 @@ const EXAMPLES: &str = "\
 Examples:
   pushlab diagnose pushes --model model.toml
   pushlab diagnose pushes --model model.toml -o diagnosis.json
+  pushlab diagnose mit-push-table/table.csv --preset mit-table --model mit.toml
   pushlab add --from diagnosis.json --model model.toml -o better.toml
   pushlab compare pushes --model better.toml --against model.toml";
 
@@ -54,17 +52,14 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let output = args.output.as_deref().or(args.answer.as_deref());
     let output = output.map(Destination::new).transpose()?;
     let mut origin = args.origin();
-    for path in [&args.model, &args.set] {
-        readable(path)?;
-    }
+    readable(&args.model)?;
     origin.inputs.push(Input::file(&args.model)?);
     let model = ModelFile::read(&args.model)?;
-    let set = RecordingSet::open(&args.set)?;
-    let recorded = RecordedSteps::read(&set, &steady_ingest(), terminal)?;
-    origin.inputs.extend(recorded.inputs);
-    let observations = Observations::steady(&recorded.table, set.manifest())?;
+    let Steps { observations, inputs, n_pushes } = args.source.read(Reading::Steady, terminal)?;
+    origin.inputs.extend(inputs);
     let split = model.split.clone().filter(|split| observations.are_of(split));
-    let n_pushes_set_aside = recorded.n_pushes - observations.pushes().len();
+    let n_used = observations.pushes().len();
+    let n_pushes_set_aside = n_pushes.map_or(0, |n_pushes| n_pushes - n_used);
     let settings = DiagnoseSettings {
         split,
         seed: args.seed,
@@ -99,7 +94,8 @@ fn made_by(origin: &Origin) -> MadeBy {
 impl Args {
     fn origin(&self) -> Origin {
         let path = |path: &Path| path.display().to_string();
-        let words = ["diagnose", &path(&self.set), "--model", &path(&self.model), "--seed"];
-        Origin::new(words.map(str::to_owned).into_iter().chain([self.seed.to_string()]))
+        let words = ["diagnose", &path(&self.source.set), "--model", &path(&self.model), "--seed"];
+        let words = words.map(str::to_owned).into_iter().chain([self.seed.to_string()]);
+        Origin::new(words.chain(self.source.words()))
     }
 }

@@ -1,0 +1,155 @@
+//! Where observed steps are read from: a recording set, or a step table.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use dataset::{
+    DatasetError, IngestSettings, MANIFEST_NAME, Manifest, Preset, RecordingSet, Table,
+    TableMapping,
+};
+use diagnosis::{Observations, steady_ingest};
+
+use crate::command_line::preset_parser;
+use crate::failure::WrongUsage;
+use crate::origin::{Input, readable};
+use crate::recorded_steps::RecordedSteps;
+use crate::step_size::StepSize;
+use crate::terminal::Terminal;
+
+/// What names a set or a table.
+#[derive(clap::Args)]
+pub(crate) struct StepSource {
+    /// Recording set (a folder with dataset.toml), or a step table (.csv, .parquet)
+    pub(crate) set: PathBuf,
+    /// Manifest of the set that a step table is of; else dataset.toml beside it
+    #[arg(long, value_name = "FILE")]
+    manifest: Option<PathBuf>,
+    /// What is known of public data, for recordings or a table of others
+    #[arg(long, value_name = "NAME", value_parser = preset_parser())]
+    preset: Option<Preset>,
+    /// How the columns of a table of others become ours
+    #[arg(long, value_name = "FILE", conflicts_with = "preset")]
+    mapping: Option<PathBuf>,
+}
+
+/// How recordings become steps; those of a table are made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Reading {
+    /// All steps in contact, of a length.
+    Plain(Option<StepSize>),
+    /// Steps whose noise is known, for tests and fits.
+    Steady,
+}
+
+/// Observed steps, with what was read for them.
+pub(crate) struct Steps {
+    pub(crate) observations: Observations,
+    pub(crate) inputs: Vec<Input>,
+    /// Pushes of the recordings; none of a table.
+    pub(crate) n_pushes: Option<usize>,
+}
+
+impl StepSource {
+    /// Reads what is named.
+    ///
+    /// # Errors
+    /// If it cannot be read, or a table lacks what says what was pushed.
+    pub(crate) fn read(&self, reading: Reading, terminal: &Terminal) -> Result<Steps> {
+        let set = &self.set;
+        let is_folder = readable(set)?.is_dir();
+        if is_folder && self.preset != Some(Preset::MitTable) {
+            return self.recorded(reading, terminal);
+        }
+        if matches!(reading, Reading::Plain(Some(_))) {
+            bail!(WrongUsage("--step is for recordings; the steps of a table are made"));
+        }
+        let inside = set.join("table.csv");
+        let table = if is_folder { &inside } else { set };
+        match (&self.mapping, self.preset) {
+            (Some(mapping), _) => {
+                Steps::mapped(table, &TableMapping::read(mapping)?, Some(mapping))
+            }
+            (None, Some(Preset::MitTable)) => {
+                Steps::mapped(table, &TableMapping::mit_table()?, None)
+            }
+            (None, Some(_)) => bail!(WrongUsage("this preset is for recordings, not for a table")),
+            (None, None) => Steps::tabled(table, self.manifest.as_deref()),
+        }
+    }
+
+    /// The options that decide what is read, as typed.
+    pub(crate) fn words(&self) -> Vec<String> {
+        let path = |path: &Path| path.display().to_string();
+        let mut words = Vec::new();
+        let mut option = |name: &str, value: Option<String>| {
+            words.extend(value.into_iter().flat_map(|value| [format!("--{name}"), value]));
+        };
+        option("manifest", self.manifest.as_deref().map(path));
+        option("preset", self.preset.map(|preset| preset.name().to_owned()));
+        option("mapping", self.mapping.as_deref().map(path));
+        words
+    }
+
+    fn recorded(&self, reading: Reading, terminal: &Terminal) -> Result<Steps> {
+        if self.manifest.is_some() || self.mapping.is_some() {
+            bail!(WrongUsage("--manifest and --mapping are for tables; a set has its own"));
+        }
+        let set = match self.preset {
+            Some(preset) => RecordingSet::open_with_preset(&self.set, preset)?,
+            None => RecordingSet::open(&self.set)?,
+        };
+        let settings = match reading {
+            Reading::Steady => steady_ingest(),
+            Reading::Plain(step) => {
+                let usual = IngestSettings::default();
+                let step = step.map_or(usual.step, |StepSize(step)| step);
+                IngestSettings { step, ..usual }
+            }
+        };
+        let RecordedSteps { table, inputs, n_pushes } =
+            RecordedSteps::read(&set, &settings, terminal)?;
+        let observations = match reading {
+            Reading::Steady => Observations::steady(&table, set.manifest())?,
+            Reading::Plain(_) => Observations::of(&table, set.manifest())?,
+        };
+        Ok(Steps { observations, inputs, n_pushes: Some(n_pushes) })
+    }
+}
+
+impl Steps {
+    /// A table of others.
+    fn mapped(path: &Path, mapping: &TableMapping, from: Option<&PathBuf>) -> Result<Self> {
+        let table = mapping.read_table(path)?;
+        let files = std::iter::once(path).chain(from.map(PathBuf::as_path));
+        let inputs = files.map(Input::file).collect::<Result<_>>()?;
+        Ok(Self { observations: Observations::of_mapped(&table, mapping)?, inputs, n_pushes: None })
+    }
+
+    /// A table of `pushlab ingest`, or one whose mapping lies beside it.
+    fn tabled(path: &Path, manifest: Option<&Path>) -> Result<Self> {
+        let beside = path.with_file_name(MANIFEST_NAME);
+        let table = match Table::read(path) {
+            Err(DatasetError::ColumnMissing { .. }) if manifest.is_none() => {
+                let mapping = TableMapping::read(&beside).with_context(|| {
+                    format!(
+                        "{} is not a table of `pushlab ingest`; give --preset mit-table, or \
+                         --mapping FILE for its columns",
+                        path.display()
+                    )
+                })?;
+                return Self::mapped(path, &mapping, Some(&beside));
+            }
+            table => table?,
+        };
+        let manifest_path = manifest.unwrap_or(&beside);
+        let manifest = Manifest::read(manifest_path).with_context(|| {
+            format!(
+                "a table does not tell what was pushed; give its set's manifest with --manifest, \
+                 or put it beside {}",
+                path.display()
+            )
+        })?;
+        let inputs = [path, manifest_path].into_iter().map(Input::file).collect::<Result<_>>()?;
+        Ok(Self { observations: Observations::of(&table, &manifest)?, inputs, n_pushes: None })
+    }
+}
