@@ -58,12 +58,14 @@ impl Search<'_> {
                 continue;
             }
             let size = here.size_against(nuisance.id, &[nuisance.nominal])?;
-            match size < Rules::SIZE {
-                true => {
-                    let objection = Objection::Small { size };
-                    refused.push(Refused { id: nuisance.id, objection });
-                }
-                false => claimed.push(nuisance.id),
+            let objection = if size < Rules::SIZE {
+                Some(Objection::Small { size })
+            } else {
+                is_mean_friction(here, &nuisance).then_some(Objection::MeanFriction)
+            };
+            match objection {
+                Some(objection) => refused.push(Refused { id: nuisance.id, objection }),
+                None => claimed.push(nuisance.id),
             }
         }
         Ok(claimed)
@@ -149,6 +151,16 @@ fn open(fit: &Fit, chosen: &[Choice]) -> Option<(&'static str, Objection)> {
         None | Some(Undetermined::LooksLike { .. }) => None,
         Some(why) => Some((effect.id, Objection::Undetermined { why: why.to_string() })),
     })
+}
+
+/// Whether friction with the table is off by no more than friction along and across a direction: what
+/// is nominal may be either of them, so this is no second finding.
+fn is_mean_friction(here: &Refit, nuisance: &NuisanceFit) -> bool {
+    let ratio = |id: &str| here.values_of(id).map_or(1.0, |values| values[0]);
+    let spread = 0.5 * (ratio("table-anisotropy") * ratio("body-anisotropy")).ln();
+    let miss = (nuisance.value / nuisance.nominal).ln().abs();
+    let open = 2.0 * nuisance.se / nuisance.value;
+    nuisance.id == "support-friction" && spread > 0.0 && miss <= spread + open
 }
 
 /// Whether a nominal number is off by more than twice its tolerance and twice its error.

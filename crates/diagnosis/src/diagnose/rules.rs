@@ -23,6 +23,7 @@ pub(super) enum Objection {
     LittleMore { share: f64 },
     Undetermined { why: String },
     WithinTolerance { parameter: &'static str },
+    MeanFriction,
     NotPredictive { gain: Gain },
     NotConfirmed { gain: Gain },
     Superfluous,
@@ -38,6 +39,7 @@ impl Objection {
                 | Self::LittleMore { .. }
                 | Self::WithinTolerance { .. }
                 | Self::Superfluous
+                | Self::MeanFriction
         );
         !does_not_matter
     }
@@ -133,6 +135,9 @@ impl fmt::Display for Objection {
             Self::WithinTolerance { parameter } => {
                 write!(f, "{parameter} is within what the manifest leaves open")
             }
+            Self::MeanFriction => f.write_str(
+                "it is between friction along the grain and across, either of which may be nominal",
+            ),
             Self::NotPredictive { gain } => {
                 let Gain { mean, se } = gain;
                 write!(f, "pushes left out of the fit gain {mean:.1} ± {se:.1} nats alone")

@@ -206,6 +206,12 @@ impl<'a> Refit<'a> {
         Ok(self.difference(&self.problem.space.residuals(&self.minimum.at.x)?, &there))
     }
 
+    /// Where an effect stands, if it is moved.
+    pub(crate) fn values_of(&self, id: &str) -> Option<Vec<f64>> {
+        let mut members = self.problem.space.shares(&self.minimum.at.x);
+        members.find(|(member, _)| member.id() == id).map(|(member, own)| member.values(own))
+    }
+
     /// Whether an effect is moved as a nuisance.
     pub(crate) fn has(&self, id: &str) -> bool {
         self.problem.space.numbers_of(id).is_some()
