@@ -1,7 +1,5 @@
 //! The page that the trials are told on.
 
-use std::time::Duration;
-
 use super::case::FIRST_REPORTED_SEED;
 use super::confusion::confusion;
 use super::detectable::detectable;
@@ -19,7 +17,6 @@ pub(super) struct Page<'a> {
     pub(super) impossible: &'a [(String, String)],
     pub(super) records: &'a [Record],
     pub(super) oracle: &'a Oracle,
-    pub(super) time: Duration,
 }
 
 /// Lines of a list before it is cut short.
@@ -82,12 +79,11 @@ cargo xtask diagnosis-trials --seed {}
         let kind = if self.seed < FIRST_REPORTED_SEED { "of development" } else { "reported" };
         let hours = self.records.iter().map(|record| record.seconds).sum::<f64>() / 3600.0;
         format!(
-            "Seeds from {} on ({kind}). {} of {} trials; the diagnoses alone took {hours:.1} core \
-             hours, this run {:.0} s.",
+            "Seeds from {} on ({kind}). {} trials of a plan of {}, of which `--families` and \
+             `--first` take a part and `--resume` goes on; the diagnoses alone took {hours:.1} hours.",
             self.seed,
             self.records.len(),
             self.n_planned,
-            self.time.as_secs_f64()
         )
     }
 
