@@ -143,6 +143,21 @@ mod tests {
     }
 
     #[test]
+    fn columns_pass_from_one_whitening_to_another() {
+        let of = |variance: f64| {
+            let matrix = DMatrix::from_row_slice(2, 2, &[variance, 0.5, 0.5, 2.0]);
+            Whitening::new([(vec![(0, 0), (0, 1)], matrix)]).unwrap()
+        };
+        let (one, other) = (of(1.0), of(3.0));
+        let mut values = [[0.0; 7]];
+        (values[0][0], values[0][1]) = (0.7, -1.3);
+        // The last row is a prior's.
+        let columns = |whitening: &Whitening| whitening.whiten(&values).insert_row(2, 4.0);
+        let columns = [&one, &other].map(|whitening| DMatrix::from_columns(&[columns(whitening)]));
+        assert!((one.rewhitened(&columns[0], &other) - &columns[1]).norm() < 1e-14);
+    }
+
+    #[test]
     fn what_is_no_covariance_is_refused() {
         for matrix in [DMatrix::zeros(1, 1), DMatrix::identity(2, 2)] {
             let refused =

@@ -193,3 +193,39 @@ pub(super) fn claims(found: &Found, left: &Left) -> Claims {
     }
     Claims { verdict, named, groups, is_left }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Objection, Rules};
+    use crate::Gain;
+
+    #[test]
+    fn a_name_is_sure_large_and_no_small_share() {
+        let first = Rules { gain_so_far: 0.0, is_first: true };
+        assert_eq!(first.objection(0.005, 40.0, 0.5), None);
+        assert_eq!(first.objection(0.02, 40.0, 0.5), Some(Objection::NotSure { p: 0.02 }));
+        assert_eq!(first.objection(0.005, 40.0, 0.2), Some(Objection::Small { size: 0.2 }));
+        let later = Rules { gain_so_far: 1000.0, is_first: false };
+        assert!(matches!(later.objection(0.005, 5.0, 0.5), Some(Objection::LittleMore { .. })));
+        // What is large needs no share, and a share needs no more than its size.
+        assert_eq!(later.objection(0.005, 5.0, 0.8), None);
+        assert_eq!(later.objection(0.005, 20.0, 0.5), None);
+    }
+
+    #[test]
+    fn few_pushes_confirm_nothing_however_much_they_gain() {
+        let gains =
+            |n: usize| (0..20).map(|k| if k < n { 4000.0 } else { 0.0 }).collect::<Vec<_>>();
+        let [few, many] = [2, 12].map(|n| Gain::of(&gains(n)));
+        assert_eq!((few.mean, many.mean), (20.0, 120.0));
+        assert!(!Rules::confirms(&few) && Rules::confirms(&many));
+        assert!(!Rules::confirms(&Gain { mean: 3.0, se: 0.1 }));
+    }
+
+    #[test]
+    fn what_is_seen_and_does_not_matter_is_no_hint() {
+        assert!(!Objection::Small { size: 0.1 }.is_hint());
+        assert!(!Objection::Superfluous.is_hint());
+        assert!(Objection::NotSure { p: 0.02 }.is_hint());
+    }
+}
