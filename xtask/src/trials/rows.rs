@@ -262,7 +262,8 @@ fn measured_sizes(records: &[Record]) -> Row {
     let known = effects::all().iter().map(|effect| effect.about().id);
     let near = known.filter_map(|id| {
         let power = Power::of(records, Some(id));
-        if power.0.is_empty() {
+        // Where the share grows is not known without trials below and above.
+        if [1.0, 2.0].iter().any(|multiple| power.at(*multiple).of == 0) {
             return None;
         }
         let size = power.nine_in_ten();

@@ -180,13 +180,18 @@ impl Search<'_> {
         &self,
         here: &Refit<'a>,
         screen: &Screen,
-        progress: &Progress,
+        progress: &mut Progress,
     ) -> Result<Vec<Tried<'a>>, DiagnosisError> {
         let mut tried = Vec::new();
         for id in self.worth_a_trial(screen, progress) {
-            // What cannot be predicted with a little of an effect is not explained by it.
-            let Some(Ok(trial)) = self.effect(id).map(|effect| here.trial(effect)) else {
-                continue;
+            let Some(effect) = self.effect(id) else { continue };
+            let trial = match here.trial(effect) {
+                Ok(trial) => trial,
+                Err(why) => {
+                    let objection = Objection::Unsettled { why: why.to_string() };
+                    progress.refused.push(Refused { id, objection });
+                    continue;
+                }
             };
             let without = if here.has(id) { Some(here.without(&[id])?) } else { None };
             let size = without.as_ref().unwrap_or(here).size_of(&trial)?;

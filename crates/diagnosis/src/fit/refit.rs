@@ -144,27 +144,34 @@ impl<'a> Refit<'a> {
     /// What a prediction refuses.
     pub(crate) fn trial(&self, effect: &'static dyn Effect) -> Result<Trial<'a>, DiagnosisError> {
         let Problem { space, whitening, robust, .. } = &self.problem;
-        let problem = Problem::new(space.with(effect)?, whitening, robust.clone());
+        let mut problem = Problem::new(space.with(effect)?, whitening, robust.clone());
+        let numbers = problem.space.numbers_of(effect.about().id).unwrap_or(0..0);
+        // What was taken out stays out.
+        for (k, frozen) in self.problem.frozen.iter().enumerate() {
+            problem.frozen[k] |= *frozen && !numbers.contains(&k);
+        }
         let mut x = self.minimum.at.x.clone();
         for member in problem.space.members.iter().skip(space.members.len()) {
             x.extend(member.place(&member.off));
         }
-        let at = problem.stand(problem.switched_on(&x))?;
-        let numbers = problem.space.numbers_of(effect.about().id).unwrap_or_default();
+        let switched = problem.switched_on(&x);
+        numbers.clone().for_each(|k| x[k] = switched[k]);
+        let at = problem.stand(x)?;
         let mut own = problem.clone();
         own.frozen.iter_mut().enumerate().for_each(|(k, frozen)| *frozen |= !numbers.contains(&k));
         let of_effect = own.slopes(&at, &own.secants)?;
         let (columns, known) = (problem.moved(), self.problem.moved());
         let mut slopes = DMatrix::zeros(at.z.len(), columns.len());
         for (column, k) in columns.iter().enumerate() {
-            let source = match own.moved().iter().position(|other| other == k) {
-                Some(place) => of_effect.column(place),
-                None => {
-                    let place = known.iter().position(|other| other == k).unwrap_or_default();
-                    self.minimum.whole.column(place)
-                }
-            };
-            slopes.view_mut((0, column), (source.len(), 1)).copy_from(&source);
+            let of_own = own.moved().iter().position(|other| other == k);
+            let of_known = || known.iter().position(|other| other == k);
+            let source = of_own
+                .map(|place| of_effect.column(place))
+                .or_else(|| Some(self.minimum.whole.column(of_known()?)));
+            // A number that moves is the effect's or was moved before.
+            if let Some(source) = source {
+                slopes.view_mut((0, column), (source.len(), 1)).copy_from(&source);
+            }
         }
         let freedom = own.moved().len().max(1);
         let start = Start { at, slopes: Some(slopes), is_final: false };

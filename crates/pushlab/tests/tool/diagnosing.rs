@@ -50,9 +50,9 @@ fn a_hidden_effect_is_named_with_its_size_and_closes_the_gap() {
     let [before, after] = ["before", "after"].map(|key| error[key].as_f64().unwrap());
     assert!(before > 3.0 && after < 1.5, "{error}");
     assert!(error["gap_closed"].as_f64().unwrap() > 0.85, "{error}");
-    // Another direction of the same seed is another answer; the same question gives the same bytes.
+    // The same question gives the same bytes.
     let first = set.read("diagnosis.json");
-    assert_eq!(diagnosed(&set)["error"], serde_json::from_str::<Value>(&first).unwrap()["error"]);
+    diagnosed(&set);
     assert_eq!(set.read("diagnosis.json"), first);
 }
 
