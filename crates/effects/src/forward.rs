@@ -32,6 +32,8 @@ pub(crate) struct Forward<'a> {
     /// Time integral of the measured force, normal and tangential to the nominal contact, in N·s.
     impulse: Vector2<f64>,
     pub(crate) memory: Memory,
+    /// Times and velocities of the last moments of the push, the later one first.
+    trail: Vec<(f64, Twist)>,
 }
 
 /// The contact of a moment, frame of the outline, and the pusher's velocity in W.
@@ -39,6 +41,14 @@ pub(crate) struct Forward<'a> {
 pub(crate) struct Meeting {
     pub(crate) contact: Contact,
     pub(crate) velocity_w: Vector2<f64>,
+}
+
+/// The moment in the middle of a sub-step.
+struct Middle {
+    time: f64,
+    pose_wo: Pose,
+    contact: Contact,
+    rate: Rate,
 }
 
 /// Gap at which pusher and object touch, in m.
@@ -81,6 +91,7 @@ impl<'a> Forward<'a> {
             deflection: 0.0,
             impulse: Vector2::zeros(),
             memory: Memory::default(),
+            trail: Vec::with_capacity(2),
         };
         forward.now = forward.meet(0.0, &pose_wo);
         Ok(forward)
@@ -105,6 +116,7 @@ impl<'a> Forward<'a> {
                 self.touching = self.press(length)?;
                 let_go = !self.touching;
             } else {
+                self.trail.clear();
                 self.go_free(length, let_go)?;
                 let_go = false;
             }
@@ -162,24 +174,56 @@ impl<'a> Forward<'a> {
     }
 
     /// One sub-step in contact; false, and nothing done, if the pusher lets go.
+    ///
+    /// The midpoint rule, whose way to the middle follows from the moments before: each further
+    /// sub-step takes one solution of the push instead of two.
     fn press(&mut self, length: f64) -> Result<bool, EffectError> {
         if self.has_inertia {
             return self.press_with_inertia(length);
         }
-        let (time, pose) = (self.time, self.pose_wo);
-        let start = self.now;
+        let foreseen = self.twist_ahead(self.time + 0.25 * length);
+        if let Some(foreseen) = foreseen {
+            let middle = self.middle(&foreseen, length)?;
+            if middle.rate.mode != ContactMode::Separated {
+                self.advance(&middle, length);
+                return Ok(true);
+            }
+        }
+        let (time, pose, start) = (self.time, self.pose_wo, self.now);
         let first = self.rate(time, &pose, &start)?;
         if first.mode == ContactMode::Separated {
             return Ok(false);
         }
-        let middle_time = time + 0.5 * length;
-        let middle = moved(&pose, &first.twist_w, 0.5 * length);
-        let meeting = self.meet(middle_time, &middle);
-        let rate = self.rate(middle_time, &middle, &meeting)?;
-        self.record(middle_time, &middle, &meeting.contact, &rate.force_o, length);
-        self.pose_wo = moved(&pose, &rate.twist_w, length);
-        self.reach(time + length);
+        self.trail = vec![(time, first.twist_w)];
+        let middle = self.middle(&first.twist_w, length)?;
+        self.advance(&middle, length);
         Ok(true)
+    }
+
+    /// The moment after half a sub-step with some velocity.
+    fn middle(&mut self, twist_w: &Twist, length: f64) -> Result<Middle, EffectError> {
+        let time = self.time + 0.5 * length;
+        let pose_wo = moved(&self.pose_wo, twist_w, 0.5 * length);
+        let meeting = self.meet(time, &pose_wo);
+        let rate = self.rate(time, &pose_wo, &meeting)?;
+        Ok(Middle { time, pose_wo, contact: meeting.contact, rate })
+    }
+
+    /// Goes on by a sub-step with the velocity in its middle.
+    fn advance(&mut self, middle: &Middle, length: f64) {
+        let Middle { time, pose_wo, contact, rate } = middle;
+        self.record(*time, pose_wo, contact, &rate.force_o, length);
+        self.pose_wo = moved(&self.pose_wo, &rate.twist_w, length);
+        self.trail.insert(0, (*time, rate.twist_w));
+        self.trail.truncate(2);
+        self.reach(self.time + length);
+    }
+
+    /// The velocity at a time to come, on a line through the last two moments of the push.
+    fn twist_ahead(&self, time: f64) -> Option<Twist> {
+        let [(late, last), (early, before)] = self.trail.as_slice() else { return None };
+        let ahead = (time - late) / (late - early);
+        Some(*last + ahead * (*last + -1.0 * *before))
     }
 
     /// Motion and force at a moment of the quasi-static push.

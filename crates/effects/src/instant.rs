@@ -18,6 +18,7 @@ pub(crate) struct Instant<'a> {
     physics: &'a PushPhysics,
     step: &'a StepInput,
     pose_wo: Pose,
+    time: f64,
     support: Support,
     /// Center of friction, in m, frame of the outline.
     center: Vector2<f64>,
@@ -42,7 +43,26 @@ pub(crate) struct Rate {
 pub(crate) struct Memory {
     ellipsoid: Option<(Support, Ellipsoid)>,
     pressure: Option<Arc<Pressure>>,
-    answer: Option<Answer>,
+    /// The last answer and the one before, with their times.
+    answers: [Option<(f64, Answer)>; 2],
+}
+
+impl Memory {
+    fn keep(&mut self, time: f64, answer: Answer) {
+        self.answers = [Some((time, answer)), self.answers[0]];
+    }
+
+    /// Where the last answers lead to at a time; none after a separation.
+    fn foreseen(&self, time: f64) -> Option<Answer> {
+        let (last_time, last) =
+            self.answers[0].filter(|(_, a)| a.mode != ContactMode::Separated)?;
+        let before = self.answers[1].filter(|(at, a)| a.mode == last.mode && *at < last_time);
+        let motion = before.map_or(last.motion, |(at, before)| {
+            let ahead = (time - last_time) / (last_time - at);
+            last.motion + ahead * (last.motion - before.motion)
+        });
+        Some(Answer { motion, ..last })
+    }
 }
 
 impl<'a> Instant<'a> {
@@ -65,7 +85,7 @@ impl<'a> Instant<'a> {
         } else {
             Vector3::zeros()
         };
-        Self { physics, step, pose_wo: *pose_wo, support, center, f_max, external }
+        Self { physics, step, pose_wo: *pose_wo, time, support, center, f_max, external }
     }
 
     /// The contact at a point in the outline's frame, by a pusher with a velocity in W.
@@ -98,7 +118,7 @@ impl<'a> Instant<'a> {
         } else {
             self.balance(&self.friction(local, memory)?, None).touched(touch, law, &guess)?
         };
-        memory.answer = Some(answer);
+        memory.keep(self.time, answer);
         Ok(self.rate(&answer))
     }
 
@@ -122,7 +142,7 @@ impl<'a> Instant<'a> {
         let local = self.local(&guess.motion);
         let friction = self.friction(local, memory)?;
         let answer = self.balance(&friction, inertia).touched(touch, law, &guess)?;
-        memory.answer = Some(answer);
+        memory.keep(self.time, answer);
         Ok(self.rate_at(&answer, center))
     }
 
@@ -179,9 +199,9 @@ impl<'a> Instant<'a> {
         law: &ContactLaw,
         memory: &mut Memory,
     ) -> Result<Answer, EffectError> {
-        match memory.answer {
-            Some(answer) if answer.mode != ContactMode::Separated => Ok(answer),
-            _ => closed_form(&self.ellipsoid(memory)?, touch, law),
+        match memory.foreseen(self.time) {
+            Some(answer) => Ok(answer),
+            None => closed_form(&self.ellipsoid(memory)?, touch, law),
         }
     }
 
