@@ -41,6 +41,7 @@ mod structure;
 mod suggest;
 #[cfg(test)]
 mod synthetic;
+mod tangent;
 mod tolerances;
 mod untestable;
 mod variances;

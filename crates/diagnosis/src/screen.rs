@@ -4,11 +4,9 @@ use effects::Effect;
 use models::{Cluster, Description};
 use serde::Serialize;
 
-use crate::candidates::Candidates;
-use crate::error_shapes::push_directions;
-use crate::secants::{Direction, Linearisation};
+use crate::tangent::Tangent;
 use crate::whitened::Whitened;
-use crate::{DiagnosisError, NoiseModel, NotTestable, Observations, Tolerances};
+use crate::{DiagnosisError, NoiseModel, NotTestable, Observations, Tolerances, Whitening};
 
 /// What a screen of effects found, the likeliest effect first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -160,15 +158,20 @@ pub fn screen(
     let (n_pushes_in_all, thinned) =
         (observations.pushes().len(), thinned(observations, settings)?);
     let observations = thinned.as_ref().unwrap_or(observations);
-    let candidates = Candidates::of(model, own, observations)?;
-    let of_push = push_directions()?;
-    let directions: Vec<Direction> =
-        of_push.iter().chain(&candidates.directions).copied().collect();
-    let mut linearisation = Linearisation::of(model, own, observations, &directions)?;
-    let whitening = noise.whitening_at(observations, &linearisation)?;
-    linearisation.slopes.drain(..of_push.len());
-    let data = Whitened::new(observations, &linearisation, &whitening, &candidates, settings);
-    Ok(Screen { n_pushes_in_all, ..data.screen() })
+    let tangent = Tangent::of(model, own, observations)?;
+    let whitening = noise.whitening_at(observations, &tangent.linearisation)?;
+    let found = screen_at(&tangent, observations, &whitening, settings);
+    Ok(Screen { n_pushes_in_all, ..found })
+}
+
+/// The same with slopes that are known, of all observations.
+pub(crate) fn screen_at(
+    tangent: &Tangent,
+    observations: &Observations,
+    whitening: &Whitening,
+    settings: &ScreenSettings,
+) -> Screen {
+    Whitened::new(observations, tangent, whitening, settings).screen()
 }
 
 /// Pushes with about as many steps as are wanted, evenly over edges and speeds; none where there are

@@ -6,7 +6,9 @@ use models::Description;
 use super::rules::{Objection, Rules};
 use super::{DiagnoseSettings, ErrorFall, Gain};
 use crate::fit::{Refit, Trial};
-use crate::{DiagnosisError, EffectFit, FitSettings, NoiseModel, Observations, Screen, screen};
+use crate::screen::screen_at;
+use crate::tangent::Tangent;
+use crate::{DiagnosisError, EffectFit, FitSettings, NoiseModel, Observations, Screen, Whitening};
 
 /// The search on the pushes to fit to.
 pub(super) struct Search<'a> {
@@ -95,10 +97,7 @@ const FINALIST: (f64, f64) = (50.0, 0.2);
 
 impl Search<'_> {
     pub(super) fn run(&self) -> Result<Found, DiagnosisError> {
-        let noise = self.noise(self.model)?;
-        let own = &self.settings.own;
-        let first_screen = screen(self.model, own, self.fitted, &noise, &self.settings.screen)?;
-        let whitening = noise.whitening(self.model, own, self.fitted)?;
+        let (_, whitening, first_screen) = self.linearised(self.model)?;
         let settings = self.fit_settings(false);
         let here = Refit::new(self.fitted, self.model, &whitening, &settings)?;
         self.go_on(
@@ -111,12 +110,8 @@ impl Search<'_> {
     /// for what alike pushes differ by is the less the model misses the surer noise; and its
     /// covariance is linearised anew, for pushes at the edge of sliding change sides.
     fn go_on(&self, from: &Refit, mut progress: Progress) -> Result<Found, DiagnosisError> {
-        let [_, about] = from.descriptions()?;
-        let noise = self.noise(&about)?;
-        let whitening = noise.whitening(&about, &self.settings.own, self.fitted)?;
+        let (noise, whitening, screen) = self.linearised(&self.screened(from)?)?;
         let here = from.rewhitened(&whitening)?;
-        let (screened, own) = (self.screened(&here)?, &self.settings.own);
-        let screen = screen(&screened, own, self.fitted, &noise, &self.settings.screen)?;
         if progress.chosen.len() == self.settings.most_effects {
             return self.concluded(&here, progress, screen, noise);
         }
@@ -276,8 +271,16 @@ impl Search<'_> {
         FitSettings { own, tolerances, priors: true, intervals, resemblances: false }
     }
 
-    fn noise(&self, about: &Description) -> Result<NoiseModel, DiagnosisError> {
-        NoiseModel::learn(about, &self.settings.own, self.fitted)
+    /// The noise about a model, its covariance, and the test of what the model lacks.
+    fn linearised(
+        &self,
+        about: &Description,
+    ) -> Result<(NoiseModel, Whitening, Screen), DiagnosisError> {
+        let tangent = Tangent::of(about, &self.settings.own, self.fitted)?;
+        let noise = NoiseModel::learn_at(&tangent, self.fitted)?;
+        let whitening = noise.whitening_at(self.fitted, &tangent.linearisation)?;
+        let screen = screen_at(&tangent, self.fitted, &whitening, &self.settings.screen);
+        Ok((noise, whitening, screen))
     }
 
     /// Effects that explain nearly as much as one of those tried: within [`Rules::APART`] in twice the
