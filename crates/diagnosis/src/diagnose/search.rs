@@ -194,10 +194,12 @@ impl Search<'_> {
         }
         let least = tried.iter().map(Tried::cost).fold(f64::INFINITY, f64::min);
         let near = FINALIST.0.max(FINALIST.1 * (here.misfit() - least));
-        for one in &mut tried {
-            let is_finalist = one.size >= Rules::SIZE && one.cost() < least + near;
+        let is_finalist = |one: &Tried| one.size >= Rules::SIZE && one.cost() < least + near;
+        // A single one needs no exact comparison.
+        let is_close = tried.iter().filter(|one| is_finalist(one)).count() > 1;
+        for one in tried.iter_mut().filter(|one| is_close && is_finalist(one)) {
             // Where the way ends early, what was reached counts.
-            if is_finalist && one.trial.finish().is_ok() {
+            if one.trial.finish().is_ok() {
                 one.size = one.without.as_ref().unwrap_or(here).size_of(&one.trial)?;
             }
         }
@@ -243,7 +245,7 @@ impl Search<'_> {
     ) -> Result<Refit<'a>, DiagnosisError> {
         let last = progress.chosen.len() - 1;
         for id in ids(&progress.chosen[..last]) {
-            let without = there.without(&[id])?;
+            let without = there.roughly_without(&[id])?;
             if without.misfit() - there.misfit() < Rules::APART * there.scale().powi(2) {
                 progress.chosen.retain(|one| one.id != id);
                 progress.refused.push(Refused { id, objection: Objection::Superfluous });
