@@ -53,4 +53,8 @@ impl Effect for SupportStiction {
     fn local_friction(&self, values: &[f64], sliding: &Sliding) -> f64 {
         (values[0] - 1.0) * (-sliding.velocity_w.norm() / values[1]).exp()
     }
+
+    fn local_growth(&self, values: &[f64], sliding: &Sliding, surplus: f64) -> f64 {
+        -sliding.velocity_w.norm() / values[1] * surplus
+    }
 }
