@@ -98,6 +98,12 @@ impl Touch {
         (self.normal.dot(force), self.tangent().dot(force))
     }
 
+    /// Slip of a motion: velocity of the pusher over the object along the tangent, in m/s.
+    pub(crate) fn slip(&self, motion: &Vector3<f64>) -> f64 {
+        let at_contact = motion.xy() + motion.z * perpendicular(&self.point);
+        self.tangent().dot(&(self.velocity - at_contact))
+    }
+
     /// The motion of a turn ω with the contact point at the velocity v − slip · tangent.
     fn motion(&self, omega: f64, slip: f64) -> Vector3<f64> {
         let linear = self.velocity - slip * self.tangent() - omega * perpendicular(&self.point);
@@ -134,12 +140,12 @@ impl Balance<'_> {
         law: &ContactLaw,
         guess: &Answer,
     ) -> Result<Answer, EffectError> {
-        // With one friction for sticking and sliding, a slip that fits is the only answer.
-        if law.static_ratio == 1.0 && is_sliding(guess.mode) {
+        // What slides goes on sliding while it can, though it might stick by now.
+        if is_sliding(guess.mode) {
             let edge = Edge::new(touch, law, guess.mode);
             if let Some(answer) = self.slide_by_newton(touch, &edge, guess)?
                 && answer.mode == guess.mode
-                && edge.side * self.slip_of(touch, &answer) > 0.0
+                && edge.side * touch.slip(&answer.motion) > 0.0
             {
                 return Ok(answer);
             }
@@ -216,7 +222,7 @@ impl Balance<'_> {
         let outside = Vector3::new(edge.outside.x, edge.outside.y, 0.0);
         let along = Vector3::new(-tangent.x, -tangent.y, 0.0);
         let speed = self.speed(touch);
-        let slip = edge.side * self.slip_of(touch, guess);
+        let slip = edge.side * touch.slip(&guess.motion);
         let slip = edge.side * if slip > 0.0 { slip } else { 0.1 * speed };
         // Turn times length, and slip, in m/s.
         let mut at = Vector2::new(self.length * guess.motion.z, slip);
@@ -290,12 +296,6 @@ impl Balance<'_> {
             .map_or(0.0, |(_, target)| target.xy().norm().max(self.length * target.z.abs()));
         touch.velocity.norm().max(pull).max(f64::MIN_POSITIVE)
     }
-
-    /// Slip of a motion: velocity of the pusher over the object along the tangent, in m/s.
-    fn slip_of(&self, touch: &Touch, answer: &Answer) -> f64 {
-        let at_contact = answer.motion.xy() + answer.motion.z * perpendicular(&touch.point);
-        touch.tangent().dot(&(touch.velocity - at_contact))
-    }
 }
 
 /// An edge of the friction cone.
@@ -321,6 +321,6 @@ impl Edge {
     }
 }
 
-fn is_sliding(mode: ContactMode) -> bool {
+pub(crate) fn is_sliding(mode: ContactMode) -> bool {
     matches!(mode, ContactMode::SlidingLeft | ContactMode::SlidingRight)
 }

@@ -6,7 +6,7 @@ use mechanics::{ContactMode, Ellipsoid, MechanicsError};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Pose, Twist, cross, perpendicular};
 
-use crate::balance::{Answer, Balance, Touch, closed_form};
+use crate::balance::{Answer, Balance, Touch, closed_form, is_sliding};
 use crate::effect::{Moment, Stage};
 use crate::friction::{Friction, Local, ellipsoid, turning_ratio};
 use crate::points::Point;
@@ -113,7 +113,8 @@ impl<'a> Instant<'a> {
         let guess = self.guess(touch, law, memory)?;
         let is_quadric = self.support.shape == 0.0 && self.physics.rig().given().is_none();
         let local = self.local(&guess.motion);
-        let answer = if is_quadric && local.is_none() && self.external == Vector3::zeros() {
+        let is_closed = is_quadric && law.static_ratio == 1.0 && self.external == Vector3::zeros();
+        let answer = if is_closed && local.is_none() {
             closed_form(&self.ellipsoid(memory)?, touch, law)?
         } else {
             self.balance(&self.friction(local, memory)?, None).touched(touch, law, &guess)?
@@ -199,10 +200,24 @@ impl<'a> Instant<'a> {
         law: &ContactLaw,
         memory: &mut Memory,
     ) -> Result<Answer, EffectError> {
-        match memory.foreseen(self.time) {
-            Some(answer) => Ok(answer),
-            None => closed_form(&self.ellipsoid(memory)?, touch, law),
+        if let Some(answer) = memory.foreseen(self.time) {
+            return Ok(answer);
         }
+        let ellipsoid = self.ellipsoid(memory)?;
+        let moving = ContactLaw { static_ratio: 1.0, ..*law };
+        let answer = closed_form(&ellipsoid, touch, &moving)?;
+        if law.static_ratio == 1.0 || self.slides_already(touch, &answer) {
+            return Ok(answer);
+        }
+        closed_form(&ellipsoid, touch, law)
+    }
+
+    /// Whether a contact slides at the start of a step: one that just came about, and one whose
+    /// measured slip is more than half of the one that sliding has.
+    fn slides_already(&self, touch: &Touch, sliding: &Answer) -> bool {
+        let measured = touch.slip(&self.to_motion(&self.step.twist_wb, &Vector2::zeros()));
+        let slip = touch.slip(&sliding.motion);
+        is_sliding(sliding.mode) && (!self.step.touching || measured * slip > 0.5 * slip * slip)
     }
 
     /// The friction of single points, if any has a surplus in a motion at S.

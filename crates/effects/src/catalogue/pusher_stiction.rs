@@ -10,7 +10,9 @@ static ABOUT: About = About {
     id: "pusher-stiction",
     title: "Stiction of the pusher",
     physics: "A sticking contact holds until the force leaves a cone that is wider than the one \
-        in which it slides. Each step starts stuck: between the two cones it sticks.",
+        in which it slides; a sliding one goes on until it comes to rest. Between the two cones a \
+        push does what it did before: at the start of a step it slides if its measured slip is \
+        more than half of what sliding would give, or if contact begins there.",
     equation: "Sticks while |f_t| ≤ ratio · μp f_n; slides with |f_t| = μp f_n.",
     source: "Armstrong-Hélouvry, Dupont & Canudas de Wit (1994), A survey of models, analysis \
         tools and compensation methods for the control of machines with friction, Automatica \
