@@ -215,11 +215,10 @@ impl Balance<'_> {
     fn slide_by_newton(
         &self,
         touch: &Touch,
-        edge: &Edge,
+        edge: &Edge<'_>,
         guess: &Answer,
     ) -> Result<Option<Answer>, EffectError> {
         let (turn, tangent) = (touch.turn() / self.length, touch.tangent());
-        let outside = Vector3::new(edge.outside.x, edge.outside.y, 0.0);
         let along = Vector3::new(-tangent.x, -tangent.y, 0.0);
         let speed = self.speed(touch);
         let slip = edge.side * touch.slip(&guess.motion);
@@ -230,13 +229,16 @@ impl Balance<'_> {
         for _ in 0..MAX_ITERATIONS / 4 {
             let motion = touch.motion(at.x / self.length, at.y);
             let (load, slope) = self.missing(&motion)?;
+            let (outside, outside_by_slip) = edge.outside(at.y);
+            let more = outside_by_slip.dot(&load.xy());
+            let outside = Vector3::new(outside.x, outside.y, 0.0);
             let residual = Vector2::new(turn.dot(&load), outside.dot(&load));
             let (by_turn, by_slip) = (slope * turn, slope * along);
             let jacobian = Matrix2::new(
                 turn.dot(&by_turn),
                 turn.dot(&by_slip),
                 outside.dot(&by_turn),
-                outside.dot(&by_slip),
+                outside.dot(&by_slip) + more,
             );
             let Some(inverse) = jacobian.try_inverse() else { return Ok(None) };
             let step = inverse * residual;
@@ -259,14 +261,18 @@ impl Balance<'_> {
     fn slide_by_bracket(
         &self,
         touch: &Touch,
-        edge: &Edge,
+        edge: &Edge<'_>,
         guess: f64,
     ) -> Result<Answer, EffectError> {
         let speed = self.speed(touch);
         let (mut low, mut high) = (0.0, 0.25 * speed);
         let excess = |slip: f64, guess: f64| {
             let (motion, force) = self.stick(touch, edge.side * slip, guess)?;
-            Ok::<_, EffectError>((edge.side * edge.outside.dot(&force), motion, force))
+            Ok::<_, EffectError>((
+                edge.side * edge.outside(edge.side * slip).0.dot(&force),
+                motion,
+                force,
+            ))
         };
         let mut omega = guess;
         for _ in 0..MAX_ITERATIONS {
@@ -299,19 +305,27 @@ impl Balance<'_> {
 }
 
 /// An edge of the friction cone.
-struct Edge {
+struct Edge<'a> {
     mode: ContactMode,
     /// +1 for the left edge, −1 for the right.
     side: f64,
-    /// Normal to the edge, out of the cone on the left, into it on the right.
-    outside: Vector2<f64>,
+    touch: &'a Touch,
+    law: &'a ContactLaw,
 }
 
-impl Edge {
+impl<'a> Edge<'a> {
     /// The edge on which the force of a sliding `mode` is.
-    fn new(touch: &Touch, law: &ContactLaw, mode: ContactMode) -> Self {
+    fn new(touch: &'a Touch, law: &'a ContactLaw, mode: ContactMode) -> Self {
         let side = if mode == ContactMode::SlidingLeft { 1.0 } else { -1.0 };
-        Self { mode, side, outside: touch.tangent() - side * law.sliding(side) * touch.normal }
+        Self { mode, side, touch, law }
+    }
+
+    /// Normal to the edge at some slip, out of the cone on the left, into it on the right, and its
+    /// derivative by the slip.
+    fn outside(&self, slip: f64) -> (Vector2<f64>, Vector2<f64>) {
+        let (friction, by_slip) = self.law.slipping(self.side, slip);
+        let normal = self.touch.normal;
+        (self.touch.tangent() - self.side * friction * normal, -by_slip * normal)
     }
 
     /// A solution with its force on the edge, or on the edge's other side of the contact: separated.

@@ -119,7 +119,12 @@ fn a_switch_and_a_threshold_are_recovered_by_search() {
         let problem = Problem::of(effect, steps, 99);
         let (low, high) = effect.about().parameters[0].range;
         let value = |k: u32| low + (high - low) * f64::from(k) / f64::from(n - 1);
-        let misfits: Vec<f64> = (0..n).map(|k| problem.misfit(&[value(k)])).collect();
+        let mut at = effect.about().typical(&World::PLAIN.rig(Surface::Ellipsoid));
+        let mut misfit = |k: u32| {
+            at[0] = value(k);
+            problem.misfit(&at)
+        };
+        let misfits: Vec<f64> = (0..n).map(&mut misfit).collect();
         let least = misfits.iter().copied().fold(f64::INFINITY, f64::min);
         let best = (0..n).filter(|k| misfits[*k as usize] <= 2.0 * least).map(value);
         let best: Vec<f64> = best.collect();
