@@ -42,6 +42,7 @@ mod suggest;
 #[cfg(test)]
 mod synthetic;
 mod tangent;
+mod thinning;
 mod tolerances;
 mod untestable;
 mod variances;

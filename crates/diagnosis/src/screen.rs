@@ -5,6 +5,7 @@ use models::{Cluster, Description};
 use serde::Serialize;
 
 use crate::tangent::Tangent;
+use crate::thinning::thinned;
 use crate::whitened::Whitened;
 use crate::{DiagnosisError, NoiseModel, NotTestable, Observations, Tolerances, Whitening};
 
@@ -155,9 +156,8 @@ pub fn screen(
     noise: &NoiseModel,
     settings: &ScreenSettings,
 ) -> Result<Screen, DiagnosisError> {
-    let (n_pushes_in_all, thinned) =
-        (observations.pushes().len(), thinned(observations, settings)?);
-    let observations = thinned.as_ref().unwrap_or(observations);
+    let n_pushes_in_all = observations.pushes().len();
+    let observations = &*thinned(observations, settings.most_steps)?;
     let tangent = Tangent::of(model, own, observations)?;
     let whitening = noise.whitening_at(observations, &tangent.linearisation)?;
     let found = screen_at(&tangent, observations, &whitening, settings);
@@ -172,25 +172,4 @@ pub(crate) fn screen_at(
     settings: &ScreenSettings,
 ) -> Screen {
     Whitened::new(observations, tangent, whitening, settings).screen()
-}
-
-/// Pushes with about as many steps as are wanted, evenly over edges and speeds; none where there are
-/// no more.
-fn thinned(
-    observations: &Observations,
-    settings: &ScreenSettings,
-) -> Result<Option<Observations>, DiagnosisError> {
-    let stride = observations.n_steps().div_ceil(settings.most_steps.max(1));
-    if stride < 2 {
-        return Ok(None);
-    }
-    let mut first = vec![None; observations.pushes().len()];
-    for (place, push) in observations.places.iter().zip(&observations.push_of) {
-        first[*push].get_or_insert((place.edge, (1e3 * place.speed).round() as u64));
-    }
-    let mut order: Vec<usize> = (0..first.len()).collect();
-    order.sort_by_key(|push| first[*push]);
-    let chosen = order.into_iter().step_by(stride);
-    let names: Vec<String> = chosen.map(|push| observations.pushes()[push].to_string()).collect();
-    observations.part(&names).map(Some)
 }
