@@ -53,6 +53,8 @@ struct Middle {
 
 /// Gap at which pusher and object touch, in m.
 const TOUCH: f64 = 1e-10;
+/// Places at which a touch is looked for: a corner takes the most.
+const MOST_TRIES: usize = 60;
 const LEAST_SUBSTEPS: f64 = 4.0;
 const LEAST_DYNAMIC_SUBSTEPS: f64 = 6.0;
 
@@ -244,18 +246,15 @@ impl<'a> Forward<'a> {
             return Ok(());
         }
         let (mut pose, mut twist) = self.slid(length)?;
-        let (mut low, mut high) = (0.0, length);
+        let mut high = length;
         let end_gap = gap_at(self, self.time + length, &pose);
         // A measured overlap that does not get deeper is no touch.
         if end_gap < start.contact.gap.min(0.0) && !let_go {
-            for _ in 0..40 {
-                let middle = 0.5 * (low + high);
-                (pose, twist) = self.slid(middle)?;
-                match gap_at(self, self.time + middle, &pose) > 0.0 {
-                    true => low = middle,
-                    false => high = middle,
-                }
-            }
+            let gap_after = |time: f64| -> Result<f64, EffectError> {
+                Ok(gap_at(self, self.time + time, &self.slid(time)?.0))
+            };
+            high = touch_time((start.contact.gap, end_gap), length, gap_after)?;
+            (pose, twist) = self.slid(high)?;
             self.touching = true;
         }
         let (before, nothing) = (self.pose_wo, Vector2::zeros());
@@ -347,6 +346,40 @@ impl<'a> Forward<'a> {
         }
         self.nominal(self.time, &(self.pose_wo * self.pose_ob)).gap
     }
+}
+
+/// When a gap closes that is positive, or not, at first and negative after `length` seconds.
+///
+/// # Source
+/// Dowell & Jarratt (1971), A modified regula falsi method for computing the root of an equation, BIT
+/// 11(2).
+fn touch_time(
+    (start_gap, end_gap): (f64, f64),
+    length: f64,
+    gap_after: impl Fn(f64) -> Result<f64, EffectError>,
+) -> Result<f64, EffectError> {
+    if start_gap <= 0.0 {
+        return Ok(0.0);
+    }
+    let ((mut low, mut above), (mut high, mut below)) = ((0.0, start_gap), (length, end_gap));
+    let mut was_high = None;
+    for _ in 0..MOST_TRIES {
+        let middle = (low * below - high * above) / (below - above);
+        let gap = gap_after(middle)?;
+        let is_high = gap <= 0.0;
+        // An end that stays weighs half as much.
+        let halved = if was_high == Some(is_high) { 0.5 } else { 1.0 };
+        if is_high {
+            (high, below, above) = (middle, gap, halved * above);
+        } else {
+            (low, above, below) = (middle, gap, halved * below);
+        }
+        if gap.abs() <= TOUCH || high - low <= 1e-12 * length {
+            return Ok(middle);
+        }
+        was_high = Some(is_high);
+    }
+    Ok(high)
 }
 
 /// A pose after moving with a constant velocity for some time.
