@@ -34,6 +34,9 @@ pub struct DiagnoseSettings {
     pub own: Vec<&'static dyn Effect>,
     /// The parts of the set, if they are chosen already; else a quarter is set aside.
     pub split: Option<Split>,
+    /// A second set, whose pushes confirm what is fitted to all of the first; then `split` is not
+    /// asked for.
+    pub confirm: Option<Observations>,
     /// Seed of that choice.
     pub seed: u64,
     /// Most effects that are added.
@@ -52,6 +55,7 @@ impl Default for DiagnoseSettings {
         Self {
             own: Vec::new(),
             split: None,
+            confirm: None,
             seed: 7,
             most_effects: 3,
             most_steps: 5000,
@@ -79,20 +83,26 @@ pub struct Diagnosed {
 /// What is claimed has to predict the clusters set aside better.
 ///
 /// # Errors
-/// `TooFewPushes`; `Model` for a learnt model or what an effect refuses; `NotConverged`.
+/// `TooFewPushes`; `OtherKind` for a second set that cannot confirm; `Model` for a learnt model or what an effect refuses; `NotConverged`.
 pub fn diagnose(
     observations: &Observations,
     model: &Description,
     settings: &DiagnoseSettings,
 ) -> Result<Diagnosed, DiagnosisError> {
-    let parts = match &settings.split {
-        Some(split) => split.clone(),
-        None => split(observations, settings.seed)?,
+    let parts = match (&settings.confirm, &settings.split) {
+        (Some(second), _) => observations.confirmed_by(second)?,
+        (None, Some(split)) => split.clone(),
+        (None, None) => split(observations, settings.seed)?,
     };
-    let (fitted, aside) = (observations.part(&parts.fit)?, observations.part(&parts.confirm)?);
-    let fitted = &*thinned(&fitted, settings.most_steps)?;
+    let whole = observations.part(&parts.fit)?;
+    let aside = match &settings.confirm {
+        Some(second) => second.clone(),
+        None => observations.part(&parts.confirm)?,
+    };
+    let fitted = &*thinned(&whole, settings.most_steps)?;
     let aside = &*thinned(&aside, settings.most_steps)?;
     let all = &*thinned(observations, settings.most_steps)?;
+    let second = settings.confirm.as_ref();
     let search = Search { model, all, fitted, aside, settings };
     let found = search.run()?;
     let left = leftover(&found, fitted, settings)?;
@@ -114,11 +124,11 @@ pub fn diagnose(
         leftover: left.summary(),
         noise: NoiseOrigin::of(&found.noise),
         data: DataUsed {
-            pushes_used: observations.pushes().len(),
+            pushes_used: observations.pushes().len() + second.map_or(0, |set| set.pushes().len()),
             pushes_set_aside: settings.n_pushes_set_aside,
             pushes_fitted: fitted.pushes().len(),
             pushes_confirming: aside.pushes().len(),
-            steps: observations.n_steps(),
+            steps: observations.n_steps() + second.map_or(0, Observations::n_steps),
         },
         split: parts,
         made_by: None,
