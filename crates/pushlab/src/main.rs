@@ -17,6 +17,7 @@ mod recorded_steps;
 mod speed;
 mod step_size;
 mod step_source;
+mod suspected;
 mod table_summary;
 mod terminal;
 
