@@ -22,7 +22,10 @@ pub(crate) struct Balance<'a> {
 /// One contact, about S in the axes of the outline.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touch {
+    /// Where the pusher touches: no motion goes through it.
     pub(crate) point: Vector2<f64>,
+    /// Where its force acts.
+    pub(crate) acting: Vector2<f64>,
     pub(crate) normal: Vector2<f64>,
     /// The pusher's velocity, in m/s.
     pub(crate) velocity: Vector2<f64>,
@@ -110,9 +113,14 @@ impl Touch {
         Vector3::new(linear.x, linear.y, omega)
     }
 
-    /// Maps a motion to ω's part in it, and a load to its moment about the contact.
+    /// How a motion changes with ω.
     fn turn(&self) -> Vector3<f64> {
         Vector3::new(self.point.y, -self.point.x, 1.0)
+    }
+
+    /// Maps a load to its moment about the point where the force acts.
+    fn lever(&self) -> Vector3<f64> {
+        Vector3::new(self.acting.y, -self.acting.x, 1.0)
     }
 }
 
@@ -176,14 +184,14 @@ impl Balance<'_> {
         slip: f64,
         guess: f64,
     ) -> Result<(Vector3<f64>, Vector2<f64>), EffectError> {
-        let turn = touch.turn();
+        let (turn, lever) = (touch.turn(), touch.lever());
         let rate = self.speed(touch) / self.length;
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let (mut omega, mut reach, mut last) = (guess, 0.1 * rate.max(guess.abs()), f64::INFINITY);
         for _ in 0..MAX_ITERATIONS {
             let motion = touch.motion(omega, slip);
             let (load, slope) = self.missing(&motion)?;
-            let (moment, change) = (turn.dot(&load), turn.dot(&(slope * turn)));
+            let (moment, change) = (lever.dot(&load), lever.dot(&(slope * turn)));
             let end = if moment > 0.0 { &mut high } else { &mut low };
             *end = omega;
             let mut next = omega - moment / change;
@@ -219,6 +227,7 @@ impl Balance<'_> {
         guess: &Answer,
     ) -> Result<Option<Answer>, EffectError> {
         let (turn, tangent) = (touch.turn() / self.length, touch.tangent());
+        let lever = touch.lever() / self.length;
         let along = Vector3::new(-tangent.x, -tangent.y, 0.0);
         let speed = self.speed(touch);
         let slip = edge.side * touch.slip(&guess.motion);
@@ -232,11 +241,11 @@ impl Balance<'_> {
             let (outside, outside_by_slip) = edge.outside(at.y);
             let more = outside_by_slip.dot(&load.xy());
             let outside = Vector3::new(outside.x, outside.y, 0.0);
-            let residual = Vector2::new(turn.dot(&load), outside.dot(&load));
+            let residual = Vector2::new(lever.dot(&load), outside.dot(&load));
             let (by_turn, by_slip) = (slope * turn, slope * along);
             let jacobian = Matrix2::new(
-                turn.dot(&by_turn),
-                turn.dot(&by_slip),
+                lever.dot(&by_turn),
+                lever.dot(&by_slip),
                 outside.dot(&by_turn),
                 outside.dot(&by_slip) + more,
             );

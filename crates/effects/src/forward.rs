@@ -232,7 +232,7 @@ impl<'a> Forward<'a> {
     fn rate(&mut self, time: f64, pose: &Pose, meeting: &Meeting) -> Result<Rate, EffectError> {
         let instant = Instant::new(self.physics, self.step, pose, time);
         let point = self.outline.acting_point(&meeting.contact);
-        let touch = instant.touch(&point, &meeting.contact.normal, &meeting.velocity_w);
+        let touch = instant.touch(&meeting.contact, &point, &meeting.velocity_w);
         instant.pushed(&touch, &self.law, &mut self.memory)
     }
 

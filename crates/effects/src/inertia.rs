@@ -95,7 +95,7 @@ impl Forward<'_> {
             let contact = &self.now.contact;
             let instant = Instant::new(self.physics, self.step, &self.pose_wo, self.time);
             let point = self.acting_point(contact);
-            let touch = instant.touch(&point, &contact.normal, &self.now.velocity_w);
+            let touch = instant.touch(contact, &point, &self.now.velocity_w);
             self.twist_w = instant.struck(&touch, &self.law, &self.twist_w)?;
         }
         Ok(())
@@ -112,7 +112,7 @@ impl Forward<'_> {
         let meeting = self.meet(time, pose);
         let point: Vector2<f64> = self.acting_point(&meeting.contact);
         let instant = Instant::new(self.physics, self.step, pose, time);
-        let touch = instant.touch(&point, &meeting.contact.normal, &meeting.velocity_w);
+        let touch = instant.touch(&meeting.contact, &point, &meeting.velocity_w);
         let rate =
             instant.pushed_with_inertia(&touch, &self.law, length, target, &mut self.memory)?;
         Ok((rate.mode != ContactMode::Separated).then_some((rate, meeting)))

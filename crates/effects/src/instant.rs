@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use mechanics::{ContactMode, Ellipsoid, MechanicsError};
 use nalgebra::{Matrix3, Vector2, Vector3};
-use planar::{Pose, Twist, cross, perpendicular};
+use planar::{Contact, Pose, Twist, cross, perpendicular};
 
 use crate::balance::{Answer, Balance, Touch, closed_form, is_sliding};
 use crate::effect::{Moment, Stage};
@@ -88,15 +88,17 @@ impl<'a> Instant<'a> {
         Self { physics, step, pose_wo: *pose_wo, time, support, center, f_max, external }
     }
 
-    /// The contact at a point in the outline's frame, by a pusher with a velocity in W.
+    /// A contact in the outline's frame, whose force acts at a point there, with a pusher that has a
+    /// velocity in W.
     pub(crate) fn touch(
         &self,
-        point_o: &Vector2<f64>,
-        normal_o: &Vector2<f64>,
+        contact: &Contact,
+        acting_o: &Vector2<f64>,
         velocity_w: &Vector2<f64>,
     ) -> Touch {
         let velocity = self.pose_wo.inverse_rotate(velocity_w);
-        Touch { point: point_o - self.center, normal: *normal_o, velocity }
+        let [point, acting] = [&contact.point, acting_o].map(|place| place - self.center);
+        Touch { point, acting, normal: contact.normal, velocity }
     }
 
     /// The quasi-static motion.
@@ -113,7 +115,10 @@ impl<'a> Instant<'a> {
         let guess = self.guess(touch, law, memory)?;
         let is_quadric = self.support.shape == 0.0 && self.physics.rig().given().is_none();
         let local = self.local(&guess.motion);
-        let is_closed = is_quadric && law.static_ratio == 1.0 && self.external == Vector3::zeros();
+        let is_closed = is_quadric
+            && law.static_ratio == 1.0
+            && touch.acting == touch.point
+            && self.external == Vector3::zeros();
         let answer = if is_closed && local.is_none() {
             closed_form(&self.ellipsoid(memory)?, touch, law)?
         } else {

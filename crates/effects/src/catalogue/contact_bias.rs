@@ -9,9 +9,9 @@ pub struct ContactBias;
 static ABOUT: About = About {
     id: "contact-bias",
     title: "Bias of the contact point",
-    physics: "The pusher leans, or its tip is worn on one side: the force does not act where \
-        pusher and outline are nearest but beside it, along the edge.",
-    equation: "p_contact = p_nearest + b e, with e the direction of increasing p along the edge.",
+    physics: "The pusher leans, or its tip is worn on one side: it touches where pusher and outline \
+        are nearest, but its force acts beside that point, along the edge.",
+    equation: "p_force = p_nearest + b e, with e the direction of increasing p along the edge.",
     source: "Geometry of a leaning pin; for the sensitivity of the turn to the contact point see \
         Mason (1986), Int. J. Robotics Research 5(3).",
     stages: &[Stage::Geometry],
