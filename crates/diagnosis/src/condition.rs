@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use crate::Covariate;
 use crate::axis::Axis;
 use crate::box_search::CellRange;
+use crate::{Covariate, Observations};
 
 /// A range of a covariate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -36,5 +36,16 @@ impl Condition {
             }
             _ => condition((!is_open[0]).then_some(from), (!is_open[1]).then_some(to)),
         }
+    }
+
+    /// Whether a step is within the range.
+    pub(crate) fn holds(&self, observations: &Observations, step: usize) -> bool {
+        let value = self.covariate.value(observations, step);
+        let is_within = |value: f64| {
+            self.from.is_none_or(|from| from <= value) && self.to.is_none_or(|to| value <= to)
+        };
+        // A range of angles may pass π.
+        is_within(value)
+            || (self.covariate.is_periodic() && is_within(value + std::f64::consts::TAU))
     }
 }

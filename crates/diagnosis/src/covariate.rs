@@ -89,25 +89,26 @@ impl Covariate {
 
     /// Its value at each step.
     pub(crate) fn values(self, observations: &Observations) -> Vec<f64> {
-        let steps = observations.steps.iter().zip(&observations.places);
-        let value = |(step, place): (&models::ChannelObservation, &crate::observations::Place)| {
-            let position = &step.input.pose_wb.position;
-            match self {
-                Self::P => place.p,
-                Self::Beta => place.beta,
-                Self::Speed => place.speed,
-                Self::Orientation => planar::wrap_angle(step.input.pose_wb.angle),
-                Self::Direction => {
-                    let velocity = step.input.track.mean_velocity();
-                    velocity.y.atan2(velocity.x)
-                }
-                Self::TableX => position.x,
-                Self::TableY => position.y,
-                Self::Time => step.input.progress,
-                Self::Edge => f64::from(place.edge),
+        (0..observations.n_steps()).map(|step| self.value(observations, step)).collect()
+    }
+
+    /// Its value at a step.
+    pub(crate) fn value(self, observations: &Observations, step: usize) -> f64 {
+        let (input, place) = (&observations.steps[step].input, &observations.places[step]);
+        match self {
+            Self::P => place.p,
+            Self::Beta => place.beta,
+            Self::Speed => place.speed,
+            Self::Orientation => planar::wrap_angle(input.pose_wb.angle),
+            Self::Direction => {
+                let velocity = input.track.mean_velocity();
+                velocity.y.atan2(velocity.x)
             }
-        };
-        steps.map(value).collect()
+            Self::TableX => input.pose_wb.position.x,
+            Self::TableY => input.pose_wb.position.y,
+            Self::Time => input.progress,
+            Self::Edge => f64::from(place.edge),
+        }
     }
 
     /// Cells of equal width where the range is known beforehand, of equal numbers of steps else.

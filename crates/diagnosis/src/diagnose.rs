@@ -7,6 +7,7 @@ mod findings;
 mod leftover;
 mod members;
 mod rules;
+mod scatter;
 mod search;
 mod sentence;
 
@@ -105,7 +106,7 @@ pub fn diagnose(
     let second = settings.confirm.as_ref();
     let search = Search { model, all, fitted, aside, settings };
     let found = search.run()?;
-    let left = leftover(&found, fitted, settings)?;
+    let left = leftover(&found, (fitted, aside), settings)?;
     let claims: Claims = claims(&found, &left);
     let members = members(&found, &claims, fitted, model, settings);
     let effects = findings(&found, (&claims, &members), settings);

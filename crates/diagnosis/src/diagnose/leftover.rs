@@ -1,10 +1,12 @@
 //! What the best model leaves over.
 
 use super::rules::Rules;
+use super::scatter::gathered_again;
 use super::search::Found;
 use super::{DiagnoseSettings, Leftover};
 use crate::{
-    DiagnosisError, MapSettings, Observations, Predictions, RepeatTolerance, compare, noise_floor,
+    Concentration, DiagnosisError, MapSettings, Observations, Predictions, RepeatTolerance,
+    compare, noise_floor,
 };
 
 /// Structure in the residuals of the last model.
@@ -17,6 +19,8 @@ pub(super) struct Left {
     share: f64,
     /// Whitened root mean square of the last model, on pushes set aside.
     rms: f64,
+    /// Where errors gather that may have no sign of their own.
+    gathered: Option<Concentration>,
 }
 
 /// Structure that matters is 0.6 of the noise: it adds a sixth to the whitened error, or is a fifth of
@@ -24,11 +28,13 @@ pub(super) struct Left {
 /// of a rig is never quite the rig.
 const MISSES: f64 = 1.15;
 const SHARE: f64 = 0.2;
+/// Whitened error that no noise has.
+const FAR_OFF: f64 = 1.5;
 
 /// Looks for structure in what the confirmed model leaves of the pushes that it was fitted to.
 pub(super) fn leftover(
     found: &Found,
-    fitted: &Observations,
+    (fitted, aside): (&Observations, &Observations),
     settings: &DiagnoseSettings,
 ) -> Result<Left, DiagnosisError> {
     let predictions = Predictions::of(&found.with_nuisances, &settings.own, fitted)?;
@@ -39,18 +45,35 @@ pub(super) fn leftover(
     let sure = comparison.findings.iter().filter(|finding| finding.p_adjusted <= Rules::NAME);
     let share = sure.clone().map(|finding| finding.share).fold(0.0, f64::max);
     let sentence = sure.map(|finding| finding.sentence.clone()).next();
-    Ok(Left { p, sentence, share, rms: found.error.after })
+    let gathered = gathered_again(found, (fitted, aside), &floor, settings)?;
+    Ok(Left { p, sentence, share, rms: found.error.after, gathered })
 }
 
 impl Left {
     /// Whether something is left that matters.
     pub(super) fn is_left(&self) -> bool {
+        self.has_structure() || self.scatters()
+    }
+
+    fn has_structure(&self) -> bool {
         self.is_surer_than(Rules::NAME) && (self.share >= SHARE || self.rms >= MISSES)
+    }
+
+    /// Whether errors gather somewhere, without a sign of their own, on the pushes set aside as well.
+    fn scatters(&self) -> bool {
+        let share = self.gathered.as_ref().map_or(0.0, |region| region.error_share);
+        share >= SHARE && self.rms >= MISSES
     }
 
     /// Whether something may be left.
     pub(super) fn is_hint(&self) -> bool {
-        self.is_surer_than(Rules::HINT) && (self.share >= 0.5 * SHARE || self.rms >= MISSES)
+        let is_seen = self.is_surer_than(Rules::HINT);
+        self.is_far_off() || is_seen && (self.share >= 0.5 * SHARE || self.rms >= MISSES)
+    }
+
+    /// Whether pushes set aside are missed by far more than noise, be they ever so few.
+    pub(super) fn is_far_off(&self) -> bool {
+        self.rms >= FAR_OFF
     }
 
     fn is_surer_than(&self, level: f64) -> bool {
@@ -58,6 +81,16 @@ impl Left {
     }
 
     pub(super) fn summary(&self) -> Leftover {
-        Leftover { p: self.p, covariate: self.sentence.clone().filter(|_| self.is_left()) }
+        Leftover { p: self.p, covariate: self.told() }
+    }
+
+    /// Where something is left, in words.
+    pub(super) fn told(&self) -> Option<String> {
+        let gathered = || self.gathered.as_ref().map(|region| region.sentence.clone());
+        match (self.has_structure(), self.scatters()) {
+            (true, _) => self.sentence.clone().or_else(gathered),
+            (false, true) => gathered(),
+            (false, false) => None,
+        }
     }
 }

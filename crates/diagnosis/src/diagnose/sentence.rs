@@ -46,12 +46,19 @@ pub(super) fn sentence(
                 .to_owned()
         }
     };
-    if let Some(where_) = left.sentence.as_ref().filter(|_| claims.is_left) {
+    if let Some(where_) = left.told().filter(|_| claims.is_left) {
         let what = match claims.verdict {
             Verdict::StructureUnexplained => "Most of all it",
             _ => "Something is left that no effect explains: the model",
         };
         text += &format!(" {what} {where_}.");
+    }
+    if claims.verdict == Verdict::Weak && left.is_far_off() {
+        text += &format!(
+            " Some pushes are missed by far more than their noise (error {:.1} times the noise), \
+             too few to tell what they share: `pushlab compare` lists the worst.",
+            error.after
+        );
     }
     text
 }
