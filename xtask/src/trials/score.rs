@@ -8,6 +8,8 @@ use super::record::{Answer, Outcome, Record};
 
 /// The shape that an ellipsoid on a patch lacks, too.
 const SHAPE: &str = "limit-surface-shape";
+/// The simulated rig has it in every set: naming it is true where fast pushes show it.
+const ALWAYS: &str = "inertia";
 /// Effects outside the catalogue and what of the catalogue says the same: the first is a compliance
 /// that also remembers, the second a friction that depends on the speed, the third a corner that is
 /// no longer there, the fourth a force over the table that hardly changes within a hand's breadth.
@@ -42,6 +44,7 @@ impl Score {
     /// Of an answer about sets that hide some effects, where the base may lack the shape as well.
     pub(super) fn of_answer(answer: &Answer, hidden: &[&str], lacks_shape: bool) -> Self {
         let mut right: Vec<&str> = hidden.to_vec();
+        right.push(ALWAYS);
         if lacks_shape {
             right.push(SHAPE);
         }
@@ -193,6 +196,12 @@ pub(super) mod tests {
         let names: &[&str] = &["limit-surface-shape", "inertia"];
         assert!(score(names, &[], &["inertia"], true).wrong.is_empty());
         assert_eq!(score(names, &[], &["inertia"], false).wrong, ["limit-surface-shape"]);
+    }
+
+    #[test]
+    fn what_the_rig_always_has_is_no_wrong_name() {
+        let found = score(&["inertia"], &[], &["table-tilt"], false);
+        assert!(found.wrong.is_empty() && found.found == [false]);
     }
 
     #[test]
