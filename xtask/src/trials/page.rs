@@ -44,8 +44,9 @@ those of `plant`.
 
 **Right** is the hidden effect's name, or a group of effects of which all are documented look-alikes of
 it. On the thesis' ellipsoid `limit-surface-shape` is right beside anything. `inertia` is never wrong: the
-simulated rig has it in every set, and fast pushes show it. Outside the catalogue these say the same: `pusher-compliance` of a tip that flexes, `rate-dependent-friction` and
-`support-stiction` of a film of liquid, `edge-rounding` of a chipped corner, `table-tilt` of a cable.
+simulated rig has it in every set, and fast pushes show it. Outside the catalogue these say the same:
+`pusher-compliance` of a tip that flexes, `rate-dependent-friction` and `support-stiction` of a film of
+liquid, `edge-rounding` of a chipped corner, `table-tilt` of a cable.
 ";
 
 impl Page<'_> {
