@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{not_negative, positive};
 use crate::surface_kind::Support;
 use crate::{
-    Base, Description, Estimate, ModelError, Noise, PushModel, StepInput, StepPrediction,
+    Base, Description, Estimate, ModelError, Noise, Parts, PushModel, StepInput, StepPrediction,
     SurfaceKind,
 };
 
@@ -236,6 +236,10 @@ impl PushModel for Analytical {
             Ok(StepPrediction { mean: self.outputs_on(support, step)?, covariance })
         };
         steps.iter().map(&mut predict).collect()
+    }
+
+    fn parts(&self, steps: &[StepInput]) -> Result<Vec<Parts>, ModelError> {
+        Ok(self.outputs(steps)?.into_iter().map(Parts::physical).collect())
     }
 
     fn describe(&self) -> Result<Description, ModelError> {
