@@ -11,7 +11,7 @@ use crate::error::{not_negative, positive};
 use crate::surface_kind::Support;
 use crate::{
     Base, Description, Estimate, ModelError, Noise, Parts, PushModel, StepInput, StepPrediction,
-    SurfaceKind,
+    SurfaceKind, Unexplained,
 };
 
 /// The quasi-static push of an object under uniform pressure, integrated over the step.
@@ -240,6 +240,10 @@ impl PushModel for Analytical {
 
     fn parts(&self, steps: &[StepInput]) -> Result<Vec<Parts>, ModelError> {
         Ok(self.outputs(steps)?.into_iter().map(Parts::physical).collect())
+    }
+
+    fn unexplained(&self, _steps: &[StepInput]) -> Result<Unexplained, ModelError> {
+        Ok(Unexplained::default())
     }
 
     fn describe(&self) -> Result<Description, ModelError> {

@@ -60,6 +60,11 @@ pub struct Unexplained {
     pub all: f64,
 }
 
+impl Unexplained {
+    /// No physics.
+    pub(crate) const ALL: Self = Self { dx: 1.0, dy: 1.0, dtheta: 1.0, all: 1.0 };
+}
+
 impl BesidePhysics {
     /// For processes with the means `learnt` beside the physics of a fit, at the training steps.
     pub(crate) fn of(
@@ -153,6 +158,16 @@ impl BesidePhysics {
         let per_meter = steps.iter().zip(physics).map(|(step, said)| said / step.distance());
         let sum: Vector3<f64> = per_meter.sum();
         self.physics_mean = (sum / steps.len() as f64).into();
+        self.unexplained = self.unexplained_of(steps, physics, left);
+    }
+
+    /// The shares of h over some steps.
+    pub(crate) fn unexplained_of(
+        &self,
+        steps: &[&StepInput],
+        physics: &[Vector3<f64>],
+        left: &[Vector3<f64>],
+    ) -> Unexplained {
         let [mut of_physics, mut of_left] = [Vector3::zeros(); 2];
         for (i, step) in steps.iter().enumerate() {
             let [physics, left] = self.squares(step, &physics[i], &left[i]);
@@ -160,8 +175,7 @@ impl BesidePhysics {
             of_left += left;
         }
         let [dx, dy, dtheta] = std::array::from_fn(|k| share(of_physics[k], of_left[k]));
-        self.unexplained =
-            Unexplained { dx, dy, dtheta, all: share(of_physics.sum(), of_left.sum()) };
+        Unexplained { dx, dy, dtheta, all: share(of_physics.sum(), of_left.sum()) }
     }
 
     /// The free parameters that γ belongs to.

@@ -5,7 +5,7 @@ use gp_core::LearnOptions;
 use crate::step_processes::StepProcesses;
 use crate::{
     Base, Description, ModelError, Noise, Parts, ProcessReport, PushModel, StepInput,
-    StepObservation, StepPrediction, Training, Weights,
+    StepObservation, StepPrediction, Training, Unexplained, Weights,
 };
 
 /// Three independent processes from what is seen of a step to the outputs per meter of the pusher's
@@ -67,6 +67,10 @@ impl PushModel for GpPushModel {
     fn parts(&self, steps: &[StepInput]) -> Result<Vec<Parts>, ModelError> {
         let means = self.processes.means(&steps.iter().collect::<Vec<_>>())?;
         Ok(means.into_iter().map(Parts::learnt).collect())
+    }
+
+    fn unexplained(&self, _steps: &[StepInput]) -> Result<Unexplained, ModelError> {
+        Ok(Unexplained::ALL)
     }
 
     fn describe(&self) -> Result<Description, ModelError> {

@@ -1,13 +1,15 @@
 //! The analytical model with learnt processes on what it leaves over.
 
 use gp_core::{LearnOptions, Mean};
+use nalgebra::Vector3;
 
 use crate::analytical_fit::output_sd;
 use crate::physics::{Physics, Setup};
 use crate::step_processes::StepProcesses;
 use crate::{
     Analytical, Base, BesidePhysics, Description, ModelEffect, ModelError, Noise, Parts,
-    ProcessReport, PushModel, StepInput, StepObservation, StepPrediction, Training, Weights,
+    ProcessReport, PushModel, StepInput, StepObservation, StepPrediction, Training, Unexplained,
+    Weights,
 };
 
 /// An analytical model with its effects, plus three independent processes on its residuals.
@@ -95,6 +97,15 @@ impl Hybrid {
         &self.beside
     }
 
+    /// f and h of each step.
+    fn physics_and_left(&self, steps: &[StepInput]) -> Result<[Vec<Vector3<f64>>; 2], ModelError> {
+        let Some(first) = steps.first() else { return Ok([Vec::new(), Vec::new()]) };
+        let inputs: Vec<_> = steps.iter().collect();
+        let slopes = self.physics.jacobian(&self.beside.free(&self.physics, first)?, &inputs)?;
+        let left = self.beside.left(&self.processes.means(&inputs)?, &slopes);
+        Ok([self.physics.outputs(&inputs)?, left])
+    }
+
     pub(crate) fn from_weights(physics: Physics, weights: &Weights) -> Result<Self, ModelError> {
         let beside = weights.beside_physics.clone().filter(BesidePhysics::is_sound);
         Ok(Self {
@@ -151,17 +162,19 @@ impl PushModel for Hybrid {
     }
 
     fn parts(&self, steps: &[StepInput]) -> Result<Vec<Parts>, ModelError> {
-        let Some(first) = steps.first() else { return Ok(Vec::new()) };
-        let inputs: Vec<_> = steps.iter().collect();
-        let slopes = self.physics.jacobian(&self.beside.free(&self.physics, first)?, &inputs)?;
-        let left = self.beside.left(&self.processes.means(&inputs)?, &slopes);
-        let physics = self.physics.outputs(&inputs)?;
+        let [physics, left] = self.physics_and_left(steps)?;
         let part = |i: usize| {
             let (physics, unexplained) = (physics[i], left[i]);
             let unexplained_share = self.beside.share(&steps[i], &physics, &unexplained);
             Parts { physics, unexplained, unexplained_share }
         };
         Ok((0..steps.len()).map(part).collect())
+    }
+
+    fn unexplained(&self, steps: &[StepInput]) -> Result<Unexplained, ModelError> {
+        let [physics, left] = self.physics_and_left(steps)?;
+        let inputs: Vec<_> = steps.iter().collect();
+        Ok(self.beside.unexplained_of(&inputs, &physics, &left))
     }
 
     fn describe(&self) -> Result<Description, ModelError> {

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::{Description, ModelError, StepInput};
+use crate::{Description, ModelError, StepInput, Unexplained};
 
 /// A model of what a step of a push does to the object.
 pub trait PushModel: Debug + Send + Sync {
@@ -23,6 +23,12 @@ pub trait PushModel: Debug + Send + Sync {
     /// # Errors
     /// As [`PushModel::predict`].
     fn parts(&self, steps: &[StepInput]) -> Result<Vec<Parts>, ModelError>;
+
+    /// The share of what was learnt in what the model says of some steps.
+    ///
+    /// # Errors
+    /// As [`PushModel::predict`].
+    fn unexplained(&self, steps: &[StepInput]) -> Result<Unexplained, ModelError>;
 
     /// Everything from which the model can be built again.
     ///
