@@ -295,7 +295,8 @@ fn speed_and_normal_are_inputs_where_they_are_asked_for() {
     let step = |k: usize| {
         let duration = 0.1 + 0.2 * spread(k, 0.41);
         let input = input(&shape, k % 4, k).lasting(duration).unwrap();
-        let size = if input.edge() % 2 == 0 { 1.0 } else { 0.5 } - 10.0 * input.speed().unwrap();
+        let size =
+            if input.edge().is_multiple_of(2) { 1.0 } else { 0.5 } - 10.0 * input.speed().unwrap();
         let noise = Vector3::from_fn(|output, _| 0.02 * unit_noise(k, output));
         StepObservation { outputs: 0.004 * (Vector3::new(1.0, 0.5, 8.0) * size + noise), input }
     };

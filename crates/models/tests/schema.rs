@@ -96,13 +96,14 @@ fn models() -> Vec<Box<dyn PushModel>> {
     let shape = Arc::new(Shape::square(0.09).unwrap());
     let step = |k: u32| {
         let (p, beta) = (f64::from(k) / 20.0, f64::from(k * 7 % 20) / 20.0 - 0.5);
-        let input = StepInput::on_edge(shape.clone(), 0.005, 1, p, beta, 0.004).unwrap();
+        let bare = StepInput::on_edge(shape.clone(), 0.005, 1, p, beta, 0.004).unwrap();
+        let input = bare.lasting(0.1 + 0.01 * f64::from(k * 11 % 20)).unwrap();
         let noise = 1e-5 * f64::from(k * 13 % 7);
         let outputs = input.outputs(&nominal.motion(&input).unwrap()) + Vector3::repeat(noise);
         StepObservation { input, outputs }
     };
     let steps: Vec<_> = (0..=20).map(step).collect();
-    let features = StepFeatures { normal: true, ..StepFeatures::default() };
+    let features = StepFeatures { speed: true, ..StepFeatures::default() };
     let training = Training { features, ..Training::with(ProcessKind::Rff) };
     let length = CharacteristicLength::Given(Estimate::exact(0.035, "test"));
     let given = Analytical::new(Estimate::exact(0.2, "test"), length, Matrix3::identity());
