@@ -71,7 +71,38 @@ impl Coverage {
             contact_time: steps.iter().map(|step| step.input.track.duration()).sum(),
         }
     }
+
+    /// What pushes of so few kinds cannot tell, each in a sentence.
+    #[must_use]
+    pub fn cannot_tell(&self) -> Vec<&'static str> {
+        let is_on_one_edge = self.steps_on_edges.iter().filter(|n| **n > 0).count() == 1;
+        let is_within = |[low, high]: [f64; 2], most: f64| high - low < most;
+        let all = [
+            (
+                is_on_one_edge && self.n_orientations <= 2,
+                "all pushes are on one edge in one orientation: what belongs to the object and what \
+                 belongs to the table look alike (friction-center-offset, pose-offset, contact-bias \
+                 and friction-gradient; table-anisotropy, body-anisotropy and table-tilt); turn the \
+                 object, and push other edges",
+            ),
+            (
+                is_within(self.beta, ONE_ANGLE),
+                "all pushes have one angle to the edge: the pusher's friction does not show, nor \
+                 what acts when it slides; push up to 45° from the normal",
+            ),
+            (
+                is_within(self.p, ONE_PLACE),
+                "all pushes meet one place of an edge: size and shape of the limit surface look \
+                 alike; push along the whole edge",
+            ),
+        ];
+        all.into_iter().filter_map(|(is_so, sentence)| is_so.then_some(sentence)).collect()
+    }
 }
+
+/// Spread of the angles of pushes that are all of one, in rad, and of their places.
+const ONE_ANGLE: f64 = 0.25;
+const ONE_PLACE: f64 = 0.2;
 
 fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])

@@ -8,7 +8,9 @@ use crate::Undetermined;
 pub enum DiagnosisError {
     /// Too few pushes to say anything of errors that steps of one push share.
     #[error(
-        "{n_pushes} pushes have steps to compare, at least {needed} are needed; rows set aside: {set_aside}"
+        "{n_pushes} pushes have steps to compare, at least {needed} are needed: record {} more, of at \
+         least 20 mm each; rows set aside: {}", needed.saturating_sub(*n_pushes),
+        if set_aside.is_empty() { "none" } else { set_aside }
     )]
     TooFewPushes {
         /// How many there are.

@@ -40,6 +40,7 @@ mod split;
 mod steady_ingest;
 mod structure;
 mod suggest;
+mod suspicions;
 #[cfg(test)]
 mod synthetic;
 mod tolerances;
@@ -86,6 +87,7 @@ pub use steady_ingest::steady_ingest;
 pub use suggest::{
     Aim, Precision, Separation, SuggestSettings, SuggestedPush, Suggestion, suggest,
 };
+pub use suspicions::{SUSPECTED_RECORDINGS, Suspicion, suspicions};
 pub use tolerances::Tolerances;
 pub use untestable::{NotTestable, Reason};
 pub use whitening::{PushCovariance, Whitening};

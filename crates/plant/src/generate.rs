@@ -7,7 +7,7 @@ use dataset::{Recording, RecordingWriter, all_writers};
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use crate::design::push_name;
-use crate::pushed_object::{manifest_text, object_of};
+use crate::pushed_object::{manifest_text, object_of, streams_text};
 use crate::random::{Purpose, Random};
 use crate::sealed_truth::{SealedPush, SealedTruth};
 use crate::sensors::Streams;
@@ -147,8 +147,9 @@ pub fn generate_each(
     let n_pushes = pushes.len();
     write_file(&sealed_truth, &SealedTruth::new(settings, &set, pushes).to_text()?)?;
     // The manifest comes last: a set without it is a set that was not finished.
-    let manifest =
-        manifest_text(&settings.name, &settings.object, &settings.nominal, writer.format());
+    let format = writer.format();
+    let manifest = manifest_text(&settings.name, &settings.object, &settings.nominal, format)
+        + &streams_text(format, &settings.sensors);
     write_file(&out.join(dataset::MANIFEST_NAME), &manifest)?;
     Ok(GenerateReport {
         set: out.to_owned(),

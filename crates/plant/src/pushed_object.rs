@@ -5,7 +5,7 @@ use std::path::Path;
 use dataset::{Manifest, ObjectChoice, ObjectSpec};
 use serde::{Deserialize, Serialize};
 
-use crate::{PlantError, Truth};
+use crate::{PlantError, Sensors, Truth};
 
 /// An object for a recording set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -158,16 +158,10 @@ pub(crate) fn manifest_text(
     nominal: &Nominal,
     format: &str,
 ) -> String {
-    let topics = if ["mcap", "ros1-bag"].contains(&format) {
-        "\n[streams.robot]\ntopic = \"/robot/tip_pose\"\n\n[streams.object]\n\
-         topic = \"/vicon/object_pose\"\n\n[streams.wrench]\ntopic = \"/ft_sensor/wrench\"\n"
-    } else {
-        ""
-    };
     format!(
         "name = {}\n\n[object]\n{}\n\n[pusher]\nradius_m = {:?}\nfriction = {:?}\n\n\
          [support]\nfriction = {:?}\ngravity_m_s2 = {:?}\n\n\
-         [recordings]\nformat = \"{format}\"\npath = \"pushes\"\n{topics}",
+         [recordings]\nformat = \"{format}\"\npath = \"pushes\"\n",
         quoted(name),
         object.lines(),
         nominal.pusher_radius,
@@ -175,6 +169,20 @@ pub(crate) fn manifest_text(
         nominal.support_friction,
         nominal.gravity,
     )
+}
+
+/// What the manifest says of the streams that were recorded, in formats whose streams have names.
+pub(crate) fn streams_text(format: &str, sensors: &Sensors) -> String {
+    if !["mcap", "ros1-bag"].contains(&format) {
+        return String::new();
+    }
+    let named = [
+        ("robot", "/robot/tip_pose", true),
+        ("object", "/vicon/object_pose", true),
+        ("wrench", "/ft_sensor/wrench", sensors.force.rate > 0.0),
+    ];
+    let recorded = named.iter().filter(|(_, _, is_recorded)| *is_recorded);
+    recorded.map(|(role, topic, _)| format!("\n[streams.{role}]\ntopic = \"{topic}\"\n")).collect()
 }
 
 /// The object that a manifest's text tells of.

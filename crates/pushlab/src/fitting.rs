@@ -14,6 +14,7 @@ pub(crate) use self::result::Fitted;
 use crate::destination::Destination;
 use crate::origin::{Input, Origin, readable};
 use crate::recorded_steps::RecordedSteps;
+use crate::suspected::{refuse, suspected};
 use crate::terminal::Terminal;
 
 /// Recordings with their split.
@@ -30,7 +31,7 @@ impl Fitting {
     /// by the seed.
     ///
     /// # Errors
-    /// If the set cannot be read, or has too few pushes.
+    /// If the set cannot be read, contradicts the mechanics, or has too few pushes.
     pub(crate) fn read(
         set: &Path,
         model: &ModelFile,
@@ -40,6 +41,7 @@ impl Fitting {
     ) -> Result<Self> {
         readable(set)?;
         let recordings = RecordingSet::open(set)?;
+        refuse(&suspected(&recordings), terminal)?;
         let recorded = RecordedSteps::read(&recordings, &steady_ingest(), terminal)?;
         origin.inputs.extend(recorded.inputs);
         let all = Observations::steady(&recorded.table, recordings.manifest())?;

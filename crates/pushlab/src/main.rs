@@ -18,6 +18,7 @@ mod some_of;
 mod speed;
 mod step_size;
 mod step_source;
+mod suspected;
 mod table_summary;
 mod terminal;
 mod unexplained;

@@ -14,6 +14,7 @@ use crate::failure::WrongUsage;
 use crate::origin::{Input, readable};
 use crate::recorded_steps::RecordedSteps;
 use crate::step_size::StepSize;
+use crate::suspected::{refuse, suspected, warn};
 use crate::terminal::Terminal;
 
 /// What names a set or a table.
@@ -53,7 +54,8 @@ impl StepSource {
     /// Reads what is named.
     ///
     /// # Errors
-    /// If it cannot be read, or a table lacks what says what was pushed.
+    /// If it cannot be read, a table lacks what says what was pushed, or recordings for tests and
+    /// fits contradict the mechanics; of others a warning tells that.
     pub(crate) fn read(&self, reading: Reading, terminal: &Terminal) -> Result<Steps> {
         let set = &self.set;
         let is_folder = readable(set)?.is_dir();
@@ -98,6 +100,11 @@ impl StepSource {
             Some(preset) => RecordingSet::open_with_preset(&self.set, preset)?,
             None => RecordingSet::open(&self.set)?,
         };
+        let suspicions = suspected(&set);
+        match reading {
+            Reading::Plain(_) => warn(&suspicions, terminal),
+            Reading::Steady => refuse(&suspicions, terminal)?,
+        }
         let settings = match reading {
             Reading::Steady => steady_ingest(),
             Reading::Plain(step) => {

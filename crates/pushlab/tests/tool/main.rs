@@ -6,6 +6,7 @@ mod bad_input;
 mod checked;
 mod commands;
 mod comparison;
+mod contradicting;
 mod demonstrated;
 mod diagnosed;
 mod diagnosing;

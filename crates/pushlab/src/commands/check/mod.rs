@@ -8,7 +8,7 @@ use anyhow::Result;
 use dataset::RecordingSet;
 use diagnosis::{
     Coverage, LookAlikes, NoiseModel, NotTestable, Observations, Screen, ScreenSettings,
-    ScreenedEffect, screen, steady_ingest,
+    ScreenedEffect, Suspicion, screen, steady_ingest,
 };
 use effects::{Channel, by_id};
 use models::{Analytical, Description, ModelFile, PushModel};
@@ -17,6 +17,7 @@ use serde::Serialize;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
 use crate::recorded_steps::RecordedSteps;
+use crate::suspected::{suspected, warn, warn_of_narrowness};
 use crate::terminal::Terminal;
 
 /// Tell what recordings can and cannot show, before any model is fitted to them
@@ -47,6 +48,8 @@ struct Checked {
     name: String,
     /// The model that effects would be added to.
     model: String,
+    /// What of the recordings contradicts the mechanics: frames, signs, units.
+    suspicions: Vec<Suspicion>,
     coverage: Coverage,
     /// From the first step to the end of the last, in s.
     duration: f64,
@@ -93,10 +96,13 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         }
         None => ("the nominal model".to_owned(), nominal(manifest.pusher.friction)?),
     };
+    let suspicions = suspected(&set);
+    warn(&suspicions, terminal);
     let RecordedSteps { table, inputs, .. } =
         RecordedSteps::read(&set, &steady_ingest(), terminal)?;
     origin.inputs.extend(inputs);
     let observations = Observations::steady(&table, manifest)?;
+    warn_of_narrowness(&observations, terminal);
     let noise = NoiseModel::learn(&description, &[], &observations)?;
     let settings = ScreenSettings::default();
     let found = screen(&description, &[], &observations, &noise, &settings)?;
@@ -105,6 +111,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let result = Checked {
         name: manifest.name.clone(),
         model,
+        suspicions,
         coverage: Coverage::of(&observations),
         duration: end - start,
         set_aside: observations.set_aside().to_string(),

@@ -12,6 +12,7 @@ use crate::destination::Destination;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
 use crate::step_source::{Reading, StepSource, Steps};
+use crate::suspected::warn_of_narrowness;
 use crate::terminal::Terminal;
 
 /// Name the physical effect that a model lacks, or say that these recordings cannot tell
@@ -57,6 +58,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let model = ModelFile::read(&args.model)?;
     let Steps { observations, inputs, n_pushes } = args.source.read(Reading::Steady, terminal)?;
     origin.inputs.extend(inputs);
+    warn_of_narrowness(&observations, terminal);
     let split = model.split.clone().filter(|split| observations.are_of(split));
     let n_used = observations.pushes().len();
     let n_pushes_set_aside = n_pushes.map_or(0, |n_pushes| n_pushes - n_used);

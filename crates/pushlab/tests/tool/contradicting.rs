@@ -1,0 +1,135 @@
+//! Recordings that contradict the mechanics, and those that tell little.
+
+use serde_json::Value;
+
+use crate::small_set::SmallSet;
+
+/// Pushes of the simulator as CSV, whose manifest can be made wrong, with the nominal model.
+fn pushes(more: &[&str]) -> SmallSet {
+    let set = SmallSet::new();
+    let words = ["generate", "pushes", "--format", "csv", "--seed", "5", "-q"];
+    set.done(&[&words[..], more].concat());
+    set.done(&["models", "init", "pushes", "-q"]);
+    set
+}
+
+/// What the manifest says of a stream.
+fn say(set: &SmallSet, of_stream: &str) {
+    set.write("pushes/dataset.toml", &(set.read("pushes/dataset.toml") + of_stream));
+}
+
+#[test]
+fn a_wrong_sign_or_unit_is_told_and_nothing_is_named() {
+    for (of_stream, what, fix) in [
+        (
+            "\n[streams.object.columns]\ntheta = { column = \"theta_rad\", scale = -1.0 }\n",
+            "the object's angle has the wrong sign",
+            "scale = -1 under streams.object",
+        ),
+        (
+            "\n[streams.wrench]\nframe = \"sensor\"\nsigns = [\"-x\", \"-y\", \"+z\"]\n",
+            "wrong signs of x and y of the force",
+            "signs = [\"-x\", \"-y\", \"+z\"]",
+        ),
+        (
+            "\n[streams.robot.columns]\nx = { column = \"x_m\", scale = 1000.0 }\n\
+             y = { column = \"y_m\", scale = 1000.0 }\n",
+            "the pusher's positions are in mm, not m",
+            "scale = 0.001 under streams.robot",
+        ),
+    ] {
+        let set = pushes(&["--pushes", "12"]);
+        say(&set, of_stream);
+        let message = set.error(&["diagnose", "pushes", "-o", "d.json"]);
+        assert!(message.contains("contradict the mechanics"), "{message}");
+        assert!(message.contains(what) && message.contains(fix), "{message}");
+        assert!(!set.exists("d.json"));
+        for command in ["check", "compare"] {
+            let told = set.run(&[command, "pushes", "--model", "model.toml", "-q"]).stderr;
+            assert!(told.starts_with(&format!("warning: {what}: ")), "{command}: {told}");
+        }
+    }
+}
+
+#[test]
+fn what_is_right_raises_no_warning() {
+    let set = pushes(&["--pushes", "12", "--hidden", "yaw-offset"]);
+    let run = set.done(&["check", "pushes", "-q", "--json"]);
+    let document: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(document["result"]["suspicions"].as_array().map(Vec::len), Some(0));
+    assert_eq!(run.stderr, "");
+}
+
+#[test]
+fn too_few_pushes_are_told_how_many_more_are_needed() {
+    let set = pushes(&["--pushes", "6"]);
+    let message = set.error(&["diagnose", "pushes"]);
+    assert!(message.contains("at least 10 are needed: record 4 more"), "{message}");
+}
+
+#[test]
+fn pushes_of_one_kind_are_told_what_they_cannot_tell() {
+    let lines = "0,0.5,0,20\n".repeat(12);
+    let set = SmallSet::new();
+    set.write("one.csv", &format!("edge,p,angle_deg,speed_mm_s\n{lines}"));
+    set.done(&["generate", "pushes", "--design", "one.csv", "-q"]);
+    let told = set.done(&["check", "pushes", "-q"]).stderr;
+    for part in ["one edge in one orientation", "one angle to the edge", "one place of an edge"] {
+        assert!(told.contains(part), "no {part:?} in {told}");
+    }
+}
+
+#[test]
+fn a_set_without_contact_and_a_table_with_a_hole_are_refused_with_the_place() {
+    let set = pushes(&["--pushes", "10"]);
+    set.done(&["ingest", "pushes", "-o", "steps.csv", "-q"]);
+    let text = set.read("steps.csv");
+    let header = text.lines().position(|line| line.starts_with("recording,")).unwrap();
+    let mut lines: Vec<_> = text.lines().map(str::to_owned).collect();
+    let place = lines[header].split(',').position(|name| name == "dx_m").unwrap();
+    let mut cells: Vec<_> = lines[header + 2].split(',').map(str::to_owned).collect();
+    cells[place] = "NaN".to_owned();
+    lines[header + 2] = cells.join(",");
+    set.write("hole.csv", &(lines.join("\n") + "\n"));
+    let message = set.error(&["diagnose", "hole.csv", "--manifest", "pushes/dataset.toml"]);
+    assert!(message.contains(&format!("hole.csv:{}: dx_m is `NaN`", header + 3)), "{message}");
+    // The object that rests where the pusher does not come.
+    say(
+        &set,
+        "\n[streams.object.columns]\nx = { column = \"x_m\", scale = 1e-9, offset = 0.5 }\n\
+         y = { column = \"y_m\", scale = 1e-9 }\n",
+    );
+    let message = set.error(&["diagnose", "pushes"]);
+    assert!(message.contains("contradict the mechanics"), "{message}");
+    assert!(message.contains("frames of pusher and object do not fit"), "{message}");
+}
+
+#[test]
+fn a_model_with_an_unknown_effect_or_an_impossible_value_names_line_value_and_range() {
+    let set = pushes(&["--pushes", "2"]);
+    let model = set.read("model.toml");
+    let line = model.lines().count() + 2;
+    let tail = "\n[[effects]]\nid = \"table-tilt\"\n[effects.parameters.ax]\nvalue = 0.1\n\
+                unit = \"m/s²\"\n[effects.parameters.ay]\nvalue = 99.0\nunit = \"m/s²\"\n";
+    set.write("model.toml", &(model.clone() + &tail.replace("table-tilt", "table-tlit")));
+    let message = set.error(&["diagnose", "pushes"]);
+    let named = format!("model.toml:{}: effects.id: `table-tlit` is not known", line + 1);
+    assert!(message.contains(&named) && message.contains("table-tilt"), "{message}");
+    set.write("model.toml", &(model + tail));
+    let message = set.error(&["diagnose", "pushes"]);
+    let named = format!("model.toml:{}: effects.parameters.ay.value: must be from", line + 5);
+    assert!(message.contains(&named) && message.contains("got 99"), "{message}");
+}
+
+#[test]
+fn without_a_force_sensor_every_format_is_read() {
+    for format in ["mcap-ros2", "mcap-json", "csv"] {
+        let set = SmallSet::new();
+        set.write("rig.toml", "[sensors.force]\nrate = 0.0\n");
+        let words = ["generate", "pushes", "--settings", "rig.toml", "--pushes", "10"];
+        set.done(&[&words[..], &["--format", format]].concat());
+        let run = set.done(&["check", "pushes", "--json"]);
+        let document: Value = serde_json::from_str(&run.stdout).unwrap();
+        assert_eq!(document["result"]["channels"], serde_json::json!(["motion", "gap"]));
+    }
+}
