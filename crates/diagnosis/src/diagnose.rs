@@ -33,6 +33,9 @@ pub struct DiagnoseSettings {
     pub own: Vec<&'static dyn Effect>,
     /// The parts of the set, if they are chosen already; else a quarter is set aside.
     pub split: Option<Split>,
+    /// A second set, whose pushes confirm what is fitted to all of the first; then `split` is not
+    /// asked for.
+    pub confirm: Option<Observations>,
     /// Seed of that choice.
     pub seed: u64,
     /// Most effects that are added.
@@ -48,6 +51,7 @@ impl Default for DiagnoseSettings {
         Self {
             own: Vec::new(),
             split: None,
+            confirm: None,
             seed: 7,
             most_effects: 3,
             screen: ScreenSettings::default(),
@@ -74,17 +78,23 @@ pub struct Diagnosed {
 /// What is claimed has to predict the clusters set aside better.
 ///
 /// # Errors
-/// `TooFewPushes`; `Model` for a learnt model or what an effect refuses; `NotConverged`.
+/// `TooFewPushes`; `OtherKind` for a second set that cannot confirm; `Model` for a learnt model or what an effect refuses; `NotConverged`.
 pub fn diagnose(
     observations: &Observations,
     model: &Description,
     settings: &DiagnoseSettings,
 ) -> Result<Diagnosed, DiagnosisError> {
-    let parts = match &settings.split {
-        Some(split) => split.clone(),
-        None => split(observations, settings.seed)?,
+    let parts = match (&settings.confirm, &settings.split) {
+        (Some(second), _) => observations.confirmed_by(second)?,
+        (None, Some(split)) => split.clone(),
+        (None, None) => split(observations, settings.seed)?,
     };
-    let (fitted, aside) = (observations.part(&parts.fit)?, observations.part(&parts.confirm)?);
+    let fitted = observations.part(&parts.fit)?;
+    let aside = match &settings.confirm {
+        Some(second) => second.clone(),
+        None => observations.part(&parts.confirm)?,
+    };
+    let second = settings.confirm.as_ref();
     let search = Search { model, all: observations, fitted: &fitted, aside: &aside, settings };
     let found = search.run()?;
     let left = leftover(&found, &fitted, settings)?;
@@ -106,9 +116,9 @@ pub fn diagnose(
         leftover: left.summary(),
         noise: NoiseOrigin::of(&found.noise),
         data: DataUsed {
-            pushes_used: observations.pushes().len(),
+            pushes_used: observations.pushes().len() + second.map_or(0, |set| set.pushes().len()),
             pushes_set_aside: settings.n_pushes_set_aside,
-            steps: observations.n_steps(),
+            steps: observations.n_steps() + second.map_or(0, Observations::n_steps),
         },
         split: parts,
         made_by: None,

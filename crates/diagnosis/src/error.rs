@@ -20,6 +20,12 @@ pub enum DiagnosisError {
         /// Rows set aside, by reason.
         set_aside: String,
     },
+    /// A second set is not of the same rig as the first, or is the first.
+    #[error("the set that is to confirm cannot: {what}; give other recordings of the same rig")]
+    OtherKind {
+        /// How it differs.
+        what: &'static str,
+    },
     /// Predictions are of other observations.
     #[error("{n_predictions} predictions do not fit {n_steps} steps; predict these observations")]
     OtherSteps {

@@ -35,6 +35,7 @@ mod rollout;
 mod score;
 mod screen;
 mod secants;
+mod second_set;
 mod sign_flips;
 mod split;
 mod steady_ingest;

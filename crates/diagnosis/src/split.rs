@@ -64,7 +64,7 @@ pub fn split(observations: &Observations, seed: u64) -> Result<Split, DiagnosisE
         part.sort_unstable();
         part.iter().map(|push| observations.pushes[*push].to_string()).collect()
     });
-    Ok(Split { set: observations.set.clone(), seed, cluster, fit, confirm })
+    Ok(Split { set: observations.set.clone(), seed, cluster, fit, confirm, confirm_set: None })
 }
 
 /// The pushes of each cluster, in an order that is not the table's.

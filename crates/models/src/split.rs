@@ -18,6 +18,9 @@ pub struct Split {
     pub fit: Vec<String>,
     /// Pushes that no fit has seen.
     pub confirm: Vec<String>,
+    /// The set that these are of, as `set`, where it is another one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub confirm_set: Option<String>,
 }
 
 /// What shares errors, and so stays in one part.
@@ -38,8 +41,12 @@ impl Split {
                 return Some(format!("{part} names no push"));
             }
         }
+        // Two sets may well have recordings of one name.
+        let place = |part: &'static str| if self.confirm_set.is_some() { part } else { "" };
+        let fit = self.fit.iter().map(|name| (place("fit"), name));
+        let confirm = self.confirm.iter().map(|name| (place("confirm"), name));
         let mut known = HashSet::new();
-        let twice = self.fit.iter().chain(&self.confirm).find(|name| !known.insert(*name));
-        twice.map(|name| format!("{name} stands twice; a push is in one part"))
+        let twice = fit.chain(confirm).find(|name| !known.insert(*name));
+        twice.map(|(_, name)| format!("{name} stands twice; a push is in one part"))
     }
 }

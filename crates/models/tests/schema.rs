@@ -84,6 +84,7 @@ fn written(description: &Description) -> Value {
         cluster: Cluster::Push,
         fit: vec!["push-0#0".into(), "push-0#1".into()],
         confirm: vec!["push-1#0".into()],
+        confirm_set: Some("ff00".into()),
     });
     let file = ModelFile { name: "x".into(), description, split };
     file.write(&path).unwrap();

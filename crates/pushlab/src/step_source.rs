@@ -79,6 +79,12 @@ impl StepSource {
         }
     }
 
+    /// Another set, of which the same is known.
+    pub(crate) fn of_same_kind(&self, set: &Path) -> Self {
+        let (manifest, mapping) = (self.manifest.clone(), self.mapping.clone());
+        Self { set: set.to_owned(), manifest, preset: self.preset, mapping }
+    }
+
     /// The options that decide what is read, as typed.
     pub(crate) fn words(&self) -> Vec<String> {
         let path = |path: &Path| path.display().to_string();

@@ -79,3 +79,38 @@ fn what_a_diagnosis_cannot_start_from_is_told() {
     let message = set.error(&["diagnose", "set"]);
     assert!(message.contains("pushes"), "{message}");
 }
+
+#[test]
+fn a_second_set_confirms_what_is_fitted_to_all_of_the_first() {
+    let set = SmallSet::new();
+    let hidden = "table-anisotropy: ratio=1.3, direction_deg=34";
+    for (name, seed, pushes) in [("one", "11", "48"), ("two", "12", "16")] {
+        set.done(&["generate", name, "--hidden", hidden, "--seed", seed, "--pushes", pushes]);
+    }
+    set.done(&["models", "init", "one"]);
+    set.done(&["add", "limit-surface-shape", "--set", "lambda=1", "-o", "patch.toml"]);
+    let words = ["diagnose", "one", "--model", "patch.toml", "--confirm"];
+    let run = set.done(&[&words[..], &["two", "-o", "d.json", "--json"]].concat());
+    let found: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(schema::fault(&found, &schema::diagnosis()), None);
+    assert_eq!(found["named"], json!(["table-anisotropy"]), "{}", found["sentence"]);
+    let split = &found["split"];
+    let n = |part: &str| split[part].as_array().unwrap().len();
+    assert_eq!((n("fit"), n("confirm"), &found["data"]["pushes_used"]), (48, 16, &json!(64)));
+    assert!(split["confirm_set"] != split["set"]);
+    set.done(&["add", "--from", "d.json", "--model", "patch.toml", "-o", "better.toml"]);
+    let against = ["--model", "better.toml", "--against", "patch.toml", "--json"];
+    let compared = set.done(&[&["compare", "two"], &against[..]].concat());
+    let compared: Value = serde_json::from_str(&compared.stdout).unwrap();
+    assert_eq!(compared["result"]["n_pushes"], 16);
+    let turn = &compared["result"]["against"]["changes"][2];
+    let [before, after] = ["before", "after"].map(|key| turn[key].as_f64().unwrap());
+    assert!(after < 0.5 * before, "{turn}");
+    // No push of the first set is unseen, none may be in both, and the rig has to be the same.
+    assert!(set.error(&[&["compare", "one"], &against[..]].concat()).contains("no fit has seen"));
+    assert!(set.error(&["diagnose", "one", "--model", "better.toml"]).contains("--confirm"));
+    let refused = |second: &str| set.error(&[&words[..], &[second]].concat());
+    assert!(refused("one").contains("is in one, too"));
+    set.done(&["generate", "other", "--shape", "tri1", "--pushes", "8"]);
+    assert!(refused("other").contains("its object has another outline"));
+}

@@ -28,8 +28,12 @@ impl Part {
         splits: impl Iterator<Item = &'a Split>,
         observations: &Observations,
     ) -> Self {
-        splits.filter(|split| observations.are_of(split)).fold(Self::All, |part, split| {
-            let names = split.confirm.iter().filter(|name| part.has(name)).cloned().collect();
+        let concerns = |split: &&Split| observations.are_of(split) || observations.confirm(split);
+        splits.filter(concerns).fold(Self::All, |part, split| {
+            // Where another set confirms, all of this one was fitted to.
+            let has_unseen = split.confirm_set.is_none() || observations.confirm(split);
+            let unseen = if has_unseen { &split.confirm[..] } else { &[] };
+            let names = unseen.iter().filter(|name| part.has(name)).cloned().collect();
             Self::Confirm { n_fitted: split.fit.len(), names }
         })
     }

@@ -2,15 +2,17 @@
 
 mod text;
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
-use diagnosis::{DiagnoseSettings, Diagnosis, MadeBy, MadeFrom, diagnose};
+use anyhow::{Context, Result, bail};
+use diagnosis::{DiagnoseSettings, Diagnosis, MadeBy, MadeFrom, Observations, diagnose};
 use models::ModelFile;
 
 use crate::destination::Destination;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
+use crate::recorded_steps::SET_FILES;
 use crate::step_source::{Reading, StepSource, Steps};
 use crate::suspected::warn_of_narrowness;
 use crate::terminal::Terminal;
@@ -36,6 +38,9 @@ pub(crate) struct Args {
     /// The same as `--output`, as in `--json diagnosis.json`
     #[arg(value_name = "ANSWER", hide = true, value_parser = file_ending::json)]
     answer: Option<PathBuf>,
+    /// A second set that confirms what is fitted to all of the first, instead of a quarter of it
+    #[arg(long, value_name = "SET")]
+    confirm: Option<PathBuf>,
     /// Seed of the choice of pushes that are set aside
     #[arg(long, default_value_t = 7)]
     seed: u64,
@@ -45,6 +50,7 @@ const EXAMPLES: &str = "\
 Examples:
   pushlab diagnose pushes --model model.toml
   pushlab diagnose pushes --model model.toml -o diagnosis.json
+  pushlab diagnose pushes --confirm other-pushes
   pushlab diagnose mit-push-table/table.csv --preset mit-table --model mit.toml
   pushlab add --from diagnosis.json --model model.toml -o better.toml
   pushlab compare pushes --model better.toml --against model.toml";
@@ -59,11 +65,23 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let Steps { observations, inputs, n_pushes } = args.source.read(Reading::Steady, terminal)?;
     origin.inputs.extend(inputs);
     warn_of_narrowness(&observations, terminal);
+    let confirm = match &args.confirm {
+        Some(second) => Some(args.second(second, &mut origin, terminal)?),
+        None => None,
+    };
     let split = model.split.clone().filter(|split| observations.are_of(split));
+    if confirm.is_none() && split.as_ref().is_some_and(|split| split.confirm_set.is_some()) {
+        bail!(
+            "{} was fitted to all of {} and confirmed by another set; give that with --confirm",
+            args.model.display(),
+            args.source.set.display()
+        );
+    }
     let n_used = observations.pushes().len();
     let n_pushes_set_aside = n_pushes.map_or(0, |n_pushes| n_pushes - n_used);
     let settings = DiagnoseSettings {
         split,
+        confirm,
         seed: args.seed,
         n_pushes_set_aside,
         ..DiagnoseSettings::default()
@@ -94,10 +112,32 @@ fn made_by(origin: &Origin) -> MadeBy {
 }
 
 impl Args {
+    /// The set that confirms; none of its recordings may be one of those fitted to.
+    fn second(&self, set: &Path, origin: &mut Origin, terminal: &Terminal) -> Result<Observations> {
+        let Steps { observations, inputs, .. } =
+            self.source.of_same_kind(set).read(Reading::Steady, terminal)?;
+        let is_recording = |input: &&Input| {
+            input.path.file_name().is_none_or(|name| !SET_FILES.iter().any(|file| *file == name))
+        };
+        let known: HashSet<&str> =
+            origin.inputs.iter().filter(is_recording).map(|input| input.sha256.as_str()).collect();
+        let shared = inputs.iter().filter(is_recording);
+        if let Some(shared) = shared.into_iter().find(|one| known.contains(one.sha256.as_str())) {
+            bail!(
+                "{} is in {}, too: what was fitted to cannot confirm; leave it out of one of them",
+                shared.path.display(),
+                self.source.set.display()
+            );
+        }
+        origin.inputs.extend(inputs);
+        Ok(observations)
+    }
+
     fn origin(&self) -> Origin {
         let path = |path: &Path| path.display().to_string();
         let words = ["diagnose", &path(&self.source.set), "--model", &path(&self.model), "--seed"];
         let words = words.map(str::to_owned).into_iter().chain([self.seed.to_string()]);
-        Origin::new(words.chain(self.source.words()))
+        let confirm = self.confirm.iter().flat_map(|set| ["--confirm".to_owned(), path(set)]);
+        Origin::new(words.chain(confirm).chain(self.source.words()))
     }
 }

@@ -44,7 +44,7 @@ pub(crate) struct Parts {
 
 impl Parts {
     fn of(split: &Split) -> Self {
-        let Split { set, seed, cluster, fit, confirm } = split;
+        let Split { set, seed, cluster, fit, confirm, .. } = split;
         let (n_fit, n_confirm) = (fit.len(), confirm.len());
         Self { set: set.clone(), seed: *seed, cluster: *cluster, n_fit, n_confirm }
     }
