@@ -44,6 +44,8 @@ mod suggest;
 mod suspicions;
 #[cfg(test)]
 mod synthetic;
+mod tangent;
+mod thinning;
 mod tolerances;
 mod untestable;
 mod variances;

@@ -3,6 +3,7 @@
 //! One file a benchmark; [`BENCHMARKS`] registers them.
 
 mod contact;
+mod diagnosis;
 mod effects;
 mod floor;
 mod gp;
@@ -28,6 +29,12 @@ pub(crate) struct Args {
     /// Benchmarks to run [default: all]
     #[arg(value_parser = PossibleValuesParser::new(BENCHMARKS.iter().map(|benchmark| benchmark.name)))]
     names: Vec<String>,
+    /// Sizes of the sets that are diagnosed
+    #[arg(long, value_delimiter = ',', value_name = "N", default_value = "100,1000,10000,100000")]
+    pushes: Vec<usize>,
+    /// Diagnose so many pushes once and print what it took as JSON
+    #[arg(long, hide = true, value_name = "N")]
+    once: Option<usize>,
 }
 
 /// Runs the benchmarks named, or all of them.
@@ -35,6 +42,9 @@ pub(crate) struct Args {
 /// # Errors
 /// The first benchmark that fails, by name.
 pub(crate) fn run(args: &Args) -> Result<()> {
+    if let Some(n_pushes) = args.once {
+        return diagnosis::once(n_pushes);
+    }
     let folder = workspace_root().join("target/bench");
     if cfg!(debug_assertions) {
         println!("built with checks; without: cargo run --release -p xtask -- bench");
@@ -42,7 +52,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let is_chosen = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
     for benchmark in BENCHMARKS.iter().filter(|benchmark| is_chosen(benchmark.name)) {
         println!("{}: {}", benchmark.name, benchmark.about);
-        (benchmark.rows)()
+        (benchmark.rows)(args)
             .and_then(|rows| publish(benchmark.name, &rows, &folder))
             .with_context(|| format!("benchmark `{}`", benchmark.name))?;
     }
@@ -53,11 +63,12 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 struct Benchmark {
     name: &'static str,
     about: &'static str,
-    rows: fn() -> Result<Vec<Row>>,
+    rows: fn(&Args) -> Result<Vec<Row>>,
 }
 
 const BENCHMARKS: &[Benchmark] = &[
     contact::BENCHMARK,
+    diagnosis::BENCHMARK,
     effects::BENCHMARK,
     gp::BENCHMARK,
     gp_rff::BENCHMARK,

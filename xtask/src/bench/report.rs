@@ -25,12 +25,17 @@ fn table(rows: &[Row]) -> String {
         "{:width$} {:>9} {:>7} {:>12} {:>12} {:>7}\n",
         "name", "size", "threads", "median", "reference", "ratio"
     );
+    let has_memory = rows.iter().any(|row| row.peak_memory_mb.is_some());
+    if has_memory {
+        text.insert_str(text.len() - 1, &format!(" {:>10}", "memory"));
+    }
     for row in rows {
         let reference = duration(row.reference_seconds);
         let median = duration(row.median_seconds);
+        let memory = row.peak_memory_mb.map_or(String::new(), |mb| format!(" {mb:>7.0} MB"));
         writeln!(
             text,
-            "{:width$} {:>9} {:>7} {median:>12} {reference:>12} {:>7.2}",
+            "{:width$} {:>9} {:>7} {median:>12} {reference:>12} {:>7.2}{memory}",
             row.name, row.size, row.threads, row.ratio
         )
         .expect("a String takes any text");
@@ -74,6 +79,7 @@ mod tests {
             median_seconds: 1.5e-7,
             reference_seconds,
             ratio,
+            peak_memory_mb: None,
         })
     }
 
@@ -83,6 +89,18 @@ mod tests {
             table(&rows()),
             "name        size threads       median    reference   ratio\n\
              ellip1         1       2    150.00 ns    300.00 ns    0.50\n\
+             hex            1       2    150.00 ns    100.00 ns    1.50\n"
+        );
+    }
+
+    #[test]
+    fn memory_has_a_column_where_it_was_measured() {
+        let [mut first, second] = rows();
+        first.peak_memory_mb = Some(123.4);
+        assert_eq!(
+            table(&[first, second]),
+            "name        size threads       median    reference   ratio     memory\n\
+             ellip1         1       2    150.00 ns    300.00 ns    0.50     123 MB\n\
              hex            1       2    150.00 ns    100.00 ns    1.50\n"
         );
     }

@@ -29,6 +29,9 @@ pub(crate) struct Row {
     pub(crate) reference_seconds: f64,
     /// Candidate over reference: below 1 the candidate is faster.
     pub(crate) ratio: f64,
+    /// Largest resident memory of a process that did it alone, in MB.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) peak_memory_mb: Option<f64>,
 }
 
 impl Case<'_> {
@@ -69,12 +72,13 @@ impl Case<'_> {
             median_seconds,
             reference_seconds,
             ratio: median_seconds / reference_seconds,
+            peak_memory_mb: None,
         }
     }
 }
 
 /// The middle value, or the mean of the two middle ones.
-fn median(mut values: Vec<f64>) -> f64 {
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;
     if values.len().is_multiple_of(2) {

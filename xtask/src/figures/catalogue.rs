@@ -4,7 +4,7 @@ use anyhow::Result;
 
 use super::inputs::Inputs;
 use super::sketch::Sketch;
-use super::{comparison, learning, mechanics, models, recordings};
+use super::{comparison, learning, mechanics, missing, models, recordings};
 
 /// A figure: its number in the thesis, its title and the function that draws it.
 #[derive(Debug)]
@@ -25,11 +25,18 @@ pub(crate) enum Chapter {
     Recordings,
     Models,
     Comparison,
+    Diagnosis,
 }
 
 impl Chapter {
-    pub(crate) const ALL: [Self; 5] =
-        [Self::Mechanics, Self::Learning, Self::Recordings, Self::Models, Self::Comparison];
+    pub(crate) const ALL: [Self; 6] = [
+        Self::Mechanics,
+        Self::Learning,
+        Self::Recordings,
+        Self::Models,
+        Self::Comparison,
+        Self::Diagnosis,
+    ];
 
     /// Whether its figures are drawn from pushes.
     pub(crate) fn needs_data(self) -> bool {
@@ -43,6 +50,7 @@ impl Chapter {
             Self::Recordings => "recordings",
             Self::Models => "models",
             Self::Comparison => "comparison",
+            Self::Diagnosis => "diagnosis",
         }
     }
 
@@ -53,6 +61,7 @@ impl Chapter {
             Self::Recordings => "From recordings to a table",
             Self::Models => "Learned models of pushing",
             Self::Comparison => "Where a model fails",
+            Self::Diagnosis => "What a model lacks",
         }
     }
 }
@@ -117,5 +126,12 @@ pub(crate) const ALL: &[Entry] = &[
         Chapter::Comparison,
         "model against measurement, and where it fails",
         comparison::where_it_fails::draw,
+    ),
+    entry("M.2", Chapter::Diagnosis, "which effect is missing", missing::which_effect::draw),
+    entry(
+        "M.3",
+        Chapter::Diagnosis,
+        "the error falling as effects are added",
+        missing::error_falls::draw,
     ),
 ];

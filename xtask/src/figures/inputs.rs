@@ -4,14 +4,15 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use dataset::{
     DatasetError, IngestReport, IngestSettings, ObjectSpec, PusherSpec, Recording, RecordingSet,
     StepLength, SupportSpec, Table, TableMapping, ingest,
 };
-use diagnosis::Observations;
+use diagnosis::{Observations, steady_ingest};
 use sha2::{Digest, Sha256};
 
+use super::missing::Study;
 use crate::cargo::workspace_root;
 
 /// The seed of every random stream in the figures.
@@ -32,6 +33,8 @@ pub(crate) struct Inputs {
     /// The same pushes at other speeds, each as it would be for itself.
     faster: Vec<Inputs>,
     ingested: OnceLock<Result<(Table, IngestReport), Arc<DatasetError>>>,
+    is_users: bool,
+    study: OnceLock<Result<Option<Study>, Arc<anyhow::Error>>>,
 }
 
 enum Source {
@@ -52,7 +55,7 @@ impl Inputs {
     /// # Errors
     /// Fixtures that cannot be read.
     pub(crate) fn fixtures(quick: bool) -> Result<Self> {
-        Self::open(&workspace_root().join(FIXTURES), quick)
+        Ok(Self { is_users: false, ..Self::open(&workspace_root().join(FIXTURES), quick)? })
     }
 
     /// Opens recording sets of the same pushes, one for each speed, the slowest first.
@@ -64,7 +67,7 @@ impl Inputs {
             sets.iter().map(|set| Self::open(set, false)).collect::<Result<Vec<_>>>()?;
         ensure!(!speeds.is_empty(), "no recording set at any speed");
         let slowest = speeds.remove(0);
-        Ok(Self { faster: speeds, ..slowest })
+        Ok(Self { faster: speeds, is_users: false, ..slowest })
     }
 
     /// Opens a recording set, or a table of steps (a file, or a folder with one).
@@ -73,7 +76,30 @@ impl Inputs {
     /// A path that is neither, or a table that cannot be read.
     pub(crate) fn open(path: &Path, quick: bool) -> Result<Self> {
         let (name, source) = open_source(path)?;
-        Ok(Self { name, source, quick, faster: Vec::new(), ingested: OnceLock::new() })
+        let (ingested, study) = (OnceLock::new(), OnceLock::new());
+        Ok(Self { name, source, quick, faster: Vec::new(), ingested, is_users: true, study })
+    }
+
+    /// Whether the user has named the data.
+    pub(crate) fn is_users(&self) -> bool {
+        self.is_users
+    }
+
+    /// The diagnosis of the user's data, or of a simulated set that hides effects.
+    ///
+    /// # Errors
+    /// [`Lacking`] if no effect is named there; what the diagnosis says.
+    pub(crate) fn study(&self) -> Result<&Study> {
+        // On a thread of its own, as the ingest.
+        let study = self.study.get_or_init(|| {
+            std::thread::scope(|scope| scope.spawn(|| Study::of(self).map_err(Arc::new)).join())
+                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        });
+        match study {
+            Ok(Some(study)) => Ok(study),
+            Ok(None) => Err(self.lacking("effects that a diagnosis names")),
+            Err(error) => Err(anyhow!("{error:#}")),
+        }
     }
 
     /// The same pushes at higher speeds, in their order; none for data of one speed.
@@ -147,6 +173,15 @@ impl Inputs {
                 return Err(self.lacking("what was pushed"));
             }
         })
+    }
+
+    /// The steps for a diagnosis: of recordings those whose noise is known.
+    ///
+    /// # Errors
+    /// As [`Inputs::observations`].
+    pub(crate) fn steady_observations(&self) -> Result<Observations> {
+        let Source::Recordings(set) = &self.source else { return self.observations() };
+        Ok(Observations::steady(&ingest(set, &steady_ingest())?.0, set.manifest())?)
     }
 
     /// The object of a recording.

@@ -1,13 +1,12 @@
 //! The thesis' whole design of pushes, simulated once and kept below `target/`.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
 use plant::{Design, GenerateSettings, Layout, generate_each};
-use sha2::{Digest, Sha256};
 
+use super::made_once::{key, made_once};
 use crate::cargo::workspace_root;
 use crate::fixtures::rig;
 
@@ -19,11 +18,6 @@ const PUSHES_PER_SPEED: u64 = 4 * 11 * 9;
 const RESTS: [f64; 2] = [0.5, 0.5];
 /// Where the sets are kept, below `target/`.
 const FOLDER: &str = "thesis-design";
-/// What the recordings depend on besides the settings.
-const SOURCES: [&str; 4] =
-    ["Cargo.lock", "crates/planar/src", "crates/plant/src", "crates/dataset/src/writers"];
-/// The file with the digest of all others.
-const SEAL: &str = "sha256";
 
 /// The recording sets of the design, the slowest first: kept ones, if settings and sources are still
 /// the same and no file is damaged, else new ones.
@@ -53,15 +47,6 @@ fn settings(speed_mm_s: u32) -> GenerateSettings {
     }
 }
 
-/// Digest of the settings and of what turns them into recordings.
-fn key(settings: &[GenerateSettings]) -> Result<String> {
-    let mut files = Vec::new();
-    for source in SOURCES {
-        add_files(&workspace_root().join(source), &mut files)?;
-    }
-    Ok(format!("{settings:?}\n{}", digest(&workspace_root(), files)?))
-}
-
 fn simulate(settings: &[GenerateSettings], folder: &Path) -> Result<()> {
     let n_pushes = PUSHES_PER_SPEED * settings.len() as u64;
     eprintln!("simulating the thesis' {n_pushes} pushes once, for target/{FOLDER}");
@@ -74,116 +59,10 @@ fn simulate(settings: &[GenerateSettings], folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Fills a folder by `make`, unless it was filled for the same key and is as it was left.
-fn made_once(folder: &Path, key: &str, make: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
-    let sealed = fs::read_to_string(folder.join(SEAL)).unwrap_or_default();
-    if !sealed.is_empty() && seal(folder, key).is_ok_and(|seal| seal == sealed) {
-        return Ok(());
-    }
-    // Another run may be at work: each makes its own, and the last one's stays.
-    let own = folder.with_added_extension(format!("{}.part", std::process::id()));
-    remove(&own)?;
-    fs::create_dir_all(&own).with_context(|| format!("cannot create {}", own.display()))?;
-    let moved = || {
-        make(&own)?;
-        fs::write(own.join(SEAL), seal(&own, key)?)?;
-        remove(folder)?;
-        fs::rename(&own, folder).with_context(|| format!("cannot write {}", folder.display()))
-    };
-    // What failed is said; that its files could not be removed besides would add nothing.
-    moved().inspect_err(|_| drop(remove(&own)))
-}
-
-fn remove(folder: &Path) -> Result<()> {
-    match fs::remove_dir_all(folder) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(error).with_context(|| format!("cannot remove {}", folder.display()))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Digest of a key and of every file below a folder but the seal itself.
-fn seal(folder: &Path, key: &str) -> Result<String> {
-    let mut files = Vec::new();
-    add_files(folder, &mut files)?;
-    files.retain(|file| *file != folder.join(SEAL));
-    Ok(hexadecimal(Sha256::digest(format!("{key}\n{}", digest(folder, files)?))))
-}
-
-/// The files at or below a path.
-fn add_files(path: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
-    if path.is_dir() {
-        let entries = fs::read_dir(path).with_context(|| format!("cannot read {}", path.display()));
-        for entry in entries? {
-            add_files(&entry?.path(), files)?;
-        }
-    } else {
-        files.push(path.to_path_buf());
-    }
-    Ok(())
-}
-
-/// Digest of files with their names from a root on, in whatever order they are given.
-fn digest(root: &Path, mut files: Vec<PathBuf>) -> Result<String> {
-    files.sort();
-    let mut all = Sha256::new();
-    for file in files {
-        let bytes = fs::read(&file).with_context(|| format!("cannot read {}", file.display()))?;
-        all.update(file.strip_prefix(root)?.to_string_lossy().as_bytes());
-        all.update([0]);
-        all.update(Sha256::digest(&bytes));
-    }
-    Ok(hexadecimal(all.finalize()))
-}
-
-fn hexadecimal(bytes: impl AsRef<[u8]>) -> String {
-    bytes.as_ref().iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
 #[cfg(test)]
 mod tests {
-    use std::cell::Cell;
-    use std::fs;
-
-    use anyhow::bail;
-
-    use super::{PUSHES_PER_SPEED, SPEEDS_MM_S, key, made_once, settings};
-
-    #[test]
-    fn what_was_made_is_kept_until_key_or_files_change() {
-        let parent = tempfile::tempdir().unwrap();
-        let folder = parent.path().join("kept");
-        let times = Cell::new(0);
-        let ready = |key: &str| {
-            made_once(&folder, key, |own| {
-                times.set(times.get() + 1);
-                fs::create_dir(own.join("set"))?;
-                Ok(fs::write(own.join("set/push"), "1")?)
-            })
-            .unwrap();
-            times.get()
-        };
-        assert_eq!([ready("a"), ready("a")], [1, 1]);
-        assert_eq!(ready("b"), 2, "another key");
-        fs::write(folder.join("set/push"), "2").unwrap();
-        assert_eq!(ready("b"), 3, "a damaged file");
-        fs::remove_file(folder.join("set/push")).unwrap();
-        assert_eq!(ready("b"), 4, "a missing file");
-        fs::write(folder.join("more"), "").unwrap();
-        assert_eq!([ready("b"), ready("b")], [5, 5], "a file too many");
-        assert_eq!(fs::read_dir(parent.path()).unwrap().count(), 1, "nothing is left beside it");
-    }
-
-    #[test]
-    fn what_fails_leaves_what_was_there() {
-        let parent = tempfile::tempdir().unwrap();
-        let folder = parent.path().join("kept");
-        made_once(&folder, "a", |own| Ok(fs::write(own.join("push"), "1")?)).unwrap();
-        made_once(&folder, "b", |_| bail!("no")).unwrap_err();
-        assert_eq!(fs::read_to_string(folder.join("push")).unwrap(), "1");
-        assert_eq!(fs::read_dir(parent.path()).unwrap().count(), 1);
-    }
+    use super::super::made_once::key;
+    use super::{PUSHES_PER_SPEED, SPEEDS_MM_S, settings};
 
     #[test]
     fn the_key_tells_settings_apart() {

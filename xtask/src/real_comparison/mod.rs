@@ -1,6 +1,7 @@
 //! `cargo xtask real-comparison`: the analytical model against public measurements, on a page.
 
 mod corner;
+mod ends;
 mod page;
 mod source;
 
@@ -11,7 +12,7 @@ use anyhow::{Context, Result};
 /// Compares the analytical model with public measurements and writes the page about it.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Folder with the public data sets (`mit-push-table`, `mit-push-raw`)
+    /// Folder with the public data sets (`mit-push-table`, `mit-push-raw`, `mit-push-endpoints`)
     #[arg(long)]
     data: PathBuf,
     /// Folder for `real-data.md` and its picture
@@ -22,11 +23,12 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let table = source::one_step_table(&args.data.join("mit-push-table/table.csv"))?;
     let raw = source::raw_pushes(&args.data.join("mit-push-raw"))?;
+    let ends = ends::ends(&args.data.join("mit-push-endpoints/plywood.csv"))?;
     let corner = corner::Corner::of(&table)?;
     let picture = args.out.join("real-data-corner.svg");
     write_whole(&picture, &corner.picture(&table)?)?;
     let page = args.out.join("real-data.md");
-    write_whole(&page, &page::text(&table, &corner, &raw))?;
+    write_whole(&page, &page::text(&table, &corner, &raw, &ends))?;
     println!("written: {} and {}", page.display(), picture.display());
     Ok(())
 }

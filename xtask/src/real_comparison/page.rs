@@ -5,10 +5,11 @@ use std::fmt::Write;
 use diagnosis::{Comparison, FloorSource, PushEnds, Spread};
 
 use super::corner::{Corner, NUMBERS};
+use super::ends::Ends;
 use super::source::{Compared, Fitted};
 
 /// The page.
-pub(super) fn text(table: &Compared, corner: &Corner, raw: &Compared) -> String {
+pub(super) fn text(table: &Compared, corner: &Corner, raw: &Compared, shapes: &[Ends]) -> String {
     let mut page = HEAD.to_owned();
     page += TABLE_HEAD;
     page += &errors(table);
@@ -21,6 +22,7 @@ pub(super) fn text(table: &Compared, corner: &Corner, raw: &Compared) -> String 
     page += &ends(raw.ends.as_ref());
     page += "\nWhere it fails, with the share of the squared error; the nominal model\n\n";
     page += &findings(&raw.nominal);
+    page += &super::ends::text(shapes);
     page
 }
 

@@ -131,6 +131,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     {
         bail!("{} is about other recordings than {}", path.display(), args.set.display());
     }
+    let diagnosis = diagnosis.map(|found| (found, observations.clone()));
     let report = Report::of(set.manifest().name.clone(), files, observations)?;
     let report = report.with_diagnosis(diagnosis)?;
     let (html, written) = report.written(&origin, &args.output)?;
@@ -174,13 +175,11 @@ impl Report {
         Ok(Self { set, part, floor, observations, models, diagnosis: None })
     }
 
-    /// The same with what a diagnosis says of the first model.
-    fn with_diagnosis(mut self, found: Option<Diagnosis>) -> Result<Self> {
-        let Some(found) = found else { return Ok(self) };
-        let first = &self.models[0];
-        let model = &first.file.description;
-        let beside = (&first.comparison, &self.floor);
-        let signatures = Signatures::of(&found, model, &self.observations, beside)?;
+    /// The same with what a diagnosis says of the first model, shown on all pushes.
+    fn with_diagnosis(mut self, diagnosis: Option<(Diagnosis, Observations)>) -> Result<Self> {
+        let Some((found, all)) = diagnosis else { return Ok(self) };
+        let model = &self.models[0].file.description;
+        let signatures = Signatures::of(&found, model, &all, &self.floor)?;
         self.diagnosis = Some((found, signatures));
         Ok(self)
     }

@@ -48,8 +48,9 @@ const ERRORS: &str = "Error of a step before and after the claimed effects are a
      aside; the gray line is the noise floor, below which nobody can come. A bar that stays well \
      above the line means that something else is missing, not that the effect is wrong.";
 const SIGNATURES: &str = "What each effect changes, beside what the model misses, over place and angle of \
-     the push, in the number of a step that shows the effect most. The same colors in the same cells \
-     speak for it. It is no proof: look-alikes have nearly the same picture, and the verdict weighs \
+     the push, in the number of a step that shows the effect most. Both maps are of all pushes, those \
+     of the fit among them: they show where, and the bars above show how much on pushes set aside. The \
+     same colors in the same cells speak for it. It is no proof: look-alikes have nearly the same picture, and the verdict weighs \
      all numbers of a step, not this one alone.";
 
 /// What a verdict means, and what it does not.

@@ -23,7 +23,8 @@ const MOTION: [&str; 3] = ["dx", "dy", "dtheta"];
 const MOST: usize = 4;
 
 impl Signatures {
-    /// Of the effects that a diagnosis claims, or holds possible, beside what is left of a model.
+    /// Of the effects that a diagnosis claims, or holds possible, beside what is left of a model: on
+    /// all pushes, for the few that confirm fill few cells.
     ///
     /// # Errors
     /// If the model with an effect cannot predict these pushes.
@@ -31,12 +32,13 @@ impl Signatures {
         found: &Diagnosis,
         model: &Description,
         observations: &Observations,
-        (comparison, floor): (&Comparison, &NoiseFloor),
+        floor: &NoiseFloor,
     ) -> Result<Self> {
         let groups = found.one_of.iter().flatten();
         let ids: Vec<&String> = found.named.iter().chain(groups).take(MOST).collect();
         let (mut drawings, mut notes) = (Vec::new(), Vec::new());
         let base = Predictions::of(model, &[], observations)?;
+        let comparison = compare(observations, &base, floor, &MapSettings::default())?;
         for id in ids {
             if model.effects.iter().any(|effect| effect.id == *id) {
                 notes.push(format!(
@@ -56,7 +58,7 @@ impl Signatures {
             let expected = observations.as_predicted(&with);
             let signature = compare(&expected, &base, floor, &MapSettings::default())?;
             let name = strongest(&signature);
-            let maps = [&signature, comparison].map(|one| map(one, name));
+            let maps = [&signature, &comparison].map(|one| map(one, name));
             if let [Some(effect), Some(residual)] = maps {
                 drawings.extend(pair_of(id, [effect, residual])?);
             } else {
