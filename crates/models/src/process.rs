@@ -2,7 +2,8 @@
 
 use faer::MatRef;
 use gp_core::{
-    Gp, GpError, GpModel, HeteroscedasticGp, HeteroscedasticGpModel, Posterior, SquaredExponential,
+    Gp, GpError, GpModel, HeteroscedasticGp, HeteroscedasticGpModel, LearnOptions, Posterior,
+    SquaredExponential,
 };
 use gp_rff::{FeatureOptions, RffGp, RffGpModel, RffOptions};
 use gp_sparse::{
@@ -104,8 +105,10 @@ impl Process {
                 (Self::Rff(process), report(found.iterations, found.at_wall))
             }
             ProcessKind::Vhgp => {
+                // It has a parameter for every row: 500 real steps took more than 500 iterations.
+                let options = LearnOptions { max_iterations: 5000, ..options.clone() };
                 let (process, found) =
-                    HeteroscedasticGp::learn(kernel()?, kernel()?, x, y, options)?;
+                    HeteroscedasticGp::learn(kernel()?, kernel()?, x, y, &options)?;
                 (Self::Vhgp(process), report(found.iterations, Vec::new()))
             }
         })
