@@ -24,6 +24,7 @@ use self::members::members;
 use self::rules::{Claims, claims};
 use self::search::Search;
 use self::sentence::sentence;
+use crate::thinning::thinned;
 use crate::{DiagnosisError, Observations, ScreenSettings, split};
 
 /// How a diagnosis is made.
@@ -40,6 +41,9 @@ pub struct DiagnoseSettings {
     pub seed: u64,
     /// Most effects that are added.
     pub most_effects: usize,
+    /// Steps above which a part of the pushes is fitted to, and a part of those set aside confirms,
+    /// chosen evenly over edges and speeds.
+    pub most_steps: usize,
     /// How effects are screened.
     pub screen: ScreenSettings,
     /// Pushes of the set that gave no steps: told in the answer.
@@ -54,6 +58,7 @@ impl Default for DiagnoseSettings {
             confirm: None,
             seed: 7,
             most_effects: 3,
+            most_steps: 5000,
             screen: ScreenSettings::default(),
             n_pushes_set_aside: 0,
         }
@@ -89,17 +94,20 @@ pub fn diagnose(
         (None, Some(split)) => split.clone(),
         (None, None) => split(observations, settings.seed)?,
     };
-    let fitted = observations.part(&parts.fit)?;
+    let whole = observations.part(&parts.fit)?;
     let aside = match &settings.confirm {
         Some(second) => second.clone(),
         None => observations.part(&parts.confirm)?,
     };
+    let fitted = &*thinned(&whole, settings.most_steps)?;
+    let aside = &*thinned(&aside, settings.most_steps)?;
+    let all = &*thinned(observations, settings.most_steps)?;
     let second = settings.confirm.as_ref();
-    let search = Search { model, all: observations, fitted: &fitted, aside: &aside, settings };
+    let search = Search { model, all, fitted, aside, settings };
     let found = search.run()?;
-    let left = leftover(&found, &fitted, settings)?;
+    let left = leftover(&found, fitted, settings)?;
     let claims: Claims = claims(&found, &left);
-    let members = members(&found, &claims, &fitted, model, settings);
+    let members = members(&found, &claims, fitted, model, settings);
     let effects = findings(&found, (&claims, &members), settings);
     let diagnosis = Diagnosis {
         schema: Diagnosis::SCHEMA.to_owned(),
@@ -118,6 +126,8 @@ pub fn diagnose(
         data: DataUsed {
             pushes_used: observations.pushes().len() + second.map_or(0, |set| set.pushes().len()),
             pushes_set_aside: settings.n_pushes_set_aside,
+            pushes_fitted: fitted.pushes().len(),
+            pushes_confirming: aside.pushes().len(),
             steps: observations.n_steps() + second.map_or(0, Observations::n_steps),
         },
         split: parts,

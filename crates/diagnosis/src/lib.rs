@@ -20,6 +20,7 @@ mod finding;
 mod fit;
 mod floor_growth;
 mod map_test;
+mod motion_steps;
 mod noise_floor;
 mod noise_model;
 mod observations;
@@ -43,6 +44,8 @@ mod suggest;
 mod suspicions;
 #[cfg(test)]
 mod synthetic;
+mod tangent;
+mod thinning;
 mod tolerances;
 mod untestable;
 mod variances;

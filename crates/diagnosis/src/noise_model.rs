@@ -8,12 +8,12 @@ use nalgebra::DMatrix;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde::Serialize;
 
-use crate::candidates::Candidates;
 use crate::error_shapes::{ErrorShapes, Kind, SOURCES, Source, push_directions};
 use crate::noise_floor::{FEWEST_REPEATS, distance, features};
 use crate::quantile::NORMAL_975;
 use crate::repeats::cells;
 use crate::secants::Linearisation;
+use crate::tangent::Tangent;
 use crate::variances::{Block, Variances, variances};
 use crate::{DiagnosisError, FloorSource, Observations, RepeatTolerance, Whitening};
 
@@ -74,17 +74,24 @@ impl NoiseModel {
         own: &[&'static dyn Effect],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
-        let linearisation = Linearisation::of(model, own, observations, &push_directions()?)?;
-        let shapes = shapes(observations, &linearisation);
+        Self::learn_at(&Tangent::of(model, own, observations)?, observations)
+    }
+
+    /// The same with slopes that are known.
+    pub(crate) fn learn_at(
+        tangent: &Tangent,
+        observations: &Observations,
+    ) -> Result<Self, DiagnosisError> {
+        let shapes = shapes(observations, &tangent.linearisation);
         let groups = repeat_groups(observations);
         let n_repeats = groups.iter().map(|group| group.len() - 1).sum::<usize>();
-        let data = Data { observations, linearisation: &linearisation, shapes: &shapes };
+        let data = Data { observations, tangent, shapes: &shapes };
         let (source, groups, blocks) = if n_repeats >= FEWEST_REPEATS {
-            let blocks = groups.iter().map(|group| data.repeats(group)).collect();
+            let blocks: Vec<Block> = groups.iter().map(|group| data.repeats(group)).collect();
             (FloorSource::Repeats, groups, blocks)
         } else {
             let pairs = neighbour_pairs(observations);
-            let blocks = data.neighbours(model, own, &pairs)?;
+            let blocks = pairs.iter().map(|pair| data.neighbours(pair)).collect();
             let groups = pairs.iter().map(|pair| pair.to_vec()).collect();
             (FloorSource::Neighbours, groups, blocks)
         };
@@ -187,7 +194,7 @@ fn neighbour_pairs(observations: &Observations) -> Vec<[usize; 2]> {
 /// What blocks are made of.
 struct Data<'a> {
     observations: &'a Observations,
-    linearisation: &'a Linearisation,
+    tangent: &'a Tangent,
     shapes: &'a [ErrorShapes],
 }
 
@@ -212,32 +219,21 @@ impl Data<'_> {
         Block { shapes: mean_shapes(&members), vectors, fixed }
     }
 
-    /// Differences of pushes that are alike, with what effects could explain of them.
-    fn neighbours(
-        &self,
-        model: &Description,
-        own: &[&'static dyn Effect],
-        pairs: &[[usize; 2]],
-    ) -> Result<Vec<Block>, DiagnosisError> {
-        let Candidates { directions, prior_sd, .. } =
-            Candidates::of(model, own, self.observations)?;
-        let Linearisation { slopes, .. } =
-            Linearisation::of(model, own, self.observations, &directions)?;
-        let block = |pair: &[usize; 2]| {
-            let (members, residuals) = self.aligned(pair);
-            let root_half = 0.5_f64.sqrt();
-            let vectors = root_half * (residuals.column(0) - residuals.column(1));
-            let fixed = DMatrix::from_fn(vectors.nrows(), slopes.len(), |row, k| {
-                let of = |member: &ErrorShapes| {
-                    let (step, number) = member.numbers[row];
-                    slopes[k][step][number]
-                };
-                root_half * prior_sd[k] * (of(&members[0]) - of(&members[1]))
-            });
-            let vectors = DMatrix::from_column_slice(vectors.nrows(), 1, vectors.as_slice());
-            Block { shapes: mean_shapes(&members), vectors, fixed }
-        };
-        Ok(pairs.iter().map(block).collect())
+    /// The difference of two pushes that are alike, with what effects could explain of it.
+    fn neighbours(&self, pair: &[usize; 2]) -> Block {
+        let prior_sd = &self.tangent.candidates.prior_sd;
+        let (members, residuals) = self.aligned(pair);
+        let root_half = 0.5_f64.sqrt();
+        let vectors = root_half * (residuals.column(0) - residuals.column(1));
+        let fixed = DMatrix::from_fn(vectors.nrows(), prior_sd.len(), |row, k| {
+            let of = |member: &ErrorShapes| {
+                let (step, number) = member.numbers[row];
+                self.tangent.slopes(k)[step][number]
+            };
+            root_half * prior_sd[k] * (of(&members[0]) - of(&members[1]))
+        });
+        let vectors = DMatrix::from_column_slice(vectors.nrows(), 1, vectors.as_slice());
+        Block { shapes: mean_shapes(&members), vectors, fixed }
     }
 
     /// The numbers that all members have, by step of the push, and observed less predicted: a
@@ -262,7 +258,7 @@ impl Data<'_> {
         let residual = |row: usize, place: usize| {
             let (step, number) = shapes[place].numbers[row];
             let observed = self.observations.steps[step].observed[number].unwrap_or_default();
-            observed - self.linearisation.predicted[step][number]
+            observed - self.tangent.linearisation.predicted[step][number]
         };
         let residuals = DMatrix::from_fn(rows.len(), members.len(), residual);
         (shapes, residuals)

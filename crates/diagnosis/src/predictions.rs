@@ -1,13 +1,9 @@
 //! What a model says of observed steps.
 
-use std::sync::Arc;
-
 use effects::Effect;
 use models::{
     Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelError, Noise,
-    StepInput,
 };
-use planar::Shape;
 
 use crate::{DiagnosisError, Observations};
 
@@ -36,7 +32,7 @@ impl Predictions {
     ) -> Result<Self, DiagnosisError> {
         match &model.base {
             Base::Analytical(base) => Self::of_analytical(model, base, own, observations),
-            _ => Self::of_learnt(model, observations),
+            _ => Self::of_learnt(model, own, observations),
         }
     }
 
@@ -80,9 +76,14 @@ impl Predictions {
         })
     }
 
-    fn of_learnt(model: &Description, observations: &Observations) -> Result<Self, DiagnosisError> {
-        let inputs = motion_inputs(observations)?;
-        let predicted = model.build()?.predict(&inputs, Noise::Included)?;
+    fn of_learnt(
+        model: &Description,
+        own: &[&'static dyn Effect],
+        observations: &Observations,
+    ) -> Result<Self, DiagnosisError> {
+        let inputs = observations.motion_inputs()?;
+        let model = model.build_in(observations.support, own)?;
+        let predicted = model.predict(&inputs, Noise::Included)?;
         let motion = |values: [f64; 3]| std::array::from_fn(|k| values.get(k).copied());
         let variance = |k: usize, of: &models::StepPrediction| of.covariance[(k, k)];
         Ok(Self {
@@ -149,18 +150,4 @@ fn secants(model: &Description, base: &Analytical) -> Vec<[Result<Description, M
         }
     }
     ends
-}
-
-/// The inputs of a model of the motion alone.
-fn motion_inputs(observations: &Observations) -> Result<Vec<StepInput>, DiagnosisError> {
-    let mut shape: Option<Arc<Shape>> = None;
-    let input = |step: &models::ChannelObservation| {
-        let effects::StepInput { object, pusher_radius, pose_wb, track, .. } = &step.input;
-        let shape = match &shape {
-            Some(shape) if **shape == *object.shape() => shape.clone(),
-            _ => shape.insert(Arc::new(object.shape().clone())).clone(),
-        };
-        Ok(StepInput::between(shape, *pusher_radius, pose_wb, &track.start(), &track.end())?)
-    };
-    observations.steps.iter().map(input).collect()
 }

@@ -1,5 +1,7 @@
 //! Pushes that repeat each other.
 
+use std::collections::HashMap;
+
 use nalgebra::Vector2;
 use planar::wrap_angle;
 
@@ -39,13 +41,25 @@ pub(crate) fn cells(observations: &Observations, tolerance: &RepeatTolerance) ->
     for (index, push) in observations.push_of.iter().enumerate() {
         starts[*push].get_or_insert_with(|| start(observations, index));
     }
+    // The first pushes of cells by squares of the table: a repeat is in the same or the next one.
+    let mut first_in: HashMap<(i64, i64), Vec<usize>> = HashMap::new();
     let mut cells: Vec<usize> = Vec::new();
     for (push, start) in starts.iter().enumerate() {
-        let is_same = |first: &usize| match (&starts[*first], start) {
-            (Some(a), Some(b)) => are_same(a, b, tolerance),
-            _ => false,
+        let Some(start) = start else {
+            cells.push(push);
+            continue;
         };
-        let first = (0..push).filter(|other| cells[*other] == *other).find(is_same);
+        let square = |x: f64| (x / tolerance.distance).floor() as i64;
+        let (x, y) = (square(start.place_w.x), square(start.place_w.y));
+        let around = (x - 1..=x + 1).flat_map(|x| (y - 1..=y + 1).map(move |y| (x, y)));
+        let near = around.filter_map(|square| first_in.get(&square)).flatten().copied();
+        let is_same = |first: &usize| {
+            starts[*first].as_ref().is_some_and(|first| are_same(first, start, tolerance))
+        };
+        let first = near.filter(is_same).min();
+        if first.is_none() {
+            first_in.entry((x, y)).or_default().push(push);
+        }
         cells.push(first.unwrap_or(push));
     }
     cells

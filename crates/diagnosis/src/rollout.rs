@@ -75,7 +75,10 @@ pub fn roll_out(
                 }
             }
         }
-        _ => step_by_step(model.build()?.as_ref(), observations, &runs, &mut rollouts)?,
+        _ => {
+            let model = model.build_in(observations.support, own)?;
+            step_by_step(model.as_ref(), observations, &runs, &mut rollouts)?;
+        }
     }
     Ok(rollouts)
 }
@@ -159,10 +162,9 @@ fn step_by_step(
     for k in 0..longest {
         let moving: Vec<usize> = (0..runs.len()).filter(|push| k < runs[*push].len()).collect();
         let input = |push: &usize| {
-            let StepInput { pusher_radius, track, .. } = &observations.steps[runs[*push][k]].input;
-            let pose_wb = &rollouts[*push].predicted_wb[k];
-            let (start, end) = (track.start(), track.end());
-            models::StepInput::between(shapes[*push].clone(), *pusher_radius, pose_wb, &start, &end)
+            let measured = &observations.steps[runs[*push][k]].input;
+            let pose_wb = rollouts[*push].predicted_wb[k];
+            models::StepInput::of(StepInput { pose_wb, ..measured.clone() }, shapes[*push].clone())
         };
         let inputs = moving.iter().map(input).collect::<Result<Vec<_>, _>>()?;
         for (push, step) in moving.iter().zip(model.predict(&inputs, Noise::Excluded)?) {

@@ -4,11 +4,10 @@ use effects::Effect;
 use models::{Cluster, Description};
 use serde::Serialize;
 
-use crate::candidates::Candidates;
-use crate::error_shapes::push_directions;
-use crate::secants::{Direction, Linearisation};
+use crate::tangent::Tangent;
+use crate::thinning::thinned;
 use crate::whitened::Whitened;
-use crate::{DiagnosisError, NoiseModel, NotTestable, Observations, Tolerances};
+use crate::{DiagnosisError, NoiseModel, NotTestable, Observations, Tolerances, Whitening};
 
 /// What a screen of effects found, the likeliest effect first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -157,37 +156,20 @@ pub fn screen(
     noise: &NoiseModel,
     settings: &ScreenSettings,
 ) -> Result<Screen, DiagnosisError> {
-    let (n_pushes_in_all, thinned) =
-        (observations.pushes().len(), thinned(observations, settings)?);
-    let observations = thinned.as_ref().unwrap_or(observations);
-    let candidates = Candidates::of(model, own, observations)?;
-    let of_push = push_directions()?;
-    let directions: Vec<Direction> =
-        of_push.iter().chain(&candidates.directions).copied().collect();
-    let mut linearisation = Linearisation::of(model, own, observations, &directions)?;
-    let whitening = noise.whitening_at(observations, &linearisation)?;
-    linearisation.slopes.drain(..of_push.len());
-    let data = Whitened::new(observations, &linearisation, &whitening, &candidates, settings);
-    Ok(Screen { n_pushes_in_all, ..data.screen() })
+    let n_pushes_in_all = observations.pushes().len();
+    let observations = &*thinned(observations, settings.most_steps)?;
+    let tangent = Tangent::of(model, own, observations)?;
+    let whitening = noise.whitening_at(observations, &tangent.linearisation)?;
+    let found = screen_at(&tangent, observations, &whitening, settings);
+    Ok(Screen { n_pushes_in_all, ..found })
 }
 
-/// Pushes with about as many steps as are wanted, evenly over edges and speeds; none where there are
-/// no more.
-fn thinned(
+/// The same with slopes that are known, of all observations.
+pub(crate) fn screen_at(
+    tangent: &Tangent,
     observations: &Observations,
+    whitening: &Whitening,
     settings: &ScreenSettings,
-) -> Result<Option<Observations>, DiagnosisError> {
-    let stride = observations.n_steps().div_ceil(settings.most_steps.max(1));
-    if stride < 2 {
-        return Ok(None);
-    }
-    let mut first = vec![None; observations.pushes().len()];
-    for (place, push) in observations.places.iter().zip(&observations.push_of) {
-        first[*push].get_or_insert((place.edge, (1e3 * place.speed).round() as u64));
-    }
-    let mut order: Vec<usize> = (0..first.len()).collect();
-    order.sort_by_key(|push| first[*push]);
-    let chosen = order.into_iter().step_by(stride);
-    let names: Vec<String> = chosen.map(|push| observations.pushes()[push].to_string()).collect();
-    observations.part(&names).map(Some)
+) -> Screen {
+    Whitened::new(observations, tangent, whitening, settings).screen()
 }

@@ -7,9 +7,9 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use crate::candidates::{Candidate, Candidates};
 use crate::score::{Products, Score, likeness};
 use crate::screen::DETECTABLE;
-use crate::secants::Linearisation;
 use crate::sign_flips::{FlipTest, Flips};
 use crate::split::clusters;
+use crate::tangent::Tangent;
 use crate::untestable::untestable;
 use crate::{
     Calibration, LookAlikes, Nuisance, Observations, Screen, ScreenSettings, ScreenedCoordinate,
@@ -35,11 +35,11 @@ pub(crate) struct Whitened<'a> {
 impl<'a> Whitened<'a> {
     pub(crate) fn new(
         observations: &'a Observations,
-        linearisation: &Linearisation,
+        tangent: &'a Tangent,
         whitening: &'a Whitening,
-        candidates: &'a Candidates,
         settings: &'a ScreenSettings,
     ) -> Self {
+        let Tangent { candidates, linearisation, .. } = tangent;
         let mut scale = candidates.prior_sd.clone();
         let mut is_free = vec![true; scale.len()];
         let mut nuisances = Vec::new();
@@ -59,7 +59,7 @@ impl<'a> Whitened<'a> {
             let columns = DMatrix::from_fn(entries.len(), 1 + scale.len(), |row, column| {
                 let (step, number) = entries[row];
                 match column.checked_sub(1) {
-                    Some(k) => scale[k] * linearisation.slopes[k][step][number],
+                    Some(k) => scale[k] * tangent.slopes(k)[step][number],
                     None => {
                         let observed = observations.steps[step].observed[number];
                         observed.unwrap_or_default() - linearisation.predicted[step][number]

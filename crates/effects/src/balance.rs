@@ -50,6 +50,9 @@ impl Answer {
 const MAX_ITERATIONS: usize = 100;
 /// Relative change of the motion at which a search ends.
 const TOLERANCE: f64 = 1e-12;
+/// After a step of Newton's method that is shorter than this share of the speed the load is known to
+/// about its square, without being worked out again.
+const SHORT: f64 = 1e-6;
 
 /// The push in closed form on an ellipsoid, with a friction cone that need not be even.
 pub(crate) fn closed_form(
@@ -95,6 +98,12 @@ impl Touch {
         (self.normal.dot(force), self.tangent().dot(force))
     }
 
+    /// Slip of a motion: velocity of the pusher over the object along the tangent, in m/s.
+    pub(crate) fn slip(&self, motion: &Vector3<f64>) -> f64 {
+        let at_contact = motion.xy() + motion.z * perpendicular(&self.point);
+        self.tangent().dot(&(self.velocity - at_contact))
+    }
+
     /// The motion of a turn ω with the contact point at the velocity v − slip · tangent.
     fn motion(&self, omega: f64, slip: f64) -> Vector3<f64> {
         let linear = self.velocity - slip * self.tangent() - omega * perpendicular(&self.point);
@@ -131,12 +140,12 @@ impl Balance<'_> {
         law: &ContactLaw,
         guess: &Answer,
     ) -> Result<Answer, EffectError> {
-        // With one friction for sticking and sliding, a slip that fits is the only answer.
-        if law.static_ratio == 1.0 && is_sliding(guess.mode) {
+        // What slides goes on sliding while it can, though it might stick by now.
+        if is_sliding(guess.mode) {
             let edge = Edge::new(touch, law, guess.mode);
             if let Some(answer) = self.slide_by_newton(touch, &edge, guess)?
                 && answer.mode == guess.mode
-                && edge.side * self.slip_of(touch, &answer) > 0.0
+                && edge.side * touch.slip(&answer.motion) > 0.0
             {
                 return Ok(answer);
             }
@@ -179,7 +188,8 @@ impl Balance<'_> {
             *end = omega;
             let mut next = omega - moment / change;
             let shrinks = (next - omega).abs() <= 0.5 * last;
-            if !(next > low && next < high && shrinks) {
+            let is_newton = next > low && next < high && shrinks;
+            if !is_newton {
                 next = if low.is_finite() && high.is_finite() {
                     0.5 * (low + high)
                 } else {
@@ -188,8 +198,12 @@ impl Balance<'_> {
                 };
             }
             last = (next - omega).abs();
-            let settled = last <= TOLERANCE * (rate + omega.abs());
-            if settled || moment == 0.0 || high - low <= TOLERANCE * (rate + omega.abs()) {
+            let size = rate + omega.abs();
+            if is_newton && last <= SHORT * size {
+                let load = load + (next - omega) * (slope * turn);
+                return Ok((touch.motion(next, slip), load.xy()));
+            }
+            if moment == 0.0 || high - low <= TOLERANCE * size {
                 return Ok((motion, load.xy()));
             }
             omega = next;
@@ -201,14 +215,13 @@ impl Balance<'_> {
     fn slide_by_newton(
         &self,
         touch: &Touch,
-        edge: &Edge,
+        edge: &Edge<'_>,
         guess: &Answer,
     ) -> Result<Option<Answer>, EffectError> {
         let (turn, tangent) = (touch.turn() / self.length, touch.tangent());
-        let outside = Vector3::new(edge.outside.x, edge.outside.y, 0.0);
         let along = Vector3::new(-tangent.x, -tangent.y, 0.0);
         let speed = self.speed(touch);
-        let slip = edge.side * self.slip_of(touch, guess);
+        let slip = edge.side * touch.slip(&guess.motion);
         let slip = edge.side * if slip > 0.0 { slip } else { 0.1 * speed };
         // Turn times length, and slip, in m/s.
         let mut at = Vector2::new(self.length * guess.motion.z, slip);
@@ -216,18 +229,24 @@ impl Balance<'_> {
         for _ in 0..MAX_ITERATIONS / 4 {
             let motion = touch.motion(at.x / self.length, at.y);
             let (load, slope) = self.missing(&motion)?;
+            let (outside, outside_by_slip) = edge.outside(at.y);
+            let more = outside_by_slip.dot(&load.xy());
+            let outside = Vector3::new(outside.x, outside.y, 0.0);
             let residual = Vector2::new(turn.dot(&load), outside.dot(&load));
             let (by_turn, by_slip) = (slope * turn, slope * along);
             let jacobian = Matrix2::new(
                 turn.dot(&by_turn),
                 turn.dot(&by_slip),
                 outside.dot(&by_turn),
-                outside.dot(&by_slip),
+                outside.dot(&by_slip) + more,
             );
             let Some(inverse) = jacobian.try_inverse() else { return Ok(None) };
             let step = inverse * residual;
-            if step.norm() <= TOLERANCE * speed {
-                return Ok(Some(edge.answer(touch, motion, load.xy())));
+            if step.norm() <= SHORT * speed {
+                let end = at - step;
+                let end = touch.motion(end.x / self.length, end.y);
+                let load = load + slope * (end - motion);
+                return Ok(Some(edge.answer(touch, end, load.xy())));
             }
             if !(residual.norm() < 2.0 * last && step.norm() < 10.0 * speed) {
                 return Ok(None);
@@ -242,14 +261,18 @@ impl Balance<'_> {
     fn slide_by_bracket(
         &self,
         touch: &Touch,
-        edge: &Edge,
+        edge: &Edge<'_>,
         guess: f64,
     ) -> Result<Answer, EffectError> {
         let speed = self.speed(touch);
         let (mut low, mut high) = (0.0, 0.25 * speed);
         let excess = |slip: f64, guess: f64| {
             let (motion, force) = self.stick(touch, edge.side * slip, guess)?;
-            Ok::<_, EffectError>((edge.side * edge.outside.dot(&force), motion, force))
+            Ok::<_, EffectError>((
+                edge.side * edge.outside(edge.side * slip).0.dot(&force),
+                motion,
+                force,
+            ))
         };
         let mut omega = guess;
         for _ in 0..MAX_ITERATIONS {
@@ -279,28 +302,30 @@ impl Balance<'_> {
             .map_or(0.0, |(_, target)| target.xy().norm().max(self.length * target.z.abs()));
         touch.velocity.norm().max(pull).max(f64::MIN_POSITIVE)
     }
-
-    /// Slip of a motion: velocity of the pusher over the object along the tangent, in m/s.
-    fn slip_of(&self, touch: &Touch, answer: &Answer) -> f64 {
-        let at_contact = answer.motion.xy() + answer.motion.z * perpendicular(&touch.point);
-        touch.tangent().dot(&(touch.velocity - at_contact))
-    }
 }
 
 /// An edge of the friction cone.
-struct Edge {
+struct Edge<'a> {
     mode: ContactMode,
     /// +1 for the left edge, −1 for the right.
     side: f64,
-    /// Normal to the edge, out of the cone on the left, into it on the right.
-    outside: Vector2<f64>,
+    touch: &'a Touch,
+    law: &'a ContactLaw,
 }
 
-impl Edge {
+impl<'a> Edge<'a> {
     /// The edge on which the force of a sliding `mode` is.
-    fn new(touch: &Touch, law: &ContactLaw, mode: ContactMode) -> Self {
+    fn new(touch: &'a Touch, law: &'a ContactLaw, mode: ContactMode) -> Self {
         let side = if mode == ContactMode::SlidingLeft { 1.0 } else { -1.0 };
-        Self { mode, side, outside: touch.tangent() - side * law.sliding(side) * touch.normal }
+        Self { mode, side, touch, law }
+    }
+
+    /// Normal to the edge at some slip, out of the cone on the left, into it on the right, and its
+    /// derivative by the slip.
+    fn outside(&self, slip: f64) -> (Vector2<f64>, Vector2<f64>) {
+        let (friction, by_slip) = self.law.slipping(self.side, slip);
+        let normal = self.touch.normal;
+        (self.touch.tangent() - self.side * friction * normal, -by_slip * normal)
     }
 
     /// A solution with its force on the edge, or on the edge's other side of the contact: separated.
@@ -310,6 +335,6 @@ impl Edge {
     }
 }
 
-fn is_sliding(mode: ContactMode) -> bool {
+pub(crate) fn is_sliding(mode: ContactMode) -> bool {
     matches!(mode, ContactMode::SlidingLeft | ContactMode::SlidingRight)
 }

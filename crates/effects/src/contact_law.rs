@@ -11,6 +11,8 @@ pub struct ContactLaw {
     pub asymmetry: f64,
     /// What it takes to break a sticking contact loose, over the sliding friction.
     pub static_ratio: f64,
+    /// Slip over which what sticking bears more fades, in m/s; 0 where it is gone with any slip.
+    pub stribeck_velocity: f64,
     /// How far the pusher yields along the normal, in m/N.
     pub compliance: f64,
 }
@@ -18,12 +20,29 @@ pub struct ContactLaw {
 impl ContactLaw {
     /// Coulomb's law, rigid, with one coefficient.
     pub(crate) fn rigid(friction: f64) -> Self {
-        Self { friction, asymmetry: 0.0, static_ratio: 1.0, compliance: 0.0 }
+        Self {
+            friction,
+            asymmetry: 0.0,
+            static_ratio: 1.0,
+            stribeck_velocity: 0.0,
+            compliance: 0.0,
+        }
     }
 
     /// Sliding friction to the left (+1) or to the right (−1).
     pub(crate) fn sliding(&self, side: f64) -> f64 {
         self.friction * (1.0 + side * self.asymmetry).max(0.0)
+    }
+
+    /// The same at some slip, in m/s, with its derivative by the slip.
+    pub(crate) fn slipping(&self, side: f64, slip: f64) -> (f64, f64) {
+        let sliding = self.sliding(side);
+        if self.stribeck_velocity <= 0.0 {
+            return (sliding, 0.0);
+        }
+        let ratio = slip.abs() / self.stribeck_velocity;
+        let surplus = sliding * (self.static_ratio - 1.0) * (-ratio * ratio).exp();
+        (sliding + surplus, -2.0 * ratio / self.stribeck_velocity * surplus)
     }
 
     /// Whether a force of this normal and tangential part can stick.

@@ -35,6 +35,15 @@ pub trait Effect: Debug + Sync {
         0.0
     }
 
+    /// [`Stage::Local`]: growth of that `surplus` with the logarithm of the point's speed, dσ/d ln v;
+    /// by a difference, where the effect does not know better.
+    fn local_growth(&self, values: &[f64], sliding: &Sliding, surplus: f64) -> f64 {
+        /// Relative change of the speed.
+        const STEP: f64 = 1e-6;
+        let faster = Sliding { velocity_w: (1.0 + STEP) * sliding.velocity_w, ..*sliding };
+        (self.local_friction(values, &faster) - surplus) / STEP
+    }
+
     /// [`Stage::Contact`]: friction and stiffness between pusher and object; once a step, at its
     /// start.
     fn contact(&self, _values: &[f64], _moment: &Moment<'_>, _law: &mut ContactLaw) {}

@@ -32,6 +32,8 @@ pub(crate) struct Forward<'a> {
     /// Time integral of the measured force, normal and tangential to the nominal contact, in N·s.
     impulse: Vector2<f64>,
     pub(crate) memory: Memory,
+    /// Times and velocities of the last moments of the push, the later one first.
+    trail: Vec<(f64, Twist)>,
 }
 
 /// The contact of a moment, frame of the outline, and the pusher's velocity in W.
@@ -41,8 +43,18 @@ pub(crate) struct Meeting {
     pub(crate) velocity_w: Vector2<f64>,
 }
 
+/// The moment in the middle of a sub-step.
+struct Middle {
+    time: f64,
+    pose_wo: Pose,
+    contact: Contact,
+    rate: Rate,
+}
+
 /// Gap at which pusher and object touch, in m.
 const TOUCH: f64 = 1e-10;
+/// Places at which a touch is looked for: a corner takes the most.
+const MOST_TRIES: usize = 60;
 const LEAST_SUBSTEPS: f64 = 4.0;
 const LEAST_DYNAMIC_SUBSTEPS: f64 = 6.0;
 
@@ -81,6 +93,7 @@ impl<'a> Forward<'a> {
             deflection: 0.0,
             impulse: Vector2::zeros(),
             memory: Memory::default(),
+            trail: Vec::with_capacity(2),
         };
         forward.now = forward.meet(0.0, &pose_wo);
         Ok(forward)
@@ -105,6 +118,7 @@ impl<'a> Forward<'a> {
                 self.touching = self.press(length)?;
                 let_go = !self.touching;
             } else {
+                self.trail.clear();
                 self.go_free(length, let_go)?;
                 let_go = false;
             }
@@ -162,24 +176,56 @@ impl<'a> Forward<'a> {
     }
 
     /// One sub-step in contact; false, and nothing done, if the pusher lets go.
+    ///
+    /// The midpoint rule, whose way to the middle follows from the moments before: each further
+    /// sub-step takes one solution of the push instead of two.
     fn press(&mut self, length: f64) -> Result<bool, EffectError> {
         if self.has_inertia {
             return self.press_with_inertia(length);
         }
-        let (time, pose) = (self.time, self.pose_wo);
-        let start = self.now;
+        let foreseen = self.twist_ahead(self.time + 0.25 * length);
+        if let Some(foreseen) = foreseen {
+            let middle = self.middle(&foreseen, length)?;
+            if middle.rate.mode != ContactMode::Separated {
+                self.advance(&middle, length);
+                return Ok(true);
+            }
+        }
+        let (time, pose, start) = (self.time, self.pose_wo, self.now);
         let first = self.rate(time, &pose, &start)?;
         if first.mode == ContactMode::Separated {
             return Ok(false);
         }
-        let middle_time = time + 0.5 * length;
-        let middle = moved(&pose, &first.twist_w, 0.5 * length);
-        let meeting = self.meet(middle_time, &middle);
-        let rate = self.rate(middle_time, &middle, &meeting)?;
-        self.record(middle_time, &middle, &meeting.contact, &rate.force_o, length);
-        self.pose_wo = moved(&pose, &rate.twist_w, length);
-        self.reach(time + length);
+        self.trail = vec![(time, first.twist_w)];
+        let middle = self.middle(&first.twist_w, length)?;
+        self.advance(&middle, length);
         Ok(true)
+    }
+
+    /// The moment after half a sub-step with some velocity.
+    fn middle(&mut self, twist_w: &Twist, length: f64) -> Result<Middle, EffectError> {
+        let time = self.time + 0.5 * length;
+        let pose_wo = moved(&self.pose_wo, twist_w, 0.5 * length);
+        let meeting = self.meet(time, &pose_wo);
+        let rate = self.rate(time, &pose_wo, &meeting)?;
+        Ok(Middle { time, pose_wo, contact: meeting.contact, rate })
+    }
+
+    /// Goes on by a sub-step with the velocity in its middle.
+    fn advance(&mut self, middle: &Middle, length: f64) {
+        let Middle { time, pose_wo, contact, rate } = middle;
+        self.record(*time, pose_wo, contact, &rate.force_o, length);
+        self.pose_wo = moved(&self.pose_wo, &rate.twist_w, length);
+        self.trail.insert(0, (*time, rate.twist_w));
+        self.trail.truncate(2);
+        self.reach(self.time + length);
+    }
+
+    /// The velocity at a time to come, on a line through the last two moments of the push.
+    fn twist_ahead(&self, time: f64) -> Option<Twist> {
+        let [(late, last), (early, before)] = self.trail.as_slice() else { return None };
+        let ahead = (time - late) / (late - early);
+        Some(*last + ahead * (*last + -1.0 * *before))
     }
 
     /// Motion and force at a moment of the quasi-static push.
@@ -200,18 +246,15 @@ impl<'a> Forward<'a> {
             return Ok(());
         }
         let (mut pose, mut twist) = self.slid(length)?;
-        let (mut low, mut high) = (0.0, length);
+        let mut high = length;
         let end_gap = gap_at(self, self.time + length, &pose);
         // A measured overlap that does not get deeper is no touch.
         if end_gap < start.contact.gap.min(0.0) && !let_go {
-            for _ in 0..40 {
-                let middle = 0.5 * (low + high);
-                (pose, twist) = self.slid(middle)?;
-                match gap_at(self, self.time + middle, &pose) > 0.0 {
-                    true => low = middle,
-                    false => high = middle,
-                }
-            }
+            let gap_after = |time: f64| -> Result<f64, EffectError> {
+                Ok(gap_at(self, self.time + time, &self.slid(time)?.0))
+            };
+            high = touch_time((start.contact.gap, end_gap), length, gap_after)?;
+            (pose, twist) = self.slid(high)?;
             self.touching = true;
         }
         let (before, nothing) = (self.pose_wo, Vector2::zeros());
@@ -303,6 +346,40 @@ impl<'a> Forward<'a> {
         }
         self.nominal(self.time, &(self.pose_wo * self.pose_ob)).gap
     }
+}
+
+/// When a gap closes that is positive, or not, at first and negative after `length` seconds.
+///
+/// # Source
+/// Dowell & Jarratt (1971), A modified regula falsi method for computing the root of an equation, BIT
+/// 11(2).
+fn touch_time(
+    (start_gap, end_gap): (f64, f64),
+    length: f64,
+    gap_after: impl Fn(f64) -> Result<f64, EffectError>,
+) -> Result<f64, EffectError> {
+    if start_gap <= 0.0 {
+        return Ok(0.0);
+    }
+    let ((mut low, mut above), (mut high, mut below)) = ((0.0, start_gap), (length, end_gap));
+    let mut was_high = None;
+    for _ in 0..MOST_TRIES {
+        let middle = (low * below - high * above) / (below - above);
+        let gap = gap_after(middle)?;
+        let is_high = gap <= 0.0;
+        // An end that stays weighs half as much.
+        let halved = if was_high == Some(is_high) { 0.5 } else { 1.0 };
+        if is_high {
+            (high, below, above) = (middle, gap, halved * above);
+        } else {
+            (low, above, below) = (middle, gap, halved * below);
+        }
+        if gap.abs() <= TOUCH || high - low <= 1e-12 * length {
+            return Ok(middle);
+        }
+        was_high = Some(is_high);
+    }
+    Ok(high)
 }
 
 /// A pose after moving with a constant velocity for some time.

@@ -50,8 +50,17 @@ impl<'a> Local<'a> {
 
     /// Relative surplus at a place from S with a velocity, axes of the outline.
     pub(crate) fn surplus(&self, place: &Vector2<f64>, velocity: &Vector2<f64>) -> f64 {
+        self.physics.local_friction(&self.sliding(place, velocity))
+    }
+
+    /// The same with its growth by the logarithm of speed.
+    fn surplus_and_growth(&self, place: &Vector2<f64>, velocity: &Vector2<f64>) -> (f64, f64) {
+        self.physics.local_friction_and_growth(&self.sliding(place, velocity))
+    }
+
+    fn sliding(&self, place: &Vector2<f64>, velocity: &Vector2<f64>) -> Sliding {
         let place_w = self.center_w + self.turn_wo * place;
-        self.physics.local_friction(&Sliding { place_w, velocity_w: self.turn_wo * velocity })
+        Sliding { place_w, velocity_w: self.turn_wo * velocity }
     }
 }
 
@@ -198,8 +207,6 @@ impl<'a> Friction<'a> {
         motion: &Vector3<f64>,
         sums: (&mut Vector3<f64>, &mut Matrix3<f64>),
     ) {
-        /// Relative change of a speed over which the surplus' slope is taken.
-        const STEP: f64 = 1e-6;
         let (load, slope) = sums;
         let uniform = self.object.points();
         let points = self.pressure.as_ref().map_or(uniform, |pressure| &pressure.points);
@@ -211,8 +218,7 @@ impl<'a> Friction<'a> {
             if square == 0.0 {
                 continue;
             }
-            let surplus = local.surplus(&place, &velocity);
-            let growth = (local.surplus(&place, &((1.0 + STEP) * velocity)) - surplus) / STEP;
+            let (surplus, growth) = local.surplus_and_growth(&place, &velocity);
             let (turned, image) = (self.tensor * arm, self.tensor * velocity);
             add_point(share * surplus, &self.tensor, &turned, &image, load, slope);
             if growth != 0.0 {

@@ -6,7 +6,7 @@ use mechanics::{ContactMode, Ellipsoid, MechanicsError};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Pose, Twist, cross, perpendicular};
 
-use crate::balance::{Answer, Balance, Touch, closed_form};
+use crate::balance::{Answer, Balance, Touch, closed_form, is_sliding};
 use crate::effect::{Moment, Stage};
 use crate::friction::{Friction, Local, ellipsoid, turning_ratio};
 use crate::points::Point;
@@ -18,6 +18,7 @@ pub(crate) struct Instant<'a> {
     physics: &'a PushPhysics,
     step: &'a StepInput,
     pose_wo: Pose,
+    time: f64,
     support: Support,
     /// Center of friction, in m, frame of the outline.
     center: Vector2<f64>,
@@ -42,7 +43,26 @@ pub(crate) struct Rate {
 pub(crate) struct Memory {
     ellipsoid: Option<(Support, Ellipsoid)>,
     pressure: Option<Arc<Pressure>>,
-    answer: Option<Answer>,
+    /// The last answer and the one before, with their times.
+    answers: [Option<(f64, Answer)>; 2],
+}
+
+impl Memory {
+    fn keep(&mut self, time: f64, answer: Answer) {
+        self.answers = [Some((time, answer)), self.answers[0]];
+    }
+
+    /// Where the last answers lead to at a time; none after a separation.
+    fn foreseen(&self, time: f64) -> Option<Answer> {
+        let (last_time, last) =
+            self.answers[0].filter(|(_, a)| a.mode != ContactMode::Separated)?;
+        let before = self.answers[1].filter(|(at, a)| a.mode == last.mode && *at < last_time);
+        let motion = before.map_or(last.motion, |(at, before)| {
+            let ahead = (time - last_time) / (last_time - at);
+            last.motion + ahead * (last.motion - before.motion)
+        });
+        Some(Answer { motion, ..last })
+    }
 }
 
 impl<'a> Instant<'a> {
@@ -65,7 +85,7 @@ impl<'a> Instant<'a> {
         } else {
             Vector3::zeros()
         };
-        Self { physics, step, pose_wo: *pose_wo, support, center, f_max, external }
+        Self { physics, step, pose_wo: *pose_wo, time, support, center, f_max, external }
     }
 
     /// The contact at a point in the outline's frame, by a pusher with a velocity in W.
@@ -93,12 +113,13 @@ impl<'a> Instant<'a> {
         let guess = self.guess(touch, law, memory)?;
         let is_quadric = self.support.shape == 0.0 && self.physics.rig().given().is_none();
         let local = self.local(&guess.motion);
-        let answer = if is_quadric && local.is_none() && self.external == Vector3::zeros() {
+        let is_closed = is_quadric && law.static_ratio == 1.0 && self.external == Vector3::zeros();
+        let answer = if is_closed && local.is_none() {
             closed_form(&self.ellipsoid(memory)?, touch, law)?
         } else {
             self.balance(&self.friction(local, memory)?, None).touched(touch, law, &guess)?
         };
-        memory.answer = Some(answer);
+        memory.keep(self.time, answer);
         Ok(self.rate(&answer))
     }
 
@@ -122,7 +143,7 @@ impl<'a> Instant<'a> {
         let local = self.local(&guess.motion);
         let friction = self.friction(local, memory)?;
         let answer = self.balance(&friction, inertia).touched(touch, law, &guess)?;
-        memory.answer = Some(answer);
+        memory.keep(self.time, answer);
         Ok(self.rate_at(&answer, center))
     }
 
@@ -179,10 +200,24 @@ impl<'a> Instant<'a> {
         law: &ContactLaw,
         memory: &mut Memory,
     ) -> Result<Answer, EffectError> {
-        match memory.answer {
-            Some(answer) if answer.mode != ContactMode::Separated => Ok(answer),
-            _ => closed_form(&self.ellipsoid(memory)?, touch, law),
+        if let Some(answer) = memory.foreseen(self.time) {
+            return Ok(answer);
         }
+        let ellipsoid = self.ellipsoid(memory)?;
+        let moving = ContactLaw { static_ratio: 1.0, ..*law };
+        let answer = closed_form(&ellipsoid, touch, &moving)?;
+        if law.static_ratio == 1.0 || self.slides_already(touch, &answer) {
+            return Ok(answer);
+        }
+        closed_form(&ellipsoid, touch, law)
+    }
+
+    /// Whether a contact slides at the start of a step: one that just came about, and one whose
+    /// measured slip is more than half of the one that sliding has.
+    fn slides_already(&self, touch: &Touch, sliding: &Answer) -> bool {
+        let measured = touch.slip(&self.to_motion(&self.step.twist_wb, &Vector2::zeros()));
+        let slip = touch.slip(&sliding.motion);
+        is_sliding(sliding.mode) && (!self.step.touching || measured * slip > 0.5 * slip * slip)
     }
 
     /// The friction of single points, if any has a surplus in a motion at S.

@@ -33,7 +33,7 @@ struct Block {
     spin: [f64; SIZE],
 }
 
-const SIZE: usize = 32;
+const SIZE: usize = 8;
 
 impl Points {
     pub(crate) fn new(points: &[Point]) -> Self {
@@ -90,12 +90,12 @@ const AT_REST: f64 = 1e-300;
 impl WithSimd for Forces<'_> {
     type Output = [f64; 9];
 
-    /// Loops without a sum, so that the compiler may take several points at once.
+    /// A sum for each place in a block, so that the compiler may take several points at once.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> [f64; 9] {
         let Self { points, tensor, stretch, motion } = self;
         let (m11, m12, m21, m22) = (tensor.m11, tensor.m12, tensor.m21, tensor.m22);
-        let mut sums = [0.0; 9];
+        let mut sums = [[0.0; SIZE]; 9];
         for Block { x, y, share, spin } in &points.blocks {
             let mut terms = [[0.0; SIZE]; 9];
             let [fx, fy, turn, xx, xy, yy, x_turn, y_turn, turn_turn] = &mut terms;
@@ -124,9 +124,13 @@ impl WithSimd for Forces<'_> {
                 y_turn[k] = weight * (us * cross_x - ux * cross_s);
                 turn_turn[k] = weight * (cross_x * cross_x + cross_y * cross_y + cross_s * cross_s);
             }
-            sums.iter_mut().zip(&terms).for_each(|(sum, terms)| *sum += total(terms));
+            for (sum, terms) in sums.iter_mut().zip(&terms) {
+                for k in 0..SIZE {
+                    sum[k] += terms[k];
+                }
+            }
         }
-        sums
+        sums.map(|sums| total(&sums))
     }
 }
 
@@ -141,31 +145,24 @@ impl WithSimd for Norms<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> f64 {
-        let m = self.matrix;
+        let Self { points, matrix: m } = self;
         let (m11, m12, m21, m22) = (m.m11, m.m12, m.m21, m.m22);
-        let mut sum = 0.0;
-        for Block { x, y, share, .. } in &self.points.blocks {
-            let mut terms = [0.0; SIZE];
+        let mut sums = [0.0; SIZE];
+        for Block { x, y, share, .. } in &points.blocks {
             for k in 0..SIZE {
                 let (image_x, image_y) = (m11 * x[k] + m12 * y[k], m21 * x[k] + m22 * y[k]);
-                terms[k] = share[k] * (image_x * image_x + image_y * image_y).sqrt();
+                sums[k] += share[k] * (image_x * image_x + image_y * image_y).sqrt();
             }
-            sum += total(&terms);
         }
-        sum
+        total(&sums)
     }
 }
 
-/// The sum of a block's terms, four running sums side by side.
+/// The sum over the places of a block, always in the same order.
 #[inline(always)]
-fn total(terms: &[f64; SIZE]) -> f64 {
-    let mut sums = [0.0; 4];
-    for four in terms.chunks_exact(4) {
-        for k in 0..4 {
-            sums[k] += four[k];
-        }
-    }
-    (sums[0] + sums[1]) + (sums[2] + sums[3])
+fn total(sums: &[f64; SIZE]) -> f64 {
+    let [a, b, c, d, e, f, g, h] = sums;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 #[cfg(test)]

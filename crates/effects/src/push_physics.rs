@@ -162,6 +162,14 @@ impl PushPhysics {
         self.at(Stage::Local).map(|(e, values)| e.local_friction(values, sliding)).sum()
     }
 
+    /// The surplus with its growth by the logarithm of speed.
+    pub(crate) fn local_friction_and_growth(&self, sliding: &Sliding) -> (f64, f64) {
+        self.at(Stage::Local).fold((0.0, 0.0), |(sum, growth), (e, values)| {
+            let surplus = e.local_friction(values, sliding);
+            (sum + surplus, growth + e.local_growth(values, sliding, surplus))
+        })
+    }
+
     pub(crate) fn load(&self, moment: &Moment<'_>) -> Wrench {
         let mut load_w = Wrench::default();
         self.at(Stage::Load).for_each(|(e, values)| e.load(values, moment, &mut load_w));

@@ -143,8 +143,8 @@ fn friction_of_a_translation_is_that_of_its_speed() {
     let step = push(0.0, 4e-3);
     let log = 1.0 + 0.1 * (1.0 + SPEED / 0.01_f64).ln();
     near(predict("rate-dependent-friction", &[0.1, 0.01], &step).force_normal, log * LOAD, 1e-9);
-    let fading = 1.0 + 0.3 * (-SPEED / 0.02_f64).exp();
-    near(predict("support-stiction", &[1.3, 0.02], &step).force_normal, fading * LOAD, 1e-9);
+    let fading = 1.0 + 0.3 * (-(SPEED / 0.03_f64).powi(2)).exp();
+    near(predict("support-stiction", &[1.3, 0.03], &step).force_normal, fading * LOAD, 1e-9);
 }
 
 #[test]
@@ -157,10 +157,26 @@ fn a_sliding_pusher_shows_the_friction_of_its_side() {
     near(ratio("pusher-friction", &[0.4], left), 0.4, 1e-12);
     near(ratio("pusher-friction-asymmetry", &[0.2], left), 0.3, 1e-12);
     near(ratio("pusher-friction-asymmetry", &[0.2], right), -0.2, 1e-12);
-    near(ratio("pusher-stiction", &[1.5], left), 0.25, 1e-12);
-    // Between the cones it sticks, at a ratio that neither cone would give.
-    let between = ratio("pusher-stiction", &[3.0], Vector2::new(2e-3, 2e-3));
+    near(ratio("pusher-stiction", &[1.5, 1e-4], left), 0.25, 1e-6);
+    // Between the cones what is stuck sticks, at a ratio that neither cone would give.
+    let between = ratio("pusher-stiction", &[3.0, 1e-4], Vector2::new(2e-3, 2e-3));
     assert!(between > 0.3 && between < 0.7, "{between}");
+}
+
+#[test]
+fn between_the_cones_a_pusher_goes_on_as_it_was_measured() {
+    let step = push_along(0.0, Vector2::new(2e-3, 2e-3));
+    let ratio = |step: &StepInput| {
+        let channels = predict("pusher-stiction", &[3.0, 1e-4], step);
+        channels.force_tangential / channels.force_normal
+    };
+    // The object moves straight ahead: the pusher slips along its edge.
+    let straight = Twist { linear: Vector2::new(step.twist_wb.linear.x, 0.0), angular: 0.0 };
+    let slipping = StepInput { twist_wb: straight, ..step.clone() };
+    near(ratio(&slipping), 0.25, 1e-12);
+    assert!(ratio(&step) > 0.3);
+    // Contact begins with a slip.
+    near(ratio(&StepInput { touching: false, since_contact: 0.0, ..step }), 0.25, 1e-2);
 }
 
 #[test]

@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 use crate::error::{not_negative, positive};
 use crate::surface_kind::Support;
 use crate::{
-    Base, Description, Estimate, ModelError, Noise, PushModel, StepInput, StepPrediction,
-    SurfaceKind,
+    Base, Description, Estimate, ModelError, Noise, Parts, PushModel, StepInput, StepPrediction,
+    SurfaceKind, Unexplained,
 };
 
 /// The quasi-static push of an object under uniform pressure, integrated over the step.
@@ -236,6 +236,14 @@ impl PushModel for Analytical {
             Ok(StepPrediction { mean: self.outputs_on(support, step)?, covariance })
         };
         steps.iter().map(&mut predict).collect()
+    }
+
+    fn parts(&self, steps: &[StepInput]) -> Result<Vec<Parts>, ModelError> {
+        Ok(self.outputs(steps)?.into_iter().map(Parts::physical).collect())
+    }
+
+    fn unexplained(&self, _steps: &[StepInput]) -> Result<Unexplained, ModelError> {
+        Ok(Unexplained::default())
     }
 
     fn describe(&self) -> Result<Description, ModelError> {

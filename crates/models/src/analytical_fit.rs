@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use crate::least_squares::least_squares;
+use crate::least_squares::{SMALL, least_squares};
 use crate::{
     Analytical, CharacteristicLength, Estimate, ModelError, OUTPUTS, StepObservation, SurfaceKind,
 };
@@ -42,7 +42,7 @@ impl Analytical {
             names.push("c");
             start.push(self.characteristic_length(&steps[0].input).ln());
         }
-        let fit = least_squares(&names, start, |x| {
+        let fit = least_squares(&names, start, SMALL, |x| {
             let errors = self.candidate(x)?.errors(steps)?;
             let scaled = errors.iter().flat_map(|error| error.component_div(&scale).data.0[0]);
             Ok(DVector::from_iterator(3 * steps.len(), scaled))
@@ -100,7 +100,7 @@ impl Analytical {
 }
 
 /// The standard deviation of each output over the steps.
-fn output_sd(steps: &[StepObservation]) -> Result<Vector3<f64>, ModelError> {
+pub(crate) fn output_sd(steps: &[StepObservation]) -> Result<Vector3<f64>, ModelError> {
     let n = steps.len() as f64;
     let mean = steps.iter().map(|step| step.outputs).sum::<Vector3<f64>>() / n;
     let square = |step: &StepObservation| (step.outputs - mean).map(|x| x * x);

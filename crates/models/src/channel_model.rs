@@ -35,7 +35,7 @@ impl ChannelModel {
     ) -> Result<Self, ModelError> {
         let base = match &description.base {
             Base::Analytical(base) => base.clone(),
-            Base::Gp => return Err(ModelError::MotionAlone { kind: "gp" }),
+            Base::Process(kind) => return Err(ModelError::MotionAlone { kind: kind.id() }),
             Base::Hybrid(_) => return Err(ModelError::MotionAlone { kind: "hybrid" }),
         };
         let settings = description.effects.iter().map(super::ModelEffect::setting).collect();

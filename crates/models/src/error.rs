@@ -118,6 +118,50 @@ pub enum ModelError {
         /// The kind.
         kind: &'static str,
     },
+    /// A hybrid was to be made of a model without mechanics.
+    #[error("a model of kind {kind} has no physics to learn beside; give one of kind analytical")]
+    NoPhysics {
+        /// The kind.
+        kind: &'static str,
+    },
+    /// A learnt model lacks what it has learnt.
+    #[error("the model has no weights; train it")]
+    NoWeights,
+    /// Weights that do not belong together.
+    #[error("the weights' {what} do not belong to such a model; train it again")]
+    UnsoundWeights {
+        /// Which part.
+        what: &'static str,
+    },
+    /// The physics of a hybrid are not those that its weights were learnt beside.
+    #[error(
+        "the weights were learnt beside physics with a fitted {parameter}, which the model does not \
+         have; train it again"
+    )]
+    OtherPhysics {
+        /// The parameter that is missing.
+        parameter: String,
+    },
+    /// The speed is an input of a learnt model, and a step does not say how long it took.
+    #[error("the model was trained with the speed as an input, which a bare step does not have")]
+    NoSpeed,
+    /// An input that was asked for is the same in all steps.
+    #[error("all {n_steps} steps have the same {input}; train without it")]
+    ConstantInput {
+        /// Its name in `model.toml`.
+        input: &'static str,
+        /// Number of steps.
+        n_steps: usize,
+    },
+    /// A learnt model was asked about an object that it has never seen.
+    #[error(
+        "the object's outline is none of the {n_known} that the model was trained on; train one on \
+         pushes of this object, or use kind analytical"
+    )]
+    UnknownOutline {
+        /// Outlines that the model knows.
+        n_known: usize,
+    },
     /// A weights file is not what the model file describes.
     #[error("{}: {problem}", path.display())]
     Weights {

@@ -1,45 +1,59 @@
-//! The model that knows no mechanics: Gaussian processes learnt from observed steps.
+//! The model that knows no mechanics: processes learnt from observed steps.
 
-use gp_core::{LearnOptions, LearnReport};
+use gp_core::LearnOptions;
 
-use crate::step_gps::StepGps;
+use crate::step_processes::StepProcesses;
 use crate::{
-    Base, Description, ModelError, Noise, PushModel, StepInput, StepObservation, StepPrediction,
-    Weights,
+    Base, Description, ModelError, Noise, Parts, ProcessReport, PushModel, StepInput,
+    StepObservation, StepPrediction, Training, Unexplained, Weights,
 };
 
-/// Three independent Gaussian processes from (p, β) to the outputs per meter of the pusher's way.
+/// Three independent processes from what is seen of a step to the outputs per meter of the pusher's
+/// way.
 ///
-/// The object and the edge are not inputs: train and use it on one object whose edges are alike,
-/// at step lengths near those of the training.
+/// The object is not an input: the model is of the outlines that it was trained on and refuses
+/// others. Use it at step lengths near those of the training.
 #[derive(Clone, Debug)]
 pub struct GpPushModel {
-    gps: StepGps,
+    processes: StepProcesses,
 }
 
 impl GpPushModel {
-    /// Learns from observed steps; the reports are those of Δx, Δy and Δθ. O(N³).
+    /// Learns exact Gaussian processes of (p, β), with edges folded into one. O(N³).
     ///
     /// # Errors
-    /// `Gp` for fewer than two steps, outputs that do not vary, or a likelihood without maximum.
+    /// As [`GpPushModel::train`].
     pub fn learn(
         steps: &[StepObservation],
         options: &LearnOptions,
-    ) -> Result<(Self, [LearnReport; 3]), ModelError> {
+    ) -> Result<(Self, [ProcessReport; 3]), ModelError> {
+        Self::train(steps, &options.clone().into())
+    }
+
+    /// Learns from observed steps; the reports are those of Δx, Δy and Δθ.
+    ///
+    /// # Errors
+    /// `Gp` for fewer than two steps, outputs that do not vary, or a likelihood without maximum;
+    /// `NoSpeed` where the speed is an input and a step has none, `ConstantInput` where it is the
+    /// same in all.
+    pub fn train(
+        steps: &[StepObservation],
+        training: &Training,
+    ) -> Result<(Self, [ProcessReport; 3]), ModelError> {
         let inputs: Vec<_> = steps.iter().map(|step| &step.input).collect();
         let targets: Vec<_> = steps.iter().map(|step| step.outputs).collect();
-        let (gps, reports) = StepGps::learn(&inputs, &targets, options)?;
-        Ok((Self { gps }, reports))
+        let (processes, reports) = StepProcesses::learn(&inputs, &targets, training)?;
+        Ok((Self { processes }, reports))
     }
 
     pub(crate) fn from_weights(weights: &Weights) -> Result<Self, ModelError> {
-        Ok(Self { gps: StepGps::from_weights(weights)? })
+        Ok(Self { processes: StepProcesses::from_weights(weights)? })
     }
 }
 
 impl PushModel for GpPushModel {
     fn kind(&self) -> &'static str {
-        "gp"
+        self.processes.kind().id()
     }
 
     fn predict(
@@ -47,10 +61,20 @@ impl PushModel for GpPushModel {
         steps: &[StepInput],
         noise: Noise,
     ) -> Result<Vec<StepPrediction>, ModelError> {
-        self.gps.predict(steps, noise)
+        self.processes.predict(steps, noise)
+    }
+
+    fn parts(&self, steps: &[StepInput]) -> Result<Vec<Parts>, ModelError> {
+        let means = self.processes.means(&steps.iter().collect::<Vec<_>>())?;
+        Ok(means.into_iter().map(Parts::learnt).collect())
+    }
+
+    fn unexplained(&self, _steps: &[StepInput]) -> Result<Unexplained, ModelError> {
+        Ok(Unexplained::ALL)
     }
 
     fn describe(&self) -> Result<Description, ModelError> {
-        Ok(Description { base: Base::Gp, effects: Vec::new(), weights: Some(self.gps.weights()?) })
+        let base = Base::Process(self.processes.kind());
+        Ok(Description { base, effects: Vec::new(), weights: Some(self.processes.weights()?) })
     }
 }

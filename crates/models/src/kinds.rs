@@ -1,8 +1,8 @@
 //! The list of all kinds of models.
 
-use gp_core::{HyperPrior, LearnOptions};
-
-use crate::{Analytical, GpPushModel, Hybrid, ModelError, PushModel, StepObservation};
+use crate::{
+    Analytical, GpPushModel, Hybrid, ModelError, ProcessKind, PushModel, StepObservation, Training,
+};
 
 /// A kind of model: its name, what it is, and how it is trained.
 #[derive(Clone, Copy, Debug)]
@@ -23,16 +23,7 @@ pub fn model_kinds() -> &'static [ModelKind] {
     &KINDS
 }
 
-/// How the kinds learn: with a weak prior, which keeps the intervals of few steps honest.
-///
-/// By likelihood alone, most processes learnt from 20 real steps took their noise for a function
-/// with a lengthscale below a tenth of the edge. Some hundred steps outweigh the prior.
-pub fn learn_options() -> LearnOptions {
-    let prior = HyperPrior::LogNormal { lengthscale_sd: 0.5, scale_sd: 1.0 };
-    LearnOptions { prior, ..LearnOptions::default() }
-}
-
-static KINDS: [ModelKind; 3] = [
+static KINDS: [ModelKind; 6] = [
     ModelKind {
         id: "analytical",
         about: "quasi-static push on a limit surface, μp and c fitted",
@@ -41,14 +32,33 @@ static KINDS: [ModelKind; 3] = [
     ModelKind {
         id: "gp",
         about: "Gaussian processes from (p, β) to the motion",
-        train: |_, steps| Ok(Box::new(GpPushModel::learn(steps, &learn_options())?.0)),
+        train: |_, steps| process(ProcessKind::Gp, steps),
+    },
+    ModelKind {
+        id: "spgp",
+        about: "sparse Gaussian processes with learnt pseudo-inputs",
+        train: |_, steps| process(ProcessKind::Spgp, steps),
+    },
+    ModelKind {
+        id: "rff",
+        about: "Bayesian linear regression on random Fourier features",
+        train: |_, steps| process(ProcessKind::Rff, steps),
+    },
+    ModelKind {
+        id: "vhgp",
+        about: "Gaussian processes whose noise is a function of (p, β) too",
+        train: |_, steps| process(ProcessKind::Vhgp, steps),
     },
     ModelKind {
         id: "hybrid",
-        about: "fitted analytical model plus Gaussian processes on its residuals",
+        about: "fitted analytical model with effects, plus any of the processes, orthogonal to it",
         train: |nominal, steps| {
-            let fitted = nominal.fit(steps)?.model;
-            Ok(Box::new(Hybrid::learn(fitted, steps, &learn_options())?.0))
+            let (base, training) = (nominal.describe()?, Training::default());
+            Ok(Box::new(Hybrid::train(&base, None, steps, &training)?.0))
         },
     },
 ];
+
+fn process(kind: ProcessKind, steps: &[StepObservation]) -> Result<Box<dyn PushModel>, ModelError> {
+    Ok(Box::new(GpPushModel::train(steps, &Training::with(kind))?.0))
+}

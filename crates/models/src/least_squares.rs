@@ -17,7 +17,7 @@ pub(crate) struct Minimum {
 
 /// Minimises |r(x)|² from `start`; steps are of relative size, so parameters should be of order 1.
 ///
-/// J comes from central differences. It has converged when the largest cosine between the residual
+/// J comes from central differences over ± `difference`. It has converged when the largest cosine between the residual
 /// and a column of J is below 1e-9, or when no step above 1e-9 lowers the sum of squares.
 ///
 /// # Errors
@@ -26,6 +26,7 @@ pub(crate) struct Minimum {
 pub(crate) fn least_squares(
     names: &[&'static str],
     start: Vec<f64>,
+    difference: f64,
     residuals: impl Fn(&[f64]) -> Result<DVector<f64>, ModelError>,
 ) -> Result<Minimum, ModelError> {
     let mut x = start;
@@ -33,7 +34,7 @@ pub(crate) fn least_squares(
     let mut damping = 1e-3;
     let mut gradient = f64::INFINITY;
     for iterations in 0..MAX_ITERATIONS {
-        let j = jacobian(&x, r.len(), &residuals)?;
+        let j = jacobian(&x, r.len(), difference, &residuals)?;
         let normal = j.transpose() * &j;
         let slope = j.transpose() * &r;
         gradient = largest_cosine(names, &normal, &slope, r.norm())?;
@@ -54,11 +55,13 @@ const MAX_ITERATIONS: usize = 100;
 const GRADIENT_TOLERANCE: f64 = 1e-9;
 /// A step below this changes a parameter of order 1 by less than its derivative is known.
 const STEP_TOLERANCE: f64 = 1e-9;
-const DIFFERENCE: f64 = 1e-5;
+/// For smooth residuals of parameters of order 1.
+pub(crate) const SMALL: f64 = 1e-5;
 
 fn jacobian(
     x: &[f64],
     n: usize,
+    difference: f64,
     residuals: &impl Fn(&[f64]) -> Result<DVector<f64>, ModelError>,
 ) -> Result<DMatrix<f64>, ModelError> {
     let mut j = DMatrix::zeros(n, x.len());
@@ -68,7 +71,7 @@ fn jacobian(
             x[k] += offset;
             residuals(&x)
         };
-        j.set_column(k, &((at(DIFFERENCE)? - at(-DIFFERENCE)?) / (2.0 * DIFFERENCE)));
+        j.set_column(k, &((at(difference)? - at(-difference)?) / (2.0 * difference)));
     }
     Ok(j)
 }
@@ -142,14 +145,14 @@ fn parameter_covariance(
 
 #[cfg(test)]
 mod tests {
-    use super::least_squares;
+    use super::{SMALL, least_squares};
     use crate::ModelError;
     use nalgebra::DVector;
 
     #[test]
     fn a_line_has_its_textbook_estimate_and_standard_errors() {
         let (t, y) = ([0.0, 1.0, 2.0, 3.0], [1.0, 3.0, 2.0, 5.0]);
-        let fit = least_squares(&["a", "b"], vec![0.0, 0.0], |x| {
+        let fit = least_squares(&["a", "b"], vec![0.0, 0.0], SMALL, |x| {
             Ok(DVector::from_iterator(4, t.iter().zip(&y).map(|(t, y)| x[0] + x[1] * t - y)))
         })
         .unwrap();
@@ -161,7 +164,7 @@ mod tests {
 
     #[test]
     fn a_curved_valley_is_followed_to_its_end() {
-        let fit = least_squares(&["x", "y"], vec![-1.2, 1.0], |x| {
+        let fit = least_squares(&["x", "y"], vec![-1.2, 1.0], SMALL, |x| {
             Ok(DVector::from_vec(vec![10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0], 0.0]))
         })
         .unwrap();
@@ -171,7 +174,7 @@ mod tests {
 
     #[test]
     fn a_parameter_without_influence_is_named() {
-        let fit = least_squares(&["seen", "unseen"], vec![0.5, 0.5], |x| {
+        let fit = least_squares(&["seen", "unseen"], vec![0.5, 0.5], SMALL, |x| {
             Ok(DVector::from_vec(vec![x[0] - 1.0, x[0] + 2.0, 1.0]))
         });
         assert!(matches!(fit, Err(ModelError::Undetermined { parameter: "unseen" })));

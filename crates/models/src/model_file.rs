@@ -51,7 +51,7 @@ impl ModelFile {
         let base = source.base(&raw)?;
         let effects = source.effects(&raw, own)?;
         let weights = match &raw.learned {
-            Some(learned) => Some(weights_file::read(&source, learned)?),
+            Some(learned) => Some(weights_file::read(&source, &base, learned)?),
             None => None,
         };
         let split = source.split(raw.split)?;

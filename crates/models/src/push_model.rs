@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::{Description, ModelError, StepInput};
+use crate::{Description, ModelError, StepInput, Unexplained};
 
 /// A model of what a step of a push does to the object.
 pub trait PushModel: Debug + Send + Sync {
@@ -17,6 +17,18 @@ pub trait PushModel: Debug + Send + Sync {
     /// What the mechanics or the Gaussian processes refuse.
     fn predict(&self, steps: &[StepInput], noise: Noise)
     -> Result<Vec<StepPrediction>, ModelError>;
+
+    /// Which part of each mean is physics, and which was learnt beside it.
+    ///
+    /// # Errors
+    /// As [`PushModel::predict`].
+    fn parts(&self, steps: &[StepInput]) -> Result<Vec<Parts>, ModelError>;
+
+    /// The share of what was learnt in what the model says of some steps.
+    ///
+    /// # Errors
+    /// As [`PushModel::predict`].
+    fn unexplained(&self, steps: &[StepInput]) -> Result<Unexplained, ModelError>;
 
     /// Everything from which the model can be built again.
     ///
@@ -42,6 +54,31 @@ pub struct StepPrediction {
     pub mean: Vector3<f64>,
     /// Their covariance; zero for a deterministic model without fitted scatter.
     pub covariance: Matrix3<f64>,
+}
+
+/// The mean of a prediction as the sum of what physics says and what was learnt from data without a
+/// reason.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parts {
+    /// What the mechanics say, in the outputs' units.
+    pub physics: Vector3<f64>,
+    /// What was learnt, in the same units.
+    pub unexplained: Vector3<f64>,
+    /// The share of what was learnt in what the model says of this step, from 0 to 1: 0 without
+    /// learnt part, 1 without physics; of a hybrid as [`crate::BesidePhysics`] defines it.
+    pub unexplained_share: f64,
+}
+
+impl Parts {
+    /// All of it is physics.
+    pub(crate) fn physical(physics: Vector3<f64>) -> Self {
+        Self { physics, unexplained: Vector3::zeros(), unexplained_share: 0.0 }
+    }
+
+    /// All of it is learnt.
+    pub(crate) fn learnt(unexplained: Vector3<f64>) -> Self {
+        Self { physics: Vector3::zeros(), unexplained, unexplained_share: 1.0 }
+    }
 }
 
 /// The names of the three outputs, in order.

@@ -22,6 +22,18 @@ pub struct StepInput {
     start_b: Vector2<f64>,
     direction_b: Vector2<f64>,
     distance: f64,
+    duration: Option<f64>,
+    whole: Option<WholeStep>,
+}
+
+/// The step with all that effects act on; two are equal if they are one.
+#[derive(Clone, Debug)]
+struct WholeStep(Arc<effects::StepInput>);
+
+impl PartialEq for WholeStep {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
 }
 
 impl StepInput {
@@ -57,7 +69,19 @@ impl StepInput {
         let normal = shape.inward_normal_at(edge, p);
         let start_b = shape.point_at(edge, p) - pusher_radius * normal;
         let direction_b = Pose::new(0.0, 0.0, beta).rotate(&normal);
-        Ok(Self { shape, pusher_radius, edge, p, beta, start_b, direction_b, distance })
+        let (duration, whole) = (None, None);
+        Ok(Self {
+            shape,
+            pusher_radius,
+            edge,
+            p,
+            beta,
+            start_b,
+            direction_b,
+            distance,
+            duration,
+            whole,
+        })
     }
 
     /// The step of a pusher whose center moves from `start_w` to `end_w` (world frame, in m) while
@@ -84,7 +108,67 @@ impl StepInput {
         let (edge, p, direction_b) = (contact.edge, contact.p, motion / distance);
         let normal = shape.inward_normal_at(edge, p);
         let beta = cross(&normal, &direction_b).atan2(normal.dot(&direction_b));
-        Ok(Self { shape, pusher_radius, edge, p, beta, start_b, direction_b, distance })
+        let (duration, whole) = (None, None);
+        Ok(Self {
+            shape,
+            pusher_radius,
+            edge,
+            p,
+            beta,
+            start_b,
+            direction_b,
+            distance,
+            duration,
+            whole,
+        })
+    }
+
+    /// A step of which all is known that effects act on; `shape` is its object's, to be shared.
+    ///
+    /// # Errors
+    /// As [`StepInput::between`].
+    pub fn of(step: effects::StepInput, shape: Arc<Shape>) -> Result<Self, ModelError> {
+        let effects::StepInput { pusher_radius, pose_wb, track, .. } = &step;
+        let bare = Self::between(shape, *pusher_radius, pose_wb, &track.start(), &track.end())?;
+        let timed = bare.lasting(step.track.duration())?;
+        Ok(Self { whole: Some(WholeStep(Arc::new(step))), ..timed })
+    }
+
+    /// The same for many steps; those of one object share its outline.
+    ///
+    /// # Errors
+    /// As [`StepInput::between`].
+    pub fn all_of<'a>(
+        steps: impl IntoIterator<Item = &'a effects::StepInput>,
+    ) -> Result<Vec<Self>, ModelError> {
+        let mut last: Option<Arc<Shape>> = None;
+        let input = |step: &effects::StepInput| {
+            let shape = match &last {
+                Some(shape) if **shape == *step.object.shape() => shape.clone(),
+                _ => last.insert(Arc::new(step.object.shape().clone())).clone(),
+            };
+            Self::of(step.clone(), shape)
+        };
+        steps.into_iter().map(input).collect()
+    }
+
+    /// The same step with the time that it took, in s.
+    ///
+    /// # Errors
+    /// `InvalidValue` if it is not positive and finite.
+    pub fn lasting(self, duration: f64) -> Result<Self, ModelError> {
+        positive("the step's duration", duration, "s")?;
+        Ok(Self { duration: Some(duration), ..self })
+    }
+
+    /// The pusher's mean speed, in m/s, if it is known how long the step took.
+    pub fn speed(&self) -> Option<f64> {
+        self.duration.map(|duration| self.distance / duration)
+    }
+
+    /// The step with all that effects act on, if that is known.
+    pub fn whole(&self) -> Option<&effects::StepInput> {
+        self.whole.as_ref().map(|whole| &*whole.0)
     }
 
     /// The object's outline, in B.

@@ -136,6 +136,7 @@ fn observation(
 ) -> Result<StepObservation, ModelError> {
     let (start_w, end_w) = (&row.pusher_start, &row.pusher_end);
     let input = StepInput::between(shape, pusher_radius, &row.object_pose, start_w, end_w)?;
+    let input = input.lasting(row.dt)?;
     for (name, value, unit) in
         [("dx", row.dx, "m"), ("dy", row.dy, "m"), ("dtheta", row.dtheta, "rad")]
     {
@@ -210,7 +211,8 @@ mod tests {
             let step = &found.steps[0];
             let shape = Arc::new(Shape::square(0.09).unwrap());
             let (start, end) = (&row.pusher_start, &row.pusher_end);
-            let expected = StepInput::between(shape, RADIUS, &row.object_pose, start, end).unwrap();
+            let bare = StepInput::between(shape, RADIUS, &row.object_pose, start, end).unwrap();
+            let expected = bare.lasting(row.dt).unwrap();
             assert_eq!(step.input, expected);
             assert_eq!(step.input.edge(), edge);
             assert!((step.input.p() - p).abs() < 1e-12 && (step.input.beta() - beta).abs() < 1e-12);

@@ -9,7 +9,8 @@ use dataset::{
 use effects::{About, Effect, Object, PushPhysics, Rig, Setting, Surface, Track, all};
 use models::{
     Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelEffect,
-    ModelError, ModelFile, PushModel, SetAsideReason, StepInput, StepSelection, SurfaceKind,
+    ModelError, ModelFile, ProcessKind, PushModel, SetAsideReason, StepInput, StepSelection,
+    SurfaceKind,
 };
 use nalgebra::{Matrix3, Vector2};
 use planar::{Pose, Shape, Twist};
@@ -235,7 +236,7 @@ fn effects_need_mechanics_and_a_set_up() {
     let effect: ModelEffect = Setting::new(all()[0].about(), &typical(all()[0].about())).into();
     let error = with(vec![effect.clone()]).build().unwrap_err();
     assert!(matches!(&error, ModelError::EffectsNeedMore { effects } if *effects == effect.id));
-    let gp = Description { base: Base::Gp, ..nominal() };
+    let gp = Description { base: Base::Process(ProcessKind::Gp), ..nominal() };
     let error = ChannelModel::new(&gp, TABLE, &[]).unwrap_err();
     assert!(matches!(error, ModelError::MotionAlone { kind: "gp" }));
     let smooth = SupportSpec { friction: 0.0, ..TABLE };

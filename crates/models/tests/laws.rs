@@ -372,7 +372,7 @@ fn every_impossible_file_names_its_line_and_key() {
     for (text, line, key, part) in [
         (good.replace("model/1", "model/9"), 1, "schema", "pushlab.model/1"),
         (good.replace("name = \"x\"", "name = 3"), 2, "name", "expected a string"),
-        (good.replace("analytical", "oracle"), 5, "base.kind", "analytical, gp, hybrid"),
+        (good.replace("analytical", "oracle"), 5, "base.kind", "analytical, gp, spgp"),
         (
             good.replace("ellipsoid", "sphere"),
             6,

@@ -4,8 +4,8 @@
 
 use models::{
     Analytical, CharacteristicLength, Cluster, Description, Estimate, GpPushModel, Hybrid,
-    ModelEffect, ModelFile, PushModel, Split, StepInput, StepObservation, SurfaceKind,
-    learn_options, model_kinds,
+    ModelEffect, ModelFile, ProcessKind, PushModel, Split, StepFeatures, StepInput,
+    StepObservation, SurfaceKind, Training, learn_options, model_kinds,
 };
 use nalgebra::{Matrix3, Vector3};
 use planar::Shape;
@@ -97,12 +97,15 @@ fn models() -> Vec<Box<dyn PushModel>> {
     let shape = Arc::new(Shape::square(0.09).unwrap());
     let step = |k: u32| {
         let (p, beta) = (f64::from(k) / 20.0, f64::from(k * 7 % 20) / 20.0 - 0.5);
-        let input = StepInput::on_edge(shape.clone(), 0.005, 1, p, beta, 0.004).unwrap();
+        let bare = StepInput::on_edge(shape.clone(), 0.005, 1, p, beta, 0.004).unwrap();
+        let input = bare.lasting(0.1 + 0.01 * f64::from(k * 11 % 20)).unwrap();
         let noise = 1e-5 * f64::from(k * 13 % 7);
         let outputs = input.outputs(&nominal.motion(&input).unwrap()) + Vector3::repeat(noise);
         StepObservation { input, outputs }
     };
     let steps: Vec<_> = (0..=20).map(step).collect();
+    let features = StepFeatures { speed: true, ..StepFeatures::default() };
+    let training = Training { features, ..Training::with(ProcessKind::Rff) };
     let length = CharacteristicLength::Given(Estimate::exact(0.035, "test"));
     let given = Analytical::new(Estimate::exact(0.2, "test"), length, Matrix3::identity());
     let on = |surface| nominal.clone().with_surface(surface).unwrap();
@@ -114,6 +117,8 @@ fn models() -> Vec<Box<dyn PushModel>> {
         Box::new(on(SurfaceKind::Quartic)),
         Box::new(GpPushModel::learn(&steps, &learn_options()).unwrap().0),
         Box::new(Hybrid::learn(nominal.clone(), &steps, &learn_options()).unwrap().0),
+        Box::new(Hybrid::train(&nominal.describe().unwrap(), None, &steps, &training).unwrap().0),
+        Box::new(GpPushModel::train(&steps, &training).unwrap().0),
     ]
 }
 
@@ -154,6 +159,7 @@ fn the_schema_refuses_what_the_reader_refuses() {
         ("", "effects", json!([{ "id": "inertia", "parameters": { "kappa": { "value": "on" } } }])),
         ("", "extra", json!(1)),
         ("", "learned", json!({})),
+        ("", "learned", json!({ "weights": "w", "sha256": "0", "inputs": ["beta_rad", "p"] })),
         ("", "split", json!({ "set": "", "seed": 7, "cluster": "push", "fit": ["a#0"] })),
         ("/split", "cluster", json!("block")),
         ("/split", "confirm", json!([])),

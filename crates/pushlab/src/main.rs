@@ -14,12 +14,14 @@ mod origin;
 mod people;
 mod progress;
 mod recorded_steps;
+mod some_of;
 mod speed;
 mod step_size;
 mod step_source;
 mod suspected;
 mod table_summary;
 mod terminal;
+mod unexplained;
 
 use std::process::ExitCode;
 

@@ -72,6 +72,11 @@ impl Terminal {
         Self { json: false, quiet: self.quiet || self.json, color: self.color }
     }
 
+    /// For work of which people have seen the progress already.
+    pub(crate) fn silent(&self) -> Self {
+        Self { json: self.json, quiet: true, color: self.color }
+    }
+
     /// Prints what is no result.
     ///
     /// # Errors
@@ -89,6 +94,13 @@ impl Terminal {
         stream.write_all(text.as_bytes())?;
         stream.flush()?;
         Ok(())
+    }
+
+    /// Tells people who want to see more than errors, on standard error.
+    pub(crate) fn note(&self, text: impl Display) {
+        if !self.quiet {
+            self.tell(text);
+        }
     }
 
     /// Tells people on standard error; nothing is lost if nobody listens.

@@ -199,6 +199,10 @@ pub struct DataUsed {
     pub pushes_used: usize,
     /// Pushes without.
     pub pushes_set_aside: usize,
+    /// Pushes that fits used: of a large set a part of those of the split.
+    pub pushes_fitted: usize,
+    /// Pushes that confirmed, likewise.
+    pub pushes_confirming: usize,
     /// Steps used.
     pub steps: usize,
 }

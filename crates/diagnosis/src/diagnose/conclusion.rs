@@ -96,14 +96,14 @@ impl Search<'_> {
         progress: &mut Progress,
         noise: &NoiseModel,
     ) -> Result<Confirmed, DiagnosisError> {
-        let [_, base] = whole.without(&ids(&progress.chosen))?.descriptions()?;
+        let [_, base] = whole.roughly_without(&ids(&progress.chosen))?.descriptions()?;
         loop {
             let descriptions = whole.descriptions()?;
             let aside = Aside::new(self.aside, &descriptions[1], noise, self.settings)?;
             let (before, after) = (aside.outcome(&base)?, aside.outcome(&descriptions[1])?);
             let mut accepted = Vec::new();
             for choice in &progress.chosen {
-                let [_, without] = whole.without(&[choice.id])?.descriptions()?;
+                let [_, without] = whole.roughly_without(&[choice.id])?.descriptions()?;
                 let without = aside.outcome(&without)?;
                 let effect = fit.effects.iter().find(|effect| effect.id == choice.id);
                 let Some(effect) = effect.cloned() else { continue };

@@ -74,10 +74,12 @@ impl<'a> Aside<'a> {
     pub(super) fn gain(&self, one: &Outcome, other: &Outcome) -> Gain {
         let mut gains: BTreeMap<usize, f64> = BTreeMap::new();
         let by_push = one.log_densities.iter().zip(&other.log_densities);
-        let clusters = self.observations.pushes_of_clusters();
-        let cluster_of = |push: usize| clusters.iter().position(|all| all.contains(&push));
+        let clusters = self.observations.pushes_of_clusters().into_iter().enumerate();
+        let cluster_of: BTreeMap<usize, usize> = clusters
+            .flat_map(|(k, pushes)| pushes.into_iter().map(move |push| (push, k)))
+            .collect();
         for (push, (one, other)) in by_push.enumerate() {
-            *gains.entry(cluster_of(push).unwrap_or(push)).or_default() += other - one;
+            *gains.entry(cluster_of[&push]).or_default() += other - one;
         }
         Gain::of(&gains.into_values().collect::<Vec<_>>())
     }

@@ -65,10 +65,10 @@ impl Rules {
     /// What speaks against an effect by its size alone.
     pub(super) fn objection(&self, p: f64, gain: f64, size: f64) -> Option<Objection> {
         let share = gain / self.gain_so_far;
-        if p > Self::NAME {
-            Some(Objection::NotSure { p })
-        } else if size < Self::SIZE {
+        if size < Self::SIZE {
             Some(Objection::Small { size })
+        } else if p > Self::NAME {
+            Some(Objection::NotSure { p })
         } else if !self.is_first && share < Self::SHARE && size < Self::LARGE {
             Some(Objection::LittleMore { share })
         } else {
@@ -204,7 +204,9 @@ mod tests {
         let first = Rules { gain_so_far: 0.0, is_first: true };
         assert_eq!(first.objection(0.005, 40.0, 0.5), None);
         assert_eq!(first.objection(0.02, 40.0, 0.5), Some(Objection::NotSure { p: 0.02 }));
+        // What does not matter is no hint, however sure or unsure it is.
         assert_eq!(first.objection(0.005, 40.0, 0.2), Some(Objection::Small { size: 0.2 }));
+        assert_eq!(first.objection(0.02, 40.0, 0.2), Some(Objection::Small { size: 0.2 }));
         let later = Rules { gain_so_far: 1000.0, is_first: false };
         assert!(matches!(later.objection(0.005, 5.0, 0.5), Some(Objection::LittleMore { .. })));
         // What is large needs no share, and a share needs no more than its size.

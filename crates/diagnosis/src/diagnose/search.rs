@@ -6,7 +6,9 @@ use models::Description;
 use super::rules::{Objection, Rules};
 use super::{DiagnoseSettings, ErrorFall, Gain};
 use crate::fit::{Refit, Trial};
-use crate::{DiagnosisError, EffectFit, FitSettings, NoiseModel, Observations, Screen, screen};
+use crate::screen::screen_at;
+use crate::tangent::Tangent;
+use crate::{DiagnosisError, EffectFit, FitSettings, NoiseModel, Observations, Screen, Whitening};
 
 /// The search on the pushes to fit to.
 pub(super) struct Search<'a> {
@@ -95,10 +97,7 @@ const FINALIST: (f64, f64) = (50.0, 0.2);
 
 impl Search<'_> {
     pub(super) fn run(&self) -> Result<Found, DiagnosisError> {
-        let noise = self.noise(self.model)?;
-        let own = &self.settings.own;
-        let first_screen = screen(self.model, own, self.fitted, &noise, &self.settings.screen)?;
-        let whitening = noise.whitening(self.model, own, self.fitted)?;
+        let (_, whitening, first_screen) = self.linearised(self.model)?;
         let settings = self.fit_settings(false);
         let here = Refit::new(self.fitted, self.model, &whitening, &settings)?;
         self.go_on(
@@ -111,12 +110,8 @@ impl Search<'_> {
     /// for what alike pushes differ by is the less the model misses the surer noise; and its
     /// covariance is linearised anew, for pushes at the edge of sliding change sides.
     fn go_on(&self, from: &Refit, mut progress: Progress) -> Result<Found, DiagnosisError> {
-        let [_, about] = from.descriptions()?;
-        let noise = self.noise(&about)?;
-        let whitening = noise.whitening(&about, &self.settings.own, self.fitted)?;
+        let (noise, whitening, screen) = self.linearised(&self.screened(from)?)?;
         let here = from.rewhitened(&whitening)?;
-        let (screened, own) = (self.screened(&here)?, &self.settings.own);
-        let screen = screen(&screened, own, self.fitted, &noise, &self.settings.screen)?;
         if progress.chosen.len() == self.settings.most_effects {
             return self.concluded(&here, progress, screen, noise);
         }
@@ -199,10 +194,12 @@ impl Search<'_> {
         }
         let least = tried.iter().map(Tried::cost).fold(f64::INFINITY, f64::min);
         let near = FINALIST.0.max(FINALIST.1 * (here.misfit() - least));
-        for one in &mut tried {
-            let is_finalist = one.size >= Rules::SIZE && one.cost() < least + near;
+        let is_finalist = |one: &Tried| one.size >= Rules::SIZE && one.cost() < least + near;
+        // A single one needs no exact comparison.
+        let is_close = tried.iter().filter(|one| is_finalist(one)).count() > 1;
+        for one in tried.iter_mut().filter(|one| is_close && is_finalist(one)) {
             // Where the way ends early, what was reached counts.
-            if is_finalist && one.trial.finish().is_ok() {
+            if one.trial.finish().is_ok() {
                 one.size = one.without.as_ref().unwrap_or(here).size_of(&one.trial)?;
             }
         }
@@ -248,7 +245,7 @@ impl Search<'_> {
     ) -> Result<Refit<'a>, DiagnosisError> {
         let last = progress.chosen.len() - 1;
         for id in ids(&progress.chosen[..last]) {
-            let without = there.without(&[id])?;
+            let without = there.roughly_without(&[id])?;
             if without.misfit() - there.misfit() < Rules::APART * there.scale().powi(2) {
                 progress.chosen.retain(|one| one.id != id);
                 progress.refused.push(Refused { id, objection: Objection::Superfluous });
@@ -276,8 +273,16 @@ impl Search<'_> {
         FitSettings { own, tolerances, priors: true, intervals, resemblances: false }
     }
 
-    fn noise(&self, about: &Description) -> Result<NoiseModel, DiagnosisError> {
-        NoiseModel::learn(about, &self.settings.own, self.fitted)
+    /// The noise about a model, its covariance, and the test of what the model lacks.
+    fn linearised(
+        &self,
+        about: &Description,
+    ) -> Result<(NoiseModel, Whitening, Screen), DiagnosisError> {
+        let tangent = Tangent::of(about, &self.settings.own, self.fitted)?;
+        let noise = NoiseModel::learn_at(&tangent, self.fitted)?;
+        let whitening = noise.whitening_at(self.fitted, &tangent.linearisation)?;
+        let screen = screen_at(&tangent, self.fitted, &whitening, &self.settings.screen);
+        Ok((noise, whitening, screen))
     }
 
     /// Effects that explain nearly as much as one of those tried: within [`Rules::APART`] in twice the

@@ -29,8 +29,18 @@ pub(super) struct Start {
     pub(super) at: Standing,
     /// Slopes of a place nearby, of all numbers that are not frozen.
     pub(super) slopes: Option<DMatrix<f64>>,
-    /// Whether the slopes at the end shall be those of the end.
-    pub(super) is_final: bool,
+    pub(super) exactness: Exactness,
+}
+
+/// How near to the minimum a descent ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Exactness {
+    /// What is left to fall is small beside the fall.
+    Rough,
+    /// The sum is as good as the smallest.
+    Sum,
+    /// So is the place, and slopes were worked out within a standard error of it.
+    Estimates,
 }
 
 /// The quadratic at a place.
@@ -57,8 +67,10 @@ const STUCK: f64 = 0.04;
 const POLL: f64 = 0.5;
 /// Slopes that leave more than this of the distance are worked out anew.
 const SLOW: f64 = 0.3;
-/// Share of the fall so far that a brief descent leaves to go.
+/// Share of the fall so far that a brief or rough descent leaves to go.
 const BRIEFLY: f64 = 0.01;
+/// Slopes worked out where this is left of the distance are those of the end: a standard error.
+const NEAR_BY: f64 = 1.0;
 /// Damping at first, and of slopes that were just worked out.
 const DAMPING: f64 = 1e-3;
 /// Damping at which a step is too short to matter.
@@ -78,8 +90,10 @@ impl Problem<'_> {
     /// # Errors
     /// `NotConverged`; `Flat`; what a prediction refuses at a place that was reached.
     pub(super) fn descend(&self, start: Start) -> Result<Minimum, DiagnosisError> {
-        let Start { mut at, slopes: mut known, is_final } = start;
+        let Start { mut at, slopes: mut known, exactness } = start;
         let (mut widths, mut damping, mut last) = (self.secants.clone(), DAMPING, f64::INFINITY);
+        let (first, is_final) = (at.value, exactness == Exactness::Estimates);
+        let mut is_enough = !is_final;
         for iterations in 1..=MAX_ITERATIONS {
             let is_fresh = known.is_none();
             let whole = match known.take() {
@@ -88,7 +102,13 @@ impl Problem<'_> {
             };
             let quadratic = self.quadratic(&at, &whole)?;
             let decrement = quadratic.decrement;
-            let near = if is_final { CONVERGED } else { SETTLED };
+            is_enough |= is_fresh && decrement < NEAR_BY;
+            let fall = (first - at.value) / self.robust.scale().powi(2);
+            let near = match exactness {
+                Exactness::Rough => SETTLED.max(BRIEFLY * fall),
+                Exactness::Sum => SETTLED,
+                Exactness::Estimates => CONVERGED,
+            };
             let next = match decrement < near {
                 true => None,
                 false => self.step_down(&at, &quadratic, &mut damping),
@@ -100,8 +120,7 @@ impl Problem<'_> {
                 (at, last) = (next, decrement);
                 continue;
             }
-            let is_enough = if is_final { is_fresh } else { true };
-            let is_low = decrement < STUCK || (is_fresh && !is_final);
+            let is_low = decrement < STUCK.max(near) || (is_fresh && !is_final);
             if is_enough && is_low {
                 return Ok(quadratic.end(at, whole, iterations));
             }
@@ -110,6 +129,9 @@ impl Problem<'_> {
                     return Ok(quadratic.within(POLL).end(at, whole, iterations));
                 };
                 (widths, at, last) = (self.secants.clone(), next, f64::INFINITY);
+            }
+            if !is_fresh {
+                self.fit_widths(&mut widths, &quadratic, &at, &at);
             }
             damping = DAMPING;
         }

@@ -4,7 +4,7 @@ use effects::Role;
 
 use nalgebra::DMatrix;
 
-use super::descent::{Minimum, Start};
+use super::descent::{Exactness, Minimum, Start};
 use super::member::Member;
 use super::problem::Problem;
 use crate::DiagnosisError;
@@ -100,7 +100,7 @@ fn end(
         x[k] = value;
         let at = profile.stand(x.clone())?;
         let known = Some(slopes.clone());
-        let found = profile.descend(Start { at, slopes: known, is_final: false })?;
+        let found = profile.descend(Start { at, slopes: known, exactness: Exactness::Sum })?;
         x.copy_from_slice(&found.at.x);
         slopes = found.whole;
         Ok((target.ratio * (found.at.value - least).max(0.0)).sqrt() / scale)

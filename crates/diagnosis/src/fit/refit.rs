@@ -4,7 +4,7 @@ use effects::{Channels, Effect};
 use models::Description;
 use nalgebra::{DMatrix, DVector};
 
-use super::descent::{Minimum, Start};
+use super::descent::{Exactness, Minimum, Start};
 use super::estimates::{descriptions, estimates};
 use super::member::{Member, Part};
 use super::problem::Problem;
@@ -61,7 +61,7 @@ impl<'a> Refit<'a> {
         let start = space.place(|member| member.start.clone());
         let robust = Robust::at(&whitening.rows(), &whitening.whiten(&space.residuals(&start)?));
         let mut problem = Problem::new(space, whitening, robust);
-        let minimum = problem.settle(start, None, false)?;
+        let minimum = problem.settle(start, None, Exactness::Sum)?;
         let (before, n_own) = (minimum.clone(), problem.space.members.len());
         Ok(Self { observations, model, problem, before, minimum, dropped: Vec::new(), n_own })
     }
@@ -80,7 +80,7 @@ impl<'a> Refit<'a> {
         let slopes = self.problem.whitening.rewhitened(&self.minimum.whole, whitening);
         let mut problem: Problem<'b> = self.problem.clone();
         problem.whitening = whitening;
-        let minimum = problem.settle(self.minimum.at.x.clone(), Some(slopes), false)?;
+        let minimum = problem.settle(self.minimum.at.x.clone(), Some(slopes), Exactness::Sum)?;
         let (observations, model, before) = (self.observations, self.model, minimum.clone());
         let (dropped, n_own) = (self.dropped.clone(), self.n_own);
         Ok(Refit { observations, model, problem, before, minimum, dropped, n_own })
@@ -91,6 +91,18 @@ impl<'a> Refit<'a> {
     /// # Errors
     /// As a descent.
     pub(crate) fn without(&self, ids: &[&'static str]) -> Result<Self, DiagnosisError> {
+        self.lacking(ids, Exactness::Sum)
+    }
+
+    /// The same to a hundredth of what the sum falls there without them.
+    ///
+    /// # Errors
+    /// As a descent.
+    pub(crate) fn roughly_without(&self, ids: &[&'static str]) -> Result<Self, DiagnosisError> {
+        self.lacking(ids, Exactness::Rough)
+    }
+
+    fn lacking(&self, ids: &[&'static str], exactness: Exactness) -> Result<Self, DiagnosisError> {
         let mut problem = self.problem.clone();
         let known = problem.moved();
         for own in ids.iter().filter_map(|id| problem.space.numbers_of(id)) {
@@ -100,7 +112,7 @@ impl<'a> Refit<'a> {
         let kept: Vec<usize> = (0..known.len()).filter(|k| moved.contains(&known[*k])).collect();
         let slopes = self.minimum.whole.select_columns(&kept);
         let x = self.place_with(|id| ids.contains(&id), |member| member.off.clone());
-        let minimum = problem.settle(x, Some(slopes), false)?;
+        let minimum = problem.settle(x, Some(slopes), exactness)?;
         let added = problem.space.members.iter().skip(self.n_own).map(|member| member.id());
         let dropped = added.filter(|id| ids.contains(id)).chain(self.dropped.iter().copied());
         let dropped = dropped.collect();
@@ -112,7 +124,10 @@ impl<'a> Refit<'a> {
     /// # Errors
     /// As a descent.
     pub(crate) fn settled(mut self) -> Result<Self, DiagnosisError> {
-        self.minimum = self.problem.settle(self.minimum.at.x.clone(), None, true)?;
+        self.minimum = {
+            let Minimum { at, whole, .. } = self.minimum;
+            self.problem.settle(at.x, Some(whole), Exactness::Estimates)?
+        };
         Ok(self)
     }
 
@@ -174,7 +189,7 @@ impl<'a> Refit<'a> {
             }
         }
         let freedom = own.moved().len().max(1);
-        let start = Start { at, slopes: Some(slopes), is_final: false };
+        let start = Start { at, slopes: Some(slopes), exactness: Exactness::Rough };
         let minimum = problem.descend_briefly(start, BRIEF)?;
         Ok(Trial { effect, freedom, problem, minimum })
     }
@@ -186,7 +201,7 @@ impl<'a> Refit<'a> {
     pub(crate) fn with(&self, trial: &Trial<'a>) -> Result<Self, DiagnosisError> {
         let mut problem = trial.problem.clone();
         let Minimum { at, whole, .. } = &trial.minimum;
-        let minimum = problem.settle(at.x.clone(), Some(whole.clone()), false)?;
+        let minimum = problem.settle(at.x.clone(), Some(whole.clone()), Exactness::Sum)?;
         let (before, dropped) = (self.minimum.clone(), self.dropped.clone());
         Ok(Self { problem, minimum, before, dropped, ..*self })
     }
@@ -310,7 +325,7 @@ impl Trial<'_> {
     /// As a descent.
     pub(crate) fn finish(&mut self) -> Result<(), DiagnosisError> {
         let Minimum { at, whole, .. } = self.minimum.clone();
-        let start = Start { at, slopes: Some(whole), is_final: false };
+        let start = Start { at, slopes: Some(whole), exactness: Exactness::Sum };
         self.minimum = self.problem.descend(start)?;
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::descent::{Minimum, Start};
+use super::descent::{Exactness, Minimum, Start};
 use super::member::{Member, Part};
 use super::problem::Problem;
 use super::robust::Robust;
@@ -32,15 +32,15 @@ impl Problem<'_> {
         let mut without = self.clone();
         let asked = self.space.of_each(|member| vec![member.part == Part::Asked; member.len()]);
         without.frozen.iter_mut().zip(asked).for_each(|(frozen, asked)| *frozen |= asked);
-        let before = without.settle(start, None, false)?;
+        let before = without.settle(start, None, Exactness::Sum)?;
         self.robust = without.robust;
         let plain = self.switched_on(&before.at.x);
         let far = self.far_start(plain.clone())?;
         let mut other = self.clone();
-        let mut after = self.settle(plain.clone(), None, true)?;
+        let mut after = self.settle(plain.clone(), None, Exactness::Estimates)?;
         if far != plain {
             // A start may lead to where the mechanics refuse; the other one counts then.
-            if let Ok(found) = other.settle(far, None, true)
+            if let Ok(found) = other.settle(far, None, Exactness::Estimates)
                 && other.robust.value(&found.at.z) < other.robust.value(&after.at.z)
             {
                 (*self, after) = (other, found);
@@ -57,20 +57,22 @@ impl Problem<'_> {
         &mut self,
         x: Vec<f64>,
         slopes: Option<DMatrix<f64>>,
-        is_final: bool,
+        exactness: Exactness,
     ) -> Result<Minimum, DiagnosisError> {
         let rows = self.whitening.rows();
-        let mut start = Start { at: self.stand(x)?, slopes, is_final: false };
+        let is_final = exactness == Exactness::Estimates;
+        let on_the_way = if is_final { Exactness::Sum } else { exactness };
+        let mut start = Start { at: self.stand(x)?, slopes, exactness: on_the_way };
         for _ in 1..MOST_ROUNDS {
             self.robust = Robust::at(&rows, &start.at.z);
             start.at.value = self.robust.value(&start.at.z);
             let found = self.descend(start)?;
             let next = Robust::at(&rows, &found.at.z);
-            start = Start { at: found.at.clone(), slopes: Some(found.whole.clone()), is_final };
+            start = Start { at: found.at.clone(), slopes: Some(found.whole.clone()), exactness };
             if (next.scale() / self.robust.scale() - 1.0).abs() < SETTLED {
                 return if is_final { self.descend(start) } else { Ok(found) };
             }
-            start.is_final = false;
+            start.exactness = on_the_way;
         }
         Err(DiagnosisError::NotConverged {
             what: "the fit",

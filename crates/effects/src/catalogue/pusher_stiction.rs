@@ -10,22 +10,35 @@ static ABOUT: About = About {
     id: "pusher-stiction",
     title: "Stiction of the pusher",
     physics: "A sticking contact holds until the force leaves a cone that is wider than the one \
-        in which it slides. Each step starts stuck: between the two cones it sticks.",
-    equation: "Sticks while |f_t| ≤ ratio · μp f_n; slides with |f_t| = μp f_n.",
-    source: "Armstrong-Hélouvry, Dupont & Canudas de Wit (1994), A survey of models, analysis \
-        tools and compensation methods for the control of machines with friction, Automatica \
-        30(7).",
+        in which it slides fast; a sliding one goes on until it comes to rest. Where it may do \
+        either a push does what it did before: at the start of a step it slides if its measured \
+        slip is more than half of what sliding would give, or if contact begins there.",
+    equation: "Sticks while |f_t| ≤ r μp f_n; slides with |f_t| = μp (1 + (r − 1) exp(−s²/vs²)) f_n, \
+        with r the ratio, s the slip and vs the Stribeck velocity, in m/s.",
+    source: "Canudas de Wit, Olsson, Åström & Lischinsky (1995), A new model for control of systems \
+        with friction, IEEE Trans. Automatic Control 40(3), its curve of steady sliding.",
     stages: &[Stage::Contact],
     reaches: &[Channel::Motion, Channel::Force],
-    parameters: &[Parameter {
-        name: "ratio",
-        unit: "1",
-        meaning: "Static over kinetic friction with the pusher",
-        off: Off::At(1.0),
-        typical: 1.3,
-        range: (1.0, 3.0),
-        role: Role::Even,
-    }],
+    parameters: &[
+        Parameter {
+            name: "ratio",
+            unit: "1",
+            meaning: "Static over kinetic friction with the pusher",
+            off: Off::At(1.0),
+            typical: 1.3,
+            range: (1.0, 3.0),
+            role: Role::Even,
+        },
+        Parameter {
+            name: "stribeck_velocity",
+            unit: "m/s",
+            meaning: "Slip over which the difference fades",
+            off: Off::Undefined,
+            typical: 2e-3,
+            range: (1e-4, 0.1),
+            role: Role::Even,
+        },
+    ],
     look_alikes: &[LookAlike { id: "pusher-friction", when: "where few pushes slide" }],
 };
 
@@ -36,5 +49,6 @@ impl Effect for PusherStiction {
 
     fn contact(&self, values: &[f64], _: &Moment<'_>, law: &mut ContactLaw) {
         law.static_ratio *= values[0];
+        law.stribeck_velocity = values[1];
     }
 }

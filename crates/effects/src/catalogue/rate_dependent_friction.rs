@@ -53,4 +53,9 @@ impl Effect for RateDependentFriction {
     fn local_friction(&self, values: &[f64], sliding: &Sliding) -> f64 {
         values[0] * (sliding.velocity_w.norm() / values[1]).ln_1p()
     }
+
+    fn local_growth(&self, values: &[f64], sliding: &Sliding, _: f64) -> f64 {
+        let speed = sliding.velocity_w.norm();
+        values[0] * speed / (speed + values[1])
+    }
 }

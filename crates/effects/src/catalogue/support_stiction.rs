@@ -12,11 +12,11 @@ static ABOUT: About = About {
     physics: "A resting contact holds more than a sliding one, and the difference fades as it \
         gets faster. The force is larger at the start and at low speed; points near the center of \
         rotation, which are slow, weigh more.",
-    equation: "μ(v) = μ (1 + (b − 1) exp(−v/vs)), with b the breakaway ratio and vs the Stribeck \
+    equation: "μ(v) = μ (1 + (b − 1) exp(−v²/vs²)), with b the breakaway ratio and vs the Stribeck \
         velocity, in m/s.",
-    source: "Bo & Pavelescu (1982), The friction-speed relation and its influence on the critical \
-        velocity of stick-slip motion, Wear 82(3); Armstrong-Hélouvry, Dupont & Canudas de Wit \
-        (1994), Automatica 30(7).",
+    source: "Canudas de Wit, Olsson, Åström & Lischinsky (1995), A new model for control of systems \
+        with friction, IEEE Trans. Automatic Control 40(3); Armstrong-Hélouvry, Dupont & Canudas de \
+        Wit (1994), Automatica 30(7).",
     stages: &[Stage::Local],
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[
@@ -51,6 +51,10 @@ impl Effect for SupportStiction {
     }
 
     fn local_friction(&self, values: &[f64], sliding: &Sliding) -> f64 {
-        (values[0] - 1.0) * (-sliding.velocity_w.norm() / values[1]).exp()
+        (values[0] - 1.0) * (-sliding.velocity_w.norm_squared() / values[1].powi(2)).exp()
+    }
+
+    fn local_growth(&self, values: &[f64], sliding: &Sliding, surplus: f64) -> f64 {
+        -2.0 * sliding.velocity_w.norm_squared() / values[1].powi(2) * surplus
     }
 }

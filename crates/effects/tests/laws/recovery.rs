@@ -1,6 +1,6 @@
 //! An effect is found again, with its size, in what it simulated.
 
-use effects::{Effect, PushPhysics, Surface, all};
+use effects::{Effect, PushPhysics, StepInput, Surface, all};
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -14,12 +14,17 @@ const NOISE: f64 = 1e-3;
 
 struct Problem {
     effect: &'static dyn Effect,
+    steps: Vec<StepInput>,
     data: DVector<f64>,
 }
 
 impl Problem {
     fn new(effect: &'static dyn Effect, seed: u64) -> Self {
-        let mut problem = Self { effect, data: DVector::zeros(0) };
+        Self::of(effect, World::PLAIN.steps(), seed)
+    }
+
+    fn of(effect: &'static dyn Effect, steps: Vec<StepInput>, seed: u64) -> Self {
+        let mut problem = Self { effect, steps, data: DVector::zeros(0) };
         let truth = effect.about().typical(&World::PLAIN.rig(Surface::Ellipsoid));
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         problem.data = problem.model(&effect.about().to_coordinates(&truth));
@@ -32,7 +37,7 @@ impl Problem {
         let values = self.effect.about().from_coordinates(coordinates);
         let rig = World::PLAIN.rig(Surface::Ellipsoid);
         let physics = PushPhysics::new(rig).with(self.effect, &values).unwrap();
-        let channels = physics.predict_all(&World::PLAIN.steps()).unwrap();
+        let channels = physics.predict_all(&self.steps).unwrap();
         let whitened = |channels: &effects::Channels| {
             let array = channels.to_array();
             (0..7).map(move |i| array[i] / SD[i])
@@ -105,10 +110,21 @@ fn an_effect_is_recovered_from_its_own_simulation() {
 fn a_switch_and_a_threshold_are_recovered_by_search() {
     for (id, truth, n) in [("inertia", 1.0, 2_u32), ("pusher-stiction", 1.3, 41)] {
         let effect = effects::by_id(id).unwrap();
-        let problem = Problem::new(effect, 99);
+        let mut steps = World::PLAIN.steps();
+        // What moves with the pusher is stuck to it: it breaks loose at the threshold.
+        for step in &mut steps {
+            step.twist_wb.linear = step.track.mean_velocity();
+            step.twist_wb.angular = 0.0;
+        }
+        let problem = Problem::of(effect, steps, 99);
         let (low, high) = effect.about().parameters[0].range;
         let value = |k: u32| low + (high - low) * f64::from(k) / f64::from(n - 1);
-        let misfits: Vec<f64> = (0..n).map(|k| problem.misfit(&[value(k)])).collect();
+        let mut at = effect.about().typical(&World::PLAIN.rig(Surface::Ellipsoid));
+        let mut misfit = |k: u32| {
+            at[0] = value(k);
+            problem.misfit(&at)
+        };
+        let misfits: Vec<f64> = (0..n).map(&mut misfit).collect();
         let least = misfits.iter().copied().fold(f64::INFINITY, f64::min);
         let best = (0..n).filter(|k| misfits[*k as usize] <= 2.0 * least).map(value);
         let best: Vec<f64> = best.collect();

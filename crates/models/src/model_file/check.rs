@@ -7,7 +7,8 @@ use super::ModelFile;
 use super::raw::{Raw, RawBase, RawEstimate};
 use super::source::Source;
 use crate::{
-    Analytical, Base, CharacteristicLength, Estimate, ModelError, Split, SurfaceKind, model_kinds,
+    Analytical, Base, CharacteristicLength, Estimate, ModelError, ProcessKind, Split, SurfaceKind,
+    model_kinds,
 };
 
 const PRESSURES: [&str; 1] = ["uniform"];
@@ -34,7 +35,10 @@ impl Source<'_> {
         match kind {
             "analytical" => Ok(Base::Analytical(self.analytical(&raw.base)?)),
             "hybrid" => Ok(Base::Hybrid(self.analytical(&raw.base)?)),
-            _ => self.without_mechanics(raw.base.get_ref()).map(|()| Base::Gp),
+            _ => {
+                self.without_mechanics(raw.base.get_ref())?;
+                Ok(Base::Process(ProcessKind::by_id(kind).unwrap_or_default()))
+            }
         }
     }
 
@@ -59,7 +63,7 @@ impl Source<'_> {
         ];
         match spans.into_iter().flatten().min_by_key(|span| span.start) {
             Some(span) => {
-                let problem = "a gp has no mechanics; remove its keys, or use kind hybrid";
+                let problem = "this kind has no mechanics; remove its keys, or use kind hybrid";
                 Err(self.invalid(span.start, "base", problem))
             }
             None => Ok(()),

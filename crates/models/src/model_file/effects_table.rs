@@ -18,8 +18,9 @@ impl Source<'_> {
         let mut effects: Vec<ModelEffect> = Vec::new();
         for effect in &raw.effects {
             let start = effect.span().start;
-            if base.kind.get_ref() != "analytical" {
-                let problem = "effects act in a model of kind analytical; remove the block";
+            if !["analytical", "hybrid"].contains(&base.kind.get_ref().as_str()) {
+                let problem =
+                    "effects act in mechanics, of which this kind has none; remove the block";
                 return Err(self.invalid(start, "effects", problem));
             }
             let effect = self.effect(effect, own)?;

@@ -7,7 +7,9 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 use serde_spanned::Spanned;
 
-use crate::{Analytical, Base, CharacteristicLength, Estimate, ModelEffect, Split, SurfaceKind};
+use crate::{
+    Analytical, Base, CharacteristicLength, Estimate, ModelEffect, Split, SurfaceKind, Unexplained,
+};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -87,7 +89,13 @@ pub(super) struct RawParameter {
 pub(super) struct RawLearned {
     pub weights: String,
     pub sha256: String,
+    /// What a hybrid learnt with; `gp` if it is not there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub process: Option<Spanned<String>>,
     pub inputs: Vec<String>,
+    /// For people; the weights have it too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unexplained: Option<Unexplained>,
 }
 
 impl RawBase {
@@ -95,8 +103,8 @@ impl RawBase {
         match base {
             Base::Analytical(model) => Self::of_analytical("analytical", model),
             Base::Hybrid(model) => Self::of_analytical("hybrid", model),
-            Base::Gp => Self {
-                kind: new("gp".to_owned()),
+            Base::Process(kind) => Self {
+                kind: new(kind.id().to_owned()),
                 limit_surface: None,
                 n_points: None,
                 pressure: None,
@@ -153,6 +161,6 @@ impl RawEffect {
 }
 
 /// A value that stands nowhere in a text yet.
-fn new<T>(value: T) -> Spanned<T> {
+pub(super) fn new<T>(value: T) -> Spanned<T> {
     Spanned::new(0..0, value)
 }

@@ -5,28 +5,38 @@ use std::path::Path;
 use serde_spanned::Spanned;
 use sha2::{Digest, Sha256};
 
-use super::raw::RawLearned;
+use super::raw::{RawLearned, new};
 use super::source::Source;
 use super::{read_text, write_whole};
-use crate::{ModelError, Weights};
+use crate::{Base, ModelError, ProcessKind, StepFeatures, Weights};
 
-/// Reads the weights that a model file names.
+/// Reads the weights that a model file of this base names.
 ///
 /// # Errors
-/// `Invalid` for other inputs than ours, `Io`, and `Weights` for another checksum or content.
-pub(super) fn read(source: &Source, learned: &Spanned<RawLearned>) -> Result<Weights, ModelError> {
-    let RawLearned { weights: name, sha256, inputs } = learned.get_ref();
+/// `Invalid` for inputs or a process that the weights do not have, `Io`, and `Weights` for another
+/// checksum or content.
+pub(super) fn read(
+    source: &Source,
+    base: &Base,
+    learned: &Spanned<RawLearned>,
+) -> Result<Weights, ModelError> {
+    let RawLearned { weights: name, sha256, process, inputs, .. } = learned.get_ref();
     let start = learned.span().start;
-    if inputs != &Weights::INPUTS {
-        let problem = format!("must be {:?}, got {inputs:?}", Weights::INPUTS);
+    if StepFeatures::by_names(inputs).is_none() {
+        let known: Vec<_> = StepFeatures::ALL.map(StepFeatures::names).into();
+        let problem = format!("must be one of {known:?}, got {inputs:?}");
         return Err(source.invalid(start, "learned.inputs", problem));
     }
+    let kind = kind(source, base, process.as_ref())?;
     let path = source.path.with_file_name(name);
     let text = read_text(&path)?;
     let damaged = |problem: String| ModelError::Weights { path: path.clone(), problem };
     let found = digest(&text);
     if found != *sha256 {
-        return Err(damaged(format!("has SHA-256 {found}, the model was written with {sha256}")));
+        return Err(damaged(format!(
+            "has SHA-256 {found}, the model was written with {sha256}; train it again, or bring \
+             back the file that was written with it"
+        )));
     }
     let weights: Weights = serde_json::from_str(&text)
         .map_err(|error| damaged(format!("is not readable: {error}")))?;
@@ -35,7 +45,38 @@ pub(super) fn read(source: &Source, learned: &Spanned<RawLearned>) -> Result<Wei
             format!("has schema {}, this release reads {}", weights.schema, Weights::SCHEMA);
         return Err(damaged(problem));
     }
-    Ok(weights)
+    if weights.inputs != *inputs {
+        let problem = format!("must be those of the weights, {:?}", weights.inputs);
+        return Err(source.invalid(start, "learned.inputs", problem));
+    }
+    match weights.outputs.iter().find(|process| process.kind() != kind) {
+        Some(process) => {
+            let (found, kind) = (process.kind().id(), kind.id());
+            Err(damaged(format!("holds processes of kind {found}, the model is of kind {kind}")))
+        }
+        None => Ok(weights),
+    }
+}
+
+/// The kind of process that the file promises.
+fn kind(
+    source: &Source,
+    base: &Base,
+    process: Option<&Spanned<String>>,
+) -> Result<ProcessKind, ModelError> {
+    let key = "learned.process";
+    match (base, process) {
+        (Base::Process(kind), None) => Ok(*kind),
+        (Base::Process(kind), Some(process)) => {
+            source.expect(process, key, &[kind.id()])?;
+            Ok(*kind)
+        }
+        (_, None) => Ok(ProcessKind::default()),
+        (_, Some(process)) => {
+            source.expect(process, key, &ProcessKind::ALL.map(ProcessKind::id))?;
+            Ok(ProcessKind::by_id(process.get_ref()).unwrap_or_default())
+        }
+    }
 }
 
 /// Writes the weights beside the model file `model`.
@@ -50,8 +91,14 @@ pub(super) fn write(model: &Path, weights: &Weights) -> Result<RawLearned, Model
     })?;
     write_whole(&path, &text)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let inputs = Weights::INPUTS.map(str::to_owned).to_vec();
-    Ok(RawLearned { weights: name, sha256: digest(&text), inputs })
+    let beside = weights.beside_physics.as_ref();
+    Ok(RawLearned {
+        weights: name,
+        sha256: digest(&text),
+        process: beside.map(|_| new(weights.kind().id().to_owned())),
+        inputs: weights.inputs.clone(),
+        unexplained: beside.map(|beside| beside.unexplained),
+    })
 }
 
 fn digest(text: &str) -> String {

@@ -16,6 +16,7 @@ mod inspect;
 mod models;
 mod report;
 mod suggest;
+mod train;
 
 use anyhow::Result;
 use clap::Subcommand;
@@ -40,6 +41,7 @@ pub(crate) enum Command {
     Fit(fit::Args),
     Add(add::Args),
     Suggest(suggest::Args),
+    Train(train::Args),
     Report(report::Args),
     Completions(completions::Args),
 }
@@ -65,6 +67,7 @@ impl Command {
             Self::Fit(args) => fit::run(args, terminal),
             Self::Add(args) => add::run(args, terminal),
             Self::Suggest(args) => suggest::run(args, terminal),
+            Self::Train(args) => train::run(args, terminal),
             Self::Report(args) => report::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
         }

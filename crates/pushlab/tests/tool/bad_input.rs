@@ -230,5 +230,8 @@ fn a_broken_model_file_names_line_and_key() {
     assert_names(&message, &["model.toml:", "base.pusher_friction.value", "got -0.25"]);
     set.edit("model.toml", "kind = \"analytical\"", "kind = \"magic\"");
     let message = set.error(&["models", "show", "model.toml"]);
-    assert_names(&message, &["base.kind", "`magic` is not known", "analytical, gp, hybrid"]);
+    assert_names(
+        &message,
+        &["base.kind", "`magic` is not known", "analytical, gp, spgp, rff, vhgp, hybrid"],
+    );
 }

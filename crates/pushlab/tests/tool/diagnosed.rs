@@ -47,7 +47,7 @@ pub(crate) fn diagnosed() -> (SmallSet, Value) {
         ],
         "leftover": { "p": 0.5, "covariate": null },
         "noise": { "source": "repeats", "n_cells": 3 },
-        "data": { "pushes_used": 60, "pushes_set_aside": 0, "steps": 600 },
+        "data": { "pushes_used": 60, "pushes_set_aside": 0, "pushes_fitted": 45, "pushes_confirming": 15, "steps": 600 },
     });
     set.write("d.json", &diagnosis.to_string());
     (set, diagnosis)

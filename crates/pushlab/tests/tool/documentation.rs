@@ -142,6 +142,8 @@ fn every_key_of_the_results_is_on_the_page() {
         &["generate", "simulated", "--pushes", "1"],
         &["compare", "pushes", "--against", "model.toml"],
         &["add", "limit-surface-shape", "--fit", "pushes", "-o", "better.toml"],
+        &["train", "pushes", "--kind", "hybrid", "--residual-kind", "rff", "-o", "hybrid.toml"],
+        &["models", "show", "hybrid.toml"],
         &["report", "pushes"],
     ] {
         let run = set.done(&[arguments, &["--json"]].concat());

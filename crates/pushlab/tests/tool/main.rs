@@ -17,4 +17,5 @@ mod report_page;
 mod schema;
 mod small_set;
 mod suggested;
+mod trained;
 mod usage;

@@ -25,6 +25,7 @@ fn help_lists_every_command() {
   fit          Fit nominal parameters, or effects that a model carries, to recordings
   add          Add effects to a model: what a diagnosis names, or one with values by hand or fitted
   suggest      Tell which pushes to do next: those that decide between rivals, or measure a name
+  train        Train a model on a part of the pushes, alone or on what physics leaves over
   report       Show how models do on recordings: one HTML page, to be read without a network
   completions  Print a completion script for a shell
   help         Print this message or the help of the given subcommand(s)"

@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use diagnosis::{
-    ChannelChange, Comparison, MapSettings, Predictions, PushEnds, RepeatTolerance, change,
-    compare, noise_floor, push_ends, roll_out,
+    ChannelChange, Comparison, MapSettings, Observations, Predictions, PushEnds, RepeatTolerance,
+    change, compare, noise_floor, push_ends, roll_out,
 };
-use models::ModelFile;
+use models::{Base, Description, ModelFile, Unexplained};
 use serde::Serialize;
 
 pub(super) use self::part::Part;
@@ -57,6 +57,8 @@ struct Compared {
     model: String,
     /// Which pushes are compared.
     part: Part,
+    /// Of a hybrid: shares of what was learnt in what it says of these steps.
+    unexplained: Option<Unexplained>,
     #[serde(flatten)]
     comparison: Comparison,
     /// Whole pushes; none where every push is one step.
@@ -101,8 +103,16 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         }
         None => None,
     };
-    let result = Compared { model: model.name, part, comparison, roll_outs, against };
+    let unexplained = unexplained(&model.description, &observations)?;
+    let result = Compared { model: model.name, part, unexplained, comparison, roll_outs, against };
     terminal.finish(&origin, &result, &result)
+}
+
+/// How much of what a hybrid says no physics explains.
+fn unexplained(model: &Description, observations: &Observations) -> Result<Option<Unexplained>> {
+    let Base::Hybrid(_) = model.base else { return Ok(None) };
+    let built = model.build_in(observations.support(), &[])?;
+    Ok(Some(built.unexplained(&observations.motion_inputs()?)?))
 }
 
 impl Args {

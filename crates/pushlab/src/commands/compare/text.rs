@@ -11,6 +11,7 @@ use models::Cluster;
 use super::{Against, Compared};
 use crate::people::people;
 use crate::terminal::TITLE;
+use crate::unexplained::shares;
 
 /// Pushes that a screen has room for.
 const MOST_LINES: usize = 6;
@@ -28,6 +29,10 @@ impl fmt::Display for Compared {
         }
         for what in &found.not_asked {
             writeln!(f, "  {what}")?;
+        }
+        if let Some(unexplained) = &self.unexplained {
+            let shares = shares(unexplained);
+            writeln!(f, "  share of what it says that no physics explains: {shares}")?;
         }
         writeln!(f, "{TITLE}error of a step, RMS{TITLE:#}")?;
         found.channels.iter().try_for_each(|error| write_error(f, error))?;

@@ -22,8 +22,13 @@ impl fmt::Display for Answer<'_> {
         let data = &found.data;
         let (steps, pushes) = (data.steps, data.pushes_used);
         writeln!(f, "{TITLE}{}{TITLE:#} on {steps} steps of {pushes} pushes", self.model)?;
-        let (fitted, aside) = (found.split.fit.len(), found.split.confirm.len());
-        writeln!(f, "  fitted to {fitted}, confirmed on {aside}")?;
+        let used = |n: usize, all: usize| match n < all {
+            true => format!("{n} (of {all}, evenly over edges and speeds)"),
+            false => n.to_string(),
+        };
+        let fitted = used(data.pushes_fitted, found.split.fit.len());
+        let confirming = used(data.pushes_confirming, found.split.confirm.len());
+        writeln!(f, "  fitted to {fitted}, confirmed on {confirming}")?;
         let cells = found.noise.n_cells;
         match found.noise.source.as_str() {
             "repeats" => writeln!(f, "  noise from {cells} groups of repeated pushes")?,

@@ -4,11 +4,12 @@ use std::fmt;
 
 use models::{
     Analytical, Base, CharacteristicLength, Cluster, Estimate, ModelEffect, ModelFile, OUTPUTS,
-    Split,
+    Split, Unexplained,
 };
 use serde::Serialize;
 
 use crate::terminal::TITLE;
+use crate::unexplained::shares;
 
 /// A model's name, kind and parameters.
 #[derive(Serialize)]
@@ -18,8 +19,14 @@ pub(crate) struct Parameters {
     /// Of the kinds with mechanics.
     pub(crate) limit_surface: Option<&'static str>,
     pub(crate) parameters: Vec<Parameter>,
-    /// Outputs with a Gaussian process, for the kinds that learn.
+    /// Outputs that were learnt, for the kinds that learn.
     pub(crate) learned: Vec<&'static str>,
+    /// The kind of process that learnt them.
+    pub(crate) process: Option<&'static str>,
+    /// What it sees of a step.
+    pub(crate) inputs: Vec<String>,
+    /// Of a hybrid: shares of what was learnt in what it says of its training steps.
+    pub(crate) unexplained: Option<Unexplained>,
     /// None for a model that was not fitted to a part of a set.
     pub(crate) split: Option<Parts>,
 }
@@ -60,18 +67,26 @@ impl Parameters {
         let (kind, mechanics) = match &file.description.base {
             Base::Analytical(model) => ("analytical", Some(model)),
             Base::Hybrid(model) => ("hybrid", Some(model)),
-            Base::Gp => ("gp", None),
+            Base::Process(process) => (process.id(), None),
             _ => ("unknown", None),
         };
         let limit_surface = mechanics.map(|model| model.surface().name());
         let mut parameters = mechanics.map(analytical).unwrap_or_default();
         parameters.extend(file.description.effects.iter().flat_map(of_effect));
-        let learned = match &file.description.weights {
-            Some(_) => OUTPUTS.to_vec(),
-            None => Vec::new(),
-        };
+        let weights = file.description.weights.as_ref();
+        let beside = weights.and_then(|weights| weights.beside_physics.as_ref());
         let split = file.split.as_ref().map(Parts::of);
-        Self { name: file.name.clone(), kind, limit_surface, parameters, learned, split }
+        Self {
+            name: file.name.clone(),
+            kind,
+            limit_surface,
+            parameters,
+            learned: weights.map(|_| OUTPUTS.to_vec()).unwrap_or_default(),
+            process: weights.map(|weights| weights.kind().id()),
+            inputs: weights.map(|weights| weights.inputs.clone()).unwrap_or_default(),
+            unexplained: beside.map(|beside| beside.unexplained),
+            split,
+        }
     }
 }
 
@@ -140,8 +155,12 @@ impl fmt::Display for Parameters {
             let source = if source.is_empty() { String::new() } else { format!("  ({source})") };
             writeln!(f, "  {name}: {value}{source}")?;
         }
-        for output in &self.learned {
-            writeln!(f, "  {output}: Gaussian process of p and beta")?;
+        if let Some(process) = self.process {
+            let (outputs, inputs) = (self.learned.join(", "), self.inputs.join(", "));
+            writeln!(f, "  {outputs}: {process} of {inputs}")?;
+        }
+        if let Some(unexplained) = &self.unexplained {
+            writeln!(f, "  share that no physics explains: {}", shares(unexplained))?;
         }
         if let Some(Parts { set, seed, n_fit, n_confirm, .. }) = &self.split {
             writeln!(f, "  fitted to {n_fit} pushes of recordings with sha256:{set};")?;

@@ -1,0 +1,200 @@
+//! The processes that can learn an output: one list, and one way to learn, save and ask them.
+
+use faer::MatRef;
+use gp_core::{
+    Gp, GpError, GpModel, HeteroscedasticGp, HeteroscedasticGpModel, LearnOptions, Posterior,
+    SquaredExponential,
+};
+use gp_rff::{FeatureOptions, RffGp, RffGpModel, RffOptions};
+use gp_sparse::{
+    Approximation, Placement, PseudoInputs, SparseGp, SparseGpModel, SparseOptions, SparseSettings,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::Training;
+
+/// How an output is learnt.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ProcessKind {
+    /// An exact Gaussian process: O(N³).
+    #[default]
+    Gp,
+    /// A sparse one, through learnt pseudo-inputs: O(N M²).
+    Spgp,
+    /// Bayesian linear regression on random Fourier features: O(N M²).
+    Rff,
+    /// An exact one whose noise is a function of the input too: O(N³) a step, of many.
+    Vhgp,
+}
+
+impl ProcessKind {
+    /// Every kind.
+    pub const ALL: [Self; 4] = [Self::Gp, Self::Spgp, Self::Rff, Self::Vhgp];
+
+    /// The name in `model.toml`.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Gp => "gp",
+            Self::Spgp => "spgp",
+            Self::Rff => "rff",
+            Self::Vhgp => "vhgp",
+        }
+    }
+
+    /// The kind of this name.
+    pub fn by_id(id: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.id() == id)
+    }
+}
+
+/// A learnt process.
+#[derive(Clone, Debug)]
+pub(crate) enum Process {
+    Gp(Gp),
+    Spgp(SparseGp),
+    Rff(RffGp),
+    Vhgp(HeteroscedasticGp),
+}
+
+/// How learning went.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ProcessReport {
+    /// Quasi-Newton iterations of the start that was taken.
+    pub iterations: usize,
+    /// Hyperparameters that ended at a wall, such as the lengthscale of an input without influence.
+    pub at_wall: Vec<String>,
+}
+
+/// A learnt process as plain data.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum ProcessModel {
+    /// Of [`ProcessKind::Gp`].
+    Gp(GpModel),
+    /// Of [`ProcessKind::Spgp`].
+    Spgp(SparseGpModel),
+    /// Of [`ProcessKind::Rff`].
+    Rff(RffGpModel),
+    /// Of [`ProcessKind::Vhgp`].
+    Vhgp(HeteroscedasticGpModel),
+}
+
+impl Process {
+    /// Learns all hyperparameters of a smooth function of the inputs, N×D.
+    pub(crate) fn learn(
+        x: MatRef<'_, f64>,
+        y: &[f64],
+        training: &Training,
+    ) -> Result<(Self, ProcessReport), GpError> {
+        let options = &training.options;
+        let kernel = || SquaredExponential::new(&vec![1.0; x.ncols()], 1.0);
+        let report = |iterations, at_wall| ProcessReport { iterations, at_wall };
+        Ok(match training.process {
+            ProcessKind::Gp => {
+                let (process, found) = Gp::learn(kernel()?, x, y, options)?;
+                (Self::Gp(process), report(found.best.iterations, found.at_wall))
+            }
+            ProcessKind::Spgp => {
+                let options = sparse(y.len(), training);
+                let (process, found) = SparseGp::learn(kernel()?, x, y, &options)?;
+                (Self::Spgp(process), report(found.best.iterations, found.at_wall))
+            }
+            ProcessKind::Rff => {
+                let (process, found) = RffGp::learn(x, y, &random_features(training))?;
+                (Self::Rff(process), report(found.iterations, found.at_wall))
+            }
+            ProcessKind::Vhgp => {
+                // It has a parameter for every row: 500 real steps took more than 500 iterations.
+                let options = LearnOptions { max_iterations: 5000, ..options.clone() };
+                let (process, found) =
+                    HeteroscedasticGp::learn(kernel()?, kernel()?, x, y, &options)?;
+                (Self::Vhgp(process), report(found.iterations, Vec::new()))
+            }
+        })
+    }
+
+    /// What it believes of the function and its noise.
+    pub(crate) fn posterior(&self) -> &dyn Posterior {
+        match self {
+            Self::Gp(process) => process,
+            Self::Spgp(process) => process,
+            Self::Rff(process) => process,
+            Self::Vhgp(process) => process,
+        }
+    }
+
+    pub(crate) fn kind(&self) -> ProcessKind {
+        match self {
+            Self::Gp(_) => ProcessKind::Gp,
+            Self::Spgp(_) => ProcessKind::Spgp,
+            Self::Rff(_) => ProcessKind::Rff,
+            Self::Vhgp(_) => ProcessKind::Vhgp,
+        }
+    }
+
+    pub(crate) fn to_model(&self) -> Result<ProcessModel, GpError> {
+        Ok(match self {
+            Self::Gp(process) => ProcessModel::Gp(process.to_model()?),
+            Self::Spgp(process) => ProcessModel::Spgp(process.to_model()?),
+            Self::Rff(process) => ProcessModel::Rff(process.to_model()),
+            Self::Vhgp(process) => ProcessModel::Vhgp(process.to_model()?),
+        })
+    }
+
+    pub(crate) fn from_model(model: &ProcessModel) -> Result<Self, GpError> {
+        Ok(match model {
+            ProcessModel::Gp(model) => Self::Gp(Gp::from_model(model)?),
+            ProcessModel::Spgp(model) => Self::Spgp(SparseGp::from_model(model)?),
+            ProcessModel::Rff(model) => Self::Rff(RffGp::from_model(model)?),
+            ProcessModel::Vhgp(model) => Self::Vhgp(HeteroscedasticGp::from_model(model)?),
+        })
+    }
+}
+
+impl ProcessModel {
+    /// Its kind.
+    pub fn kind(&self) -> ProcessKind {
+        match self {
+            Self::Gp(_) => ProcessKind::Gp,
+            Self::Spgp(_) => ProcessKind::Spgp,
+            Self::Rff(_) => ProcessKind::Rff,
+            Self::Vhgp(_) => ProcessKind::Vhgp,
+        }
+    }
+}
+
+/// The variational bound, from the same prior as the exact process.
+///
+/// The thesis' FITC takes noise for leftover variance: learnt from 200 steps with known noise, its
+/// 95 % intervals held 82 % of unseen ones.
+fn sparse(n_rows: usize, training: &Training) -> SparseOptions {
+    let options = &training.options;
+    let count = training.n_pseudo_inputs.min(n_rows);
+    SparseOptions {
+        settings: SparseSettings {
+            approximation: Approximation::Vfe,
+            mean: options.mean,
+            ..SparseSettings::default()
+        },
+        pseudo_inputs: PseudoInputs::Learnt { count, placement: Placement::default() },
+        seed: options.seed,
+        prior: options.prior,
+        ..SparseOptions::default()
+    }
+}
+
+fn random_features(training: &Training) -> RffOptions {
+    let options = &training.options;
+    RffOptions {
+        features: FeatureOptions {
+            n_features: training.n_features,
+            seed: options.seed,
+            ..FeatureOptions::default()
+        },
+        seed: options.seed,
+        mean: options.mean,
+        prior: options.prior,
+        ..RffOptions::default()
+    }
+}

@@ -1,0 +1,89 @@
+//! What a learnt model sees of a step.
+
+use faer::Mat;
+
+use crate::{ModelError, StepInput};
+
+/// The inputs of the processes: (p, β), and what is chosen beside them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StepFeatures {
+    /// The pusher's mean speed, in m/s: for pushes that are not quasi-static.
+    pub speed: bool,
+    /// The contact normal in the body's frame: edges are told apart, and on a curved outline the
+    /// places of the normal too. Without it all edges are folded into one.
+    pub normal: bool,
+}
+
+impl StepFeatures {
+    const PLACE: [&str; 2] = ["p", "beta_rad"];
+    const SPEED: [&str; 1] = ["speed_m_s"];
+    const NORMAL: [&str; 2] = ["normal_x", "normal_y"];
+
+    /// Every choice.
+    pub const ALL: [Self; 4] = [
+        Self { speed: false, normal: false },
+        Self { speed: true, normal: false },
+        Self { speed: false, normal: true },
+        Self { speed: true, normal: true },
+    ];
+
+    /// Names of the inputs in order, as in `model.toml`.
+    pub fn names(self) -> Vec<&'static str> {
+        let chosen = |is_chosen: bool, names: &'static [&str]| {
+            if is_chosen { names } else { &[] }.iter().copied()
+        };
+        let places = chosen(true, &Self::PLACE);
+        places
+            .chain(chosen(self.speed, &Self::SPEED))
+            .chain(chosen(self.normal, &Self::NORMAL))
+            .collect()
+    }
+
+    /// The choice with these names.
+    pub fn by_names(names: &[String]) -> Option<Self> {
+        Self::ALL.into_iter().find(|choice| choice.names() == names)
+    }
+
+    /// The inputs to learn from, which may not be the same in all steps.
+    ///
+    /// # Errors
+    /// `ConstantInput` for the speed, or both numbers of the normal; those of [`Self::rows`].
+    pub(crate) fn training_rows(self, steps: &[&StepInput]) -> Result<Mat<f64>, ModelError> {
+        let rows = self.rows(steps.iter().copied())?;
+        let varies = |name: &str| {
+            let column = self.names().iter().position(|known| *known == name);
+            column.is_some_and(|d| rows.col(d).iter().any(|value| *value != rows[(0, d)]))
+        };
+        let n_steps = steps.len();
+        if self.speed && n_steps > 0 && !varies(Self::SPEED[0]) {
+            return Err(ModelError::ConstantInput { input: Self::SPEED[0], n_steps });
+        }
+        if self.normal && n_steps > 0 && !Self::NORMAL.iter().any(|name| varies(name)) {
+            return Err(ModelError::ConstantInput { input: Self::NORMAL[0], n_steps });
+        }
+        Ok(rows)
+    }
+
+    /// The inputs, one row a step.
+    ///
+    /// # Errors
+    /// `NoSpeed` for a step that does not say how long it took.
+    pub(crate) fn rows<'a>(
+        self,
+        steps: impl Iterator<Item = &'a StepInput>,
+    ) -> Result<Mat<f64>, ModelError> {
+        let row = |step: &StepInput| {
+            let mut row = vec![step.p(), step.beta()];
+            if self.speed {
+                row.push(step.speed().ok_or(ModelError::NoSpeed)?);
+            }
+            if self.normal {
+                let normal = step.shape().inward_normal_at(step.edge(), step.p());
+                row.extend([normal.x, normal.y]);
+            }
+            Ok(row)
+        };
+        let rows: Vec<Vec<f64>> = steps.map(row).collect::<Result<_, ModelError>>()?;
+        Ok(Mat::from_fn(rows.len(), self.names().len(), |i, d| rows[i][d]))
+    }
+}

@@ -1,0 +1,153 @@
+//! Three independent processes over what a learnt model sees of a step.
+
+use std::sync::Arc;
+
+use gp_core::GpError;
+use nalgebra::{Matrix3, Vector3};
+use planar::Shape;
+
+use crate::process::{Process, ProcessReport};
+use crate::{
+    ModelError, Noise, OUTPUTS, Outline, ProcessKind, StepFeatures, StepInput, StepPrediction,
+    Training, Weights,
+};
+
+/// One process an output, for outputs per meter of the pusher's way.
+///
+/// A quasi-static push does not know time, and a short one is proportional to the way; what is
+/// learnt at one step length, or pooled over several speeds, thus serves others near them.
+#[derive(Clone, Debug)]
+pub(crate) struct StepProcesses {
+    outputs: [Process; 3],
+    features: StepFeatures,
+    outlines: Vec<Outline>,
+}
+
+impl StepProcesses {
+    /// Learns all hyperparameters from steps and their targets, in m, m and rad.
+    pub(crate) fn learn(
+        steps: &[&StepInput],
+        targets: &[Vector3<f64>],
+        training: &Training,
+    ) -> Result<(Self, [ProcessReport; 3]), ModelError> {
+        let x = training.features.training_rows(steps)?;
+        let learn = |k: usize| {
+            let rows = targets.iter().zip(steps);
+            let y: Vec<f64> = rows.map(|(target, step)| target[k] / step.distance()).collect();
+            Process::learn(x.as_ref(), &y, training).map_err(of_output(k))
+        };
+        let [(dx, report_x), (dy, report_y), (dtheta, report_theta)] =
+            [learn(0)?, learn(1)?, learn(2)?];
+        let outputs = [dx, dy, dtheta];
+        let mut shapes: Vec<&Arc<Shape>> = Vec::new();
+        for shape in steps.iter().map(|step| step.shared_shape()) {
+            if !shapes.iter().any(|known| Arc::ptr_eq(known, shape) || *known == shape) {
+                shapes.push(shape);
+            }
+        }
+        let outlines = shapes.into_iter().map(|shape| Outline::of(shape)).collect();
+        let processes = Self { outputs, features: training.features, outlines };
+        Ok((processes, [report_x, report_y, report_theta]))
+    }
+
+    /// The kind of the processes.
+    pub(crate) fn kind(&self) -> ProcessKind {
+        self.outputs[0].kind()
+    }
+
+    /// The outputs' Gaussians, in m, m and rad.
+    pub(crate) fn predict(
+        &self,
+        steps: &[StepInput],
+        noise: Noise,
+    ) -> Result<Vec<StepPrediction>, ModelError> {
+        let zero = StepPrediction { mean: Vector3::zeros(), covariance: Matrix3::zeros() };
+        let mut predictions = vec![zero; steps.len()];
+        if steps.is_empty() {
+            return Ok(predictions);
+        }
+        self.check_outlines(steps)?;
+        let x = self.features.rows(steps.iter())?;
+        for (k, process) in self.outputs.iter().enumerate() {
+            let (mean, variance) = match noise {
+                Noise::Included => process.posterior().predict_observation(x.as_ref()),
+                Noise::Excluded => process.posterior().predict(x.as_ref()),
+            }
+            .map_err(of_output(k))?;
+            for (i, prediction) in predictions.iter_mut().enumerate() {
+                let distance = steps[i].distance();
+                prediction.mean[k] = mean[i] * distance;
+                prediction.covariance[(k, k)] = variance[i] * distance * distance;
+            }
+        }
+        Ok(predictions)
+    }
+
+    /// The outputs' means alone, in m, m and rad.
+    pub(crate) fn means(&self, steps: &[&StepInput]) -> Result<Vec<Vector3<f64>>, ModelError> {
+        let mut means = vec![Vector3::zeros(); steps.len()];
+        if steps.is_empty() {
+            return Ok(means);
+        }
+        self.check_outlines(steps.iter().copied())?;
+        let x = self.features.rows(steps.iter().copied())?;
+        for (k, process) in self.outputs.iter().enumerate() {
+            let found = process.posterior().predict_mean(x.as_ref()).map_err(of_output(k))?;
+            for ((mean, found), step) in means.iter_mut().zip(found).zip(steps) {
+                mean[k] = found * step.distance();
+            }
+        }
+        Ok(means)
+    }
+
+    /// The processes as plain data.
+    pub(crate) fn weights(&self) -> Result<Weights, ModelError> {
+        let model = |k: usize| self.outputs[k].to_model().map_err(of_output(k));
+        Ok(Weights {
+            schema: Weights::SCHEMA.to_owned(),
+            inputs: self.features.names().into_iter().map(str::to_owned).collect(),
+            outlines: self.outlines.clone(),
+            outputs: [model(0)?, model(1)?, model(2)?],
+            beside_physics: None,
+        })
+    }
+
+    /// The processes that `weights` described.
+    pub(crate) fn from_weights(weights: &Weights) -> Result<Self, ModelError> {
+        let features = weights.features()?;
+        let build = |k: usize| {
+            let process = Process::from_model(&weights.outputs[k]).map_err(of_output(k))?;
+            let (expected, actual) = (features.names().len(), process.posterior().n_inputs());
+            if expected != actual {
+                let what = "inputs";
+                return Err(of_output(k)(GpError::ShapeMismatch { what, expected, actual }));
+            }
+            Ok(process)
+        };
+        let outputs = [build(0)?, build(1)?, build(2)?];
+        Ok(Self { outputs, features, outlines: weights.outlines.clone() })
+    }
+
+    /// Refuses steps of objects that nothing was learnt about.
+    fn check_outlines<'a>(
+        &self,
+        steps: impl IntoIterator<Item = &'a StepInput>,
+    ) -> Result<(), ModelError> {
+        let mut last: Option<&Arc<Shape>> = None;
+        for shape in steps.into_iter().map(StepInput::shared_shape) {
+            if last.is_some_and(|last| Arc::ptr_eq(last, shape)) {
+                continue;
+            }
+            let outline = Outline::of(shape);
+            if !self.outlines.iter().any(|known| known.is_near(&outline)) {
+                return Err(ModelError::UnknownOutline { n_known: self.outlines.len() });
+            }
+            last = Some(shape);
+        }
+        Ok(())
+    }
+}
+
+fn of_output(k: usize) -> impl Fn(GpError) -> ModelError {
+    move |source| ModelError::Gp { output: OUTPUTS[k], source }
+}

@@ -1,0 +1,269 @@
+//! `pushlab train`: a model learnt from a part of the pushes, alone or beside physics.
+
+mod kind;
+mod scores;
+mod text;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Result, bail, ensure};
+use diagnosis::{Observations, split};
+use models::{
+    Description, GpPushModel, Hybrid, ModelFile, ProcessReport, PushModel, Setup, Split,
+    StepFeatures, StepObservation, Training, Unexplained, learn_options,
+};
+use serde::Serialize;
+
+use self::kind::{Chosen, Extra, Kind, Residual, Typed};
+use self::scores::{Score, scores};
+use crate::destination::Destination;
+use crate::failure::WrongUsage;
+use crate::file_ending;
+use crate::origin::{Input, Origin, readable};
+use crate::some_of::some_of;
+use crate::step_size::StepSize;
+use crate::step_source::{Reading, StepSource, Steps};
+use crate::terminal::Terminal;
+
+/// Train a model on a part of the pushes, alone or on what physics leaves over
+///
+/// A quarter of the pushes is set aside first, as by the other commands, and tells how good the model
+/// is. A hybrid fits the physics of a model file with its effects, and learns what is left so that it
+/// says nothing that the fitted physics could say: its file tells which share is unexplained.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    source: StepSource,
+    /// What to train
+    #[arg(long)]
+    kind: Kind,
+    /// Of a hybrid: what learns the rest; else gp
+    #[arg(long, value_name = "KIND")]
+    residual_kind: Option<Residual>,
+    /// Of a hybrid: the model file whose physics come first; else model.toml
+    #[arg(long, value_name = "FILE", value_parser = file_ending::model)]
+    model: Option<PathBuf>,
+    /// Inputs beside p and beta: the pusher's speed, the edge by its normal
+    #[arg(long, value_name = "INPUTS", value_delimiter = ',')]
+    with: Vec<Extra>,
+    /// Most steps to learn from, a random part; else 1000 of gp, 300 of vhgp, and all of the others
+    #[arg(short = 'n', long, value_name = "N", value_parser = clap::value_parser!(u32).range(20..))]
+    rows: Option<u32>,
+    /// Length of a step of recordings: a time or a way, as of `compare`; else 200ms
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    step: Option<StepSize>,
+    /// Seed of the pushes that are set aside, and of all else that is drawn
+    #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = clap::value_parser!(u32))]
+    seed: u32,
+    /// Where to write the model; its weights are written beside it
+    #[arg(short, long, value_name = "FILE", value_parser = file_ending::model)]
+    output: PathBuf,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  pushlab train pushes --kind gp -o gp.toml
+  pushlab train pushes --kind hybrid --residual-kind rff --model better.toml -o hybrid.toml
+  pushlab train pushes --kind spgp --with speed,edge -o spgp.toml
+  pushlab train table.csv --preset mit-table --kind gp -n 500 -o gp.toml
+then:
+  pushlab compare pushes --model hybrid.toml --against better.toml";
+
+/// A trained model, and how well it predicts pushes that it has not seen.
+#[derive(Serialize)]
+struct Trained {
+    /// The model file.
+    model: PathBuf,
+    #[serde(flatten)]
+    chosen: Chosen,
+    inputs: Vec<&'static str>,
+    /// Pushes and steps of the part to learn from, and the steps that were learnt from.
+    n_pushes: usize,
+    n_steps: usize,
+    n_learnt: usize,
+    /// Parameters of the physics that the steps do not determine.
+    kept: Vec<String>,
+    /// Hyperparameters at the end of what they may be, of each output.
+    at_wall: Vec<Vec<String>>,
+    /// Shares of what was learnt in what a hybrid says.
+    unexplained: Option<Unexplained>,
+    unseen: Unseen,
+}
+
+/// The pushes that were set aside.
+#[derive(Serialize)]
+struct Unseen {
+    n_pushes: usize,
+    n_steps: usize,
+    scores: Vec<Score>,
+    unexplained: Option<Unexplained>,
+}
+
+/// Fewer steps say nothing about a function of two inputs.
+const FEWEST: usize = 20;
+
+pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let chosen = Chosen::new(args.kind, args.residual_kind)?;
+    let destination = Destination::new(&args.output)?;
+    let mut origin = args.origin();
+    let base = args.base(&mut origin, &destination)?;
+    let parts = Parts::read(args, base.as_ref(), &mut origin, terminal)?;
+    let started = Instant::now();
+    let trained = args.train(chosen, base.as_ref(), &parts)?;
+    terminal.note(format_args!("trained in {:.1} s", started.elapsed().as_secs_f64()));
+    let description = trained.model.describe()?;
+    let name = match &base {
+        Some(base) => format!("{}, and {} beside it", base.name, chosen.process.id()),
+        None => format!("{} trained on {}", chosen.process.id(), args.source.set.display()),
+    };
+    let [_, test] = &parts.observations;
+    let steps = test.motion_steps()?;
+    let is_hybrid = args.kind == Kind::Hybrid;
+    let inputs: Vec<_> = steps.iter().map(|step| step.input.clone()).collect();
+    let unexplained = is_hybrid.then(|| trained.model.unexplained(&inputs)).transpose()?;
+    let result = Trained {
+        model: args.output.clone(),
+        chosen,
+        inputs: args.features().names(),
+        n_pushes: parts.observations[0].pushes().len(),
+        n_steps: trained.n_steps,
+        n_learnt: trained.n_learnt,
+        kept: trained.kept,
+        at_wall: trained.reports.into_iter().map(|report| report.at_wall).collect(),
+        unexplained: unexplained_of(&description),
+        unseen: Unseen {
+            n_pushes: test.pushes().len(),
+            n_steps: steps.len(),
+            scores: scores(trained.model.as_ref(), &steps, is_hybrid)?,
+            unexplained,
+        },
+    };
+    ModelFile { name, description, split: Some(parts.split) }.write(destination.path())?;
+    terminal.finish(&origin, &result, &result)
+}
+
+/// What a hybrid's weights say about its training steps.
+fn unexplained_of(description: &Description) -> Option<Unexplained> {
+    Some(description.weights.as_ref()?.beside_physics.as_ref()?.unexplained)
+}
+
+/// The steps to learn from, and those that were set aside.
+struct Parts {
+    split: Split,
+    observations: [Observations; 2],
+}
+
+impl Parts {
+    /// Splits as the base model says where it was fitted to this set, else by the seed; the choice
+    /// is that of `fit` and `diagnose`, which read recordings in another way.
+    fn read(
+        args: &Args,
+        base: Option<&ModelFile>,
+        origin: &mut Origin,
+        terminal: &Terminal,
+    ) -> Result<Self> {
+        let steady = args.source.read(Reading::Steady, terminal)?;
+        let known = base.and_then(|base| base.split.clone());
+        let known = known.filter(|known| steady.observations.are_of(known));
+        let split = match known {
+            Some(known) => known,
+            None => split(&steady.observations, args.seed.into())?,
+        };
+        if steady.n_pushes.is_none() && args.step.is_some() {
+            bail!(WrongUsage("--step is for recordings; the steps of a table are made"));
+        }
+        let Steps { observations, inputs, .. } = match steady.n_pushes {
+            Some(_) => args.source.read(Reading::Plain(args.step), &terminal.silent())?,
+            None => steady,
+        };
+        origin.inputs.extend(inputs);
+        let part = |names: &[String]| observations.part(names);
+        let observations = [part(&split.fit)?, part(&split.confirm)?];
+        Ok(Self { split, observations })
+    }
+}
+
+/// A model fresh from training.
+struct Fresh {
+    model: Box<dyn PushModel>,
+    reports: [ProcessReport; 3],
+    kept: Vec<String>,
+    n_steps: usize,
+    n_learnt: usize,
+}
+
+impl Args {
+    /// The model whose physics a hybrid begins with.
+    fn base(&self, origin: &mut Origin, destination: &Destination) -> Result<Option<ModelFile>> {
+        if self.kind != Kind::Hybrid {
+            if self.model.is_some() {
+                bail!(WrongUsage("--model is for --kind hybrid; the other kinds know no physics"));
+            }
+            return Ok(None);
+        }
+        let path = self.model.clone().unwrap_or_else(|| "model.toml".into());
+        readable(&path)?;
+        destination.spare(std::slice::from_ref(&path))?;
+        origin.inputs.push(Input::file(&path)?);
+        Ok(Some(ModelFile::read(&path)?))
+    }
+
+    fn train(&self, chosen: Chosen, base: Option<&ModelFile>, parts: &Parts) -> Result<Fresh> {
+        let observations = &parts.observations[0];
+        let all = observations.motion_steps()?;
+        let (n_steps, n_pushes) = (all.len(), observations.pushes().len());
+        ensure!(
+            n_steps >= FEWEST,
+            "training needs at least {FEWEST} steps, and the {n_pushes} pushes to learn from have \
+             {n_steps}; record more pushes, or take shorter steps"
+        );
+        let most = self.rows.map_or(chosen.most_rows(), |rows| rows as usize);
+        let steps: Vec<StepObservation> = some_of(&all, most, self.seed.into());
+        let training = self.training(chosen);
+        let n_learnt = steps.len();
+        let (model, reports, kept): (Box<dyn PushModel>, _, _) = match base {
+            Some(base) => {
+                let setup = Setup { support: observations.support(), own: Vec::new() };
+                let (model, report) =
+                    Hybrid::train(&base.description, Some(setup), &steps, &training)?;
+                (Box::new(model), report.processes, report.kept)
+            }
+            None => {
+                let (model, reports) = GpPushModel::train(&steps, &training)?;
+                (Box::new(model), reports, Vec::new())
+            }
+        };
+        Ok(Fresh { model, reports, kept, n_steps, n_learnt })
+    }
+
+    fn training(&self, chosen: Chosen) -> Training {
+        let mut options = learn_options();
+        options.seed = self.seed.into();
+        Training { process: chosen.process, features: self.features(), ..options.into() }
+    }
+
+    fn features(&self) -> StepFeatures {
+        let has = |extra| self.with.contains(&extra);
+        StepFeatures { speed: has(Extra::Speed), normal: has(Extra::Edge) }
+    }
+
+    fn origin(&self) -> Origin {
+        let path = |path: &Path| path.display().to_string();
+        let mut words = vec!["train".to_owned(), path(&self.source.set)];
+        let mut option = |name: &str, value: Option<String>| {
+            words.extend(value.into_iter().flat_map(|value| [format!("--{name}"), value]));
+        };
+        option("kind", Some(self.kind.name()));
+        option("residual-kind", self.residual_kind.map(|kind| kind.name()));
+        option("model", self.model.as_deref().map(path));
+        let with: Vec<_> = self.with.iter().map(|extra| extra.name()).collect();
+        option("with", (!with.is_empty()).then(|| with.join(",")));
+        option("rows", self.rows.map(|rows| rows.to_string()));
+        option("step", self.step.map(|step| step.to_string()));
+        option("seed", Some(self.seed.to_string()));
+        words.extend(self.source.words());
+        Origin::new(words)
+    }
+}

@@ -1,0 +1,121 @@
+//! `pushlab train` on simulated pushes, and what reads its models.
+
+use serde_json::Value;
+
+use crate::small_set::SmallSet;
+
+fn simulated() -> SmallSet {
+    let set = SmallSet::new();
+    set.done(&["generate", "sim", "--hidden", "body-anisotropy", "--pushes", "16"]);
+    set.done(&["models", "init", "sim"]);
+    set
+}
+
+fn result(stdout: &str) -> Value {
+    serde_json::from_str::<Value>(stdout).unwrap()["result"].take()
+}
+
+/// Mean of a score over the outputs.
+fn mean(trained: &Value, key: &str) -> f64 {
+    let scores = trained["unseen"]["scores"].as_array().unwrap();
+    assert_eq!(scores.len(), 3);
+    scores.iter().map(|score| score[key].as_f64().unwrap()).sum::<f64>() / 3.0
+}
+
+#[test]
+fn every_kind_is_trained_kept_and_compared_on_pushes_that_it_has_not_seen() {
+    let set = simulated();
+    for (kind, process) in
+        [("gp", "gp"), ("spgp", "spgp"), ("rff", "rff"), ("vhgp", "vhgp"), ("hybrid", "rff")]
+    {
+        let model = format!("{kind}.toml");
+        let mut train = vec!["train", "sim", "--kind", kind, "-n", "60", "-o", &model, "--json"];
+        if kind == "hybrid" {
+            train.extend(["--residual-kind", process]);
+        }
+        let printed = set.done(&train).stdout;
+        let trained = result(&printed);
+        assert_eq!((&trained["kind"], &trained["process"]), (&kind.into(), &process.into()));
+        assert_eq!((&trained["n_pushes"], &trained["n_learnt"]), (&12.into(), &60.into()));
+        assert_eq!(trained["unseen"]["n_pushes"], 4);
+        let nmse = mean(&trained, "nmse");
+        assert!(nmse < 0.3, "{kind}: {nmse}");
+        let [compare, show] = [&["compare", "sim", "--model"][..], &["models", "show"]]
+            .map(|command| set.done(&[command, &[&model, "--json"]].concat()).stdout);
+        let compared = result(&compare);
+        assert_eq!(
+            (&compared["part"]["pushes"], &compared["n_pushes"]),
+            (&"confirm".into(), &4.into())
+        );
+        for (score, channel) in trained["unseen"]["scores"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .zip(compared["channels"].as_array().unwrap())
+        {
+            let [told, found] =
+                [&score["nmse"], &channel["nmse"]].map(|nmse| nmse.as_f64().unwrap());
+            assert!((told - found).abs() < 1e-9 * found, "{kind}: {told} {found}");
+        }
+        assert_eq!(compared["unexplained"], trained["unseen"]["unexplained"]);
+        let shown = result(&show);
+        assert_eq!((&shown["kind"], &shown["process"]), (&kind.into(), &process.into()));
+        assert_eq!(shown["unexplained"], trained["unexplained"]);
+        let weights = format!("{kind}.weights.json");
+        let files = [set.read(&model), set.read(&weights)];
+        assert_eq!(printed, set.done(&[&train[..], &["--jobs", "1"]].concat()).stdout);
+        assert_eq!(files, [set.read(&model), set.read(&weights)]);
+    }
+}
+
+#[test]
+fn a_hybrid_tells_what_its_physics_do_not_explain() {
+    let set = simulated();
+    let hybrid = ["train", "sim", "--kind", "hybrid", "--residual-kind", "rff", "-o", "h.toml"];
+    let text = set.done(&hybrid).stdout;
+    assert!(text.contains("of the physics alone"), "{text}");
+    assert!(text.contains("share of what it says that no physics explains"), "{text}");
+    let trained = result(&set.done(&[&hybrid[..], &["--json"]].concat()).stdout);
+    let share = trained["unexplained"]["all"].as_f64().unwrap();
+    assert!(share > 1e-3 && share < 0.3, "{share}");
+    assert!(mean(&trained, "nmse") < mean(&trained, "nmse_of_physics"));
+    assert!(set.read("h.toml").contains("[learned.unexplained]"));
+    // With the effect that is hidden there, less is left to be learnt.
+    let grain = ["add", "body-anisotropy", "--set", "ratio=1.1", "--set", "direction=0.5"];
+    set.done(&[&grain[..], &["-o", "grain.toml"]].concat());
+    let with_effect = [&hybrid[..6], &["--model", "grain.toml", "-o", "g.toml", "--json"]].concat();
+    let explained = result(&set.done(&with_effect).stdout);
+    assert!(explained["unexplained"]["all"].as_f64().unwrap() < 0.5 * share, "{explained}");
+    let compared = set.done(&["compare", "sim", "--model", "g.toml", "--against", "h.toml"]).stdout;
+    assert!(compared.contains("share of what it says that no physics explains"), "{compared}");
+}
+
+#[test]
+fn what_cannot_be_trained_or_read_is_refused_with_the_reason() {
+    let set = simulated();
+    let train = ["train", "sim", "--kind", "rff", "-o", "m.toml"];
+    set.done(&train);
+    for (more, says) in [
+        (&["--model", "model.toml"][..], "--model is for --kind hybrid"),
+        (&["--residual-kind", "gp"], "--residual-kind is for --kind hybrid"),
+        (&["-n", "5"], "5 is not in 20.."),
+    ] {
+        let message = set.wrong_usage(&[&train[..], more].concat());
+        assert!(message.contains(says), "{message}");
+    }
+    let missing = ["train", "sim", "--kind", "hybrid", "--model", "none.toml", "-o", "n.toml"];
+    assert!(set.error(&missing).contains("pushlab models init"));
+    let of_gp = ["train", "sim", "--kind", "hybrid", "--model", "m.toml", "-o", "n.toml"];
+    assert!(set.error(&of_gp).contains("kind rff has no physics"));
+    let long = set.error(&[&train[..], &["--step", "30cm"]].concat());
+    assert!(long.contains("at least 20 steps") || long.contains("pushes"), "{long}");
+    // Another object.
+    set.done(&["generate", "hexes", "--shape", "hex", "--pushes", "3"]);
+    let other = set.error(&["compare", "hexes", "--model", "m.toml"]);
+    assert!(other.contains("none of the 1 that the model was trained on"), "{other}");
+    // Weights that were changed, or are gone.
+    set.edit("m.weights.json", "1", "2");
+    assert!(set.error(&["models", "show", "m.toml"]).contains("SHA-256"));
+    std::fs::remove_file(set.path("m.weights.json")).unwrap();
+    assert!(set.error(&["compare", "sim", "--model", "m.toml"]).contains("m.weights.json"));
+}
