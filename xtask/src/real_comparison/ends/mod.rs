@@ -28,9 +28,11 @@ pub(super) struct Ends {
     /// Of those, as many as were diagnosed.
     n_used: usize,
     n_lost: usize,
+    /// Pushes that never meet the outline.
+    n_missed: usize,
     /// The answer, or why there is none.
     found: std::result::Result<Diagnosis, DiagnosisError>,
-    /// Of the nominal model and of that with what is named, on pushes that no fit has seen.
+    /// Of the nominal model and of that with what is confirmed, on pushes that no fit has seen.
     errors: [Unseen; 2],
 }
 
@@ -88,6 +90,7 @@ fn of(pushes: &Pushes) -> Result<Ends> {
         n_kept: kept.rows.len(),
         n_used: observations.pushes().len(),
         n_lost: lost.rows.len(),
+        n_missed: pushes.n_missed,
         errors: [unseen(&nominal)?, unseen(answer.as_ref().map_or(&nominal, |a| &a.description))?],
         found: answer.map(|answer| answer.diagnosis),
     })

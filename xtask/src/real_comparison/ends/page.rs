@@ -16,6 +16,9 @@ pub(in crate::real_comparison) fn text(ends: &[Ends]) -> String {
         page += &row(one);
     }
     page += &means(ends);
+    let n_missed: usize = ends.iter().map(|one| one.n_missed).sum();
+    let _ =
+        write!(page, "\nLeft out besides: {n_missed} pushes whose way never meets the outline.\n");
     page += TAIL;
     for one in ends {
         let text = match &one.found {
@@ -40,9 +43,10 @@ pushes nor repeats are known: every push is a cluster of its own, and the noise 
 neighbours. Of each object's pushes every second or third is taken, so that no more than 150 are.
 Each object is diagnosed by itself, with μp = 0.25 and uniform pressure to begin with.
 
-Mean distance and mean angle between the predicted and the measured end, before and after what is named
-is added, on pushes that no fit has seen: the quarter that the diagnosis sets aside, and, under “all”,
-those with the pushes whose pusher slid off, each kind with the share that it has of all pushes.
+Mean distance and mean angle between the predicted and the measured end, before and after what the pushes
+set aside confirm is added (where that closes less than half of the gap it is no more than a hint), on
+pushes that no fit has seen: the quarter that the diagnosis sets aside, and, under “all”, those together
+with the pushes whose pusher slid off, each kind with the share that it has of all pushes.
 
 | object | pushes, slid off | verdict | named | before | after | before, all | after, all |
 |---|---|---|---|---|---|---|---|
@@ -84,7 +88,16 @@ fn verdict(verdict: Verdict) -> &'static str {
 fn named(found: &Diagnosis) -> String {
     let groups = found.one_of.iter().map(|group| group.join(" or "));
     let named: Vec<String> = found.named.iter().cloned().chain(groups).collect();
-    if named.is_empty() { "–".to_owned() } else { named.join(", ") }
+    let is_confirmed = |effect: &&EffectFinding| {
+        effect.status == Status::Weak && effect.log_density_gain.is_some()
+    };
+    let hints: Vec<&str> =
+        found.effects.iter().filter(is_confirmed).map(|effect| effect.id.as_str()).collect();
+    match (named.is_empty(), hints.is_empty()) {
+        (false, _) => named.join(", "),
+        (true, false) => format!("– (confirmed, not claimed: {})", hints.join(", ")),
+        (true, true) => "–".to_owned(),
+    }
 }
 
 /// The mean of the objects' errors, each object counted once.

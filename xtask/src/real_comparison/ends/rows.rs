@@ -22,6 +22,8 @@ pub(super) struct Pushes {
     pub(super) kept: Table,
     /// Those whose pusher has slid off before the end.
     pub(super) lost: Table,
+    /// How many never meet the outline.
+    pub(super) n_missed: usize,
 }
 
 /// Every object's pushes in a file of end points, in order of their names.
@@ -67,13 +69,13 @@ impl Pushes {
         provenance.push("set", &mapping.name);
         provenance.push("source", &mapping.name);
         let table = || Table { rows: Vec::new(), provenance: provenance.clone() };
-        let mut found = Self { kept: table(), lost: table(), shape, mapping: mapping.clone() };
+        let mut found =
+            Self { kept: table(), lost: table(), n_missed: 0, shape, mapping: mapping.clone() };
         for push in ends {
             match row(push, &mapping) {
                 Some(row) if row.gap_end > LOST => found.lost.rows.push(row),
                 Some(row) => found.kept.rows.push(row),
-                // The way never meets the outline.
-                None => {}
+                None => found.n_missed += 1,
             }
         }
         Ok(found)
