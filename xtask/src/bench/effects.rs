@@ -84,7 +84,8 @@ fn steps() -> Result<Vec<StepInput>> {
     Ok((0..1000).map(step).collect())
 }
 
-/// The motion alone, by the midpoint rule and nothing but `mechanics`.
+/// The motion alone, by the midpoint rule and nothing but `mechanics`; the way to a middle follows
+/// from the moments before, as in `effects`.
 fn plain_loop(step: &StepInput, surface: &dyn LimitSurface) -> Pose {
     let length = step.track.duration() / SUBSTEPS as f64;
     let velocity = step.track.mean_velocity();
@@ -108,10 +109,21 @@ fn plain_loop(step: &StepInput, surface: &dyn LimitSurface) -> Pose {
         angle: pose.angle + time * twist.angular,
     };
     let mut pose = step.pose_wb;
+    let (mut early, mut before) = (0.0, twist(0.0, &pose));
+    let (mut late, mut last) = (0.0, before);
     for k in 0..SUBSTEPS {
         let time = k as f64 * length;
-        let middle = moved(&pose, &twist(time, &pose), 0.5 * length);
-        pose = moved(&pose, &twist(time + 0.5 * length, &middle), length);
+        let foreseen = match k {
+            0 => before,
+            _ => {
+                let ahead = (time + 0.25 * length - late) / (late - early);
+                last + ahead * (last + -1.0 * before)
+            }
+        };
+        let middle = moved(&pose, &foreseen, 0.5 * length);
+        (early, before) = (late, last);
+        (late, last) = (time + 0.5 * length, twist(time + 0.5 * length, &middle));
+        pose = moved(&pose, &last, length);
         let end = contact(time + length, &pose);
         let shift: Vector2<f64> = -end.gap * pose.rotate(&end.normal);
         pose.position += shift;

@@ -34,10 +34,10 @@ pub(super) fn open(path: &Path) -> Result<Vec<TrueEffect>> {
 }
 
 impl TrueEffect {
-    /// Whether the catalogue's law is the simulator's, so that its parameters can be compared: of
-    /// stiction the simulator has exp(−(v/vₛ)²) where the catalogue has exp(−v/vₛ) or a switch.
+    /// Whether the catalogue's law is the simulator's, so that its parameters can be compared: a
+    /// pusher of the simulator has no state but its slip, where the catalogue's sticks or slides.
     pub(super) fn is_same_law(&self) -> bool {
-        !matches!(self.id.as_str(), "support-stiction" | "pusher-stiction")
+        self.id != "pusher-stiction"
     }
 
     /// The values as parameters of the catalogue's effect; those that it shares alone.
@@ -51,7 +51,7 @@ impl TrueEffect {
         let nominal = Nominal::default();
         match self.id.as_str() {
             "support-friction" | "pusher-friction" => vec![("friction", value("coefficient"))],
-            "pressure-radius" | "pusher-stiction" => vec![("ratio", value("ratio"))],
+            "pressure-radius" => vec![("ratio", value("ratio"))],
             "limit-surface-shape" => vec![("lambda", value("patch_share"))],
             "friction-center-offset" => vec![("dx", value("x")), ("dy", value("y"))],
             "table-anisotropy" | "body-anisotropy" => {
@@ -60,6 +60,9 @@ impl TrueEffect {
             "friction-gradient" => vec![("gx", value("x")), ("gy", value("y"))],
             "table-tilt" => vec![("ax", value("x")), ("ay", value("y"))],
             "rate-dependent-friction" => vec![("k", value("slope")), ("v0", value("speed"))],
+            "pusher-stiction" => {
+                vec![("ratio", value("ratio")), ("stribeck_velocity", value("speed"))]
+            }
             "support-stiction" => {
                 vec![("breakaway", value("ratio")), ("stribeck_velocity", value("speed"))]
             }
