@@ -58,6 +58,8 @@ impl Rules {
     pub(super) const APART: f64 = 6.0;
     /// Share of what an effect explains by which a known look-alike has to fall behind.
     pub(super) const SHARE_APART: f64 = 0.05;
+    /// Share of what an effect explains alone that is its own if it explains it beside another, too.
+    pub(super) const OWN_SHARE: f64 = 0.5;
     /// Least gain in log density on pushes set aside, in nats and in standard errors.
     const GAIN: f64 = 4.0;
     const GAIN_OVER_SE: f64 = 3.0;

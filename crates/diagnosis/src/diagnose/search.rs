@@ -147,7 +147,7 @@ impl Search<'_> {
                     Ok(there) => {
                         objection = self.objection_to(without, &there, id)?;
                         if objection.is_none() {
-                            let rivals = self.rivals(&tried, index, without, there.scale());
+                            let rivals = self.rivals(&tried, index, without, &there)?;
                             return Ok(Some((Choice { id, p_adjusted, rivals }, there)));
                         }
                     }
@@ -288,24 +288,33 @@ impl Search<'_> {
     /// Effects that explain nearly as much as one of those tried: within [`Rules::APART`] in twice the
     /// log likelihood; of known look-alikes within a share of what it explains, for a model of a rig
     /// is not true enough to tell them apart by less.
+    ///
+    /// What still explains half as much beside the one that was added is another effect, not a rival.
     fn rivals(
         &self,
         tried: &[Tried],
         best: usize,
         without: &Refit,
-        scale: f64,
-    ) -> Vec<&'static str> {
-        let (winner, apart) = (&tried[best].trial, Rules::APART * scale.powi(2));
+        there: &Refit,
+    ) -> Result<Vec<&'static str>, DiagnosisError> {
+        let (winner, apart) = (&tried[best].trial, Rules::APART * there.scale().powi(2));
         let of_alike = Rules::SHARE_APART * (without.misfit() - winner.misfit());
-        let is_near = |other: &&Trial| {
+        let mut rivals = Vec::new();
+        for (index, Tried { trial: other, .. }) in tried.iter().enumerate() {
             let bound = match self.are_known_alike(winner.id(), other.id()) {
                 true => apart.max(of_alike),
                 false => apart,
             };
-            other.misfit() < winner.misfit() + bound
-        };
-        let others = tried.iter().enumerate().filter(|(index, _)| *index != best);
-        others.map(|(_, other)| &other.trial).filter(is_near).map(Trial::id).collect()
+            if index == best || other.misfit() >= winner.misfit() + bound {
+                continue;
+            }
+            let alone = without.misfit() - other.misfit();
+            let beside = there.misfit() - there.trial(other.effect)?.misfit();
+            if beside < Rules::OWN_SHARE * alone {
+                rivals.push(other.id());
+            }
+        }
+        Ok(rivals)
     }
 
     /// Whether one of two effects is documented to look like the other.
