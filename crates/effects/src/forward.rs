@@ -386,3 +386,39 @@ fn touch_time(
 pub(crate) fn moved(pose: &Pose, twist: &Twist, time: f64) -> Pose {
     Pose { position: pose.position + time * twist.linear, angle: pose.angle + time * twist.angular }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{TOUCH, touch_time};
+    use crate::EffectError;
+
+    #[test]
+    fn a_touch_is_where_the_gap_closes() {
+        let gaps: [fn(f64) -> f64; 4] = [
+            |time| 1e-3 - 0.02 * time,
+            |time| 1e-3 - 0.4 * time * time,
+            |time| 1e-3 * (-60.0 * time).exp() - 5e-5,
+            |time| 1e-3 - 1e3 * (time - 0.01).max(0.0).powi(3),
+        ];
+        for gap in gaps {
+            let (start, end) = (gap(0.0), gap(0.1));
+            assert!(start > 0.0 && end < 0.0);
+            let time = touch_time((start, end), 0.1, |time| Ok(gap(time))).unwrap();
+            assert!(gap(time).abs() <= TOUCH, "{time}: {}", gap(time));
+        }
+    }
+
+    #[test]
+    fn who_touches_already_waits_for_nothing() {
+        let never = |_: f64| -> Result<f64, EffectError> { unreachable!("no search is needed") };
+        assert_eq!(touch_time((0.0, -1e-3), 0.1, never).unwrap(), 0.0);
+        assert_eq!(touch_time((-1e-6, -1e-3), 0.1, never).unwrap(), 0.0);
+    }
+
+    #[test]
+    fn a_gap_that_jumps_is_found_within_the_bracket() {
+        let jump = |time: f64| Ok(if time < 0.0371 { 1e-3 } else { -1e-3 });
+        let time = touch_time((1e-3, -1e-3), 0.1, jump).unwrap();
+        assert!((time - 0.0371).abs() < 1e-9, "{time}");
+    }
+}

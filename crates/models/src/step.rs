@@ -69,19 +69,8 @@ impl StepInput {
         let normal = shape.inward_normal_at(edge, p);
         let start_b = shape.point_at(edge, p) - pusher_radius * normal;
         let direction_b = Pose::new(0.0, 0.0, beta).rotate(&normal);
-        let (duration, whole) = (None, None);
-        Ok(Self {
-            shape,
-            pusher_radius,
-            edge,
-            p,
-            beta,
-            start_b,
-            direction_b,
-            distance,
-            duration,
-            whole,
-        })
+        let step = Self::new(shape, pusher_radius, (edge, p), start_b, direction_b, distance);
+        Ok(Self { beta, ..step })
     }
 
     /// The step of a pusher whose center moves from `start_w` to `end_w` (world frame, in m) while
@@ -105,11 +94,23 @@ impl StepInput {
             return Err(ModelError::InvalidValue { name, expected, value, unit: "m" });
         }
         let contact = shape.contact(&start_b, pusher_radius);
-        let (edge, p, direction_b) = (contact.edge, contact.p, motion / distance);
+        let (place, direction_b) = ((contact.edge, contact.p), motion / distance);
+        Ok(Self::new(shape, pusher_radius, place, start_b, direction_b, distance))
+    }
+
+    /// A step whose numbers have been checked.
+    fn new(
+        shape: Arc<Shape>,
+        pusher_radius: f64,
+        (edge, p): (usize, f64),
+        start_b: Vector2<f64>,
+        direction_b: Vector2<f64>,
+        distance: f64,
+    ) -> Self {
         let normal = shape.inward_normal_at(edge, p);
         let beta = cross(&normal, &direction_b).atan2(normal.dot(&direction_b));
         let (duration, whole) = (None, None);
-        Ok(Self {
+        Self {
             shape,
             pusher_radius,
             edge,
@@ -120,7 +121,7 @@ impl StepInput {
             distance,
             duration,
             whole,
-        })
+        }
     }
 
     /// A step of which all is known that effects act on; `shape` is its object's, to be shared.

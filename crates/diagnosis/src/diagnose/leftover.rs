@@ -94,3 +94,60 @@ impl Left {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Left;
+    use crate::{Concentration, Condition, Covariate};
+
+    fn left(p: f64, share: f64, rms: f64) -> Left {
+        Left { p: Some(p), sentence: Some("turns too far".to_owned()), share, rms, gathered: None }
+    }
+
+    fn gathered(error_share: f64) -> Option<Concentration> {
+        let [from, to] = [None, Some(0.2)];
+        Some(Concentration {
+            sentence: "misses a corner".to_owned(),
+            name: "dtheta",
+            unit: "rad",
+            conditions: vec![Condition { covariate: Covariate::P, from, to }],
+            n_steps: 40,
+            n_pushes: 10,
+            rms: 0.1,
+            rms_elsewhere: 0.01,
+            error_share,
+            step_share: 0.05,
+        })
+    }
+
+    #[test]
+    fn structure_is_left_if_it_is_sure_and_matters() {
+        assert!(left(0.01, 0.2, 1.0).is_left() && left(0.001, 0.0, 1.15).is_left());
+        assert!(!left(0.02, 0.5, 1.4).is_left() && !left(0.001, 0.19, 1.14).is_left());
+        assert!(!Left { p: None, ..left(0.0, 0.5, 1.4) }.is_left());
+        assert!(left(0.05, 0.1, 1.0).is_hint() && left(0.03, 0.0, 1.2).is_hint());
+        assert!(!left(0.06, 0.5, 1.4).is_hint() && !left(0.001, 0.09, 1.1).is_hint());
+    }
+
+    #[test]
+    fn errors_that_gather_are_left_whatever_their_sign() {
+        let scatters = Left { gathered: gathered(0.3), ..left(0.6, 0.0, 1.2) };
+        assert!(scatters.scatters() && scatters.is_left());
+        assert_eq!(scatters.told().as_deref(), Some("misses a corner"));
+        let signed = Left { gathered: gathered(0.3), ..left(0.001, 0.3, 1.2) };
+        assert_eq!(signed.told().as_deref(), Some("turns too far"));
+        for nothing in [
+            Left { gathered: gathered(0.1), ..left(0.6, 0.0, 1.2) },
+            Left { gathered: gathered(0.3), ..left(0.6, 0.0, 1.1) },
+        ] {
+            assert!(!nothing.is_left() && nothing.told().is_none());
+        }
+    }
+
+    #[test]
+    fn pushes_that_are_missed_by_far_are_a_hint_without_any_structure() {
+        let far = left(0.9, 0.0, 1.5);
+        assert!(far.is_far_off() && far.is_hint() && !far.is_left());
+        assert!(!left(0.9, 0.0, 1.49).is_hint());
+    }
+}

@@ -31,17 +31,19 @@ pub(super) enum Objection {
 }
 
 impl Objection {
-    /// Whether the effect may be missing none the less: not one that is seen and does not matter.
+    /// Whether the effect may be missing none the less: not one that is seen and does not matter, nor
+    /// one that a fit takes for chance or that pushes set aside do not miss.
     pub(super) fn is_hint(&self) -> bool {
-        let does_not_matter = matches!(
-            self,
+        match self {
             Self::Small { .. }
-                | Self::LittleMore { .. }
-                | Self::WithinTolerance { .. }
-                | Self::Superfluous
-                | Self::MeanFriction
-        );
-        !does_not_matter
+            | Self::LittleMore { .. }
+            | Self::WithinTolerance { .. }
+            | Self::Superfluous
+            | Self::MeanFriction => false,
+            Self::NotSure { p } => *p <= Rules::HINT,
+            Self::NotConfirmed { gain } => gain.mean >= gain.se,
+            Self::NotPredictive { .. } | Self::Undetermined { .. } | Self::Unsettled { .. } => true,
+        }
     }
 }
 
@@ -231,5 +233,8 @@ mod tests {
         assert!(!Objection::Small { size: 0.1 }.is_hint());
         assert!(!Objection::Superfluous.is_hint());
         assert!(Objection::NotSure { p: 0.02 }.is_hint());
+        assert!(!Objection::NotSure { p: 0.08 }.is_hint());
+        let not_confirmed = |mean, se| Objection::NotConfirmed { gain: Gain { mean, se } };
+        assert!(not_confirmed(18.0, 8.0).is_hint() && !not_confirmed(-7.0, 6.0).is_hint());
     }
 }

@@ -221,7 +221,9 @@ impl Ending<'_> {
             let information = rows.map(of_row).sum::<f64>() / robust.scale().powi(2);
             2.0 * coordinate.secant * information.sqrt() > 1.0
         };
-        let is_seen = columns.iter().zip(&member.coordinates).all(shows);
+        let coordinates = columns.iter().zip(&member.coordinates).enumerate();
+        let mut sizes = coordinates.filter(|(k, _)| is_size(member, *k)).map(|(_, pair)| pair);
+        let is_seen = sizes.all(shows);
         (!is_seen).then_some(Undetermined::Invisible)
     }
 
@@ -334,11 +336,14 @@ fn alike(resemblances: &[Resemblance]) -> Option<Undetermined> {
     (correlation > ALIKE).then_some(Undetermined::LooksLike { other, correlation, when })
 }
 
+/// A size that the data leave open; a reference, as the speed at which a law sets in, may be.
 fn open(member: &Member, parameters: &[ParameterFit], has_intervals: bool) -> Option<Undetermined> {
     let switches = member.switches();
-    let open = parameters.iter().zip(switches).find(|(parameter, is_switch)| {
+    let mut sizes =
+        parameters.iter().zip(switches).enumerate().filter(|(k, _)| is_size(member, *k));
+    let open = sizes.find(|(_, (parameter, is_switch))| {
         let is_at_bound = parameter.se == 0.0;
         !is_switch && (is_at_bound || (has_intervals && parameter.interval.is_none()))
     });
-    open.map(|(parameter, _)| Undetermined::Open { parameter: parameter.name })
+    open.map(|(_, (parameter, _))| Undetermined::Open { parameter: parameter.name })
 }

@@ -37,7 +37,8 @@ impl Source<'_> {
             "hybrid" => Ok(Base::Hybrid(self.analytical(&raw.base)?)),
             _ => {
                 self.without_mechanics(raw.base.get_ref())?;
-                Ok(Base::Process(ProcessKind::by_id(kind).unwrap_or_default()))
+                let process = ProcessKind::by_id(kind);
+                Ok(Base::Process(process.expect("every kind without mechanics is a process")))
             }
         }
     }

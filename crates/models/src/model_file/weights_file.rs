@@ -73,8 +73,9 @@ fn kind(
         }
         (_, None) => Ok(ProcessKind::default()),
         (_, Some(process)) => {
-            source.expect(process, key, &ProcessKind::ALL.map(ProcessKind::id))?;
-            Ok(ProcessKind::by_id(process.get_ref()).unwrap_or_default())
+            let allowed = ProcessKind::ALL.map(ProcessKind::id);
+            ProcessKind::by_id(process.get_ref())
+                .ok_or_else(|| source.unknown(process, key, &allowed))
         }
     }
 }
