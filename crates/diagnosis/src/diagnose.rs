@@ -3,6 +3,7 @@
 mod answer;
 mod conclusion;
 mod confirmation;
+mod far_off;
 mod findings;
 mod leftover;
 mod members;

@@ -1,6 +1,6 @@
 //! What a model says of observed steps.
 
-use effects::Effect;
+use effects::{Effect, by_id};
 use models::{
     Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelError, Noise,
 };
@@ -49,15 +49,8 @@ impl Predictions {
         };
         let values = predict(model)?;
         let mut variances = vec![[0.0; 7]; values.len()];
-        for ends in secants(model, base) {
-            // A value at the end of its range has a secant on one side alone.
-            let [low, high] = ends.map(|end| predict(&end?));
-            let (low, high, width) = match (low, high) {
-                (Ok(low), Ok(high)) => (low, high, 2.0),
-                (Ok(low), Err(_)) => (low, values.clone(), 1.0),
-                (Err(_), Ok(high)) => (values.clone(), high, 1.0),
-                (Err(error), Err(_)) => return Err(error.into()),
-            };
+        for Uncertain { ends, width } in uncertain(model, base, own)? {
+            let [low, high] = [predict(&ends[0])?, predict(&ends[1])?];
             for (variance, (low, high)) in variances.iter_mut().zip(low.iter().zip(&high)) {
                 (0..7).for_each(|k| variance[k] += ((high[k] - low[k]) / width).powi(2));
             }
@@ -116,38 +109,113 @@ impl Predictions {
     }
 }
 
-/// The model with each of its uncertain parameters a standard error lower and higher.
-fn secants(model: &Description, base: &Analytical) -> Vec<[Result<Description, ModelError>; 2]> {
-    let mut ends = Vec::new();
-    let moved = |estimate: &Estimate, sign: f64| Estimate {
-        value: estimate.value + sign * estimate.se,
-        ..estimate.clone()
-    };
-    let surface = base.surface();
+/// The model with one of its numbers a standard error lower and higher, or as far as its range goes.
+struct Uncertain {
+    ends: [Description; 2],
+    /// From one end to the other, in standard errors.
+    width: f64,
+}
+
+/// One for each number of a model that has a standard error.
+fn uncertain(
+    model: &Description,
+    base: &Analytical,
+    own: &[&'static dyn Effect],
+) -> Result<Vec<Uncertain>, ModelError> {
+    let mut all = Vec::new();
     let with_base = |friction: Estimate, length: CharacteristicLength| {
-        let base = Analytical::new(friction, length, *base.scatter())?;
-        let base = base.with_surface(surface)?;
+        let moved = Analytical::new(friction, length, *base.scatter())?;
+        let base = moved.with_surface(base.surface())?;
         Ok(Description { base: Base::Analytical(base), ..model.clone() })
     };
     let friction = base.pusher_friction();
-    if friction.se > 0.0 {
-        ends.push([-1.0, 1.0].map(|sign| with_base(moved(friction, sign), base.length().clone())));
-    }
-    if let CharacteristicLength::Given(length) = base.length()
-        && length.se > 0.0
-    {
-        let given = |sign| CharacteristicLength::Given(moved(length, sign));
-        ends.push([-1.0, 1.0].map(|sign| with_base(friction.clone(), given(sign))));
+    let of_friction = |moved| with_base(moved, base.length().clone());
+    all.extend(Uncertain::of(friction, (0.0, f64::INFINITY), of_friction)?);
+    if let CharacteristicLength::Given(length) = base.length() {
+        let of_length = |moved| with_base(friction.clone(), CharacteristicLength::Given(moved));
+        all.extend(Uncertain::of(length, (LEAST_LENGTH * length.value, f64::INFINITY), of_length)?);
     }
     for (index, effect) in model.effects.iter().enumerate() {
-        for (name, estimate) in effect.parameters.iter().filter(|(_, known)| known.se > 0.0) {
-            let end = |sign: f64| {
+        let known = own.iter().copied().find(|own| own.about().id == effect.id);
+        let about = known.map_or_else(|| by_id(&effect.id), Ok)?.about();
+        for parameter in about.parameters {
+            let Some(estimate) = effect.parameters.get(parameter.name) else { continue };
+            let of_effect = |moved| {
                 let mut model = model.clone();
-                model.effects[index].parameters.insert(name.clone(), moved(estimate, sign));
+                model.effects[index].parameters.insert(parameter.name.to_owned(), moved);
                 Ok(model)
             };
-            ends.push([end(-1.0), end(1.0)]);
+            all.extend(Uncertain::of(estimate, parameter.range, of_effect)?);
         }
     }
-    ends
+    Ok(all)
+}
+
+/// Least length of a secant's end, as a share of its value.
+const LEAST_LENGTH: f64 = 0.1;
+
+impl Uncertain {
+    /// None for a number without a standard error.
+    fn of(
+        estimate: &Estimate,
+        (least, most): (f64, f64),
+        with: impl Fn(Estimate) -> Result<Description, ModelError>,
+    ) -> Result<Option<Self>, ModelError> {
+        let Estimate { value, se, .. } = *estimate;
+        let [low, high] = [(value - se).max(least), (value + se).min(most)];
+        if se <= 0.0 || high <= low {
+            return Ok(None);
+        }
+        let moved = |value| with(Estimate { value, ..estimate.clone() });
+        Ok(Some(Self { ends: [moved(low)?, moved(high)?], width: (high - low) / se }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Predictions, uncertain};
+    use crate::synthetic::made;
+    use models::{Analytical, Base, Description, Estimate, ModelEffect, PushModel};
+    use nalgebra::Matrix3;
+
+    /// A model whose tilt is known to ± `se`, with scatter.
+    fn tilted(se: f64) -> Description {
+        let plain = Analytical::nominal(0.25).unwrap();
+        let scatter = Matrix3::identity() * 1e-8;
+        let friction = plain.pusher_friction().clone();
+        let base = Analytical::new(friction, plain.length().clone(), scatter).unwrap();
+        let mut model = base.describe().unwrap();
+        let known = |value, se| Estimate { value, se, source: String::new() };
+        let parameters = [("ax", known(0.05, se)), ("ay", known(0.0, 0.0))];
+        let parameters = parameters.map(|(name, value)| (name.to_owned(), value)).into();
+        model.effects = vec![ModelEffect { id: "table-tilt".to_owned(), parameters }];
+        model
+    }
+
+    fn widest(se: f64) -> f64 {
+        let (observations, ..) = made(0, |_| 0.0);
+        let found = Predictions::of(&tilted(se), &[], &observations).unwrap();
+        let variances = found.variances.iter().map(|of| of[2].unwrap());
+        variances.fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn what_is_not_well_known_widens_a_prediction() {
+        let scatter = 1e-8 * 0.004_f64.powi(2);
+        let [none, little, more] = [0.0, 0.001, 0.002].map(widest);
+        assert!((none / scatter - 1.0).abs() < 1e-6, "{none}");
+        assert!(((more - none) / (little - none) / 4.0 - 1.0).abs() < 0.05);
+    }
+
+    #[test]
+    fn what_is_hardly_known_at_all_is_asked_within_its_range() {
+        let model = tilted(1e3);
+        let Base::Analytical(base) = &model.base else { unreachable!("it was made analytical") };
+        let all = uncertain(&model, base, &[]).unwrap();
+        let ends: Vec<f64> =
+            all[0].ends.iter().map(|end| end.effects[0].parameters["ax"].value).collect();
+        let (low, high) = effects::by_id("table-tilt").unwrap().about().parameters[0].range;
+        assert_eq!((all.len(), ends), (1, vec![low, high]));
+        assert!(widest(1e3).is_finite());
+    }
 }

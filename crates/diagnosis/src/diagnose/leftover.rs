@@ -1,5 +1,6 @@
 //! What the best model leaves over.
 
+use super::far_off::{Shared, shared_by_far_off};
 use super::rules::Rules;
 use super::scatter::gathered_again;
 use super::search::Found;
@@ -21,6 +22,8 @@ pub(super) struct Left {
     rms: f64,
     /// Where errors gather that may have no sign of their own.
     gathered: Option<Concentration>,
+    /// What pushes that are missed by far have in common, if anything.
+    shared: Option<Shared>,
 }
 
 /// Structure that matters is 0.6 of the noise: it adds a sixth to the whitened error, or is a fifth of
@@ -46,13 +49,15 @@ pub(super) fn leftover(
     let share = sure.clone().map(|finding| finding.share).fold(0.0, f64::max);
     let sentence = sure.map(|finding| finding.sentence.clone()).next();
     let gathered = gathered_again(found, (fitted, aside), &floor, settings)?;
-    Ok(Left { p, sentence, share, rms: found.error.after, gathered })
+    let shared = shared_by_far_off(found, [fitted, aside], settings)?;
+    let shared = shared.filter(|shared| shared.p <= Rules::NAME);
+    Ok(Left { p, sentence, share, rms: found.error.after, gathered, shared })
 }
 
 impl Left {
     /// Whether something is left that matters.
     pub(super) fn is_left(&self) -> bool {
-        self.has_structure() || self.scatters()
+        self.has_structure() || self.scatters() || self.shared.is_some()
     }
 
     fn has_structure(&self) -> bool {
@@ -87,10 +92,12 @@ impl Left {
     /// Where something is left, in words.
     pub(super) fn told(&self) -> Option<String> {
         let gathered = || self.gathered.as_ref().map(|region| region.sentence.clone());
-        match (self.has_structure(), self.scatters()) {
-            (true, _) => self.sentence.clone().or_else(gathered),
-            (false, true) => gathered(),
-            (false, false) => None,
+        if self.has_structure() {
+            self.sentence.clone().or_else(gathered)
+        } else if self.scatters() {
+            gathered()
+        } else {
+            self.shared.as_ref().map(Shared::sentence)
         }
     }
 }
@@ -101,7 +108,14 @@ mod tests {
     use crate::{Concentration, Condition, Covariate};
 
     fn left(p: f64, share: f64, rms: f64) -> Left {
-        Left { p: Some(p), sentence: Some("turns too far".to_owned()), share, rms, gathered: None }
+        Left {
+            p: Some(p),
+            sentence: Some("turns too far".to_owned()),
+            share,
+            rms,
+            gathered: None,
+            shared: None,
+        }
     }
 
     fn gathered(error_share: f64) -> Option<Concentration> {

@@ -88,27 +88,23 @@ fn with_size(effect: &EffectFinding) -> String {
     if sizes.is_empty() { name } else { format!("{name}: {}", sizes.join(", ")) }
 }
 
+/// As "ratio 1.34 (1.31 to 1.37)"; a speed at which a law sets in may be left open.
 fn size(parameter: &ParameterFinding) -> Option<String> {
     let (unit, scale) = match parameter.unit.as_str() {
-        "m" => (" mm", 1e3),
-        "rad" => ("°", 180.0 / std::f64::consts::PI),
-        "s" => (" ms", 1e3),
-        "m/s" => (" mm/s", 1e3),
-        "1" => ("", 1.0),
-        other => return plain(parameter, other),
+        "m" => (" mm".to_owned(), 1e3),
+        "rad" => ("°".to_owned(), 180.0 / std::f64::consts::PI),
+        "s" => (" ms".to_owned(), 1e3),
+        "m/s" => (" mm/s".to_owned(), 1e3),
+        "1" => (String::new(), 1.0),
+        other => (format!(" {other}"), 1.0),
     };
-    let value = parameter.estimate? * scale;
-    let ends = parameter.low95.zip(parameter.high95);
-    let ends =
-        ends.map(|(low, high)| format!(" ({} to {})", rounded(low * scale), rounded(high * scale)));
-    Some(format!("{} {}{unit}{}", parameter.name, rounded(value), ends.unwrap_or_default()))
-}
-
-fn plain(parameter: &ParameterFinding, unit: &str) -> Option<String> {
-    let ends = parameter.low95.zip(parameter.high95);
-    let ends = ends.map(|(low, high)| format!(" ({} to {})", rounded(low), rounded(high)));
-    let value = rounded(parameter.estimate?);
-    Some(format!("{} {value} {unit}{}", parameter.name, ends.unwrap_or_default()))
+    let value = rounded(parameter.estimate? * scale);
+    let ends = match parameter.low95.zip(parameter.high95) {
+        Some((low, high)) => format!(" ({} to {})", rounded(low * scale), rounded(high * scale)),
+        None if parameter.off.is_none() => " (left open)".to_owned(),
+        None => String::new(),
+    };
+    Some(format!("{} {value}{unit}{ends}", parameter.name))
 }
 
 /// Three significant digits.
@@ -122,7 +118,26 @@ fn rounded(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::rounded;
+    use super::{rounded, size};
+    use crate::ParameterFinding;
+
+    #[test]
+    fn a_size_is_told_with_its_interval_or_that_it_is_open() {
+        let found = |unit: &str, ends: Option<(f64, f64)>, off| ParameterFinding {
+            name: "v0".to_owned(),
+            unit: unit.to_owned(),
+            off,
+            estimate: Some(0.00226),
+            se: Some(0.003),
+            low95: ends.map(|ends| ends.0),
+            high95: ends.map(|ends| ends.1),
+            smallest_detectable: None,
+        };
+        let told = |unit, ends, off| size(&found(unit, ends, off)).unwrap();
+        assert_eq!(told("m/s", Some((0.001, 0.01)), None), "v0 2.26 mm/s (1.00 to 10.0)");
+        assert_eq!(told("m/s", None, None), "v0 2.26 mm/s (left open)");
+        assert_eq!(told("m/s²", None, Some(0.0)), "v0 0.00226 m/s²");
+    }
 
     #[test]
     fn sizes_have_three_digits() {
