@@ -63,8 +63,9 @@ pub enum DiagnosisError {
     /// Hardly any push can be done within the limits.
     #[error(
         "{n_feasible} of {n_candidates} pushes of {:.0} mm can be done where the object stays within \
-         {:.0} × {:.0} mm and off its vertices; allow a larger area or a shorter way",
-        1e3 * travel, 1e3 * area[0], 1e3 * area[1]
+         {:.0} × {:.0} mm and off its vertices; allow a larger area or another way: slow pushes \
+         need {:.0} mm for four steps, fast ones more",
+        1e3 * travel, 1e3 * area[0], 1e3 * area[1], 1e3 * shortest
     )]
     NoFeasiblePush {
         /// How many were tried.
@@ -73,6 +74,8 @@ pub enum DiagnosisError {
         n_feasible: usize,
         /// Way of a push, in m.
         travel: f64,
+        /// Way that holds the fewest steps that are of use, in m.
+        shortest: f64,
         /// Extents of the area, in m.
         area: [f64; 2],
     },

@@ -26,7 +26,7 @@ impl Search<'_> {
         last_screen: Screen,
         noise: NoiseModel,
     ) -> Result<Found, DiagnosisError> {
-        let numbers = self.wrong_numbers(here, &mut progress.refused)?;
+        let numbers = self.wrong_numbers(here, &mut progress, &last_screen)?;
         let as_choice = |id: &&'static str| Choice { id, p_adjusted: 1.0, rivals: Vec::new() };
         progress.chosen.splice(..0, numbers.iter().map(as_choice));
         let whole = here.asking(&ids(&progress.chosen)).settled()?;
@@ -46,29 +46,60 @@ impl Search<'_> {
         })
     }
 
-    /// Nominal numbers that are off by more than their tolerance and matter.
+    /// Nominal numbers that are off by more than their tolerance and matter, whichever effect of a
+    /// group is the one.
     fn wrong_numbers(
         &self,
         here: &Refit,
-        refused: &mut Vec<Refused>,
+        progress: &mut Progress,
+        screen: &Screen,
     ) -> Result<Vec<&'static str>, DiagnosisError> {
+        let settings = self.fit_settings(false);
+        let is_testable = |id: &str| {
+            screen.effects.iter().any(|effect| effect.id == id && effect.not_testable.is_none())
+        };
+        let is_asked = |nuisance: &NuisanceFit| is_wrong(nuisance) && is_testable(nuisance.id);
+        let wrong: Vec<NuisanceFit> =
+            here.fit(&settings)?.nuisances.into_iter().filter(is_asked).collect();
+        let others =
+            if wrong.is_empty() { Vec::new() } else { self.beside_rivals(here, progress)? };
         let mut claimed = Vec::new();
-        for nuisance in here.fit(&self.fit_settings(false))?.nuisances {
-            if !is_wrong(&nuisance) {
-                continue;
-            }
-            let size = here.size_against(nuisance.id, &[nuisance.nominal])?;
+        for nuisance in wrong {
+            let id = nuisance.id;
+            let is_right_beside = |one: &&(&'static str, Vec<&'static str>)| !one.1.contains(&id);
+            let size = here.size_against(id, &[nuisance.nominal])?;
             let objection = if size < Rules::SIZE {
                 Some(Objection::Small { size })
+            } else if is_mean_friction(here, &nuisance) {
+                Some(Objection::MeanFriction)
             } else {
-                is_mean_friction(here, &nuisance).then_some(Objection::MeanFriction)
+                let right = others.iter().find(is_right_beside);
+                right.map(|(rival, _)| Objection::RightBeside { rival })
             };
             match objection {
-                Some(objection) => refused.push(Refused { id: nuisance.id, objection }),
-                None => claimed.push(nuisance.id),
+                Some(objection) => progress.refused.push(Refused { id, objection }),
+                None => claimed.push(id),
             }
         }
         Ok(claimed)
+    }
+
+    /// The nominal numbers that are wrong with each other effect of a group in the place of the best.
+    fn beside_rivals(
+        &self,
+        here: &Refit,
+        progress: &Progress,
+    ) -> Result<Vec<(&'static str, Vec<&'static str>)>, DiagnosisError> {
+        let mut found = Vec::new();
+        for choice in &progress.chosen {
+            for rival in &choice.rivals {
+                let Some(there) = self.with_instead(here, choice.id, rival)? else { continue };
+                let nuisances = there.fit(&self.fit_settings(false))?.nuisances;
+                let wrong = nuisances.iter().filter(|one| is_wrong(one)).map(|one| one.id);
+                found.push((*rival, wrong.collect()));
+            }
+        }
+        Ok(found)
     }
 
     /// The fit with intervals, without effects that it leaves open.
@@ -127,11 +158,39 @@ impl Search<'_> {
                 return Ok(Confirmed { accepted, error, descriptions });
             };
             let (id, objection) = (*id, Objection::NotConfirmed { gain: *gain });
-            progress.chosen.retain(|one| one.id != id);
             progress.refused.push(Refused { id, objection });
-            whole = whole.without(&[id])?;
+            whole = match self.next_of_group(&whole, id, progress)? {
+                Some(other) => other,
+                None => {
+                    progress.chosen.retain(|one| one.id != id);
+                    whole.without(&[id])?
+                }
+            };
             fit = whole.fit(&self.fit_settings(true))?;
         }
+    }
+}
+
+impl Search<'_> {
+    /// The model with the next effect of a group in the place of one that is not confirmed; none
+    /// where there is no other.
+    fn next_of_group<'a>(
+        &self,
+        whole: &Refit<'a>,
+        id: &'static str,
+        progress: &mut Progress,
+    ) -> Result<Option<Refit<'a>>, DiagnosisError> {
+        let Some(choice) = progress.chosen.iter_mut().find(|one| one.id == id) else {
+            return Ok(None);
+        };
+        while !choice.rivals.is_empty() {
+            let rival = choice.rivals.remove(0);
+            if let Some(other) = self.with_instead(whole, id, rival)? {
+                choice.id = rival;
+                return other.asking(&[rival]).settled().map(Some);
+            }
+        }
+        Ok(None)
     }
 }
 

@@ -24,6 +24,7 @@ pub(super) enum Objection {
     Undetermined { why: String },
     WithinTolerance { parameter: &'static str },
     MeanFriction,
+    RightBeside { rival: &'static str },
     NotPredictive { gain: Gain },
     NotConfirmed { gain: Gain },
     Superfluous,
@@ -42,7 +43,10 @@ impl Objection {
             | Self::MeanFriction => false,
             Self::NotSure { p } => *p <= Rules::HINT,
             Self::NotConfirmed { gain } => gain.mean >= gain.se,
-            Self::NotPredictive { .. } | Self::Undetermined { .. } | Self::Unsettled { .. } => true,
+            Self::NotPredictive { .. }
+            | Self::RightBeside { .. }
+            | Self::Undetermined { .. }
+            | Self::Unsettled { .. } => true,
         }
     }
 }
@@ -142,6 +146,9 @@ impl fmt::Display for Objection {
             Self::MeanFriction => f.write_str(
                 "it is between friction along the grain and across, either of which may be nominal",
             ),
+            Self::RightBeside { rival } => {
+                write!(f, "its nominal value is right if {rival} is the one of its group")
+            }
             Self::NotPredictive { gain } => {
                 let Gain { mean, se } = gain;
                 write!(f, "pushes left out of the fit gain {mean:.1} ± {se:.1} nats alone")

@@ -79,12 +79,12 @@ pub(super) struct Progress {
 }
 
 /// An effect tried beside a model.
-struct Tried<'a> {
-    trial: Trial<'a>,
+pub(super) struct Tried<'a> {
+    pub(super) trial: Trial<'a>,
     /// The model without it, where its nominal value was a nuisance before.
     without: Option<Refit<'a>>,
     /// What it changes, over the noise.
-    size: f64,
+    pub(super) size: f64,
 }
 
 /// Effects that are tried after a screen, the strongest first.
@@ -179,18 +179,11 @@ impl Search<'_> {
     ) -> Result<Vec<Tried<'a>>, DiagnosisError> {
         let mut tried = Vec::new();
         for id in self.worth_a_trial(screen, progress) {
-            let Some(effect) = self.effect(id) else { continue };
-            let trial = match here.trial(effect) {
-                Ok(trial) => trial,
-                Err(why) => {
-                    let objection = Objection::Unsettled { why: why.to_string() };
-                    progress.refused.push(Refused { id, objection });
-                    continue;
-                }
-            };
-            let without = if here.has(id) { Some(here.without(&[id])?) } else { None };
-            let size = without.as_ref().unwrap_or(here).size_of(&trial)?;
-            tried.push(Tried { trial, without, size });
+            tried.extend(self.try_one(here, id, &mut progress.refused)?);
+        }
+        // Numbers left open may hide from a screen what explains as much as the best.
+        for id in self.alike_the_best(&tried, screen, progress) {
+            tried.extend(self.try_one(here, id, &mut progress.refused)?);
         }
         let least = tried.iter().map(Tried::cost).fold(f64::INFINITY, f64::min);
         let near = FINALIST.0.max(FINALIST.1 * (here.misfit() - least));
@@ -207,18 +200,39 @@ impl Search<'_> {
         Ok(tried)
     }
 
+    /// An effect near its minimum beside a model; none, and noted, where it cannot be predicted.
+    fn try_one<'a>(
+        &self,
+        here: &Refit<'a>,
+        id: &'static str,
+        refused: &mut Vec<Refused>,
+    ) -> Result<Option<Tried<'a>>, DiagnosisError> {
+        let Some(effect) = self.effect(id) else { return Ok(None) };
+        let trial = match here.trial(effect) {
+            Ok(trial) => trial,
+            Err(why) => {
+                let objection = Objection::Unsettled { why: why.to_string() };
+                refused.push(Refused { id, objection });
+                return Ok(None);
+            }
+        };
+        let without = if here.has(id) { Some(here.without(&[id])?) } else { None };
+        let size = without.as_ref().unwrap_or(here).size_of(&trial)?;
+        Ok(Some(Tried { trial, without, size }))
+    }
+
+    /// Whether every fit leaves the effect's numbers open without any prior.
+    pub(super) fn is_nominal(&self, id: &str) -> bool {
+        self.settings.screen.tolerances.of(id) == Some(f64::INFINITY)
+    }
+
     /// The strongest effects of a screen, and what looks like the very strongest.
     fn worth_a_trial(&self, screen: &Screen, progress: &Progress) -> Vec<&'static str> {
         let largest = screen.effects.iter().map(|effect| effect.statistic).fold(0.0, f64::max);
-        let is_nominal = |id: &str| self.settings.screen.tolerances.of(id) == Some(f64::INFINITY);
-        let is_dropped = |id: &str| {
-            let mut refused = progress.refused.iter();
-            refused.any(|one| one.id == id && one.objection == Objection::Superfluous)
-        };
         let is_worth = |effect: &&crate::ScreenedEffect| {
             effect.not_testable.is_none()
-                && !is_nominal(effect.id)
-                && !is_dropped(effect.id)
+                && !self.is_nominal(effect.id)
+                && !progress.was_superfluous(effect.id)
                 && effect.p_adjusted <= Rules::HINT
                 && effect.statistic >= LEAST_SHARE * largest
         };
@@ -252,7 +266,7 @@ impl Search<'_> {
                 return Ok(without);
             }
         }
-        Ok(there)
+        self.with_a_rival(there, progress)
     }
 
     /// The model at its minimum as a screen takes it: what is known beforehand of small nuisances
@@ -285,50 +299,17 @@ impl Search<'_> {
         Ok((noise, whitening, screen))
     }
 
-    /// Effects that explain nearly as much as one of those tried: within [`Rules::APART`] in twice the
-    /// log likelihood; of known look-alikes within a share of what it explains, for a model of a rig
-    /// is not true enough to tell them apart by less.
-    ///
-    /// What still explains half as much beside the one that was added is another effect, not a rival.
-    fn rivals(
-        &self,
-        tried: &[Tried],
-        best: usize,
-        without: &Refit,
-        there: &Refit,
-    ) -> Result<Vec<&'static str>, DiagnosisError> {
-        let (winner, apart) = (&tried[best].trial, Rules::APART * there.scale().powi(2));
-        let of_alike = Rules::SHARE_APART * (without.misfit() - winner.misfit());
-        let mut rivals = Vec::new();
-        for (index, Tried { trial: other, .. }) in tried.iter().enumerate() {
-            let bound = match self.are_known_alike(winner.id(), other.id()) {
-                true => apart.max(of_alike),
-                false => apart,
-            };
-            if index == best || other.misfit() >= winner.misfit() + bound {
-                continue;
-            }
-            let alone = without.misfit() - other.misfit();
-            let beside = there.misfit() - there.trial(other.effect)?.misfit();
-            if beside < Rules::OWN_SHARE * alone {
-                rivals.push(other.id());
-            }
-        }
-        Ok(rivals)
-    }
-
-    /// Whether one of two effects is documented to look like the other.
-    fn are_known_alike(&self, one: &str, other: &str) -> bool {
-        let names = |id: &str, other: &str| {
-            let about = self.effect(id).map(Effect::about);
-            about.is_some_and(|about| about.look_alikes.iter().any(|alike| alike.id == other))
-        };
-        names(one, other) || names(other, one)
-    }
-
-    fn effect(&self, id: &str) -> Option<&'static dyn Effect> {
+    pub(super) fn effect(&self, id: &str) -> Option<&'static dyn Effect> {
         let mut own = self.settings.own.iter().copied();
         own.find(|effect| effect.about().id == id).or_else(|| by_id(id).ok())
+    }
+}
+
+impl Progress {
+    /// Whether an effect was taken out again because later ones explain what it did.
+    pub(super) fn was_superfluous(&self, id: &str) -> bool {
+        let mut refused = self.refused.iter();
+        refused.any(|one| one.id == id && one.objection == Objection::Superfluous)
     }
 }
 
@@ -338,7 +319,7 @@ pub(super) fn ids(chosen: &[Choice]) -> Vec<&'static str> {
 
 impl Tried<'_> {
     /// What is minimised, with a price for each number.
-    fn cost(&self) -> f64 {
+    pub(super) fn cost(&self) -> f64 {
         self.trial.misfit() + 2.0 * self.trial.freedom as f64
     }
 }

@@ -1,6 +1,7 @@
 //! What the rig has done, and may be asked to do.
 
 use super::SuggestSettings;
+use super::route::SHORTEST_WAY;
 use crate::Observations;
 use crate::coverage::Coverage;
 use crate::steady_ingest::FIRST_WAY;
@@ -20,8 +21,8 @@ pub(super) struct Reach {
 
 /// Of any rig, in m/s.
 const SPEEDS: [f64; 2] = [0.005, 0.5];
-/// Of pushes with several steps, in m.
-const TRAVELS: [f64; 2] = [0.02, 0.1];
+/// The longest way that is usual, in m.
+const LONGEST: f64 = 0.1;
 
 impl Reach {
     /// What the set has covered, where the settings say nothing else.
@@ -65,5 +66,5 @@ fn usual_travel(observations: &Observations) -> f64 {
         ways[*push] += observations.way(step);
     }
     ways.sort_by(f64::total_cmp);
-    (1e3 * ways[ways.len() / 2].clamp(TRAVELS[0], TRAVELS[1])).round() / 1e3
+    (1e3 * ways[ways.len() / 2].clamp(SHORTEST_WAY, LONGEST)).round() / 1e3
 }

@@ -43,6 +43,8 @@ const APPROACH: f64 = 0.01;
 const ACCELERATION: f64 = 1.0;
 /// Steps of a push that is worth doing.
 const FEWEST_STEPS: usize = 4;
+/// Way that holds them behind the first touch, in m, unless a push is fast.
+pub(super) const SHORTEST_WAY: f64 = FIRST_WAY + FEWEST_STEPS as f64 * STEP_WAY;
 /// Feasible pushes without which there is no choice.
 const FEWEST_ROUTES: usize = 8;
 /// What an expected path may stand out of the area by, in m.
@@ -75,6 +77,7 @@ pub(super) fn candidates(
             n_candidates: settings.n_candidates,
             n_feasible: routes.len(),
             travel: reach.travel,
+            shortest: SHORTEST_WAY,
             area: reach.area.map(|[low, high]| high - low),
         });
     }

@@ -114,3 +114,74 @@ fn a_second_set_confirms_what_is_fitted_to_all_of_the_first() {
     set.done(&["generate", "other", "--shape", "tri1", "--pushes", "8"]);
     assert!(refused("other").contains("its object has another outline"));
 }
+
+/// Pushes of edge 0 in one orientation at three places, fifteen of each.
+fn alike_pushes() -> String {
+    let header = "edge,p,angle_deg,speed_mm_s,travel_mm,x_mm,y_mm,theta_deg,repeat";
+    let places = [("0.35", "a"), ("0.5", "b"), ("0.65", "c")];
+    let push = |(p, repeat): &(&str, &str)| format!("0,{p},0,20,25,0,0,0,{repeat}");
+    let lines = places.iter().cycle().take(45).map(push);
+    [header.to_owned()].into_iter().chain(lines).collect::<Vec<_>>().join("\n")
+}
+
+/// The lines of a list of pushes by the columns of another.
+fn as_columns(list: &str, header: &str) -> Vec<String> {
+    let mut lines = list.lines().filter(|line| !line.starts_with('#'));
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let place = |name: &str| names.iter().position(|known| *known == name).unwrap();
+    let places: Vec<usize> = header.split(',').map(place).collect();
+    let line = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        places.iter().map(|place| cells[*place]).collect::<Vec<_>>().join(",")
+    };
+    lines.map(line).collect()
+}
+
+#[test]
+fn what_alike_pushes_leave_open_the_suggested_ones_decide() {
+    const TRUTH: &str = "friction-center-offset";
+    let set = SmallSet::new();
+    set.write("rig.toml", "[sensors.force]\nrate = 0.0\n");
+    set.write("alike.csv", &alike_pushes());
+    let generate = |name: &str, design: &str, seed: &str| {
+        let words = ["generate", name, "--settings", "rig.toml", "--design", design];
+        set.done(&[&words[..], &["--seed", seed, "--hidden", TRUTH, "--format", "csv"]].concat());
+    };
+    generate("few", "alike.csv", "302");
+    set.done(&["models", "init", "few"]);
+    set.done(&["add", "limit-surface-shape", "--set", "lambda=1", "-o", "patch.toml"]);
+    let diagnose = |name: &str| {
+        let words = ["diagnose", name, "--model", "patch.toml", "-o", "d.json", "--json"];
+        serde_json::from_str::<Value>(&set.done(&words).stdout).unwrap()
+    };
+    let found = diagnose("few");
+    assert_eq!(found["verdict"], "one_of", "{}", found["sentence"]);
+    assert_eq!(found["named"], json!([]));
+    let groups = found["one_of"].as_array().unwrap();
+    assert_eq!(groups.len(), 1, "{}", found["one_of"]);
+    let members: Vec<&str> =
+        groups[0].as_array().unwrap().iter().map(|id| id.as_str().unwrap()).collect();
+    assert!(members.len() > 1 && members.contains(&TRUTH), "{members:?}");
+    for member in &members {
+        let finding = effect(&found, member);
+        assert_eq!(finding["status"], "possible");
+        assert!(finding["parameters"][0]["estimate"].is_number(), "{finding}");
+    }
+
+    let words = ["suggest", "few", "--from", "d.json", "--model", "patch.toml", "-n", "20"];
+    set.done(&[&words[..], &["--area", "-100,100,-100,100", "-o", "more.csv"]].concat());
+    let alike = alike_pushes();
+    let header = alike.lines().next().unwrap();
+    let both = [alike.clone(), as_columns(&set.read("more.csv"), header).join("\n")].join("\n");
+    set.write("both.csv", &both);
+    generate("more", "both.csv", "303");
+    let found = diagnose("more");
+    assert_eq!((&found["named"], &found["one_of"]), (&json!([TRUTH]), &json!([])));
+    for (index, truth) in [(0, 8e-3), (1, -4e-3)] {
+        let parameter = &effect(&found, TRUTH)["parameters"][index];
+        let [low, high] = ["low95", "high95"].map(|end| parameter[end].as_f64().unwrap());
+        let tolerance = 1e-4;
+        assert!(low - tolerance < truth && truth < high + tolerance, "{parameter}");
+    }
+    assert!(found["error"]["gap_closed"].as_f64().unwrap() > 0.9, "{}", found["error"]);
+}
