@@ -26,7 +26,7 @@ impl Search<'_> {
         last_screen: Screen,
         noise: NoiseModel,
     ) -> Result<Found, DiagnosisError> {
-        let numbers = self.wrong_numbers(here, &mut progress, &last_screen)?;
+        let numbers = self.wrong_numbers(here, &mut progress)?;
         let as_choice = |id: &&'static str| Choice { id, p_adjusted: 1.0, rivals: Vec::new() };
         progress.chosen.splice(..0, numbers.iter().map(as_choice));
         let whole = here.asking(&ids(&progress.chosen)).settled()?;
@@ -52,13 +52,13 @@ impl Search<'_> {
         &self,
         here: &Refit,
         progress: &mut Progress,
-        screen: &Screen,
     ) -> Result<Vec<&'static str>, DiagnosisError> {
         let settings = self.fit_settings(false);
-        let is_testable = |id: &str| {
-            screen.effects.iter().any(|effect| effect.id == id && effect.not_testable.is_none())
-        };
-        let is_asked = |nuisance: &NuisanceFit| is_wrong(nuisance) && is_testable(nuisance.id);
+        // Later screens are of models that carry some of the numbers, and do not test those.
+        let screened = &progress.first_screen.effects;
+        let is_hidden =
+            |id: &str| screened.iter().any(|one| one.id == id && one.not_testable.is_some());
+        let is_asked = |nuisance: &NuisanceFit| is_wrong(nuisance) && !is_hidden(nuisance.id);
         let wrong: Vec<NuisanceFit> =
             here.fit(&settings)?.nuisances.into_iter().filter(is_asked).collect();
         let others =
