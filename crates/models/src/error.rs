@@ -172,12 +172,12 @@ pub enum ModelError {
     },
     /// A path begins within the object.
     #[error(
-        "the pusher starts {depth_mm:.2} mm inside the object; start the path outside, or move the \
-         object's start pose"
+        "the pusher starts {:.2} mm inside the object; start the path outside, or move the object's \
+         start pose", 1e3 * depth
     )]
     PusherInside {
-        /// How deep its surface is, in mm.
-        depth_mm: f64,
+        /// How deep its surface is, in m.
+        depth: f64,
     },
     /// A step of a roll-out is longer than those that a model has learnt.
     #[error(

@@ -224,7 +224,7 @@ impl RollOut<'_> {
         let gap = shape.contact(&center_b, *pusher_radius).gap;
         let RollOutSettings { touching, tolerance, .. } = self.settings;
         if shape.contains(&center_b) || (!touching && gap < -tolerance) {
-            return Err(ModelError::PusherInside { depth_mm: -1e3 * gap });
+            return Err(ModelError::PusherInside { depth: -gap });
         }
         let touches = *touching || gap <= 0.0;
         Ok(PushParticle::at(*start_wb, touches.then_some(gap)))
