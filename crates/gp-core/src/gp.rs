@@ -13,8 +13,8 @@ use crate::checks::{
 };
 use crate::cholesky::{Cholesky, solve_with};
 use crate::kernel::{column, column_mut, copy_row, fill_cross, fill_lower_gram, mirror_lower};
-use crate::likelihood::{COVARIANCE, Likelihood, solve_residual};
-use crate::vector::dot;
+use crate::likelihood::{COVARIANCE, Evaluator, Likelihood, solve_residual};
+use crate::vector::{add_multiple, add_square};
 use crate::{GpError, JointGaussian, Kernel, LeaveOneOut, Posterior};
 
 /// A Gaussian process conditioned on data: y = f(x) + noise, f ~ GP(m, k), noise ~ N(0, σₙ²).
@@ -213,14 +213,19 @@ impl Gp {
     /// # Errors
     /// `NotPositive` if the noise variance is 0, which has no logarithm.
     pub fn log_marginal_likelihood_gradient(&self) -> Result<Vec<f64>, GpError> {
+        let mut evaluator = self.evaluator()?;
+        evaluator.evaluate()?;
+        Ok(evaluator.gradient().to_vec())
+    }
+
+    /// The likelihood with its gradient again and again without allocating, as while learning.
+    ///
+    /// # Errors
+    /// As `log_marginal_likelihood_gradient`.
+    pub fn evaluator(&self) -> Result<Evaluator<'_>, GpError> {
         check_positive("noise variance", self.noise_variance)?;
-        let mut gradient = vec![0.0; self.kernel.parameters().len() + 1];
-        Likelihood::new(self.inputs(), &self.y, &self.row_noise, self.mean).evaluate(
-            &*self.kernel,
-            self.noise_variance,
-            &mut gradient,
-        )?;
-        Ok(gradient)
+        let likelihood = Likelihood::new(self.inputs(), &self.y, &self.row_noise, self.mean);
+        Ok(Evaluator::new(&*self.kernel, self.noise_variance, likelihood))
     }
 
     /// The prediction of every training row from all the others, in closed form; O(N³).
@@ -279,21 +284,21 @@ impl Gp {
         Ok(gradient)
     }
 
-    /// Mean and variance for the rows of a block, which shares one triangular solve.
+    /// Mean and variance for the rows of a block, which share one triangular solve.
     fn predict_block(&self, x_star: MatRef<'_, f64>, mean: &mut [f64], variance: &mut [f64]) {
-        let mut cross = Mat::zeros(self.y.len(), x_star.nrows());
-        fill_cross(&*self.kernel, self.inputs(), x_star, &mut cross);
-        for (j, mean) in mean.iter_mut().enumerate() {
-            *mean = self.constant + dot(column(&cross, j), &self.weights);
+        let mut cross = Mat::zeros(x_star.nrows(), self.y.len());
+        fill_cross(&*self.kernel, x_star, self.inputs(), &mut cross);
+        mean.fill(self.constant);
+        for (j, weight) in self.weights.iter().enumerate() {
+            add_multiple(mean, *weight, column(&cross, j));
         }
-        self.cholesky.solve_lower(cross.as_mut());
-        let mut row = vec![0.0; x_star.ncols()];
-        for (j, variance) in variance.iter_mut().enumerate() {
-            copy_row(x_star, j, &mut row);
-            let explained = dot(column(&cross, j), column(&cross, j));
-            // Rounding alone can make the difference of two nearly equal variances negative.
-            *variance = (self.kernel.value(&row, &row) - explained).max(0.0);
+        self.cholesky.solve_rows(cross.as_mut());
+        self.kernel.diagonal(x_star, variance);
+        for j in 0..cross.ncols() {
+            add_square(variance, -1.0, column(&cross, j));
         }
+        // Rounding alone can make the difference of two nearly equal variances negative.
+        variance.iter_mut().for_each(|variance| *variance = variance.max(0.0));
     }
 }
 
@@ -337,12 +342,13 @@ impl Posterior for Gp {
         check_inputs("inputs", x_star, self.n_inputs())?;
         let mut mean = vec![0.0; x_star.nrows()];
         mean.par_chunks_mut(BLOCK).enumerate().for_each(|(block, mean)| {
-            let mut values = vec![0.0; self.y.len()];
-            let mut row = vec![0.0; x_star.ncols()];
-            for (j, mean) in mean.iter_mut().enumerate() {
-                copy_row(x_star, block * BLOCK + j, &mut row);
-                self.kernel.column(self.inputs(), &row, &mut values);
-                *mean = self.constant + dot(&values, &self.weights);
+            let rows = x_star.subrows(block * BLOCK, mean.len());
+            let (mut values, mut b) = (vec![0.0; mean.len()], vec![0.0; x_star.ncols()]);
+            mean.fill(self.constant);
+            for (j, weight) in self.weights.iter().enumerate() {
+                copy_row(self.inputs(), j, &mut b);
+                self.kernel.column(rows, &b, &mut values);
+                add_multiple(mean, *weight, &values);
             }
         });
         Ok(mean)
@@ -384,4 +390,4 @@ impl Posterior for Gp {
 }
 
 /// Inputs predicted together; the results do not depend on who computes which block.
-const BLOCK: usize = 64;
+const BLOCK: usize = 128;

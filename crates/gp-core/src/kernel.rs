@@ -14,7 +14,8 @@ mod sum;
 
 use std::fmt::Debug;
 
-use faer::{Mat, MatRef};
+use faer::{Mat, MatMut, MatRef};
+use rayon::prelude::{IndexedParallelIterator, ParallelIterator};
 
 pub use self::active_inputs::ActiveInputs;
 pub use self::constant::Constant;
@@ -112,6 +113,20 @@ pub trait Kernel: Debug + Send + Sync {
         }
     }
 
+    /// `column_gradient` and `column_input_gradient` at once.
+    fn column_gradients(
+        &self,
+        x: MatRef<'_, f64>,
+        b: &[f64],
+        values: &[f64],
+        weights: &[f64],
+        gradient: &mut [f64],
+        input_gradient: &mut [f64],
+    ) {
+        self.column_gradient(x, b, values, weights, gradient);
+        self.column_input_gradient(x, b, values, weights, input_gradient);
+    }
+
     /// Writes k(xᵢ, xᵢ) into `values` for every row xᵢ of `x`.
     fn diagonal(&self, x: MatRef<'_, f64>, values: &mut [f64]) {
         let mut a = vec![0.0; x.ncols()];
@@ -201,13 +216,19 @@ pub fn cross(
 
 /// Writes the lower triangle of K(X, X), diagonal included; the rest is left as it is.
 pub fn fill_lower_gram(kernel: &dyn Kernel, x: MatRef<'_, f64>, matrix: &mut Mat<f64>) {
-    let mut b = vec![0.0; x.ncols()];
-    for j in 0..x.nrows() {
-        copy_row(x, j, &mut b);
-        let rows = x.subrows(j, x.nrows() - j);
-        kernel.column(rows, &b, &mut column_mut(matrix, j)[j..]);
-    }
+    matrix.par_col_chunks_mut(COLUMNS).enumerate().for_each(|(block, mut columns)| {
+        let mut b = vec![0.0; x.ncols()];
+        for k in 0..columns.ncols() {
+            let j = block * COLUMNS + k;
+            copy_row(x, j, &mut b);
+            let values = &mut column_of(columns.as_mut(), k)[j..];
+            kernel.column(x.subrows(j, values.len()), &b, values);
+        }
+    });
 }
+
+/// Columns of a matrix that one thread works on at once.
+pub(crate) const COLUMNS: usize = 64;
 
 /// Writes K(A, B).
 pub fn fill_cross(
@@ -252,6 +273,11 @@ pub fn column(matrix: &Mat<f64>, j: usize) -> &[f64] {
 /// # Panics
 /// If there is no column `j`.
 pub fn column_mut(matrix: &mut Mat<f64>, j: usize) -> &mut [f64] {
+    column_of(matrix.as_mut(), j)
+}
+
+/// A column of a part of an owned matrix as a mutable slice.
+pub(crate) fn column_of(matrix: MatMut<'_, f64>, j: usize) -> &mut [f64] {
     matrix
         .col_mut(j)
         .try_as_col_major_mut()
@@ -312,6 +338,18 @@ impl<K: Kernel + ?Sized> Kernel for Box<K> {
         gradient: &mut [f64],
     ) {
         (**self).column_input_gradient(x, b, values, weights, gradient);
+    }
+
+    fn column_gradients(
+        &self,
+        x: MatRef<'_, f64>,
+        b: &[f64],
+        values: &[f64],
+        weights: &[f64],
+        gradient: &mut [f64],
+        input_gradient: &mut [f64],
+    ) {
+        (**self).column_gradients(x, b, values, weights, gradient, input_gradient);
     }
 
     fn diagonal(&self, x: MatRef<'_, f64>, values: &mut [f64]) {

@@ -20,6 +20,7 @@ mod noise_bound;
 mod posterior;
 pub mod scores;
 mod search_space;
+pub mod triangle;
 pub mod vector;
 
 pub use bayesian_linear::BayesianLinear;
@@ -37,6 +38,7 @@ pub use kernel::{
 pub use learn::{HyperPrior, LearnOptions, LearnReport, StartReport, check_learnable};
 pub use learn_noise::HeteroscedasticReport;
 pub use leave_one_out::LeaveOneOut;
+pub use likelihood::Evaluator;
 pub use model::GpModel;
 pub use posterior::Posterior;
 pub use search_space::SearchSpace;

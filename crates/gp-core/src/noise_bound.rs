@@ -1,13 +1,12 @@
 //! The variational bound of a Gaussian process whose noise is a function of the input.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::inverse::{inverse, inverse_scratch};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, MatRef, Par};
 
-use crate::cholesky::{factorize, log_determinant};
+use crate::cholesky::{factorize, invert, log_determinant};
 use crate::kernel::{column, column_mut, copy_row, fill_lower_gram, mirror_lower};
 use crate::likelihood::{COVARIANCE, solve_residual};
+use crate::triangle::scratch_rows;
 use crate::vector::dot;
 use crate::{GpError, Kernel, Mean};
 
@@ -37,7 +36,7 @@ pub(crate) struct NoiseBound<'a> {
     noise_inverse: Mat<f64>,
     work: Mat<f64>,
     slope: Mat<f64>,
-    memory: MemBuffer,
+    scratch: Mat<f64>,
     /// w = (K_f + R)⁻¹(y − m).
     pub(crate) weights: Vec<f64>,
     pub(crate) constant: f64,
@@ -78,7 +77,7 @@ impl<'a> NoiseBound<'a> {
             noise_inverse: square(),
             work: square(),
             slope: square(),
-            memory: MemBuffer::new(inverse_scratch::<f64>(n, Par::Seq)),
+            scratch: Mat::zeros(scratch_rows(n), n),
             weights: vec![0.0; n],
             constant: 0.0,
         }
@@ -118,8 +117,8 @@ impl<'a> NoiseBound<'a> {
             self.noise_factor[(j, j)] += 1.0;
         }
         factorize(NOISE_PRECISION, self.noise_factor.as_mut())?;
-        let memory = MemStack::new(&mut self.memory);
-        inverse(self.noise_inverse.as_mut(), self.noise_factor.as_ref(), Par::Seq, memory);
+        self.noise_inverse.copy_from(&self.noise_factor);
+        invert(self.noise_inverse.as_mut(), self.scratch.as_mut());
         mirror_lower(&mut self.noise_inverse);
         let beta = beta(precisions);
         let quadratic: f64 =
@@ -148,8 +147,8 @@ impl<'a> NoiseBound<'a> {
     /// ∂F/∂K_g = ½(ρβᵀ + βρᵀ − ββᵀ) + Λ^½(B⁻¹(τ/λ + ½)B⁻¹ − ½B⁻¹)Λ^½.
     pub(crate) fn differentiate(&mut self, point: &NoisePoint<'_>, slopes: NoiseSlopes<'_>) {
         let n = self.y.len();
-        let memory = MemStack::new(&mut self.memory);
-        inverse(self.inverse.as_mut(), self.factor.as_ref(), Par::Seq, memory);
+        self.inverse.copy_from(&self.factor);
+        invert(self.inverse.as_mut(), self.scratch.as_mut());
         let noise_mean = self.noise_mean(point);
         let by_log_noise: Vec<f64> = (0..n)
             .map(|i| {

@@ -26,14 +26,14 @@ impl<R, F: FnOnce() -> R> WithSimd for Body<F> {
 
 /// eˣ within 2 units in the last place; 0 where it is below the smallest normal number.
 ///
-/// x = k ln 2 + r with |r| ≤ ½ ln 2, and eʳ by its Taylor polynomial of degree 13.
+/// x = k ln 2 + r with |r| ≤ ½ ln 2, and eʳ by its Taylor polynomial of degree 15.
 #[inline(always)]
 pub fn exp(x: f64) -> f64 {
     let bounded = x.clamp(LOWEST, HIGHEST);
     let shifted = bounded * std::f64::consts::LOG2_E + ROUNDER;
     let multiple = shifted - ROUNDER;
     let rest = (bounded - multiple * LN_2_HIGH) - multiple * LN_2_LOW;
-    let polynomial = horner(&TAYLOR, rest);
+    let polynomial = polynomial(&TAYLOR, rest);
     // The low bits of `shifted` hold the multiple; from 1023 on it would not fit the exponent.
     let half = f64::from_bits(shifted.to_bits().wrapping_add(1022) << 52);
     let value = polynomial * half * 2.0;
@@ -51,7 +51,7 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     let multiple = shifted - ROUNDER;
     let rest = ((x - multiple * HALF_PI_HIGH) - multiple * HALF_PI_MIDDLE) - multiple * HALF_PI_LOW;
     let square = rest * rest;
-    let (sine_part, cosine_part) = (horner(&SINE, square), horner(&COSINE, square));
+    let (sine_part, cosine_part) = (polynomial(&SINE, square), polynomial(&COSINE, square));
     let sine = rest + rest * square * sine_part;
     let cosine = 1.0 - 0.5 * square + square * square * cosine_part;
     let quarter = shifted.to_bits();
@@ -61,14 +61,23 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     (f64::from_bits(first.to_bits() ^ sine_sign), f64::from_bits(second.to_bits() ^ cosine_sign))
 }
 
-/// A polynomial with its highest coefficient first.
+/// A polynomial, with its coefficients in blocks of four, the block of the highest powers first.
+///
+/// Terms of a block do not wait for each other, as they would in Horner's scheme.
 #[inline(always)]
-fn horner<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
-    let mut sum = coefficients[0];
-    for coefficient in &coefficients[1..] {
-        sum = sum * x + coefficient;
+fn polynomial<const N: usize>(blocks: &[[f64; 4]; N], x: f64) -> f64 {
+    let square = x * x;
+    let fourth = square * square;
+    let mut sum = cubic(&blocks[0], x, square);
+    for block in &blocks[1..] {
+        sum = sum * fourth + cubic(block, x, square);
     }
     sum
+}
+
+#[inline(always)]
+fn cubic(block: &[f64; 4], x: f64, square: f64) -> f64 {
+    (block[3] * x + block[2]) * square + (block[1] * x + block[0])
 }
 
 /// The largest argument of `sin_cos` that keeps its digits.
@@ -95,38 +104,48 @@ fn dot_in_lanes(a: &[f64], b: &[f64]) -> f64 {
     lanes.iter().sum::<f64>() + rest
 }
 
-/// Σᵢ wᵢ (xᵢ − center)·scale, or with `SQUARED` the sum of wᵢ ((xᵢ − center)·scale)²; in eight lanes
-/// and always in the same order.
-pub fn weighted_sum<const SQUARED: bool>(
-    x: &[f64],
-    weights: &[f64],
-    center: f64,
-    scale: f64,
-) -> f64 {
-    vectorized(|| weighted_in_lanes::<SQUARED>(x, weights, center, scale))
+/// Σᵢ wᵢ uᵢ and Σᵢ wᵢ uᵢ² with uᵢ = (xᵢ − center)·scale; in eight lanes and always in the same order.
+pub fn weighted_sums(x: &[f64], weights: &[f64], center: f64, scale: f64) -> (f64, f64) {
+    vectorized(|| weighted_in_lanes(x, weights, center, scale))
 }
 
 #[inline(always)]
-fn weighted_in_lanes<const SQUARED: bool>(
-    x: &[f64],
-    weights: &[f64],
-    center: f64,
-    scale: f64,
-) -> f64 {
-    let mut lanes = [0.0; LANES];
+fn weighted_in_lanes(x: &[f64], weights: &[f64], center: f64, scale: f64) -> (f64, f64) {
+    let (mut first, mut second) = ([0.0; LANES], [0.0; LANES]);
     let (x_chunks, w_chunks) = (x.chunks_exact(LANES), weights.chunks_exact(LANES));
-    let mut rest = 0.0;
+    let (mut first_rest, mut second_rest) = (0.0, 0.0);
     for (x, w) in x_chunks.remainder().iter().zip(w_chunks.remainder()) {
         let scaled = (x - center) * scale;
-        rest += if SQUARED { w * (scaled * scaled) } else { w * scaled };
+        first_rest += w * scaled;
+        second_rest += w * scaled * scaled;
     }
     for (x, w) in x_chunks.zip(w_chunks) {
         for lane in 0..LANES {
             let scaled = (x[lane] - center) * scale;
-            lanes[lane] += if SQUARED { w[lane] * (scaled * scaled) } else { w[lane] * scaled };
+            let weighted = w[lane] * scaled;
+            first[lane] += weighted;
+            second[lane] += weighted * scaled;
         }
     }
-    lanes.iter().sum::<f64>() + rest
+    (first.iter().sum::<f64>() + first_rest, second.iter().sum::<f64>() + second_rest)
+}
+
+/// sums ← sums + factor·a.
+pub fn add_multiple(sums: &mut [f64], factor: f64, a: &[f64]) {
+    vectorized(|| {
+        for (sum, a) in sums.iter_mut().zip(a) {
+            *sum += factor * a;
+        }
+    });
+}
+
+/// sums ← sums + sign·a².
+pub fn add_square(sums: &mut [f64], sign: f64, a: &[f64]) {
+    vectorized(|| {
+        for (sum, a) in sums.iter_mut().zip(a) {
+            *sum += sign * (a * a);
+        }
+    });
 }
 
 const LANES: usize = 8;
@@ -144,42 +163,31 @@ const HALF_PI_HIGH: f64 = 1.570_796_326_734_125_6;
 const HALF_PI_MIDDLE: f64 = 6.077_100_506_303_966e-11;
 const HALF_PI_LOW: f64 = 2.022_266_248_795_950_6e-21;
 
-/// 1/n! from n = 13 to 0.
-const TAYLOR: [f64; 14] = [
-    1.0 / 6_227_020_800.0,
-    1.0 / 479_001_600.0,
-    1.0 / 39_916_800.0,
-    1.0 / 3_628_800.0,
-    1.0 / 362_880.0,
-    1.0 / 40_320.0,
-    1.0 / 5_040.0,
-    1.0 / 720.0,
-    1.0 / 120.0,
-    1.0 / 24.0,
-    1.0 / 6.0,
-    1.0 / 2.0,
-    1.0,
-    1.0,
+/// 1/n! for n = 12 to 15, 8 to 11, 4 to 7, and 0 to 3.
+const TAYLOR: [[f64; 4]; 4] = [
+    [1.0 / 479_001_600.0, 1.0 / 6_227_020_800.0, 1.0 / 87_178_291_200.0, 1.0 / 1_307_674_368_000.0],
+    [1.0 / 40_320.0, 1.0 / 362_880.0, 1.0 / 3_628_800.0, 1.0 / 39_916_800.0],
+    [1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0, 1.0 / 5_040.0],
+    [1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0],
 ];
-/// (sin r − r)/r³ and (cos r − 1 + r²/2)/r⁴ as polynomials of r², highest power first.
-const SINE: [f64; 8] = [
-    1.0 / 355_687_428_096_000.0,
-    -1.0 / 1_307_674_368_000.0,
-    1.0 / 6_227_020_800.0,
-    -1.0 / 39_916_800.0,
-    1.0 / 362_880.0,
-    -1.0 / 5_040.0,
-    1.0 / 120.0,
-    -1.0 / 6.0,
+/// (sin r − r)/r³ and (cos r − 1 + r²/2)/r⁴ as polynomials of r².
+const SINE: [[f64; 4]; 2] = [
+    [
+        -1.0 / 39_916_800.0,
+        1.0 / 6_227_020_800.0,
+        -1.0 / 1_307_674_368_000.0,
+        1.0 / 355_687_428_096_000.0,
+    ],
+    [-1.0 / 6.0, 1.0 / 120.0, -1.0 / 5_040.0, 1.0 / 362_880.0],
 ];
-const COSINE: [f64; 7] = [
-    1.0 / 20_922_789_888_000.0,
-    -1.0 / 87_178_291_200.0,
-    1.0 / 479_001_600.0,
-    -1.0 / 3_628_800.0,
-    1.0 / 40_320.0,
-    -1.0 / 720.0,
-    1.0 / 24.0,
+const COSINE: [[f64; 4]; 2] = [
+    [
+        1.0 / 479_001_600.0,
+        -1.0 / 87_178_291_200.0,
+        1.0 / 20_922_789_888_000.0,
+        -1.0 / 6_402_373_705_728_000.0,
+    ],
+    [1.0 / 24.0, -1.0 / 720.0, 1.0 / 40_320.0, -1.0 / 3_628_800.0],
 ];
 
 #[cfg(test)]

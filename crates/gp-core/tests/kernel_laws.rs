@@ -175,6 +175,12 @@ proptest! {
             for (actual, expected) in actual.iter().zip(&expected) {
                 prop_assert!((actual - expected).abs() < 1e-12 * (1.0 + expected.abs()));
             }
+            let (mut together, mut by_input) = (vec![1.0; n_parameters], vec![0.5; d]);
+            let mut alone = vec![0.5; d];
+            let slopes = (&mut together[..], &mut by_input[..]);
+            kernel.column_gradients(x.as_ref(), b, &values, &weights, slopes.0, slopes.1);
+            kernel.column_input_gradient(x.as_ref(), b, &values, &weights, &mut alone);
+            prop_assert_eq!((together, by_input), (actual, alone));
         }
     }
 

@@ -2,11 +2,9 @@
 
 use std::f64::consts::PI;
 
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
-};
-use faer::{Mat, MatMut, MatRef, Par};
+use faer::Mat;
 use gp_core::cholesky::{factorize, log_determinant};
+use gp_core::triangle::{solve_lower, solve_upper};
 use gp_core::vector::dot;
 use gp_core::{GpError, Mean};
 
@@ -46,12 +44,12 @@ impl Evidence {
             root[(j, j)] += noise_variance;
         }
         factorize("precision of the weights", root.as_mut())?;
-        let whitened = |mut vector: Vec<f64>| {
+        let scaled = |mut vector: Vec<f64>| {
             vector.iter_mut().for_each(|value| *value *= signal_sd);
-            solve_lower(root.as_ref(), &mut vector);
             vector
         };
-        let (of_one, of_y) = (whitened(statistics.of_one()), whitened(statistics.of_y()));
+        let (mut of_one, mut of_y) = (scaled(statistics.of_one()), scaled(statistics.of_y()));
+        solve_lower(root.as_ref(), &mut [&mut of_one, &mut of_y]);
         let one_one = n - dot(&of_one, &of_one);
         let one_y = statistics.one_y() - dot(&of_one, &of_y);
         let y_y = statistics.y_y() - dot(&of_y, &of_y);
@@ -69,17 +67,4 @@ impl Evidence {
         let squared_residual = (quadratic - noise_variance * dot(&weights, &weights)).max(0.0);
         Ok(Self { root, weights, constant, value, squared_residual })
     }
-}
-
-/// Replaces b by R⁻¹b.
-fn solve_lower(root: MatRef<'_, f64>, rhs: &mut [f64]) {
-    let n = rhs.len();
-    solve_lower_triangular_in_place(root, MatMut::from_column_major_slice_mut(rhs, n, 1), Par::Seq);
-}
-
-/// Replaces b by R⁻ᵀb.
-fn solve_upper(root: MatRef<'_, f64>, rhs: &mut [f64]) {
-    let n = rhs.len();
-    let rhs = MatMut::from_column_major_slice_mut(rhs, n, 1);
-    solve_upper_triangular_in_place(root.transpose(), rhs, Par::Seq);
 }

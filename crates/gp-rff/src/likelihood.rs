@@ -1,10 +1,11 @@
 //! The features' own marginal likelihood as a function of lengthscales, signal and noise.
 
 use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::{Accum, Mat, MatRef, Par};
-use gp_core::kernel::{column, column_mut};
-use gp_core::vector::{dot, vectorized};
+use gp_core::cholesky::invert;
+use gp_core::kernel::{column, column_mut, mirror_lower};
+use gp_core::triangle::scratch_rows;
+use gp_core::vector::{add_multiple, dot, vectorized};
 use gp_core::{GpError, Mean};
 use rayon::prelude::{IntoParallelRefMutIterator, ParallelIterator};
 
@@ -19,7 +20,7 @@ pub(crate) struct Likelihood {
     origin: f64,
     blocks: Vec<Block>,
     inverse: Mat<f64>,
-    root_inverse: Mat<f64>,
+    scratch: Mat<f64>,
 }
 
 /// Rows of data with their features.
@@ -65,7 +66,7 @@ impl Likelihood {
             origin,
             blocks: (0..n).step_by(BLOCK).map(block).collect(),
             inverse: Mat::zeros(m, m),
-            root_inverse: Mat::zeros(m, m),
+            scratch: Mat::zeros(scratch_rows(m), m),
         }
     }
 
@@ -110,10 +111,9 @@ impl Likelihood {
 
     /// Fills B⁻¹, both triangles, and returns its trace.
     fn invert(&mut self, root: &Mat<f64>) -> f64 {
-        self.root_inverse.fill(0.0);
-        invert_lower_triangular(self.root_inverse.as_mut(), root.as_ref(), Par::Seq);
-        let (inverse, half) = (self.inverse.as_mut(), &self.root_inverse);
-        matmul(inverse, Accum::Replace, half.transpose(), half, 1.0, Par::Seq);
+        self.inverse.copy_from(root);
+        invert(self.inverse.as_mut(), self.scratch.as_mut());
+        mirror_lower(&mut self.inverse);
         (0..root.nrows()).map(|j| self.inverse[(j, j)]).sum()
     }
 }
@@ -170,15 +170,6 @@ fn subtract_products(values: &mut [f64], a: &[f64], b: &[f64]) {
     vectorized(|| {
         for ((value, a), b) in values.iter_mut().zip(a).zip(b) {
             *value -= a * b;
-        }
-    });
-}
-
-/// sums ← sums + factor·a.
-pub(crate) fn add_multiple(sums: &mut [f64], factor: f64, a: &[f64]) {
-    vectorized(|| {
-        for (sum, a) in sums.iter_mut().zip(a) {
-            *sum += factor * a;
         }
     });
 }

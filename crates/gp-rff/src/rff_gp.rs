@@ -1,16 +1,15 @@
 //! Bayesian linear regression on random features: an approximate Gaussian process.
 
 use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, Mat, MatRef, Par};
 use gp_core::checks::{check_inputs, check_outputs, check_positive};
 use gp_core::kernel::{column, mirror_lower};
-use gp_core::vector::vectorized;
+use gp_core::triangle::solve_rows;
+use gp_core::vector::{add_multiple, vectorized};
 use gp_core::{GpError, JointGaussian, Mean, Posterior};
 use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
 
 use crate::evidence::Evidence;
-use crate::likelihood::add_multiple;
 use crate::statistics::BLOCK;
 use crate::{RandomFeatures, SufficientStatistics};
 
@@ -152,10 +151,10 @@ impl RffGp {
         phi
     }
 
-    /// Means, and φR⁻ᵀ by rows: solves by the transpose run along columns, much the faster way.
+    /// Means, and φR⁻ᵀ by rows.
     fn whiten(&self, x_star: MatRef<'_, f64>, mean: &mut [f64]) -> Mat<f64> {
         let mut phi = self.evaluate(x_star, mean);
-        solve_lower_triangular_in_place(self.root.as_ref(), phi.transpose_mut(), Par::Seq);
+        solve_rows(self.root.as_ref(), phi.as_mut());
         phi
     }
 }

@@ -8,7 +8,7 @@ use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matm
 use faer::{Accum, Mat, MatRef, Par};
 use gp_core::Kernel;
 use gp_core::kernel::{column, column_mut};
-use gp_core::vector::{dot, vectorized};
+use gp_core::vector::{add_multiple, add_square, dot, vectorized};
 
 use crate::Approximation;
 
@@ -275,9 +275,11 @@ impl Block {
             let by_k = column_mut(slope_by_k, a);
             add_multiple(by_k, solution.weights[a], weights);
             let k = column(k, a);
-            shared.kernel.column_gradient(x.as_ref(), z, k, by_k, &mut slopes.kernel);
+            let of_kernel = &mut slopes.kernel;
             if solution.has_free_z {
-                shared.kernel.column_input_gradient(x.as_ref(), z, k, by_k, slope);
+                shared.kernel.column_gradients(x.as_ref(), z, k, by_k, of_kernel, slope);
+            } else {
+                shared.kernel.column_gradient(x.as_ref(), z, k, by_k, of_kernel);
             }
         }
     }
@@ -295,24 +297,6 @@ fn add_products(sums: &mut [f64], a: &[f64], b: &[f64]) {
     vectorized(|| {
         for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
             *sum += a * b;
-        }
-    });
-}
-
-/// sums ← sums + sign·a².
-pub(crate) fn add_square(sums: &mut [f64], sign: f64, a: &[f64]) {
-    vectorized(|| {
-        for (sum, a) in sums.iter_mut().zip(a) {
-            *sum += sign * (a * a);
-        }
-    });
-}
-
-/// sums ← sums + factor·a.
-pub(crate) fn add_multiple(sums: &mut [f64], factor: f64, a: &[f64]) {
-    vectorized(|| {
-        for (sum, a) in sums.iter_mut().zip(a) {
-            *sum += factor * a;
         }
     });
 }

@@ -2,14 +2,11 @@
 
 use std::f64::consts::PI;
 
-use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_inverse::invert_lower_triangular;
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
-};
-use faer::{Accum, Mat, MatMut, MatRef, Par};
-use gp_core::cholesky::{factorize, log_determinant};
+use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
+use faer::{Mat, MatRef, Par};
+use gp_core::cholesky::{factorize, invert, log_determinant};
 use gp_core::kernel::{column, column_mut, fill_lower_gram, mirror_lower};
+use gp_core::triangle::{self, scratch_rows, solve_lower, solve_upper};
 use gp_core::vector::dot;
 use gp_core::{GpError, Kernel, Mean};
 use rayon::prelude::{IntoParallelRefMutIterator, ParallelIterator};
@@ -40,7 +37,7 @@ pub(crate) struct Objective {
     /// The Cholesky factor R of B.
     pub(crate) root: Mat<f64>,
     inverse: Mat<f64>,
-    root_inverse: Mat<f64>,
+    scratch: Mat<f64>,
     slope: Mat<f64>,
     whitened: Vec<f64>,
     /// u: the mean at x is m + k(x, Z) u.
@@ -77,7 +74,7 @@ impl Objective {
             factor_inverse: square(),
             root: square(),
             inverse: square(),
-            root_inverse: square(),
+            scratch: Mat::zeros(scratch_rows(m), m),
             slope: square(),
             whitened: vec![0.0; m],
             weights: vec![0.0; m],
@@ -112,7 +109,8 @@ impl Objective {
             self.factor[(a, a)] *= 1.0 + self.settings.jitter;
         }
         factorize(PSEUDO_COVARIANCE, self.factor.as_mut())?;
-        invert_lower_triangular(self.factor_inverse.as_mut(), self.factor.as_ref(), Par::Seq);
+        self.factor_inverse.copy_from(&self.factor);
+        triangle::invert(self.factor_inverse.as_mut(), self.scratch.as_mut());
         let shared = Shared {
             kernel,
             z: &self.z,
@@ -138,8 +136,7 @@ impl Objective {
         };
         let mut of_y = vector(&|block, a| block.sums.v_y[a]);
         let mut of_one = vector(&|block, a| block.sums.v_one[a]);
-        solve_lower(self.root.as_ref(), &mut of_y);
-        solve_lower(self.root.as_ref(), &mut of_one);
+        solve_lower(self.root.as_ref(), &mut [&mut of_y, &mut of_one]);
         let one_one = total(&|block| block.sums.one_one) - dot(&of_one, &of_one);
         let one_y = total(&|block| block.sums.one_y) - dot(&of_one, &of_y);
         let y_y = total(&|block| block.sums.y_y) - dot(&of_y, &of_y);
@@ -201,10 +198,9 @@ impl Objective {
 
     /// B⁻¹, both triangles.
     fn invert_root(&mut self) {
-        self.root_inverse.fill(0.0);
-        invert_lower_triangular(self.root_inverse.as_mut(), self.root.as_ref(), Par::Seq);
-        let (inverse, half) = (self.inverse.as_mut(), &self.root_inverse);
-        matmul(inverse, Accum::Replace, half.transpose(), half, 1.0, Par::Seq);
+        self.inverse.copy_from(&self.root);
+        invert(self.inverse.as_mut(), self.scratch.as_mut());
+        mirror_lower(&mut self.inverse);
     }
 
     /// What K_uu contributes: its slope is −½ (L⁻ᵀSL⁻¹ + uuᵀ) with S from the blocks.
@@ -256,18 +252,4 @@ fn merge_lower<'a>(sum: &mut Mat<f64>, parts: impl Iterator<Item = &'a Mat<f64>>
 
 fn add(sums: &mut [f64], terms: &[f64]) {
     sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
-}
-
-/// Replaces b by L⁻¹b.
-pub(crate) fn solve_lower(factor: MatRef<'_, f64>, rhs: &mut [f64]) {
-    let n = rhs.len();
-    let rhs = MatMut::from_column_major_slice_mut(rhs, n, 1);
-    solve_lower_triangular_in_place(factor, rhs, Par::Seq);
-}
-
-/// Replaces b by L⁻ᵀb.
-fn solve_upper(factor: MatRef<'_, f64>, rhs: &mut [f64]) {
-    let n = rhs.len();
-    let rhs = MatMut::from_column_major_slice_mut(rhs, n, 1);
-    solve_upper_triangular_in_place(factor.transpose(), rhs, Par::Seq);
 }

@@ -3,15 +3,15 @@
 use std::sync::Arc;
 
 use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, Mat, MatRef, Par};
 use gp_core::checks::{check_inputs, check_outputs, check_positive};
 use gp_core::kernel::{column, copy_row, fill_cross, fill_lower_gram, mirror_lower};
+use gp_core::triangle::solve_rows;
+use gp_core::vector::{add_multiple, add_square};
 use gp_core::{GpError, JointGaussian, Kernel, Posterior};
 use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
 
 use crate::SparseSettings;
-use crate::block::{add_multiple, add_square};
 use crate::objective::Objective;
 
 /// A Gaussian process seen through its values u at M pseudo-inputs Z; it keeps none of the data.
@@ -177,7 +177,6 @@ impl SparseGp {
 
     /// Mean and variance for the rows of a block.
     fn predict_block(&self, x_star: MatRef<'_, f64>, mean: &mut [f64], variance: &mut [f64]) {
-        // One input a row: solves by the transpose run along columns, which is much the faster way.
         let mut cross = Mat::zeros(x_star.nrows(), self.weights.len());
         fill_cross(&*self.kernel, x_star, self.z.as_ref(), &mut cross);
         mean.fill(self.constant);
@@ -190,11 +189,11 @@ impl SparseGp {
                 add_square(sums, sign, column(cross, a));
             }
         };
-        solve_lower_triangular_in_place(self.factor.as_ref(), cross.transpose_mut(), Par::Seq);
+        solve_rows(self.factor.as_ref(), cross.as_mut());
         add_squares(-1.0, &cross, variance);
         // Rounding alone can make the difference of two nearly equal variances negative.
         variance.iter_mut().for_each(|variance| *variance = variance.max(0.0));
-        solve_lower_triangular_in_place(self.root.as_ref(), cross.transpose_mut(), Par::Seq);
+        solve_rows(self.root.as_ref(), cross.as_mut());
         add_squares(1.0, &cross, variance);
     }
 }
@@ -236,14 +235,14 @@ impl Posterior for SparseGp {
 
     fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
         let mean = self.predict_mean(x_star)?;
-        let mut cross = Mat::zeros(self.weights.len(), x_star.nrows());
-        fill_cross(&*self.kernel, self.z.as_ref(), x_star, &mut cross);
+        let mut cross = Mat::zeros(x_star.nrows(), self.weights.len());
+        fill_cross(&*self.kernel, x_star, self.z.as_ref(), &mut cross);
         let mut covariance = Mat::zeros(x_star.nrows(), x_star.nrows());
         fill_lower_gram(&*self.kernel, x_star, &mut covariance);
         for (factor, sign) in [(&self.factor, -1.0), (&self.root, 1.0)] {
-            solve_lower_triangular_in_place(factor.as_ref(), cross.as_mut(), Par::Seq);
+            solve_rows(factor.as_ref(), cross.as_mut());
             let sum = covariance.as_mut();
-            matmul(sum, Accum::Add, cross.transpose(), &cross, sign, Par::Seq);
+            matmul(sum, Accum::Add, &cross, cross.transpose(), sign, Par::Seq);
         }
         for j in 0..covariance.ncols() {
             covariance[(j, j)] = covariance[(j, j)].max(0.0);

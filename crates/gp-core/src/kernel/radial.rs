@@ -8,7 +8,7 @@ use faer::{ColRef, MatRef};
 use super::{Kernel, KernelSpec, Parameter, Role};
 use crate::GpError;
 use crate::checks::{check_count, check_positive};
-use crate::vector::{dot, vectorized, weighted_sum};
+use crate::vector::{dot, vectorized, weighted_sums};
 
 /// k(a, b) = s² g(r²) with r² = Σ_d ((a_d − b_d)/l_d)² and g given by a `Profile`.
 ///
@@ -150,7 +150,7 @@ impl<P: Profile> Kernel for Radial<P> {
         self.for_blocks(x, b, values, weights, |rows, factors| {
             for (d, slope) in of_lengthscales.iter_mut().enumerate() {
                 let inverse = self.lengthscales[d].recip();
-                *slope -= sum_over_column::<true>(rows.col(d), factors, b[d], inverse);
+                *slope -= sums_over_column(rows.col(d), factors, b[d], inverse).1;
             }
         });
     }
@@ -166,7 +166,28 @@ impl<P: Profile> Kernel for Radial<P> {
         self.for_blocks(x, b, values, weights, |rows, factors| {
             for (d, slope) in gradient.iter_mut().enumerate() {
                 let inverse = self.lengthscales[d].recip();
-                *slope -= inverse * sum_over_column::<false>(rows.col(d), factors, b[d], inverse);
+                *slope -= inverse * sums_over_column(rows.col(d), factors, b[d], inverse).0;
+            }
+        });
+    }
+
+    fn column_gradients(
+        &self,
+        x: MatRef<'_, f64>,
+        b: &[f64],
+        values: &[f64],
+        weights: &[f64],
+        gradient: &mut [f64],
+        input_gradient: &mut [f64],
+    ) {
+        let (of_variance, of_lengthscales) = gradient.split_last_mut().expect("one a parameter");
+        *of_variance += dot(values, weights);
+        self.for_blocks(x, b, values, weights, |rows, factors| {
+            for (d, slope) in of_lengthscales.iter_mut().enumerate() {
+                let inverse = self.lengthscales[d].recip();
+                let (first, second) = sums_over_column(rows.col(d), factors, b[d], inverse);
+                *slope -= second;
+                input_gradient[d] -= inverse * first;
             }
         });
     }
@@ -288,18 +309,13 @@ fn profile_slopes<P: Profile>(
     }
 }
 
-/// `weighted_sum` over a column of a matrix of any layout.
-fn sum_over_column<const SQUARED: bool>(
-    x: ColRef<'_, f64>,
-    weights: &[f64],
-    center: f64,
-    scale: f64,
-) -> f64 {
+/// `weighted_sums` over a column of a matrix of any layout.
+fn sums_over_column(x: ColRef<'_, f64>, weights: &[f64], center: f64, scale: f64) -> (f64, f64) {
     match x.try_as_col_major() {
-        Some(x) => weighted_sum::<SQUARED>(x.as_slice(), weights, center, scale),
+        Some(x) => weighted_sums(x.as_slice(), weights, center, scale),
         None => {
             let x: Vec<f64> = x.iter().copied().collect();
-            weighted_sum::<SQUARED>(&x, weights, center, scale)
+            weighted_sums(&x, weights, center, scale)
         }
     }
 }
