@@ -26,6 +26,11 @@ impl Search<'_> {
         last_screen: Screen,
         noise: NoiseModel,
     ) -> Result<Found, DiagnosisError> {
+        // What the last model explains is no hint any more.
+        let is_explained = |id: &str| {
+            last_screen.effects.iter().any(|one| one.id == id && one.p_adjusted > Rules::HINT)
+        };
+        progress.refused.retain(|one| !one.objection.is_hint() || !is_explained(one.id));
         let numbers = self.wrong_numbers(here, &mut progress)?;
         let as_choice = |id: &&'static str| Choice { id, p_adjusted: 1.0, rivals: Vec::new() };
         progress.chosen.splice(..0, numbers.iter().map(as_choice));

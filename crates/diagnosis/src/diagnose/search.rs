@@ -153,7 +153,9 @@ impl Search<'_> {
                     }
                 }
             }
-            progress.refused.extend(objection.map(|objection| Refused { id, objection }));
+            // What no screen saw was tried as a rival alone.
+            let seen = objection.filter(|_| p_adjusted <= Rules::HINT);
+            progress.refused.extend(seen.map(|objection| Refused { id, objection }));
         }
         Ok(None)
     }
