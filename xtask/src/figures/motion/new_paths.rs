@@ -39,20 +39,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
         };
         roll_out.run(&Pose::default(), &path, watch)?;
         let rolled = Rolled { moments, particles };
-        let events =
-            |count: fn(&Moment) -> usize| rolled.moments.iter().map(count).sum::<usize>() as f64;
-        let pushes = events(|moment| moment.events.pushed).max(1.0);
-        let end = rolled.moments[rolled.last()].pose_wb;
-        let sd = |k: usize| end.covariance[(k, k)].max(0.0).sqrt();
-        let row = [
-            end.mean.x,
-            end.mean.y,
-            end.mean.z,
-            sd(0).hypot(sd(1)),
-            sd(2),
-            events(|moment| moment.events.unseen) / pushes,
-            events(|moment| moment.events.lost) / N_PARTICLES as f64,
-        ];
+        let row = end_of(&rolled);
         columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
         names.push(name);
         figure = figure.with(panel(name, pushed, &path, &rolled));
@@ -82,6 +69,24 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
         .zip(&columns)
         .fold(Table::new().names("path", &names), |data, (key, column)| data.column(key, column));
     Ok(Sketch::new(figure, data, &caption, alt))
+}
+
+/// Mean pose, spread of place and angle, share of the steps that nobody has seen, and losses of contact
+/// a particle.
+fn end_of(rolled: &Rolled) -> [f64; 7] {
+    let events =
+        |count: fn(&Moment) -> usize| rolled.moments.iter().map(count).sum::<usize>() as f64;
+    let end = rolled.moments[rolled.last()].pose_wb;
+    let sd = |k: usize| end.covariance[(k, k)].max(0.0).sqrt();
+    [
+        end.mean.x,
+        end.mean.y,
+        end.mean.z,
+        sd(0).hypot(sd(1)),
+        sd(2),
+        events(|moment| moment.events.unseen) / events(|moment| moment.events.pushed).max(1.0),
+        events(|moment| moment.events.lost) / N_PARTICLES as f64,
+    ]
 }
 
 /// Paths that begin at the left of an object in the origin.

@@ -28,8 +28,11 @@ struct Kind {
     name: &'static str,
     color: Color,
     most: usize,
-    train: fn(&Setting, &[StepObservation]) -> Result<Box<dyn PushModel>>,
+    train: Train,
 }
+
+/// Trains a model on steps.
+type Train = fn(&Setting, &[StepObservation]) -> Result<Box<dyn PushModel>>;
 
 /// What the physics need to be told.
 pub(crate) struct Setting {
@@ -52,12 +55,7 @@ const KINDS: [Kind; 7] = [
     }),
 ];
 
-const fn kind(
-    name: &'static str,
-    color: Color,
-    most: usize,
-    train: fn(&Setting, &[StepObservation]) -> Result<Box<dyn PushModel>>,
-) -> Kind {
+const fn kind(name: &'static str, color: Color, most: usize, train: Train) -> Kind {
     Kind { name, color, most, train }
 }
 
