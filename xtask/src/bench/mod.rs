@@ -5,6 +5,7 @@
 mod contact;
 mod diagnosis;
 mod effects;
+mod filter;
 mod floor;
 mod gp;
 mod gp_rff;
@@ -70,6 +71,7 @@ const BENCHMARKS: &[Benchmark] = &[
     contact::BENCHMARK,
     diagnosis::BENCHMARK,
     effects::BENCHMARK,
+    filter::BENCHMARK,
     gp::BENCHMARK,
     gp_rff::BENCHMARK,
     gp_sparse::BENCHMARK,
