@@ -94,7 +94,45 @@ impl PlanarSummary {
         let rows = x.into_iter().zip(y).zip(angle);
         Ok(rows.map(|((x, y), angle)| Vector3::new(x, y, angle)).collect())
     }
+
+    /// The level, from 0 to 1, of the region of the states on whose border a measured pose lies.
+    ///
+    /// Regions are ellipsoids about the mean in the metric of the covariance, each as large as the
+    /// share of the states in it: right for states of any distribution. The pose's own is widened by
+    /// the variance of its measurement.
+    ///
+    /// - `measured`: x and y in m, angle in rad; - `measured_sd`: along each axis in m, and in rad.
+    ///
+    /// # Errors
+    /// As [`PlanarSummary::of`]; `OutOfRange` for a standard deviation that is negative or no number.
+    pub fn level<S: PlanarState>(
+        &self,
+        states: &[S],
+        weights: &Weights,
+        measured: [f64; 3],
+        measured_sd: [f64; 2],
+    ) -> Result<f64, FilterError> {
+        let poses = poses(states, weights)?;
+        if let Some(value) = measured_sd.into_iter().find(|sd| !(*sd >= 0.0 && sd.is_finite())) {
+            let (name, expected) = ("sd of a measured pose", "finite and not negative");
+            return Err(FilterError::OutOfRange { name, expected, value });
+        }
+        let reached = self.distance(measured, measured_sd);
+        let is_nearer = |pose: &[f64; 3]| self.distance(*pose, [0.0; 2]) < reached;
+        Ok(poses.iter().filter(|(pose, _)| is_nearer(pose)).map(|(_, weight)| weight).sum())
+    }
+
+    /// The squared distance of Mahalanobis of a pose with a variance of its own.
+    fn distance(&self, [x, y, angle]: [f64; 3], [place_sd, angle_sd]: [f64; 2]) -> f64 {
+        let own = Vector3::new(place_sd, place_sd, angle_sd).map(|sd| sd * sd + LEAST_VARIANCE);
+        let covariance = self.covariance + Matrix3::from_diagonal(&own);
+        let off = Vector3::new(x - self.mean.x, y - self.mean.y, wrapped(angle - self.mean.z));
+        covariance.cholesky().map_or(f64::INFINITY, |root| off.dot(&root.solve(&off)))
+    }
 }
+
+/// (10 nm)² and (10 nrad)²: so that states without spread have regions, too.
+const LEAST_VARIANCE: f64 = 1e-16;
 
 /// The pose and weight of each state.
 pub(crate) fn poses<S: PlanarState>(

@@ -59,3 +59,28 @@ fn a_density_integrates_to_one_and_finds_both_heaps() {
     assert!(places[0][0].abs() < 0.005 && (places[1][0] - 0.1).abs() < 0.005, "{places:?}");
     assert!(DensityGrid::of(&[[1.0; 3]; 9], &Weights::equal(9), 96).is_err());
 }
+
+#[test]
+fn a_pose_is_on_the_border_of_the_region_that_holds_what_is_nearer() {
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let mut normal = || random.sample::<f64, _>(StandardNormal);
+    // Correlated, wide and narrow, across the seam of the angle.
+    let states: Vec<[f64; 3]> = (0..20_000)
+        .map(|_| {
+            let (a, b, c) = (normal(), normal(), normal());
+            [0.1 + 0.01 * a, 0.002 * b + 0.008 * a, PI + 0.05 * c]
+        })
+        .collect();
+    let weights = Weights::equal(states.len());
+    let summary = PlanarSummary::of(&states, &weights).unwrap();
+    let level = |pose: [f64; 3], sd: [f64; 2]| summary.level(&states, &weights, pose, sd).unwrap();
+    assert_eq!(level([summary.mean.x, summary.mean.y, summary.mean.z], [0.0; 2]), 0.0);
+    // One standard deviation along one axis: the chi-squared distribution of three at 1 is 0.1987.
+    let one = [summary.mean.x, summary.mean.y, summary.mean.z + 0.05 - 2.0 * PI];
+    assert!((level(one, [0.0; 2]) - 0.1987).abs() < 0.02, "{}", level(one, [0.0; 2]));
+    assert!(level(one, [0.0, 0.05]) < 0.1, "half the square of the distance");
+    assert!(level([1.0, 0.0, 0.0], [0.0; 2]) > 1.0 - 1e-9, "beyond all of them");
+    let single = PlanarSummary::of(&states[..1], &Weights::equal(1)).unwrap();
+    assert_eq!(single.level(&states[..1], &Weights::equal(1), states[0], [0.0; 2]).unwrap(), 0.0);
+    assert!(summary.level(&states, &weights, one, [-1.0, 0.0]).is_err());
+}

@@ -142,6 +142,23 @@ impl Analytical {
         steps.into_iter().map(|step| self.outputs_on(supports.of(self, step)?, step)).collect()
     }
 
+    /// The covariance of each step.
+    pub(crate) fn covariances(
+        &self,
+        steps: &[StepInput],
+        noise: Noise,
+    ) -> Result<Vec<Matrix3<f64>>, ModelError> {
+        let mut supports = Supports::default();
+        let mut covariance = |step: &StepInput| {
+            let mut covariance = self.parameter_covariance(supports.of(self, step)?, step)?;
+            if noise == Noise::Included {
+                covariance += self.scatter * step.distance().powi(2);
+            }
+            Ok(covariance)
+        };
+        steps.iter().map(&mut covariance).collect()
+    }
+
     fn support(&self, step: &StepInput) -> Result<Support, ModelError> {
         self.surface.under(step.shape(), self.characteristic_length(step))
     }
@@ -226,16 +243,8 @@ impl PushModel for Analytical {
         steps: &[StepInput],
         noise: Noise,
     ) -> Result<Vec<StepPrediction>, ModelError> {
-        let mut supports = Supports::default();
-        let mut predict = |step: &StepInput| {
-            let support = supports.of(self, step)?;
-            let mut covariance = self.parameter_covariance(support, step)?;
-            if noise == Noise::Included {
-                covariance += self.scatter * step.distance().powi(2);
-            }
-            Ok(StepPrediction { mean: self.outputs_on(support, step)?, covariance })
-        };
-        steps.iter().map(&mut predict).collect()
+        let said = self.outputs(steps)?.into_iter().zip(self.covariances(steps, noise)?);
+        Ok(said.map(|(mean, covariance)| StepPrediction { mean, covariance }).collect())
     }
 
     fn parts(&self, steps: &[StepInput]) -> Result<Vec<Parts>, ModelError> {

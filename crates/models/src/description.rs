@@ -5,9 +5,10 @@ use effects::Effect;
 use serde::{Deserialize, Serialize};
 
 use crate::physics::Physics;
+use crate::physics_model::PhysicsModel;
 use crate::{
     Analytical, BesidePhysics, GpPushModel, Hybrid, ModelEffect, ModelError, Outline, ProcessKind,
-    ProcessModel, PushModel, Setup, StepFeatures,
+    ProcessModel, PushModel, SeenSteps, Setup, StepFeatures,
 };
 
 /// A model as plain data.
@@ -45,6 +46,9 @@ pub struct Weights {
     pub outlines: Vec<Outline>,
     /// One process an output, all of one kind.
     pub outputs: [ProcessModel; 3],
+    /// What the training steps span; older weights do not tell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seen: Option<SeenSteps>,
     /// Of a hybrid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beside_physics: Option<BesidePhysics>,
@@ -97,6 +101,10 @@ impl Description {
         let weights = || self.weights.as_ref().ok_or(ModelError::NoWeights);
         Ok(match &self.base {
             Base::Analytical(analytical) if self.effects.is_empty() => Box::new(analytical.clone()),
+            Base::Analytical(analytical) if setup.is_some() => {
+                let effects = self.effects.clone();
+                Box::new(PhysicsModel(Physics::new(analytical.clone(), effects, setup)?))
+            }
             Base::Analytical(_) => {
                 let ids: Vec<_> = self.effects.iter().map(|effect| effect.id.as_str()).collect();
                 return Err(ModelError::EffectsNeedMore { effects: ids.join(", ") });

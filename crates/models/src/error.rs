@@ -162,6 +162,56 @@ pub enum ModelError {
         /// Outlines that the model knows.
         n_known: usize,
     },
+    /// A point of a pusher's path is none.
+    #[error("point {point} of the path {problem}")]
+    Path {
+        /// Its number, from 0.
+        point: usize,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// A path begins within the object.
+    #[error(
+        "the pusher starts {:.2} mm inside the object; start the path outside, or move the object's \
+         start pose", 1e3 * depth
+    )]
+    PusherInside {
+        /// How deep its surface is, in m.
+        depth: f64,
+    },
+    /// A step of a roll-out is longer than those that a model has learnt.
+    #[error(
+        "a step of {:.2} mm is longer than the longest of {:.2} mm that the model was trained on; \
+         take shorter steps", 1e3 * way, 1e3 * longest
+    )]
+    StepTooLong {
+        /// The step's way, in m.
+        way: f64,
+        /// The longest way of a training step, in m.
+        longest: f64,
+    },
+    /// Too few pushes to tell what the steps of one have in common.
+    #[error(
+        "the correlation of steps needs at least {needed} pushes of three steps or more, got \
+         {n_pushes}; record more pushes"
+    )]
+    TooFewPushes {
+        /// What was given.
+        n_pushes: usize,
+        /// The least number.
+        needed: usize,
+    },
+    /// A model that claims no variance was asked how far off it is.
+    #[error(
+        "the model of kind {kind} claims no scatter in some output; fit one, or train a learnt kind"
+    )]
+    NoVariance {
+        /// The kind.
+        kind: &'static str,
+    },
+    /// Particles could not be moved.
+    #[error("roll-out")]
+    Filter(#[from] filter::FilterError),
     /// A weights file is not what the model file describes.
     #[error("{}: {problem}", path.display())]
     Weights {

@@ -4,7 +4,7 @@ use gp_core::LearnOptions;
 
 use crate::step_processes::StepProcesses;
 use crate::{
-    Base, Description, ModelError, Noise, Parts, ProcessReport, PushModel, StepInput,
+    Base, Description, ModelError, Noise, Parts, ProcessReport, PushModel, SeenSteps, StepInput,
     StepObservation, StepPrediction, Training, Unexplained, Weights,
 };
 
@@ -71,6 +71,14 @@ impl PushModel for GpPushModel {
 
     fn unexplained(&self, _steps: &[StepInput]) -> Result<Unexplained, ModelError> {
         Ok(Unexplained::ALL)
+    }
+
+    fn seen(&self) -> Option<&SeenSteps> {
+        self.processes.seen()
+    }
+
+    fn has_seen(&self, steps: &[StepInput]) -> Result<Vec<bool>, ModelError> {
+        self.processes.has_seen(steps)
     }
 
     fn describe(&self) -> Result<Description, ModelError> {

@@ -8,8 +8,8 @@ use crate::physics::{Physics, Setup};
 use crate::step_processes::StepProcesses;
 use crate::{
     Analytical, Base, BesidePhysics, Description, ModelEffect, ModelError, Noise, Parts,
-    ProcessReport, PushModel, StepInput, StepObservation, StepPrediction, Training, Unexplained,
-    Weights,
+    ProcessReport, PushModel, SeenSteps, StepInput, StepObservation, StepPrediction, Training,
+    Unexplained, Weights,
 };
 
 /// An analytical model with its effects, plus three independent processes on its residuals.
@@ -175,6 +175,14 @@ impl PushModel for Hybrid {
         let [physics, left] = self.physics_and_left(steps)?;
         let inputs: Vec<_> = steps.iter().collect();
         Ok(self.beside.unexplained_of(&inputs, &physics, &left))
+    }
+
+    fn seen(&self) -> Option<&SeenSteps> {
+        self.processes.seen()
+    }
+
+    fn has_seen(&self, steps: &[StepInput]) -> Result<Vec<bool>, ModelError> {
+        self.processes.has_seen(steps)
     }
 
     fn describe(&self) -> Result<Description, ModelError> {

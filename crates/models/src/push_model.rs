@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::{Description, ModelError, StepInput, Unexplained};
+use crate::{Description, ModelError, SeenSteps, StepInput, Unexplained};
 
 /// A model of what a step of a push does to the object.
 pub trait PushModel: Debug + Send + Sync {
@@ -29,6 +29,19 @@ pub trait PushModel: Debug + Send + Sync {
     /// # Errors
     /// As [`PushModel::predict`].
     fn unexplained(&self, steps: &[StepInput]) -> Result<Unexplained, ModelError>;
+
+    /// The span of the steps that it has learnt from; none of physics alone.
+    fn seen(&self) -> Option<&SeenSteps> {
+        None
+    }
+
+    /// Whether each step is within what it has learnt from; physics alone know all.
+    ///
+    /// # Errors
+    /// `NoSpeed` where the speed is an input and a step has none.
+    fn has_seen(&self, steps: &[StepInput]) -> Result<Vec<bool>, ModelError> {
+        Ok(vec![true; steps.len()])
+    }
 
     /// Everything from which the model can be built again.
     ///

@@ -8,8 +8,8 @@ use planar::Shape;
 
 use crate::process::{Process, ProcessReport};
 use crate::{
-    ModelError, Noise, OUTPUTS, Outline, ProcessKind, StepFeatures, StepInput, StepPrediction,
-    Training, Weights,
+    ModelError, Noise, OUTPUTS, Outline, ProcessKind, SeenSteps, StepFeatures, StepInput,
+    StepPrediction, Training, Weights,
 };
 
 /// One process an output, for outputs per meter of the pusher's way.
@@ -21,6 +21,7 @@ pub(crate) struct StepProcesses {
     outputs: [Process; 3],
     features: StepFeatures,
     outlines: Vec<Outline>,
+    seen: Option<SeenSteps>,
 }
 
 impl StepProcesses {
@@ -46,7 +47,8 @@ impl StepProcesses {
             }
         }
         let outlines = shapes.into_iter().map(|shape| Outline::of(shape)).collect();
-        let processes = Self { outputs, features: training.features, outlines };
+        let seen = SeenSteps::of(training.features, steps)?;
+        let processes = Self { outputs, features: training.features, outlines, seen };
         Ok((processes, [report_x, report_y, report_theta]))
     }
 
@@ -100,6 +102,19 @@ impl StepProcesses {
         Ok(means)
     }
 
+    /// The span of the training steps; none for weights that do not tell it.
+    pub(crate) fn seen(&self) -> Option<&SeenSteps> {
+        self.seen.as_ref()
+    }
+
+    /// Whether each step is within that span.
+    pub(crate) fn has_seen(&self, steps: &[StepInput]) -> Result<Vec<bool>, ModelError> {
+        let Some(seen) = &self.seen else { return Ok(vec![true; steps.len()]) };
+        let rows = self.features.rows(steps.iter())?;
+        let row = |i: usize| rows.row(i).iter().copied().collect::<Vec<_>>();
+        Ok((0..steps.len()).map(|i| seen.holds(row(i).into_iter())).collect())
+    }
+
     /// The processes as plain data.
     pub(crate) fn weights(&self) -> Result<Weights, ModelError> {
         let model = |k: usize| self.outputs[k].to_model().map_err(of_output(k));
@@ -108,6 +123,7 @@ impl StepProcesses {
             inputs: self.features.names().into_iter().map(str::to_owned).collect(),
             outlines: self.outlines.clone(),
             outputs: [model(0)?, model(1)?, model(2)?],
+            seen: self.seen.clone(),
             beside_physics: None,
         })
     }
@@ -125,7 +141,11 @@ impl StepProcesses {
             Ok(process)
         };
         let outputs = [build(0)?, build(1)?, build(2)?];
-        Ok(Self { outputs, features, outlines: weights.outlines.clone() })
+        let seen = weights.seen.clone();
+        if seen.as_ref().is_some_and(|seen| !seen.is_sound(features.names().len())) {
+            return Err(ModelError::UnsoundWeights { what: "seen" });
+        }
+        Ok(Self { outputs, features, outlines: weights.outlines.clone(), seen })
     }
 
     /// Refuses steps of objects that nothing was learnt about.

@@ -75,6 +75,65 @@ impl Destination {
     }
 }
 
+/// A folder to be filled: new or empty, whole or not there at the end.
+pub(crate) struct FolderDestination {
+    path: PathBuf,
+}
+
+impl FolderDestination {
+    /// Checks that a folder can be made there, so that no work is done in vain.
+    ///
+    /// # Errors
+    /// If the path has files in it, is a file or has no name, or its own folder is missing.
+    pub(crate) fn new(path: &Path) -> Result<Self> {
+        ensure!(
+            path.file_name().is_some(),
+            "cannot write {}: the folder needs a name",
+            path.display()
+        );
+        ensure!(
+            !path.is_file(),
+            "cannot write {}: it is a file; name a new folder",
+            path.display()
+        );
+        let is_full = path.is_dir() && fs::read_dir(path)?.next().is_some();
+        ensure!(
+            !is_full,
+            "cannot write {}: the folder is not empty; choose a new one",
+            path.display()
+        );
+        let parent = folder_of(path);
+        ensure!(
+            parent.is_dir(),
+            "cannot write {}: there is no folder {}; make it first",
+            path.display(),
+            parent.display()
+        );
+        Ok(Self { path: path.into() })
+    }
+
+    /// Fills a folder of a temporary name and renames it.
+    ///
+    /// # Errors
+    /// What `fill` says, or if the system refuses.
+    pub(crate) fn write(&self, fill: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+        let part = self.path.with_added_extension(format!("{}.part", std::process::id()));
+        let written = || -> Result<()> {
+            fs::create_dir(&part)?;
+            fill(&part)?;
+            if self.path.is_dir() {
+                fs::remove_dir(&self.path)?;
+            }
+            Ok(fs::rename(&part, &self.path)?)
+        };
+        let written = written();
+        if written.is_err() {
+            let _ = fs::remove_dir_all(&part);
+        }
+        written.with_context(|| format!("cannot write {}", self.path.display()))
+    }
+}
+
 fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if folder != Path::new("") => folder,
@@ -84,7 +143,7 @@ fn folder_of(path: &Path) -> &Path {
 
 #[cfg(test)]
 mod tests {
-    use super::Destination;
+    use super::{Destination, FolderDestination};
 
     #[test]
     fn a_file_is_written_whole_and_leaves_nothing_beside_it() {
@@ -98,6 +157,30 @@ mod tests {
         assert!(Destination::unused(&path).is_err());
         assert!(Destination::new(dir.path()).is_err());
         assert!(Destination::new(&dir.path().join("none/a.txt")).is_err());
+    }
+
+    #[test]
+    fn a_folder_is_filled_whole_or_not_at_all() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("out");
+        let failed = FolderDestination::new(&path).unwrap().write(|folder| {
+            std::fs::write(folder.join("a"), "1")?;
+            anyhow::bail!("no")
+        });
+        assert!(failed.is_err() && std::fs::read_dir(dir.path()).unwrap().count() == 0);
+        std::fs::create_dir(&path).unwrap();
+        let destination = FolderDestination::new(&path).unwrap();
+        destination.write(|folder| Ok(std::fs::write(folder.join("a"), "1")?)).unwrap();
+        assert_eq!(std::fs::read(path.join("a")).unwrap(), b"1");
+        for (place, says) in [
+            (path.clone(), "not empty"),
+            (path.join("a"), "it is a file"),
+            (dir.path().join("none/out"), "make it first"),
+            ("..".into(), "needs a name"),
+        ] {
+            let error = FolderDestination::new(&place).err().unwrap().to_string();
+            assert!(error.contains(says), "{error}");
+        }
     }
 
     #[test]

@@ -7,6 +7,7 @@ mod pages;
 pub use dataset;
 pub use diagnosis;
 pub use effects;
+pub use filter;
 pub use gp_core;
 pub use mechanics;
 pub use models;

@@ -15,6 +15,7 @@ mod init;
 mod inspect;
 mod models;
 mod report;
+mod simulate;
 mod suggest;
 mod train;
 
@@ -42,6 +43,7 @@ pub(crate) enum Command {
     Add(add::Args),
     Suggest(suggest::Args),
     Train(train::Args),
+    Simulate(simulate::Args),
     Report(report::Args),
     Completions(completions::Args),
 }
@@ -68,6 +70,7 @@ impl Command {
             Self::Add(args) => add::run(args, terminal),
             Self::Suggest(args) => suggest::run(args, terminal),
             Self::Train(args) => train::run(args, terminal),
+            Self::Simulate(args) => simulate::run(args, terminal),
             Self::Report(args) => report::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
         }

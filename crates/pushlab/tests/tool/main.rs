@@ -15,6 +15,7 @@ mod fitting;
 mod generated;
 mod report_page;
 mod schema;
+mod simulated;
 mod small_set;
 mod suggested;
 mod trained;

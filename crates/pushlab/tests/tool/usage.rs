@@ -26,6 +26,7 @@ fn help_lists_every_command() {
   add          Add effects to a model: what a diagnosis names, or one with values by hand or fitted
   suggest      Tell which pushes to do next: those that decide between rivals, or measure a name
   train        Train a model on a part of the pushes, alone or on what physics leaves over
+  simulate     Roll pushes out by a model: where the object goes, and how sure that is
   report       Show how models do on recordings: one HTML page, to be read without a network
   completions  Print a completion script for a shell
   help         Print this message or the help of the given subcommand(s)"
@@ -61,6 +62,9 @@ fn wrong_usage_names_what_is_allowed() {
         (&["models", "init", "--preset", "mit-endpoints"], "no nominal values"),
         (&["completions", "cmd"], "bash"),
         (&["effects", "explain", "table-tlit"], "'table-tilt'"),
+        (&["simulate", "set"], "--output <DIR>"),
+        (&["simulate", "set", "-o", "out", "--particles", "0"], "1..=1000000"),
+        (&["simulate", "p.csv", "-o", "out", "--object", "1,2"], "such as 0,-20,45"),
         (&["generate"], "<OUT>"),
         (&["generate", "new", "--pushes", "0"], "1..=1000000"),
         (&["generate", "new", "--shape", "rect9"], "rect1, rect2, rect3"),

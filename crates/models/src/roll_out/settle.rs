@@ -1,0 +1,88 @@
+//! Contact that holds: draws conditioned on the pusher's place.
+
+use nalgebra::{Matrix3, RowVector3, Vector2, Vector3};
+use planar::{Pose, perpendicular};
+
+use super::Pushed;
+
+/// Linearisations: the second leaves less than a micrometer of a millimeter.
+const ROUNDS: usize = 2;
+
+/// The pose after a motion along a direction and its left normal, in m, and a turn, in rad.
+pub(super) fn moved_by(
+    pose_wb: &Pose,
+    along_w: &Vector2<f64>,
+    [along, left, turn]: [f64; 3],
+) -> Pose {
+    let position = pose_wb.position + along * along_w + left * perpendicular(along_w);
+    Pose { position, angle: pose_wb.angle + turn }
+}
+
+impl Pushed {
+    /// The gap between pusher and outline, in m.
+    pub(crate) fn gap(&self, pose_wb: &Pose, center_w: &Vector2<f64>) -> f64 {
+        self.shape.contact(&pose_wb.inverse_transform_point(center_w), self.pusher_radius).gap
+    }
+
+    /// A draw given that the gap is known: x + C Hᵀ (HCHᵀ)⁻¹ (gap − g(x)), H the slope of the gap g.
+    ///
+    /// Exact for a Gaussian draw and a gap that is linear in it; a draw without variance stays.
+    ///
+    /// - `covariance`: of the draw along `along_w`, its left normal, and of the turn.
+    pub(super) fn settled(
+        &self,
+        drawn_wb: &Pose,
+        center_w: &Vector2<f64>,
+        along_w: &Vector2<f64>,
+        covariance: &Matrix3<f64>,
+        gap: f64,
+    ) -> Pose {
+        let mut pose_wb = *drawn_wb;
+        for _ in 0..ROUNDS {
+            let center_b = pose_wb.inverse_transform_point(center_w);
+            let contact = self.shape.contact(&center_b, self.pusher_radius);
+            let normal_w = pose_wb.rotate(&contact.normal);
+            let arm_w = pose_wb.rotate(&contact.point);
+            let slope = RowVector3::new(
+                normal_w.dot(along_w),
+                normal_w.dot(&perpendicular(along_w)),
+                normal_w.dot(&perpendicular(&arm_w)),
+            );
+            let spread: Vector3<f64> = covariance * slope.transpose();
+            let variance = (slope * spread).x;
+            if variance <= 0.0 {
+                break;
+            }
+            let by = spread * ((gap - contact.gap) / variance);
+            pose_wb = moved_by(&pose_wb, along_w, by.into());
+        }
+        pose_wb
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use nalgebra::{Matrix3, Vector2, Vector3};
+    use planar::{Pose, Shape};
+
+    use super::Pushed;
+
+    #[test]
+    fn a_settled_draw_has_the_gap_and_moves_as_its_covariance_says() {
+        let shape = Arc::new(Shape::square(0.09).unwrap());
+        let pushed = Pushed { shape, pusher_radius: 0.005, object: None };
+        let (center, along) = (Vector2::new(-0.05, 0.02), Vector2::x());
+        let drawn = Pose::new(0.0004, 0.0001, 0.003);
+        let stiff = Matrix3::from_diagonal(&Vector3::new(1e-8, 1e-8, 0.0));
+        let settled = pushed.settled(&drawn, &center, &along, &stiff, 0.0001);
+        assert!((pushed.gap(&settled, &center) - 0.0001).abs() < 1e-9);
+        assert!((settled.angle - drawn.angle).abs() < 1e-12, "an angle without variance stays");
+        let turning = Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, 1e-4));
+        let settled = pushed.settled(&drawn, &center, &along, &turning, 0.0001);
+        assert!((pushed.gap(&settled, &center) - 0.0001).abs() < 1e-7);
+        assert_eq!(settled.position, drawn.position);
+        assert_eq!(pushed.settled(&drawn, &center, &along, &Matrix3::zeros(), 0.0), drawn);
+    }
+}

@@ -1,0 +1,70 @@
+//! Where a free pusher meets the outline.
+
+use nalgebra::Vector2;
+use planar::{Pose, Shape};
+
+/// The pusher touches within this, in m.
+const TOUCH: f64 = 1e-6;
+/// Least advance along a surface that is passed by, in m.
+const LEAST_ADVANCE: f64 = 1e-5;
+
+/// The way, in m, after which a pusher from `start_w` along `direction_w` first moves into the
+/// outline; none within `distance`.
+///
+/// The pusher goes on by its distance from the outline, which can never be too far.
+pub(super) fn first_touch(
+    (shape, radius): (&Shape, f64),
+    pose_wb: &Pose,
+    start_w: &Vector2<f64>,
+    direction_w: &Vector2<f64>,
+    distance: f64,
+) -> Option<f64> {
+    let start_b = pose_wb.inverse_transform_point(start_w);
+    let direction_b = pose_wb.inverse_rotate(direction_w);
+    let mut way = 0.0;
+    while way < distance {
+        let contact = shape.contact(&(start_b + way * direction_b), radius);
+        if contact.gap <= TOUCH && direction_b.dot(&contact.normal) > 0.0 {
+            return Some(way);
+        }
+        let advance = if contact.gap <= TOUCH { LEAST_ADVANCE } else { contact.gap };
+        way += advance.max(TOUCH);
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector2;
+    use planar::{Pose, Shape};
+
+    use super::first_touch;
+
+    fn touch(start: [f64; 2], direction: [f64; 2], distance: f64) -> Option<f64> {
+        let square = Shape::square(0.09).unwrap();
+        let (start, direction) = (Vector2::from(start), Vector2::from(direction).normalize());
+        let pose = Pose::new(0.1, 0.2, std::f64::consts::FRAC_PI_2);
+        let world = pose.transform_point(&start);
+        first_touch((&square, 0.005), &pose, &world, &pose.rotate(&direction), distance)
+    }
+
+    #[test]
+    fn a_pusher_meets_a_face_at_its_distance_and_misses_beyond_the_corner() {
+        let way = touch([-0.07, 0.0], [1.0, 0.0], 0.1).unwrap();
+        assert!((way - 0.02).abs() < 2e-6, "{way}");
+        let oblique = touch([-0.07, 0.0], [1.0, 1.0], 0.1).unwrap();
+        assert!((oblique - 0.02 * 2_f64.sqrt()).abs() < 4e-6, "{oblique}");
+        assert_eq!(touch([-0.07, 0.0], [1.0, 0.0], 0.0199), None);
+        assert_eq!(touch([-0.07, 0.0501], [1.0, 0.0], 1.0), None);
+        // The corner is round for a round pusher.
+        let corner = touch([-0.07, 0.049], [1.0, 0.0], 1.0).unwrap();
+        assert!((corner - (0.025 - 0.003)).abs() < 2e-6, "{corner}");
+    }
+
+    #[test]
+    fn leaving_a_surface_or_going_along_it_is_no_touch() {
+        assert_eq!(touch([-0.05, 0.0], [-1.0, 0.0], 0.1), None);
+        assert_eq!(touch([-0.05, 0.0], [0.0, 1.0], 0.1), None);
+        assert_eq!(touch([-0.05, 0.0], [1.0, 0.1], 0.1), Some(0.0));
+    }
+}

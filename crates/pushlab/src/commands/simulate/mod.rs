@@ -1,0 +1,153 @@
+//! `pushlab simulate`: pushes rolled out by a model, with their uncertainty.
+
+mod figure;
+mod motion_log;
+mod path_file;
+mod place;
+mod poses;
+mod result;
+mod rolled;
+mod tasks;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use models::{ModelFile, RollOutSettings, StepCorrelation, StepErrors};
+
+use self::place::Place;
+use self::result::Simulated;
+use self::rolled::Rolled;
+use self::tasks::Source;
+use crate::destination::FolderDestination;
+use crate::document::Document;
+use crate::file_ending;
+use crate::origin::{Input, Origin, readable};
+use crate::step_size::StepSize;
+use crate::terminal::Terminal;
+
+/// Roll pushes out by a model: where the object goes, and how sure that is
+///
+/// Particles go along the pusher's path, each with a contact of its own at every step, and draw their
+/// motion from the model. Pushes are those of a recording set, which are compared with what was
+/// measured, or one along a path from a file.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Args {
+    /// Recording set (a folder with dataset.toml), or a path of the pusher (.csv, .toml)
+    source: PathBuf,
+    /// Model file
+    #[arg(long, value_name = "FILE", default_value = "model.toml",
+          value_parser = file_ending::model)]
+    model: PathBuf,
+    /// Folder for tables, figures and logs; it may not have files in it
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Number of particles
+    #[arg(long, value_name = "N", default_value_t = 10_000,
+          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    particles: u32,
+    /// Recorded pushes, as recording#number, with commas between; else an even choice of --pushes
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    push: Vec<String>,
+    /// How many of the recorded pushes, of those that the model has not seen where it tells
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 8, conflicts_with = "push",
+          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pushes: u32,
+    /// Recording set whose pushes tell how the errors of the steps of a push go together; without it
+    /// they are taken for independent, which is too sure of whole pushes
+    #[arg(long, value_name = "SET")]
+    correlation: Option<PathBuf>,
+    /// Longest step of a path: a way (4mm) or a time (200ms); of recordings as of `compare`; else as
+    /// long as the model's
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    step: Option<StepSize>,
+    /// Of a path: manifest with object, pusher and table
+    #[arg(long, value_name = "FILE")]
+    manifest: Option<PathBuf>,
+    /// Of a path: where the object is at the start, in mm and degrees; else as the path's file says,
+    /// or 0,0,0
+    #[arg(long, value_name = "X,Y,ANGLE", allow_hyphen_values = true)]
+    object: Option<Place>,
+    /// Seed of everything random
+    #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = clap::value_parser!(u32))]
+    seed: u32,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  pushlab simulate pushes --model gp.toml -o out
+  pushlab simulate pushes --model gp.toml --correlation pushes --push push-007#0 -o out
+  pushlab simulate arc.toml --manifest pushes/dataset.toml --model gp.toml --particles 10000 -o out
+A path file: kind = \"spline\", speed_mm_s = 20, points_mm = [[-60, 0], [-20, 10], [40, 0]]";
+
+pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let destination = FolderDestination::new(&args.output)?;
+    let mut origin = args.origin();
+    readable(&args.model)?;
+    readable(&args.source)?;
+    origin.inputs.push(Input::file(&args.model)?);
+    let file = ModelFile::read(&args.model)?;
+    let source = Source::read(args, &file, &mut origin, terminal)?;
+    let model = file.description.build_in(source.support, &[])?;
+    let correlation = source.correlation(model.as_ref())?;
+    let settings = args.settings(&source, correlation.as_ref());
+    let mut rolled = Vec::new();
+    let mut progress = terminal.progress("pushes rolled out:", source.tasks.len());
+    for task in source.tasks {
+        let name = task.name.clone();
+        let one = task.roll_out(model.as_ref(), &settings);
+        rolled.push(one.with_context(|| format!("cannot roll out {name}"))?);
+        progress.advance();
+    }
+    progress.finish();
+    let result = Simulated::new(&args.output, &file.name, &settings, correlation, &rolled);
+    destination.write(|folder| write(folder, &rolled, &result, &origin))?;
+    terminal.finish(&origin, &result, &result)
+}
+
+/// Every file of the result.
+fn write(folder: &Path, rolled: &[Rolled], result: &Simulated, origin: &Origin) -> Result<()> {
+    std::fs::write(folder.join("poses.csv"), origin.comment() + &poses::table(rolled))?;
+    std::fs::write(folder.join("simulation.json"), Document { origin, result }.to_json()?)?;
+    for one in rolled {
+        let name = one.file_name();
+        std::fs::write(folder.join(format!("{name}.mcap")), motion_log::motion_log(one, origin)?)?;
+        let figure = figure::figure(one);
+        std::fs::write(folder.join(format!("{name}.svg")), figure.svg()?)?;
+        std::fs::write(folder.join(format!("{name}.png")), figure.png()?)?;
+    }
+    Ok(())
+}
+
+impl Args {
+    fn settings(&self, source: &Source, correlation: Option<&StepCorrelation>) -> RollOutSettings {
+        RollOutSettings {
+            n_particles: self.particles as usize,
+            seed: self.seed.into(),
+            step: source.longest,
+            errors: correlation
+                .map_or(StepErrors::Independent, |found| StepErrors::Held(found.clone())),
+            gap_sd: correlation.map_or(0.0, |found| found.gap_sd),
+            touching: source.is_recorded,
+            ..RollOutSettings::default()
+        }
+    }
+
+    fn origin(&self) -> Origin {
+        let path = |path: &Path| path.display().to_string();
+        let mut words = vec!["simulate".to_owned(), path(&self.source)];
+        let mut option = |name: &str, value: Option<String>| {
+            words.extend(value.into_iter().flat_map(|value| [format!("--{name}"), value]));
+        };
+        option("model", Some(path(&self.model)));
+        option("particles", Some(self.particles.to_string()));
+        option("push", (!self.push.is_empty()).then(|| self.push.join(",")));
+        option("pushes", self.push.is_empty().then(|| self.pushes.to_string()));
+        option("correlation", self.correlation.as_deref().map(path));
+        option("step", self.step.map(|step| step.to_string()));
+        option("manifest", self.manifest.as_deref().map(path));
+        option("object", self.object.map(|place| place.to_string()));
+        option("seed", Some(self.seed.to_string()));
+        Origin::new(words)
+    }
+}

@@ -1,0 +1,49 @@
+//! The table of poses with their uncertainty.
+
+use super::rolled::Rolled;
+
+const HEADER: &str = "push,t_s,pusher_x_m,pusher_y_m,x_m,y_m,theta_rad,sd_x_m,sd_y_m,sd_theta_rad,\
+                      cov_xy_m2,cov_xtheta_m_rad,cov_ytheta_m_rad,\
+                      x_q025_m,x_q500_m,x_q975_m,y_q025_m,y_q500_m,y_q975_m,\
+                      theta_q025_rad,theta_q500_rad,theta_q975_rad,\
+                      pushed,touched,at_vertex,lost,unseen,\
+                      measured_x_m,measured_y_m,measured_theta_rad\n";
+
+/// One line a push and moment; what was not measured is empty.
+pub(super) fn table(rolled: &[Rolled]) -> String {
+    let mut table = HEADER.to_owned();
+    for one in rolled {
+        for (index, moment) in one.moments.iter().enumerate() {
+            let (mean, covariance) = (moment.pose_wb.mean, moment.pose_wb.covariance);
+            let mut numbers = vec![moment.time, moment.pusher_w[0], moment.pusher_w[1]];
+            numbers.extend(mean.iter());
+            numbers.extend((0..3).map(|axis| covariance[(axis, axis)].max(0.0).sqrt()));
+            numbers.extend([(0, 1), (0, 2), (1, 2)].map(|place| covariance[place]));
+            let quantiles = &one.quantiles[index];
+            numbers.extend((0..3).flat_map(|axis| quantiles.iter().map(move |q| q[axis])));
+            let mut cells = vec![quoted(&one.name)];
+            cells.extend(numbers.iter().map(f64::to_string));
+            let events = moment.events;
+            let counts =
+                [events.pushed, events.touched, events.at_vertex, events.lost, events.unseen];
+            cells.extend(counts.iter().map(usize::to_string));
+            cells.extend(match &one.measured_wb {
+                Some(measured) => {
+                    let pose = measured[index];
+                    [pose.position.x, pose.position.y, pose.angle].map(|value| value.to_string())
+                }
+                None => [const { String::new() }; 3],
+            });
+            table += &(cells.join(",") + "\n");
+        }
+    }
+    table
+}
+
+fn quoted(name: &str) -> String {
+    if name.contains([',', '"']) {
+        format!("\"{}\"", name.replace('"', "\"\""))
+    } else {
+        name.into()
+    }
+}

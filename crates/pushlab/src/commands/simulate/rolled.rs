@@ -1,0 +1,122 @@
+//! A push rolled out, with all that is written of it.
+
+use anyhow::Result;
+use filter::Weights;
+use models::{Moment, PushModel, PushParticle, PushPath, Pushed, RollOut, RollOutSettings};
+use nalgebra::Vector2;
+use planar::Pose;
+use serde::Serialize;
+
+/// Poses of some of the particles.
+pub(super) type Snapshot = Vec<Pose>;
+
+/// Most particles that are drawn or logged of a moment.
+const MOST_SHOWN: usize = 500;
+/// The quantiles that are told.
+pub(super) const PROBABILITIES: [f64; 3] = [0.025, 0.5, 0.975];
+
+/// What is to be rolled out.
+pub(super) struct Task {
+    pub(super) name: String,
+    pub(super) pushed: Pushed,
+    pub(super) path: PushPath,
+    pub(super) start_wb: Pose,
+    /// Of a recorded push, at the start and after each step.
+    pub(super) measured_wb: Option<Vec<Pose>>,
+    /// Of the measured start and end: in m, and in rad.
+    pub(super) pose_sd: [[f64; 2]; 2],
+}
+
+/// A push rolled out.
+pub(super) struct Rolled {
+    pub(super) name: String,
+    pub(super) outline: Vec<Vector2<f64>>,
+    pub(super) pusher_radius: f64,
+    pub(super) path: PushPath,
+    pub(super) moments: Vec<Moment>,
+    /// Of x, y in m and angle in rad at each moment, by [`PROBABILITIES`].
+    pub(super) quantiles: Vec<Vec<[f64; 3]>>,
+    pub(super) snapshots: Vec<Snapshot>,
+    pub(super) measured_wb: Option<Vec<Pose>>,
+    /// Of a recorded push.
+    pub(super) end: Option<MeasuredEnd>,
+}
+
+/// Where a recorded push ended among the particles.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct MeasuredEnd {
+    /// Measured pose: x, y in m, angle in rad.
+    pub(super) pose_wb: [f64; 3],
+    /// Its distance from the mean place, in m, and the turn beyond the mean one, in rad.
+    pub(super) error: [f64; 2],
+    /// Level of the region of the particles on whose border it is, from 0 to 1.
+    pub(super) level: f64,
+}
+
+impl Task {
+    /// Rolls out.
+    ///
+    /// # Errors
+    /// What the model or the path does not allow.
+    pub(super) fn roll_out(
+        self,
+        model: &dyn PushModel,
+        settings: &RollOutSettings,
+    ) -> Result<Rolled> {
+        let settings = RollOutSettings { start_sd: self.pose_sd[0], ..settings.clone() };
+        let weights = Weights::equal(settings.n_particles);
+        let every = settings.n_particles.div_ceil(MOST_SHOWN).max(1);
+        let (mut quantiles, mut snapshots) = (Vec::new(), Vec::new());
+        let (mut failed, mut level) = (Ok(()), 0.0);
+        let end = self.measured_wb.as_ref().and_then(|poses| poses.last()).copied();
+        let watch = |moment: &Moment, particles: &[PushParticle]| {
+            snapshots.push(particles.iter().step_by(every).map(|one| one.pose_wb).collect());
+            let summary = &moment.pose_wb;
+            match summary.quantiles(particles, &weights, &PROBABILITIES) {
+                Ok(found) => quantiles.push(found.into_iter().map(Into::into).collect()),
+                Err(error) => failed = Err(error),
+            }
+            let place = |end: Pose| [end.position.x, end.position.y, end.angle];
+            match end.map(|end| summary.level(particles, &weights, place(end), self.pose_sd[1])) {
+                Some(Ok(found)) => level = found,
+                Some(Err(error)) => failed = Err(error),
+                None => {}
+            }
+        };
+        let roll_out = RollOut { model, pushed: &self.pushed, settings: &settings };
+        let moments = roll_out.run(&self.start_wb, &self.path, watch)?;
+        failed?;
+        let mean = moments[moments.len() - 1].pose_wb.mean;
+        let end = end.map(|end| MeasuredEnd {
+            pose_wb: [end.position.x, end.position.y, end.angle],
+            error: [(end.position - mean.xy()).norm(), planar::wrap_angle(end.angle - mean.z)],
+            level,
+        });
+        Ok(Rolled {
+            name: self.name,
+            outline: self.pushed.shape.outline(120),
+            pusher_radius: self.pushed.pusher_radius,
+            path: self.path,
+            moments,
+            quantiles,
+            snapshots,
+            measured_wb: self.measured_wb,
+            end,
+        })
+    }
+}
+
+impl Rolled {
+    /// The share of the pushed particle steps at which the model was asked beyond its training.
+    pub(super) fn unseen(&self) -> f64 {
+        let sum = |count: fn(&Moment) -> usize| self.moments.iter().map(count).sum::<usize>();
+        let pushed = sum(|moment| moment.events.pushed);
+        if pushed == 0 { 0.0 } else { sum(|moment| moment.events.unseen) as f64 / pushed as f64 }
+    }
+
+    /// Its name without what no file may be called.
+    pub(super) fn file_name(&self) -> String {
+        let plain = |c: char| if c.is_alphanumeric() || "-_.=".contains(c) { c } else { '-' };
+        self.name.chars().map(plain).collect()
+    }
+}

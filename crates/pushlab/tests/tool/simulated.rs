@@ -1,0 +1,138 @@
+//! `pushlab simulate` on simulated recordings and on paths.
+
+use serde_json::Value;
+
+use crate::small_set::SmallSet;
+
+/// A set with a trained model, and a nominal one.
+fn trained() -> SmallSet {
+    let set = SmallSet::new();
+    set.done(&["generate", "sim", "--pushes", "24"]);
+    set.done(&["models", "init", "sim"]);
+    set.done(&["train", "sim", "--kind", "rff", "-n", "100", "-o", "rff.toml"]);
+    set
+}
+
+fn result(stdout: &str) -> Value {
+    serde_json::from_str::<Value>(stdout).unwrap()["result"].take()
+}
+
+#[test]
+fn recorded_pushes_are_rolled_out_and_compared_with_their_ends() {
+    let set = trained();
+    let simulate = ["simulate", "sim", "--model", "rff.toml", "--particles", "400", "-n", "3"];
+    let text = set.done(&[&simulate[..], &["-o", "out"]].concat()).stdout;
+    assert!(text.contains("3 pushes, 400 particles each"), "{text}");
+    assert!(text.contains("taken for independent"), "{text}");
+    assert!(text.contains("95 % regions hold"), "{text}");
+    let json = result(&set.done(&[&simulate[..], &["-o", "again", "--json"]].concat()).stdout);
+    let pushes = json["pushes"].as_array().unwrap();
+    assert_eq!(pushes.len(), 3);
+    for push in pushes {
+        let file = push["file"].as_str().unwrap();
+        for ending in ["mcap", "svg", "png"] {
+            let bytes = std::fs::read(set.path(&format!("out/{file}.{ending}"))).unwrap();
+            assert!(bytes.len() > 1000, "{file}.{ending}: {} bytes", bytes.len());
+        }
+        let moments = push["moments"].as_array().unwrap();
+        let end = &moments[moments.len() - 1];
+        assert_eq!(end["events"]["pushed"], 400);
+        let error = push["end"]["error"][0].as_f64().unwrap();
+        assert!(error < 0.01, "{error}");
+    }
+    let table = set.read("out/poses.csv");
+    assert!(table.starts_with("# tool: pushlab"), "{table}");
+    let lines: Vec<_> = table.lines().filter(|line| !line.starts_with('#')).collect();
+    let n_moments = pushes.iter().map(|push| push["moments"].as_array().unwrap().len());
+    assert_eq!(lines.len(), 1 + n_moments.sum::<usize>());
+    let n_columns = lines[0].split(',').count();
+    assert!(lines.iter().all(|line| line.split(',').count() == n_columns));
+    // The same for one thread.
+    set.done(&[&simulate[..], &["-o", "one", "--jobs", "1", "-q"]].concat());
+    assert_eq!(set.read("out/poses.csv"), set.read("one/poses.csv"));
+}
+
+#[test]
+fn errors_that_a_push_holds_widen_its_end() {
+    let set = trained();
+    let sd = |more: &[&str]| {
+        let simulate = ["simulate", "sim", "--model", "rff.toml", "--particles", "400", "--json"];
+        let json = result(&set.done(&[&simulate[..], more].concat()).stdout);
+        let moments = json["pushes"][0]["moments"].as_array().unwrap().clone();
+        let covariance = &moments[moments.len() - 1]["pose_wb"]["covariance"];
+        (json["correlation"]["n_pushes"].clone(), covariance[8].as_f64().unwrap().sqrt())
+    };
+    set.done(&["generate", "more", "--pushes", "8", "--seed", "9"]);
+    let (none, independent) = sd(&["-n", "1", "-o", "a"]);
+    let (n, held) = sd(&["-n", "1", "-o", "b", "--correlation", "more"]);
+    assert_eq!((none, n), (Value::Null, 8.into()));
+    assert!(held > 1.2 * independent, "{held} {independent}");
+}
+
+#[test]
+fn a_path_is_rolled_out_and_its_log_is_read_again() {
+    let set = trained();
+    set.write(
+        "turn.toml",
+        "kind = \"spline\"\nspeed_mm_s = 20\npoints_mm = [[-55, 0], [-30, 3], [5, 20]]\n\
+         object = [0, 0, 0]\n",
+    );
+    let simulate = ["simulate", "turn.toml", "--manifest", "sim/dataset.toml", "--particles", "50"];
+    for model in ["model.toml", "rff.toml"] {
+        let out = model.trim_end_matches(".toml");
+        let json = set.done(&[&simulate[..], &["--model", model, "-o", out, "--json"]].concat());
+        let json = result(&json.stdout);
+        let moments = json["pushes"][0]["moments"].as_array().unwrap();
+        let still = moments[1]["pose_wb"]["mean"].as_array().unwrap();
+        assert!(still.iter().all(|value| value.as_f64() == Some(0.0)), "free at first: {still:?}");
+        let touched: u64 = moments.iter().map(|m| m["events"]["touched"].as_u64().unwrap()).sum();
+        assert_eq!(touched, 50);
+    }
+    let inspected = set.done(&["inspect", "model"]).stdout;
+    for part in ["/robot/tip_pose", "foxglove.PoseInFrame", "/object/pose", "foxglove.PosesInFrame"]
+    {
+        assert!(inspected.contains(part), "{part}: {inspected}");
+    }
+    let pose = inspected.lines().find(|line| line.contains("/object/pose")).unwrap();
+    assert!(pose.contains("object") && pose.contains("robot"), "serves as a pose: {pose}");
+}
+
+#[test]
+fn what_cannot_be_simulated_is_refused_with_the_reason() {
+    let set = trained();
+    set.write("inside.toml", "kind = \"straight\"\nspeed_mm_s = 20\npoints_mm = [[0, 0], [9, 0]]");
+    set.write("push.toml", "kind = \"straight\"\nspeed_mm_s = 20\npoints_mm = [[-55, 0], [9, 0]]");
+    set.write("jump.csv", "t_s,x_m,y_m\n0,-0.06,0\n0.01,0.06,0\n");
+    set.write("nan.csv", "t_s,x_m,y_m\n0,-0.06,0\n1,nan,0\n");
+    set.done(&["generate", "hexes", "--shape", "hex", "--pushes", "3"]);
+    let about = ["--manifest", "sim/dataset.toml"];
+    let hex = ["--manifest", "hexes/dataset.toml", "--object", "20,0,0"];
+    for (source, more, says) in [
+        ("inside.toml", &about[..], "inside the object"),
+        ("jump.csv", &about, "line 3: the point is a jump of 120.0 mm"),
+        ("nan.csv", &about, "line 3: the point is (NaN, 0) m"),
+        ("push.toml", &hex, "train one on pushes of this object"),
+        ("push.toml", &["--manifest", "sim/dataset.toml", "--step", "9mm"], "take shorter steps"),
+        ("sim", &["--push", "push-9999#0"], "has no push push-9999#0"),
+        ("none", &[], "cannot read none"),
+        ("push.toml", &["--manifest", "none.toml"], "none.toml"),
+    ] {
+        let command = ["simulate", source, "--model", "rff.toml", "-o", "out", "--particles", "9"];
+        let message = set.error(&[&command[..], more].concat());
+        assert!(message.contains(says), "{source}: {message}");
+        assert!(!set.path("out").exists(), "{source} has left a folder");
+    }
+    let sure = ["simulate", "sim", "-o", "out", "--particles", "9", "--correlation", "sim"];
+    assert!(set.error(&sure).contains("claims no scatter"), "the nominal model has none");
+    for (source, more, says) in [
+        ("sim", &about[..], "are for a path"),
+        ("push.toml", &[], "give a set's --manifest"),
+        ("push.toml", &["--manifest", "sim/dataset.toml", "--push", "a#0"], "a path is one push"),
+    ] {
+        let command = ["simulate", source, "--model", "rff.toml", "-o", "out"];
+        let message = set.wrong_usage(&[&command[..], more].concat());
+        assert!(message.contains(says), "{source}: {message}");
+    }
+    let full = ["simulate", "sim", "--model", "rff.toml", "-o", "sim"];
+    assert!(set.error(&full).contains("the folder is not empty"));
+}
