@@ -5,6 +5,7 @@
 mod contact;
 mod diagnosis;
 mod effects;
+mod filter;
 mod floor;
 mod gp;
 mod gp_rff;
@@ -77,6 +78,7 @@ const BENCHMARKS: &[Benchmark] = &[
     contact::BENCHMARK,
     diagnosis::BENCHMARK,
     effects::BENCHMARK,
+    filter::BENCHMARK,
     gp::BENCHMARK,
     gp_rff::BENCHMARK,
     gp_sparse::BENCHMARK,

@@ -4,7 +4,7 @@ use anyhow::Result;
 
 use super::inputs::Inputs;
 use super::sketch::Sketch;
-use super::{comparison, learning, mechanics, missing, models, recordings};
+use super::{comparison, learning, mechanics, missing, models, motion, recordings};
 
 /// A figure: its number in the thesis, its title and the function that draws it.
 #[derive(Debug)]
@@ -24,23 +24,25 @@ pub(crate) enum Chapter {
     Learning,
     Recordings,
     Models,
+    Motion,
     Comparison,
     Diagnosis,
 }
 
 impl Chapter {
-    pub(crate) const ALL: [Self; 6] = [
+    pub(crate) const ALL: [Self; 7] = [
         Self::Mechanics,
         Self::Learning,
         Self::Recordings,
         Self::Models,
+        Self::Motion,
         Self::Comparison,
         Self::Diagnosis,
     ];
 
     /// Whether its figures are drawn from pushes.
     pub(crate) fn needs_data(self) -> bool {
-        matches!(self, Self::Recordings | Self::Models | Self::Comparison)
+        matches!(self, Self::Recordings | Self::Models | Self::Motion | Self::Comparison)
     }
 
     pub(crate) fn anchor(self) -> &'static str {
@@ -49,6 +51,7 @@ impl Chapter {
             Self::Learning => "learning",
             Self::Recordings => "recordings",
             Self::Models => "models",
+            Self::Motion => "motion",
             Self::Comparison => "comparison",
             Self::Diagnosis => "diagnosis",
         }
@@ -60,6 +63,7 @@ impl Chapter {
             Self::Learning => "Learning from data",
             Self::Recordings => "From recordings to a table",
             Self::Models => "Learned models of pushing",
+            Self::Motion => "The motion over time",
             Self::Comparison => "Where a model fails",
             Self::Diagnosis => "What a model lacks",
         }
@@ -121,6 +125,13 @@ pub(crate) const ALL: &[Entry] = &[
         .settles(&models::pooled_speeds::CLAIMS),
     entry("5.7", Chapter::Models, "learning curves", models::learning_curves::draw)
         .settles(&models::learning_curves::CLAIMS),
+    entry("6.1", Chapter::Motion, "particles on recorded pushes", motion::clouds::draw)
+        .settles(&motion::clouds::CLAIMS),
+    entry("6.2", Chapter::Motion, "errors at the end of a push", motion::errors::draw)
+        .settles(&motion::errors::CLAIMS),
+    entry("6.3", Chapter::Motion, "analytical and learnt roll-outs", motion::beside::draw),
+    entry("6.4", Chapter::Motion, "new paths of the pusher", motion::new_paths::draw),
+    entry("6.5", Chapter::Motion, "two ways to go at a vertex", motion::vertex::draw),
     entry(
         "M.1",
         Chapter::Comparison,
@@ -134,4 +145,5 @@ pub(crate) const ALL: &[Entry] = &[
         "the error falling as effects are added",
         missing::error_falls::draw,
     ),
+    entry("M.4", Chapter::Motion, "what the uncertainty covers", motion::calibration::draw),
 ];

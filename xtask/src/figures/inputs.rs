@@ -6,8 +6,8 @@ use std::sync::{Arc, OnceLock};
 
 use anyhow::{Context, Result, anyhow, ensure};
 use dataset::{
-    DatasetError, IngestReport, IngestSettings, ObjectSpec, PusherSpec, Recording, RecordingSet,
-    StepLength, SupportSpec, Table, TableMapping, ingest,
+    DatasetError, IngestReport, IngestSettings, ObjectSpec, Preset, PusherSpec, Recording,
+    RecordingSet, StepLength, SupportSpec, Table, TableMapping, ingest,
 };
 use diagnosis::{Observations, steady_ingest};
 use sha2::{Digest, Sha256};
@@ -294,6 +294,11 @@ fn open_source(path: &Path) -> Result<(String, Source)> {
         Ok(set) => Ok((set.manifest().name.clone(), Source::Recordings(Box::new(set)))),
         Err(error @ DatasetError::NoManifest { .. }) => match &tables_in(path)?[..] {
             [table] => open_table(table),
+            // The raw pushes as they are published.
+            [] if has_json(path) => {
+                let set = RecordingSet::open_with_preset(path, Preset::MitPush)?;
+                Ok((set.manifest().name.clone(), Source::Recordings(Box::new(set))))
+            }
             _ => Err(error.into()),
         },
         Err(error) => Err(error.into()),
@@ -325,6 +330,12 @@ fn open_table(path: &Path) -> Result<(String, Source)> {
 fn is_table(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     path.is_file() && matches!(extension, Some("csv" | "parquet"))
+}
+
+fn has_json(folder: &Path) -> bool {
+    let is_json = |path: &Path| path.extension().is_some_and(|extension| extension == "json");
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.map(|entry| entry.path()).any(|path| is_json(&path))
 }
 
 fn tables_in(folder: &Path) -> Result<Vec<PathBuf>> {

@@ -9,6 +9,7 @@ pub(crate) mod made_once;
 mod mechanics;
 mod missing;
 pub(crate) mod models;
+mod motion;
 mod recordings;
 mod sketch;
 pub(crate) mod thesis_design;

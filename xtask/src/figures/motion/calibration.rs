@@ -1,0 +1,106 @@
+//! Figure M.4: how often the regions of a roll-out hold the end of a push.
+
+use anyhow::Result;
+use report::{Axis, Color, Figure, LegendPlace, Line, Panel};
+use serde_json::{Value, json};
+
+use super::ends::{End, Ends, LEVELS, all_ends, coverage};
+use super::pushes::{pushes, turns};
+use super::trained::Setting;
+use crate::figures::inputs::Inputs;
+use crate::figures::sketch::Sketch;
+
+const N_PARTICLES: usize = 100;
+/// Where the curves are read.
+const N_LEVELS: usize = 51;
+
+pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
+    let pushes = pushes(inputs)?;
+    let setting = Setting { friction: inputs.pusher()?.friction, support: inputs.support()? };
+    let all = all_ends(&setting, &turns(&pushes), N_PARTICLES)?;
+    let figure = Figure::new(1, 2)
+        .panel_size(400.0, 340.0)
+        .with(panel("steps taken for independent", &all, |ends| &ends.independent))
+        .with(panel("errors held as measured", &all, |ends| &ends.held));
+    let n = all.first().map_or(0, |ends| ends.held.len());
+    let told: Vec<String> = all.iter().map(in_words).collect();
+    let caption = format!(
+        "Ends of {n} pushes that no model has seen, each among {N_PARTICLES} particles: the share that \
+         lies within the region of a level. A model that knows how sure it is follows the diagonal. \
+         Steps of a push share errors, which a variance per step does not tell (left); which part is \
+         held through a push was measured on other unseen pushes (right). Share within 50, 90 and 95 % \
+         regions, independent → held: {}.",
+        told.join("; ")
+    );
+    let alt = "Coverage curves of seven models, far below the diagonal at the left and near it at the \
+               right.";
+    let data: Vec<Value> = all.iter().map(numbers).collect();
+    Ok(Sketch::new(figure, Value::Array(data), &caption, alt))
+}
+
+fn panel(title: &str, all: &[Ends], ends: fn(&Ends) -> &[End]) -> Panel {
+    let grid: Vec<f64> = (0..N_LEVELS).map(|k| k as f64 / (N_LEVELS - 1) as f64).collect();
+    let panel = Panel::new(
+        Axis::new("level of the region").range(0.0, 1.0),
+        Axis::new("share of the ends within").range(0.0, 1.0),
+    )
+    .title(title)
+    .legend(LegendPlace::Below)
+    .with(Line::new(&[0.0, 1.0], &[0.0, 1.0]).color(Color::GRAY).width(1.0));
+    all.iter().fold(panel, |panel, model| {
+        let shares: Vec<f64> = grid.iter().map(|level| coverage(ends(model), *level)).collect();
+        panel.with(Line::new(&grid, &shares).color(model.color).label(model.name))
+    })
+}
+
+fn in_words(ends: &Ends) -> String {
+    let percent = |ends: &[End]| {
+        LEVELS.map(|level| format!("{:.0}", 100.0 * coverage(ends, level))).join(", ")
+    };
+    format!("{} {} → {}", ends.name, percent(&ends.independent), percent(&ends.held))
+}
+
+/// Everything that was measured of a model.
+fn numbers(ends: &Ends) -> Value {
+    let of = |ends: &[End]| {
+        let n = ends.len() as f64;
+        let rms =
+            |of: &dyn Fn(&End) -> f64| (ends.iter().map(|e| of(e).powi(2)).sum::<f64>() / n).sqrt();
+        json!({
+            "coverage": LEVELS.map(|level| json!({ "level": level, "share": coverage(ends, level) })),
+            "end_error_rms_m": rms(&|end| end.error[0]),
+            "end_error_rms_rad": rms(&|end| end.error[1]),
+            "end_sd_rms_m": rms(&|end| end.sd[0]),
+            "end_sd_rms_rad": rms(&|end| end.sd[1]),
+            "nlpd": ends.iter().map(|end| end.nlpd).sum::<f64>() / n,
+            "levels": ends.iter().map(|end| end.level).collect::<Vec<_>>(),
+        })
+    };
+    json!({
+        "model": ends.name,
+        "independent": of(&ends.independent),
+        "held": of(&ends.held),
+        "correlations": ends.correlations,
+        "unseen": ends.unseen,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::draw;
+    use crate::figures::inputs::Inputs;
+
+    #[test]
+    fn held_errors_cover_more_of_the_ends_than_independent_ones() {
+        let sketch = draw(&Inputs::fixtures(true).unwrap()).unwrap();
+        let report::Data::Json(models) = &sketch.data else { panic!("numbers are in JSON") };
+        let models = models.as_array().unwrap();
+        assert_eq!(models.len(), 7);
+        for model in models {
+            let share = |kind: &str| model[kind]["coverage"][2]["share"].as_f64().unwrap();
+            let (independent, held) = (share("independent"), share("held"));
+            assert!(held > independent, "{}: {independent} {held}", model["model"]);
+            assert!(held > 0.7, "{}: {held}", model["model"]);
+        }
+    }
+}

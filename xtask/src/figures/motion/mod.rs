@@ -1,0 +1,13 @@
+//! Chapter 6: the motion over time, with its uncertainty.
+
+pub(crate) mod beside;
+pub(crate) mod calibration;
+pub(crate) mod clouds;
+mod ends;
+pub(crate) mod errors;
+pub(crate) mod new_paths;
+mod pushes;
+mod scene;
+mod trained;
+pub(crate) mod vertex;
+mod view;
