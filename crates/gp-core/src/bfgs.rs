@@ -215,8 +215,8 @@ const MAX_STEP: f64 = 2.0;
 const SUFFICIENT_DECREASE: f64 = 1e-4;
 const CURVATURE: f64 = 0.9;
 const MAX_TRIALS: usize = 40;
-/// Relative error that a value may carry from rounding.
-const VALUE_ROUNDING: f64 = 1e-10;
+/// Relative error that a value may carry from rounding: that of ln |K| where noise is at its wall.
+const VALUE_ROUNDING: f64 = 1e-8;
 
 /// A step along `direction` that meets the Wolfe conditions, found by bracketing.
 fn line_search(

@@ -113,6 +113,12 @@ pub enum GpError {
         /// Its gradient norm, in nats per log-parameter.
         gradient_norm: f64,
     },
+    /// A linear mean of a process that learns constants only.
+    #[error(
+        "this process learns a constant mean only; add a `Linear` kernel, or learn the slopes first \
+         and give them as a mean function"
+    )]
+    LinearMean,
     /// A coverage level outside (0, 1).
     #[error("a coverage level must lie strictly between 0 and 1, got {level}")]
     InvalidLevel {

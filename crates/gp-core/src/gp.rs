@@ -1,11 +1,10 @@
-//! The exact Gaussian process with a constant mean and Gaussian noise.
+//! The exact Gaussian process with Gaussian noise.
 
 use std::sync::Arc;
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
-use serde::{Deserialize, Serialize};
 
 use crate::checks::{
     check_count, check_distinct_rows, check_inputs, check_not_negative, check_outputs,
@@ -13,13 +12,14 @@ use crate::checks::{
 };
 use crate::cholesky::{Cholesky, solve_with};
 use crate::kernel::{column, column_mut, copy_row, fill_cross, fill_lower_gram, mirror_lower};
-use crate::likelihood::{COVARIANCE, Evaluator, Likelihood, solve_residual};
+use crate::likelihood::{COVARIANCE, Evaluator, Likelihood};
+use crate::mean::{Residual, Trend};
 use crate::vector::{add_multiple, add_square};
-use crate::{GpError, JointGaussian, Kernel, LeaveOneOut, Posterior};
+use crate::{GpError, JointGaussian, Kernel, LeaveOneOut, Mean, Posterior};
 
 /// A Gaussian process conditioned on data: y = f(x) + noise, f ~ GP(m, k), noise ~ N(0, σₙ²).
 ///
-/// - f mean: m + k*ᵀ (K + σₙ² I)⁻¹ (y − m), in O(N) an input.
+/// - f mean: m* + k*ᵀ (K + σₙ² I)⁻¹ (y − m), in O(N) an input.
 /// - f variance: k** − k*ᵀ (K + σₙ² I)⁻¹ k*, in O(N²) an input.
 ///
 /// Hyperparameters, the mean m among them, are taken as known: their own uncertainty is not part
@@ -36,27 +36,14 @@ pub struct Gp {
     /// Known noise of each row beside the common one; empty if there is none.
     pub(crate) row_noise: Vec<f64>,
     mean: Mean,
-    constant: f64,
+    trend: Trend,
     pub(crate) cholesky: Arc<Cholesky>,
     weights: Vec<f64>,
     log_marginal_likelihood: f64,
 }
 
-/// The constant mean of a Gaussian process.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum Mean {
-    /// A hyperparameter at its maximum-likelihood value, which is the generalised-least-squares
-    /// estimate 1ᵀK⁻¹y / 1ᵀK⁻¹1.
-    #[default]
-    Estimated,
-    /// A known value, in the unit of the output.
-    Fixed(f64),
-}
-
 impl Gp {
-    /// Conditions a kernel with known parameters on data, with an estimated constant mean; O(N³).
+    /// Conditions a kernel with known parameters on data, with a learnt constant mean; O(N³).
     ///
     /// - `x`: inputs, N×D; a single row is enough.
     /// - `y`: outputs, N.
@@ -117,9 +104,7 @@ impl Gp {
         check_inputs("inputs", x, kernel.n_inputs())?;
         check_outputs("outputs", y, x.nrows())?;
         noise.check()?;
-        if let Mean::Fixed(value) = mean {
-            check_outputs("mean", &[value], 1)?;
-        }
+        mean.check()?;
         if noise.common == 0.0 && noise.of_rows.iter().all(|&noise| noise == 0.0) {
             check_distinct_rows(x)?;
         }
@@ -130,8 +115,8 @@ impl Gp {
             matrix[(i, i)] += noise.of_row(i);
         }
         let cholesky = Cholesky::new(COVARIANCE, matrix)?;
-        let (constant, weights, log_marginal_likelihood) =
-            solve_residual(cholesky.factor(), y, mean);
+        let Residual { trend, weights, log_likelihood } =
+            Residual::solve(cholesky.factor(), x.as_ref(), y, mean)?;
         Ok(Self {
             kernel,
             x: Arc::new(x),
@@ -139,10 +124,10 @@ impl Gp {
             noise_variance: noise.common,
             row_noise: noise.of_rows.to_vec(),
             mean,
-            constant,
+            trend,
             cholesky: Arc::new(cholesky),
             weights,
-            log_marginal_likelihood,
+            log_marginal_likelihood: log_likelihood,
         })
     }
 
@@ -156,14 +141,17 @@ impl Gp {
     pub fn with_outputs(&self, y: &[f64]) -> Result<Self, GpError> {
         check_outputs("outputs", y, self.y.len())?;
         let mut other = Self { y: y.to_vec(), ..self.clone() };
-        other.solve();
+        other.solve()?;
         Ok(other)
     }
 
     /// Solves for mean and weights again after outputs or the factor have changed; O(N²).
-    pub(crate) fn solve(&mut self) {
-        (self.constant, self.weights, self.log_marginal_likelihood) =
-            solve_residual(self.cholesky.factor(), &self.y, self.mean);
+    pub(crate) fn solve(&mut self) -> Result<(), GpError> {
+        let residual = Residual::solve(self.cholesky.factor(), self.inputs(), &self.y, self.mean)?;
+        self.trend = residual.trend;
+        self.weights = residual.weights;
+        self.log_marginal_likelihood = residual.log_likelihood;
+        Ok(())
     }
 
     /// The kernel, with its parameters in the user's units.
@@ -176,12 +164,17 @@ impl Gp {
         self.noise_variance
     }
 
-    /// The constant mean m, in the unit of the output.
+    /// The constant mean m, in the unit of the output; of a linear mean its value at x = 0.
     pub fn mean(&self) -> f64 {
-        self.constant
+        self.trend.constant()
     }
 
-    /// Whether the mean was estimated or given.
+    /// The slopes of a linear mean, one an input; none of a constant one.
+    pub fn mean_slopes(&self) -> &[f64] {
+        self.trend.slopes()
+    }
+
+    /// Whether the mean was learnt or given.
     pub fn mean_choice(&self) -> Mean {
         self.mean
     }
@@ -224,8 +217,9 @@ impl Gp {
     /// As `log_marginal_likelihood_gradient`.
     pub fn evaluator(&self) -> Result<Evaluator<'_>, GpError> {
         check_positive("noise variance", self.noise_variance)?;
-        let likelihood = Likelihood::new(self.inputs(), &self.y, &self.row_noise, self.mean);
-        Ok(Evaluator::new(&*self.kernel, self.noise_variance, likelihood))
+        let likelihood = Likelihood::new(self.inputs(), &self.y, self.mean);
+        let noise = Noise { common: self.noise_variance, of_rows: &self.row_noise };
+        Ok(Evaluator::new(&*self.kernel, noise, likelihood))
     }
 
     /// The prediction of every training row from all the others, in closed form; O(N³).
@@ -251,6 +245,9 @@ impl Gp {
                 for (d, slope) in slope.iter().enumerate() {
                     gradient[(i, d)] += weight * slope;
                 }
+            }
+            for (d, slope) in self.mean_slopes().iter().enumerate() {
+                gradient[(i, d)] += slope;
             }
         }
         Ok(gradient)
@@ -288,7 +285,7 @@ impl Gp {
     fn predict_block(&self, x_star: MatRef<'_, f64>, mean: &mut [f64], variance: &mut [f64]) {
         let mut cross = Mat::zeros(x_star.nrows(), self.y.len());
         fill_cross(&*self.kernel, x_star, self.inputs(), &mut cross);
-        mean.fill(self.constant);
+        self.trend.fill(x_star, mean);
         for (j, weight) in self.weights.iter().enumerate() {
             add_multiple(mean, *weight, column(&cross, j));
         }
@@ -344,7 +341,7 @@ impl Posterior for Gp {
         mean.par_chunks_mut(BLOCK).enumerate().for_each(|(block, mean)| {
             let rows = x_star.subrows(block * BLOCK, mean.len());
             let (mut values, mut b) = (vec![0.0; mean.len()], vec![0.0; x_star.ncols()]);
-            mean.fill(self.constant);
+            self.trend.fill(rows, mean);
             for (j, weight) in self.weights.iter().enumerate() {
                 copy_row(self.inputs(), j, &mut b);
                 self.kernel.column(rows, &b, &mut values);

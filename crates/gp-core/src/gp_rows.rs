@@ -33,14 +33,14 @@ impl Gp {
         let entry = |i: usize, j: usize| if i < n { self.x[(i, j)] } else { x[j] };
         self.x = Arc::new(Mat::from_fn(n + 1, d, entry));
         self.y.push(y);
-        self.solve();
-        Ok(())
+        self.solve()
     }
 
     /// Forgets the row `index`; O(N²).
     ///
     /// # Errors
-    /// `OutOfRange` if there is no such row; `TooFewRows` if it is the only one.
+    /// `OutOfRange` if there is no such row; `TooFewRows` if it is the only one;
+    /// `NotPositiveDefinite` if the others do not tell the slopes of a linear mean.
     pub fn remove_row(&mut self, index: usize) -> Result<(), GpError> {
         let n = self.y.len();
         check_range("row", index as f64, 0.0, n as f64 - 1.0)?;
@@ -54,7 +54,6 @@ impl Gp {
         if !self.row_noise.is_empty() {
             self.row_noise.remove(index);
         }
-        self.solve();
-        Ok(())
+        self.solve()
     }
 }

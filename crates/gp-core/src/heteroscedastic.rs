@@ -204,6 +204,7 @@ impl HeteroscedasticGp {
         let x = Mat::from_fn(model.inputs.len(), d, |i, j| model.inputs[i][j]);
         check_inputs("inputs", x.as_ref(), d)?;
         check_outputs("outputs", &model.outputs, x.nrows())?;
+        model.mean.check_constant()?;
         check_outputs("log_noise_mean", &[model.log_noise_mean], 1)?;
         check_count("precisions", x.nrows(), model.precisions.len())?;
         for precision in &model.precisions {

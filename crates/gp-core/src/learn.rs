@@ -24,7 +24,7 @@ pub struct LearnOptions {
     pub max_iterations: usize,
     /// Largest component of the gradient at convergence, in nats per log-parameter.
     pub gradient_tolerance: f64,
-    /// The constant mean.
+    /// The mean.
     pub mean: Mean,
     /// What is known of the hyperparameters before the data.
     pub prior: HyperPrior,
@@ -175,7 +175,7 @@ struct Search<'a> {
 impl Search<'_> {
     /// Minimises the negative log marginal likelihood from start number `index`.
     fn run(&self, index: usize) -> Result<Minimum, GpError> {
-        let mut likelihood = Likelihood::new(self.x, self.y, self.row_noise, self.options.mean);
+        let mut likelihood = Likelihood::new(self.x, self.y, self.options.mean);
         let limits = Limits {
             max_iterations: self.options.max_iterations,
             gradient_tolerance: self.options.gradient_tolerance,
@@ -184,7 +184,8 @@ impl Search<'_> {
         let objective = |point: &[f64], gradient: &mut [f64]| {
             let (parameters, noise_variance) = split(self.space.parameters(point));
             let kernel = self.kernel.with_parameters(&parameters)?;
-            let value = likelihood.evaluate(&*kernel, noise_variance, gradient)?;
+            let noise = Noise { common: noise_variance, of_rows: self.row_noise };
+            let value = likelihood.evaluate(&*kernel, noise, gradient)?;
             gradient.iter_mut().for_each(|slope| *slope = -*slope);
             let total = self.space.penalty(point, gradient) - value;
             check_outputs("log marginal likelihood", &[total], 1)?;
@@ -226,9 +227,7 @@ pub fn check_learnable(
         check_positive("lengthscale_sd of the prior", lengthscale_sd)?;
         check_positive("scale_sd of the prior", scale_sd)?;
     }
-    if let Mean::Fixed(value) = options.mean {
-        check_outputs("mean", &[value], 1)?;
-    }
+    options.mean.check()?;
     if y.len() < 2 {
         return Err(GpError::TooFewRows { needed: 2, actual: y.len() });
     }

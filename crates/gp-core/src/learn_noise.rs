@@ -51,6 +51,7 @@ impl HeteroscedasticGp {
         options: &LearnOptions,
     ) -> Result<(Self, HeteroscedasticReport), GpError> {
         check_learnable(&kernel, x, y, options)?;
+        options.mean.check_constant()?;
         check_count("inputs of the noise kernel", kernel.n_inputs(), noise_kernel.n_inputs())?;
         let values: Vec<f64> = kernel.parameters().iter().map(|p| p.value).collect();
         let (gp, _) = Gp::learn(kernel.with_parameters(&values)?, x, y, options)?;

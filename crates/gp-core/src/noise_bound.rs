@@ -5,7 +5,8 @@ use faer::{Accum, Mat, MatRef, Par};
 
 use crate::cholesky::{factorize, invert, log_determinant};
 use crate::kernel::{column, column_mut, copy_row, fill_lower_gram, mirror_lower};
-use crate::likelihood::{COVARIANCE, solve_residual};
+use crate::likelihood::COVARIANCE;
+use crate::mean::Residual;
 use crate::triangle::scratch_rows;
 use crate::vector::dot;
 use crate::{GpError, Kernel, Mean};
@@ -99,9 +100,9 @@ impl<'a> NoiseBound<'a> {
             self.factor[(i, i)] += (mean - 0.5 * variance).exp();
         }
         factorize(COVARIANCE, self.factor.as_mut())?;
-        let (constant, weights, value) = solve_residual(self.factor.as_ref(), self.y, self.mean);
-        (self.constant, self.weights) = (constant, weights);
-        Ok(value - 0.25 * trace - divergence)
+        let residual = Residual::solve(self.factor.as_ref(), self.x, self.y, self.mean)?;
+        (self.constant, self.weights) = (residual.trend.constant(), residual.weights);
+        Ok(residual.log_likelihood - 0.25 * trace - divergence)
     }
 
     /// Fills K_g, the factor of B and B⁻¹; returns the divergence.

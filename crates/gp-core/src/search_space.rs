@@ -11,7 +11,7 @@ use crate::{HyperPrior, Kernel, Role};
 /// A lengthscale or period scales with the standard deviation of its input and a variance with the
 /// variance of the outputs, so u is what standardised inputs and outputs would give, and the
 /// likelihood stays that of the data in the user's units.
-/// The noise variance is the last parameter.
+/// The noise variance is the last parameter, but for what `with_shape` adds.
 pub struct SearchSpace {
     log_scales: Vec<f64>,
     ranges: Vec<Range>,
@@ -49,6 +49,13 @@ impl SearchSpace {
         log_scales.push(output);
         ranges.push(Range::noise());
         Self { log_scales, ranges, stiffness: STIFFNESS * y.len() as f64, prior }
+    }
+
+    /// One more parameter behind the noise variance, without unit, that starts at `value`.
+    pub fn with_shape(mut self, value: f64) -> Self {
+        self.log_scales.push(0.0);
+        self.ranges.push(Range::around(value.ln()));
+        self
     }
 
     /// Start number `index`: the first in the usual place, the others a low-discrepancy set.

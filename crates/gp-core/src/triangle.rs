@@ -277,7 +277,7 @@ impl WithSimd for SolveColumns<'_> {
     }
 }
 
-/// sum ← sum − Σ coefficient·column, with the sum in registers.
+/// sum ← sum − Σ coefficient·column.
 #[inline(always)]
 fn subtract<S: Simd>(
     simd: S,
@@ -285,12 +285,27 @@ fn subtract<S: Simd>(
     columns: &[[f64; TILE]],
     coefficient: impl Fn(usize, &[f64; TILE]) -> f64,
 ) {
+    match TILE / S::F64_LANES {
+        0..4 => subtract_in::<S, 1>(simd, sum, columns, coefficient),
+        4..8 => subtract_in::<S, 4>(simd, sum, columns, coefficient),
+        _ => subtract_in::<S, 8>(simd, sum, columns, coefficient),
+    }
+}
+
+/// As `subtract`, with `N` vector registers of the sum at a time.
+#[inline(always)]
+fn subtract_in<S: Simd, const N: usize>(
+    simd: S,
+    sum: &mut [f64; TILE],
+    columns: &[[f64; TILE]],
+    coefficient: impl Fn(usize, &[f64; TILE]) -> f64,
+) {
     let (sum, _) = S::as_mut_simd_f64s(sum);
-    for (block, sum) in sum.as_chunks_mut::<REGISTERS>().0.iter_mut().enumerate() {
+    for (block, sum) in sum.as_chunks_mut::<N>().0.iter_mut().enumerate() {
         let mut registers = *sum;
         for (k, column) in columns.iter().enumerate() {
             let factor = simd.splat_f64s(-coefficient(k, column));
-            let column = &S::as_simd_f64s(column).0.as_chunks::<REGISTERS>().0[block];
+            let column = &S::as_simd_f64s(column).0.as_chunks::<N>().0[block];
             for (register, value) in registers.iter_mut().zip(column) {
                 *register = simd.mul_add_f64s(*value, factor, *register);
             }
@@ -298,9 +313,6 @@ fn subtract<S: Simd>(
         *sum = registers;
     }
 }
-
-/// Vector registers that hold a sum: a whole column of a tile where they have four entries.
-const REGISTERS: usize = 8;
 
 #[inline(always)]
 fn scale(column: &mut [f64; TILE], factor: f64) {

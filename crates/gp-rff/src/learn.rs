@@ -101,6 +101,7 @@ impl RffGp {
     ) -> Result<(Self, RffReport), GpError> {
         let kernel = options.spectrum.kernel(&vec![1.0; x.ncols()], 1.0)?;
         check_learnable(&*kernel, x, y, &small_options(options))?;
+        options.mean.check_constant()?;
         let small_gp = small_process(&*kernel, x, y, options)?;
         let d = x.ncols();
         let features = RandomFeatures::new(options.spectrum, &small_gp[..d], options.features)?;

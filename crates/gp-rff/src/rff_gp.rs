@@ -71,9 +71,7 @@ impl RffGp {
     ) -> Result<Self, GpError> {
         check_positive("signal variance", signal_variance)?;
         check_positive("noise variance", noise_variance)?;
-        if let Mean::Fixed(value) = mean {
-            check_outputs("mean", &[value], 1)?;
-        }
+        mean.check_constant()?;
         statistics.check_features(&features)?;
         if statistics.n_rows() == 0 {
             return Err(GpError::TooFewRows { needed: 1, actual: 0 });

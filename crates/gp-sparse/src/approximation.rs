@@ -1,6 +1,6 @@
 //! Which sparse approximation is made, as the two numbers in which they differ.
 
-use gp_core::checks::{check_not_negative, check_outputs};
+use gp_core::checks::check_not_negative;
 use gp_core::{GpError, Mean};
 use serde::{Deserialize, Serialize};
 
@@ -90,9 +90,7 @@ impl SparseSettings {
             let name = "alpha of the approximation".to_owned();
             return Err(GpError::OutOfRange { name, value: alpha, lowest: 0.0, highest: 1.0 });
         }
-        if let Mean::Fixed(value) = self.mean {
-            check_outputs("mean", &[value], 1)?;
-        }
+        self.mean.check_constant()?;
         check_not_negative("jitter", self.jitter)
     }
 }

@@ -67,6 +67,8 @@ fn values_that_mean_nothing() {
     assert_eq!(error, GpError::Negative { name: "jitter".to_owned(), value: -1.0 });
     let mean = Mean::Fixed(f64::INFINITY);
     let error = fit(&waves(5), &line(2), 0.1, SparseSettings { mean, ..settings });
+    let linear = SparseSettings { mean: Mean::Linear, ..settings };
+    assert_eq!(fit(&waves(5), &line(2), 0.1, linear), GpError::LinearMean);
     assert!(matches!(error, GpError::NotFinite { what: "mean", .. }));
 }
 

@@ -11,6 +11,7 @@ mod gp;
 mod gp_rff;
 mod gp_sparse;
 mod ingest;
+mod peers;
 mod plant;
 mod push;
 mod report;
@@ -33,6 +34,9 @@ pub(crate) struct Args {
     /// Sizes of the sets that are diagnosed
     #[arg(long, value_delimiter = ',', value_name = "N", default_value = "100,1000,10000,100000")]
     pushes: Vec<usize>,
+    /// Time other libraries' Gaussian processes beside ours instead, on the same data
+    #[arg(long)]
+    peers: bool,
     /// Diagnose so many pushes once and print what it took as JSON
     #[arg(long, hide = true, value_name = "N")]
     once: Option<usize>,
@@ -49,6 +53,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let folder = workspace_root().join("target/bench");
     if cfg!(debug_assertions) {
         println!("built with checks; without: cargo run --release -p xtask -- bench");
+    }
+    if args.peers {
+        return peers::run(&folder);
     }
     let is_chosen = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
     for benchmark in BENCHMARKS.iter().filter(|benchmark| is_chosen(benchmark.name)) {
