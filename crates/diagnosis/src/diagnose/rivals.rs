@@ -12,16 +12,17 @@ impl Search<'_> {
     /// log likelihood; of known look-alikes within a share of what it explains, for a model of a rig
     /// is not true enough to tell them apart by less.
     ///
+    /// All is measured from the model `here`, whose small nuisances take what they can for themselves.
     /// What still explains half as much beside the one that was added is another effect, not a rival.
     pub(super) fn rivals(
         &self,
         tried: &[Tried],
         best: usize,
-        without: &Refit,
+        here: &Refit,
         there: &Refit,
     ) -> Result<Vec<&'static str>, DiagnosisError> {
         let (winner, apart) = (&tried[best].trial, Rules::APART * there.scale().powi(2));
-        let of_alike = Rules::SHARE_APART * (without.misfit() - winner.misfit());
+        let of_alike = Rules::SHARE_APART * (here.misfit() - winner.misfit());
         let mut rivals = Vec::new();
         for (index, Tried { trial: other, .. }) in tried.iter().enumerate() {
             let bound = match self.are_known_alike(winner.id(), other.id()) {
@@ -31,7 +32,7 @@ impl Search<'_> {
             if index == best || other.misfit() >= winner.misfit() + bound {
                 continue;
             }
-            let alone = without.misfit() - other.misfit();
+            let alone = here.misfit() - other.misfit();
             let beside = there.misfit() - there.trial(other.effect)?.misfit();
             if beside < Rules::OWN_SHARE * alone {
                 rivals.push(other.id());

@@ -147,7 +147,7 @@ impl Search<'_> {
                     Ok(there) => {
                         objection = self.objection_to(without, &there, id)?;
                         if objection.is_none() {
-                            let rivals = self.rivals(&tried, index, without, &there)?;
+                            let rivals = self.rivals(&tried, index, here, &there)?;
                             return Ok(Some((Choice { id, p_adjusted, rivals }, there)));
                         }
                     }
