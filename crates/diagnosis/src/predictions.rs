@@ -49,8 +49,16 @@ impl Predictions {
         };
         let values = predict(model)?;
         let mut variances = vec![[0.0; 7]; values.len()];
-        for Uncertain { ends, width } in uncertain(model, base, own)? {
-            let [low, high] = [predict(&ends[0])?, predict(&ends[1])?];
+        for Uncertain { ends, widths } in uncertain(model, base, own)? {
+            // The mechanics may refuse an end: then the secant is on one side alone.
+            let [low, high] = ends.map(|end| predict(&end));
+            let (low, high, width) = match (low, high) {
+                (Ok(low), Ok(high)) => (low, high, widths[0] + widths[1]),
+                (Ok(low), Err(_)) if widths[0] > 0.0 => (low, values.clone(), widths[0]),
+                (Err(_), Ok(high)) if widths[1] > 0.0 => (values.clone(), high, widths[1]),
+                // A number that nothing bounds says nothing of the prediction's width.
+                _ => continue,
+            };
             for (variance, (low, high)) in variances.iter_mut().zip(low.iter().zip(&high)) {
                 (0..7).for_each(|k| variance[k] += ((high[k] - low[k]) / width).powi(2));
             }
@@ -112,8 +120,8 @@ impl Predictions {
 /// The model with one of its numbers a standard error lower and higher, or as far as its range goes.
 struct Uncertain {
     ends: [Description; 2],
-    /// From one end to the other, in standard errors.
-    width: f64,
+    /// How far the ends are, in standard errors.
+    widths: [f64; 2],
 }
 
 /// One for each number of a model that has a standard error.
@@ -167,7 +175,8 @@ impl Uncertain {
             return Ok(None);
         }
         let moved = |value| with(Estimate { value, ..estimate.clone() });
-        Ok(Some(Self { ends: [moved(low)?, moved(high)?], width: (high - low) / se }))
+        let widths = [(value - low) / se, (high - value) / se];
+        Ok(Some(Self { ends: [moved(low)?, moved(high)?], widths }))
     }
 }
 

@@ -66,8 +66,7 @@ impl Search<'_> {
         let is_asked = |nuisance: &NuisanceFit| is_wrong(nuisance) && !is_hidden(nuisance.id);
         let wrong: Vec<NuisanceFit> =
             here.fit(&settings)?.nuisances.into_iter().filter(is_asked).collect();
-        let others =
-            if wrong.is_empty() { Vec::new() } else { self.beside_rivals(here, progress)? };
+        let others = if wrong.is_empty() { Vec::new() } else { self.beside_rivals(here, progress) };
         let mut claimed = Vec::new();
         for nuisance in wrong {
             let id = nuisance.id;
@@ -94,17 +93,17 @@ impl Search<'_> {
         &self,
         here: &Refit,
         progress: &Progress,
-    ) -> Result<Vec<(&'static str, Vec<&'static str>)>, DiagnosisError> {
+    ) -> Vec<(&'static str, Vec<&'static str>)> {
         let mut found = Vec::new();
         for choice in &progress.chosen {
             for rival in &choice.rivals {
-                let Some(there) = self.with_instead(here, choice.id, rival)? else { continue };
-                let nuisances = there.fit(&self.fit_settings(false))?.nuisances;
-                let wrong = nuisances.iter().filter(|one| is_wrong(one)).map(|one| one.id);
+                let Some(there) = self.with_instead(here, choice.id, rival) else { continue };
+                let Ok(fit) = there.fit(&self.fit_settings(false)) else { continue };
+                let wrong = fit.nuisances.iter().filter(|one| is_wrong(one)).map(|one| one.id);
                 found.push((*rival, wrong.collect()));
             }
         }
-        Ok(found)
+        found
     }
 
     /// The fit with intervals, without effects that it leaves open.
@@ -164,7 +163,7 @@ impl Search<'_> {
             };
             let (id, objection) = (*id, Objection::NotConfirmed { gain: *gain });
             progress.refused.push(Refused { id, objection });
-            whole = match self.next_of_group(&whole, id, progress)? {
+            whole = match self.next_of_group(&whole, id, progress) {
                 Some(other) => other,
                 None => {
                     progress.chosen.retain(|one| one.id != id);
@@ -184,18 +183,19 @@ impl Search<'_> {
         whole: &Refit<'a>,
         id: &'static str,
         progress: &mut Progress,
-    ) -> Result<Option<Refit<'a>>, DiagnosisError> {
-        let Some(choice) = progress.chosen.iter_mut().find(|one| one.id == id) else {
-            return Ok(None);
-        };
+    ) -> Option<Refit<'a>> {
+        let choice = progress.chosen.iter_mut().find(|one| one.id == id)?;
         while !choice.rivals.is_empty() {
             let rival = choice.rivals.remove(0);
-            if let Some(other) = self.with_instead(whole, id, rival)? {
-                choice.id = rival;
-                return other.asking(&[rival]).settled().map(Some);
+            if let Some(other) = self.with_instead(whole, id, rival) {
+                // One that does not settle is passed over.
+                if let Ok(other) = other.asking(&[rival]).settled() {
+                    choice.id = rival;
+                    return Some(other);
+                }
             }
         }
-        Ok(None)
+        None
     }
 }
 

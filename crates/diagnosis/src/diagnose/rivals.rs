@@ -33,7 +33,9 @@ impl Search<'_> {
                 continue;
             }
             let alone = here.misfit() - other.misfit();
-            let beside = there.misfit() - there.trial(other.effect)?.misfit();
+            // What cannot be predicted beside the winner is no second effect.
+            let beside =
+                there.trial(other.effect).map_or(0.0, |both| there.misfit() - both.misfit());
             if beside < Rules::OWN_SHARE * alone {
                 rivals.push(other.id());
             }
@@ -74,11 +76,7 @@ impl Search<'_> {
     }
 
     /// A model with a rival of the last effect that does without an earlier one, if there is one.
-    pub(super) fn with_a_rival<'a>(
-        &self,
-        there: Refit<'a>,
-        progress: &mut Progress,
-    ) -> Result<Refit<'a>, DiagnosisError> {
+    pub(super) fn with_a_rival<'a>(&self, there: Refit<'a>, progress: &mut Progress) -> Refit<'a> {
         let most = there.misfit() + Rules::APART * there.scale().powi(2);
         let last = progress.chosen.len() - 1;
         let Choice { id: last_id, rivals, p_adjusted } = progress.chosen[last].clone();
@@ -86,7 +84,7 @@ impl Search<'_> {
             let mut alone: Vec<(&'static str, Refit<'a>)> = Vec::new();
             for rival in &rivals {
                 // A rival that does not settle explains nothing.
-                let without = self.with_instead(&there, last_id, rival)?;
+                let without = self.with_instead(&there, last_id, rival);
                 let without = without.and_then(|other| other.roughly_without(&[id]).ok());
                 alone.extend(without.filter(|other| other.misfit() < most).map(|m| (*rival, m)));
             }
@@ -98,10 +96,10 @@ impl Search<'_> {
                 for id in [id, last_id] {
                     progress.refused.push(Refused { id, objection: Objection::Superfluous });
                 }
-                return Ok(model);
+                return model;
             }
         }
-        Ok(there)
+        there
     }
 
     /// A model with one effect in the place of another; none where it does not settle.
@@ -110,9 +108,8 @@ impl Search<'_> {
         model: &Refit<'a>,
         id: &'static str,
         other: &'static str,
-    ) -> Result<Option<Refit<'a>>, DiagnosisError> {
-        let Some(effect) = self.effect(other) else { return Ok(None) };
-        let without = model.without(&[id])?;
-        Ok(without.trial(effect).and_then(|trial| without.with(&trial)).ok())
+    ) -> Option<Refit<'a>> {
+        let effect = self.effect(other)?;
+        model.without(&[id]).and_then(|without| without.with(&without.trial(effect)?)).ok()
     }
 }

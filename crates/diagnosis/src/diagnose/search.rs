@@ -268,7 +268,7 @@ impl Search<'_> {
                 return Ok(without);
             }
         }
-        self.with_a_rival(there, progress)
+        Ok(self.with_a_rival(there, progress))
     }
 
     /// The model at its minimum as a screen takes it: what is known beforehand of small nuisances
