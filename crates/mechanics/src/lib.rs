@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod edge_push;
 mod ellipsoid;
 mod error;
 mod fit;
@@ -27,6 +28,7 @@ mod runge_kutta;
 mod single_point;
 mod slider;
 
+pub use edge_push::EdgePush;
 pub use ellipsoid::Ellipsoid;
 pub use error::MechanicsError;
 pub use fit::{Fit, WrenchTwist, fit_ellipsoid, fit_patch, fit_quartic, scored};

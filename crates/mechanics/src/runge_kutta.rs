@@ -1,6 +1,5 @@
 //! One step of the embedded Runge–Kutta pair of orders 5 and 4.
 
-use crate::MechanicsError;
 use nalgebra::SVector;
 
 /// The result of a step.
@@ -38,13 +37,14 @@ const ERROR: [f64; 7] = [
 ///
 /// # Source
 /// Dormand & Prince (1980), "A family of embedded Runge-Kutta formulae".
-pub(crate) fn step<const N: usize>(
+#[inline]
+pub(crate) fn step<const N: usize, E>(
     time: f64,
     start: &SVector<f64, N>,
     first: &SVector<f64, N>,
     h: f64,
-    mut derivative: impl FnMut(f64, &SVector<f64, N>) -> Result<SVector<f64, N>, MechanicsError>,
-) -> Result<Step<N>, MechanicsError> {
+    mut derivative: impl FnMut(f64, &SVector<f64, N>) -> Result<SVector<f64, N>, E>,
+) -> Result<Step<N>, E> {
     let mut slopes = [*first; 7];
     let mut end = *start;
     for stage in 1..7 {
@@ -65,13 +65,14 @@ pub(crate) fn step<const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::step;
+    use crate::MechanicsError;
     use nalgebra::SVector;
 
     #[test]
     fn halving_the_step_divides_the_error_of_a_step_by_two_to_the_sixth() {
         let error_of = |h: f64| {
             let start = SVector::<f64, 1>::new(1.0);
-            let decay = |_: f64, x: &SVector<f64, 1>| Ok(-x);
+            let decay = |_: f64, x: &SVector<f64, 1>| Ok::<_, MechanicsError>(-x);
             let end = step(0.0, &start, &-start, h, decay).unwrap().end[0];
             (end - (-h).exp()).abs()
         };

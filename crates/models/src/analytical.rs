@@ -139,7 +139,10 @@ impl Analytical {
         steps: impl IntoIterator<Item = &'a StepInput>,
     ) -> Result<Vec<Vector3<f64>>, ModelError> {
         let mut supports = Supports::default();
-        steps.into_iter().map(|step| self.outputs_on(supports.of(self, step)?, step)).collect()
+        steps
+            .into_iter()
+            .map(|step| self.outputs_on(&supports.of(self, step)?.mean, step))
+            .collect()
     }
 
     /// The covariance of each step.
@@ -164,9 +167,25 @@ impl Analytical {
     }
 
     fn motion_on(&self, support: &Support, step: &StepInput) -> Result<Pose, ModelError> {
-        let Support { surface, pose_bs } = support;
+        self.motion_with(self.pusher_friction.value, support, step)
+    }
+
+    fn motion_with(
+        &self,
+        friction: f64,
+        support: &Support,
+        step: &StepInput,
+    ) -> Result<Pose, ModelError> {
+        let Support { surface, pose_bs, at_edge } = support;
+        let pusher = Pusher { radius: step.pusher_radius(), friction };
+        let (start_b, direction_b) = (step.start_b(), step.direction_b());
+        let fast = at_edge.as_ref();
+        let fast = fast
+            .and_then(|at| at.push(&pusher, step.edge(), &start_b, &direction_b, step.distance()));
+        if let Some(pose_bb) = fast {
+            return Ok(pose_bb);
+        }
         let slider = Slider { shape: step.shape(), surface: &**surface, pose_bs: *pose_bs };
-        let pusher = Pusher { radius: step.pusher_radius(), friction: self.pusher_friction.value };
         // Quasi-static motion does not know time: the pusher moves at 1 m/s.
         let path = StraightPath {
             start_w: step.start_b(),
@@ -185,7 +204,7 @@ impl Analytical {
     /// jumps where sticking turns into sliding.
     fn parameter_covariance(
         &self,
-        support: &Support,
+        supports: &SupportsOfShape,
         step: &StepInput,
     ) -> Result<Matrix3<f64>, ModelError> {
         let mut covariance = Matrix3::zeros();
@@ -197,35 +216,62 @@ impl Analytical {
         if se > 0.0 {
             let ends = [(value - se).max(0.0), value + se];
             let [low, high] = ends.map(|friction| {
-                let moved = Self { pusher_friction: Estimate::exact(friction, ""), ..self.clone() };
-                moved.outputs_on(support, step)
+                Ok::<_, ModelError>(step.outputs(&self.motion_with(
+                    friction,
+                    &supports.mean,
+                    step,
+                )?))
             });
             add(se, ends, high? - low?);
         }
-        if let CharacteristicLength::Given(Estimate { value, se, .. }) = self.length
-            && se > 0.0
+        if let (CharacteristicLength::Given(length), Some([shorter, longer])) =
+            (&self.length, &supports.ends)
         {
-            let ends = [(value - se).max(0.1 * value), value + se];
-            let [low, high] =
-                ends.map(|c| self.outputs_on(&self.surface.under(step.shape(), c)?, step));
-            add(se, ends, high? - low?);
+            let change = self.outputs_on(longer, step)? - self.outputs_on(shorter, step)?;
+            add(length.se, length_ends(length), change);
         }
         Ok(covariance)
     }
 }
 
+/// The ends of a secant over ± one standard error of c, in m.
+fn length_ends(length: &Estimate) -> [f64; 2] {
+    let Estimate { value, se, .. } = *length;
+    [(value - se).max(0.1 * value), value + se]
+}
+
 /// Limit surfaces by shape, each made once.
 #[derive(Default)]
-struct Supports(Vec<(Arc<Shape>, Support)>);
+struct Supports(Vec<(Arc<Shape>, SupportsOfShape)>);
+
+/// The limit surface under a shape, and those at the ends of what its c leaves open.
+struct SupportsOfShape {
+    mean: Support,
+    ends: Option<[Support; 2]>,
+}
+
+impl SupportsOfShape {
+    fn new(model: &Analytical, step: &StepInput) -> Result<Self, ModelError> {
+        let ends = match &model.length {
+            CharacteristicLength::Given(length) if length.se > 0.0 => {
+                let [shorter, longer] = length_ends(length);
+                let under = |c| model.surface.under(step.shape(), c);
+                Some([under(shorter)?, under(longer)?])
+            }
+            _ => None,
+        };
+        Ok(Self { mean: model.support(step)?, ends })
+    }
+}
 
 impl Supports {
-    fn of(&mut self, model: &Analytical, step: &StepInput) -> Result<&Support, ModelError> {
+    fn of(&mut self, model: &Analytical, step: &StepInput) -> Result<&SupportsOfShape, ModelError> {
         let shape = step.shared_shape();
         let same = |known: &Arc<Shape>| Arc::ptr_eq(known, shape) || known == shape;
         let index = match self.0.iter().position(|(known, _)| same(known)) {
             Some(index) => index,
             None => {
-                self.0.push((shape.clone(), model.support(step)?));
+                self.0.push((shape.clone(), SupportsOfShape::new(model, step)?));
                 self.0.len() - 1
             }
         };

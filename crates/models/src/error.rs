@@ -236,6 +236,25 @@ pub enum ModelError {
     /// An effect or a prediction with effects was refused.
     #[error(transparent)]
     Effects(#[from] effects::EffectError),
+    /// A table for a model that knows more of a step than its place and angle.
+    #[error(
+        "a table is of p and beta_rad alone, and this model's inputs are {inputs}; ask it itself"
+    )]
+    NoTable {
+        /// The model's inputs.
+        inputs: String,
+    },
+    /// Processes that vary too fast for a table.
+    #[error(
+        "the finest table is off by {mean_error:.1e} standard deviations in the mean and by \
+         {variance_error:.1e} in the variance; ask the model itself"
+    )]
+    TableTooCoarse {
+        /// Over the standard deviation of an observation.
+        mean_error: f64,
+        /// Over the variance of an observation.
+        variance_error: f64,
+    },
     /// A Gaussian process could not be learnt or asked.
     #[error("Gaussian process of {output}")]
     Gp {

@@ -106,10 +106,14 @@ impl PushPath {
         let n = PIECES * (knots.len() - 1);
         let place = |k: usize| {
             let at = (end * k as f64 / n as f64).min(end);
-            let value = |axis: &CubicSpline| axis.value(at).unwrap_or_default();
-            Vector2::new(value(&x), value(&y))
+            let value = |axis: &CubicSpline| {
+                let beyond = || refused(k / PIECES, format!("has no spline at {at} s"));
+                axis.value(at).ok_or_else(beyond)
+            };
+            Ok(Vector2::new(value(&x)?, value(&y)?))
         };
-        Self::smooth(at_speed(&(0..=n).map(place).collect::<Vec<_>>(), speed)?)
+        let chords = (0..=n).map(place).collect::<Result<Vec<_>, ModelError>>()?;
+        Self::smooth(at_speed(&chords, speed)?)
     }
 
     /// A smooth way through points with their times in s, as a robot reports it; where it rests it

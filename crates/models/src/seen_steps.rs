@@ -37,11 +37,11 @@ impl SeenSteps {
     }
 
     /// Whether a step's inputs, in their order, are within what was seen.
-    pub(crate) fn holds(&self, inputs: impl Iterator<Item = f64>) -> bool {
-        let mut pairs = inputs.zip(&self.inputs);
+    pub(crate) fn holds(&self, inputs: &[f64]) -> bool {
+        let mut pairs = inputs.iter().zip(&self.inputs);
         pairs.all(|(value, [low, high])| {
             let margin = MARGIN * (high - low);
-            (low - margin..=high + margin).contains(&value)
+            (low - margin..=high + margin).contains(value)
         })
     }
 

@@ -94,25 +94,25 @@ impl SlipMixture {
             let most = most.unwrap_or(Slip::Stick);
             ways.iter_mut().filter(|way| **way == Slip::Stick).for_each(|way| *way = most);
         }
-        let mut modes = Vec::new();
+        let (mut modes, mut known) = (Vec::new(), Vec::new());
         for way in Slip::ALL {
-            let own: Vec<StepObservation> = steps
-                .iter()
-                .zip(&ways)
-                .filter(|(_, own)| **own == way)
-                .map(|(step, _)| step.clone())
-                .collect();
-            if own.len() >= FEWEST {
-                modes.push((way, GpPushModel::train(&own, training)?.0));
+            let own = steps.iter().zip(&ways).filter(|(_, own)| **own == way);
+            let own: Vec<StepObservation> = own.map(|(step, _)| step.clone()).collect();
+            if own.is_empty() {
+                continue;
             }
+            if own.len() < FEWEST {
+                let (what, actual) = ("a mixture of slipping and sticking", own.len());
+                return Err(ModelError::TooFewSteps { what, needed: FEWEST, actual });
+            }
+            let place = |step: &StepObservation| [step.input.p(), step.input.beta()];
+            known.extend(own.iter().map(|step| (place(step), modes.len())));
+            modes.push((way, GpPushModel::train(&own, training)?.0));
         }
         if modes.is_empty() {
-            let (what, actual) = ("a mixture of slipping and sticking", steps.len());
+            let (what, actual) = ("a mixture of slipping and sticking", 0);
             return Err(ModelError::TooFewSteps { what, needed: FEWEST, actual });
         }
-        let index = |way: &Slip| modes.iter().position(|(own, _)| own == way).unwrap_or_default();
-        let places = steps.iter().map(|step| [step.input.p(), step.input.beta()]);
-        let known = places.zip(ways.iter().map(index)).collect();
         let gate = Gate::learn(known, modes.len());
         Ok(Self { modes, gate })
     }

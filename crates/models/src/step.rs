@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Vector2, Vector3};
-use planar::{Pose, Shape, cross, perpendicular};
+use planar::{Contact, Pose, Shape, cross, perpendicular};
 
 use crate::ModelError;
 use crate::error::{not_negative, positive};
@@ -96,6 +96,18 @@ impl StepInput {
         let contact = shape.contact(&start_b, pusher_radius);
         let (place, direction_b) = ((contact.edge, contact.p), motion / distance);
         Ok(Self::new(shape, pusher_radius, place, start_b, direction_b, distance))
+    }
+
+    /// The step of a pusher whose nearest point of the outline is known, all in B at its start.
+    pub(crate) fn at_contact(
+        shape: Arc<Shape>,
+        pusher_radius: f64,
+        contact: &Contact,
+        start_b: Vector2<f64>,
+        (direction_b, distance): (Vector2<f64>, f64),
+    ) -> Self {
+        let place = (contact.edge, contact.p);
+        Self::new(shape, pusher_radius, place, start_b, direction_b, distance)
     }
 
     /// A step whose numbers have been checked.

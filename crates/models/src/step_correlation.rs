@@ -121,12 +121,11 @@ pub(crate) fn root(covariance: &Matrix3<f64>) -> Matrix3<f64> {
             continue;
         }
         let diagonal = square.sqrt();
-        let below: Vec<f64> =
-            (j + 1..3).map(|i| (covariance[(i, j)] - before(i, j)) / diagonal).collect();
+        let below: [f64; 3] = std::array::from_fn(|i| {
+            if i > j { (covariance[(i, j)] - before(i, j)) / diagonal } else { 0.0 }
+        });
         root[(j, j)] = diagonal;
-        for (i, value) in (j + 1..3).zip(below) {
-            root[(i, j)] = value;
-        }
+        (j + 1..3).for_each(|i| root[(i, j)] = below[i]);
     }
     root
 }

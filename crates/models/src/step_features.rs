@@ -19,6 +19,9 @@ impl StepFeatures {
     const SPEED: [&str; 1] = ["speed_m_s"];
     const NORMAL: [&str; 2] = ["normal_x", "normal_y"];
 
+    /// The most inputs that there can be.
+    const MOST: usize = Self::PLACE.len() + Self::SPEED.len() + Self::NORMAL.len();
+
     /// Every choice.
     pub const ALL: [Self; 4] = [
         Self { speed: false, normal: false },
@@ -37,6 +40,13 @@ impl StepFeatures {
             .chain(chosen(self.speed, &Self::SPEED))
             .chain(chosen(self.normal, &Self::NORMAL))
             .collect()
+    }
+
+    /// How many inputs there are.
+    pub(crate) fn n_inputs(self) -> usize {
+        let chosen = |is_chosen: bool, n: usize| if is_chosen { n } else { 0 };
+        let place = Self::PLACE.len();
+        place + chosen(self.speed, Self::SPEED.len()) + chosen(self.normal, Self::NORMAL.len())
     }
 
     /// The choice with these names.
@@ -70,20 +80,31 @@ impl StepFeatures {
     /// `NoSpeed` for a step that does not say how long it took.
     pub(crate) fn rows<'a>(
         self,
-        steps: impl Iterator<Item = &'a StepInput>,
+        steps: impl ExactSizeIterator<Item = &'a StepInput>,
     ) -> Result<Mat<f64>, ModelError> {
-        let row = |step: &StepInput| {
-            let mut row = vec![step.p(), step.beta()];
-            if self.speed {
-                row.push(step.speed().ok_or(ModelError::NoSpeed)?);
-            }
-            if self.normal {
-                let normal = step.shape().inward_normal_at(step.edge(), step.p());
-                row.extend([normal.x, normal.y]);
-            }
-            Ok(row)
-        };
-        let rows: Vec<Vec<f64>> = steps.map(row).collect::<Result<_, ModelError>>()?;
-        Ok(Mat::from_fn(rows.len(), self.names().len(), |i, d| rows[i][d]))
+        let mut rows = Mat::zeros(steps.len(), self.n_inputs());
+        for (i, step) in steps.enumerate() {
+            let row = self.row(step)?;
+            (0..self.n_inputs()).for_each(|d| rows[(i, d)] = row[d]);
+        }
+        Ok(rows)
+    }
+
+    /// The inputs of one step, of which the first [`Self::n_inputs`] count.
+    ///
+    /// # Errors
+    /// As [`Self::rows`].
+    pub(crate) fn row(self, step: &StepInput) -> Result<[f64; Self::MOST], ModelError> {
+        let mut row = [step.p(), step.beta(), 0.0, 0.0, 0.0];
+        let mut next = Self::PLACE.len();
+        if self.speed {
+            row[next] = step.speed().ok_or(ModelError::NoSpeed)?;
+            next += 1;
+        }
+        if self.normal {
+            let normal = step.shape().inward_normal_at(step.edge(), step.p());
+            row[next..next + 2].copy_from_slice(normal.as_slice());
+        }
+        Ok(row)
     }
 }

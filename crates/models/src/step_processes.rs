@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
+use faer::MatRef;
 use gp_core::GpError;
 use nalgebra::{Matrix3, Vector3};
 use planar::Shape;
 
 use crate::process::{Process, ProcessReport};
+use crate::step_table::{Belief, StepTable};
 use crate::{
     ModelError, Noise, OUTPUTS, Outline, ProcessKind, SeenSteps, StepFeatures, StepInput,
-    StepPrediction, Training, Weights,
+    StepPrediction, TableReport, Training, Weights,
 };
 
 /// One process an output, for outputs per meter of the pusher's way.
@@ -22,6 +24,8 @@ pub(crate) struct StepProcesses {
     features: StepFeatures,
     outlines: Vec<Outline>,
     seen: Option<SeenSteps>,
+    /// What is read instead of the processes, where it reaches.
+    table: Option<Arc<StepTable>>,
 }
 
 impl StepProcesses {
@@ -48,7 +52,8 @@ impl StepProcesses {
         }
         let outlines = shapes.into_iter().map(|shape| Outline::of(shape)).collect();
         let seen = SeenSteps::of(training.features, steps)?;
-        let processes = Self { outputs, features: training.features, outlines, seen };
+        let features = training.features;
+        let processes = Self { outputs, features, outlines, seen, table: None };
         Ok((processes, [report_x, report_y, report_theta]))
     }
 
@@ -69,20 +74,53 @@ impl StepProcesses {
             return Ok(predictions);
         }
         self.check_outlines(steps)?;
-        let x = self.features.rows(steps.iter())?;
+        let beyond: Vec<usize> = match &self.table {
+            Some(table) => table.read(steps, noise, &mut predictions),
+            None => (0..steps.len()).collect(),
+        };
+        if beyond.is_empty() {
+            return Ok(predictions);
+        }
+        let x = self.features.rows(beyond.iter().map(|i| &steps[*i]))?;
         for (k, process) in self.outputs.iter().enumerate() {
             let (mean, variance) = match noise {
                 Noise::Included => process.posterior().predict_observation(x.as_ref()),
                 Noise::Excluded => process.posterior().predict(x.as_ref()),
             }
             .map_err(of_output(k))?;
-            for (i, prediction) in predictions.iter_mut().enumerate() {
-                let distance = steps[i].distance();
-                prediction.mean[k] = mean[i] * distance;
-                prediction.covariance[(k, k)] = variance[i] * distance * distance;
+            for ((i, mean), variance) in beyond.iter().zip(mean).zip(variance) {
+                let (distance, prediction) = (steps[*i].distance(), &mut predictions[*i]);
+                prediction.mean[k] = mean * distance;
+                prediction.covariance[(k, k)] = variance * distance * distance;
             }
         }
         Ok(predictions)
+    }
+
+    /// The same, read from a table where that reaches.
+    pub(crate) fn tabulated(&self) -> Result<(Self, TableReport), ModelError> {
+        if self.features != StepFeatures::default() {
+            let inputs = self.features.names().join(", ");
+            return Err(ModelError::NoTable { inputs });
+        }
+        let (table, report) = StepTable::of(|x| self.beliefs(x))?;
+        Ok((Self { table: Some(Arc::new(table)), ..self.clone() }, report))
+    }
+
+    /// What the processes believe at inputs, per meter of way.
+    fn beliefs(&self, x: MatRef<'_, f64>) -> Result<Vec<Belief>, ModelError> {
+        let mut beliefs = vec![Belief::default(); x.nrows()];
+        for (k, process) in self.outputs.iter().enumerate() {
+            let process = process.posterior();
+            let (mean, variance) = process.predict(x).map_err(of_output(k))?;
+            let noise = process.predict_noise(x).map_err(of_output(k))?;
+            for (i, belief) in beliefs.iter_mut().enumerate() {
+                belief.mean[k] = mean[i];
+                belief.observed_sd[k] = (variance[i] + noise[i]).max(0.0).sqrt();
+                belief.function_sd[k] = variance[i].max(0.0).sqrt();
+            }
+        }
+        Ok(beliefs)
     }
 
     /// The outputs' means alone, in m, m and rad.
@@ -110,9 +148,8 @@ impl StepProcesses {
     /// Whether each step is within that span.
     pub(crate) fn has_seen(&self, steps: &[StepInput]) -> Result<Vec<bool>, ModelError> {
         let Some(seen) = &self.seen else { return Ok(vec![true; steps.len()]) };
-        let rows = self.features.rows(steps.iter())?;
-        let row = |i: usize| rows.row(i).iter().copied().collect::<Vec<_>>();
-        Ok((0..steps.len()).map(|i| seen.holds(row(i).into_iter())).collect())
+        let holds = |step| Ok(seen.holds(&self.features.row(step)?[..self.features.n_inputs()]));
+        steps.iter().map(holds).collect()
     }
 
     /// The processes as plain data.
@@ -145,7 +182,7 @@ impl StepProcesses {
         if seen.as_ref().is_some_and(|seen| !seen.is_sound(features.names().len())) {
             return Err(ModelError::UnsoundWeights { what: "seen" });
         }
-        Ok(Self { outputs, features, outlines: weights.outlines.clone(), seen })
+        Ok(Self { outputs, features, outlines: weights.outlines.clone(), seen, table: None })
     }
 
     /// Refuses steps of objects that nothing was learnt about.

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use mechanics::{Ellipsoid, LimitSurface, Patch, PointSet, WrenchTwist, fit_quartic, mesh};
+use mechanics::{
+    EdgePush, Ellipsoid, LimitSurface, Patch, PointSet, WrenchTwist, fit_quartic, mesh,
+};
 use planar::{Pose, Shape};
 
 use crate::ModelError;
@@ -47,11 +49,14 @@ impl SurfaceKind {
     /// The size of the force does not matter to a quasi-static motion on a level table.
     pub(crate) fn under(self, shape: &Shape, length: f64) -> Result<Support, ModelError> {
         if self != Self::Ellipsoid {
-            return Ok(Support { surface: self.in_body(shape, 1.0)?, pose_bs: Pose::default() });
+            let (surface, pose_bs) = (self.in_body(shape, 1.0)?, Pose::default());
+            return Ok(Support { surface, pose_bs, at_edge: None });
         }
         let center = shape.centroid();
-        let surface = Arc::new(Ellipsoid::new(1.0, length)?);
-        Ok(Support { surface, pose_bs: Pose::new(center.x, center.y, 0.0) })
+        let pose_bs = Pose::new(center.x, center.y, 0.0);
+        let surface = Ellipsoid::new(1.0, length)?;
+        let at_edge = EdgePush::new(shape, &surface, &pose_bs);
+        Ok(Support { surface: Arc::new(surface), pose_bs, at_edge })
     }
 
     /// The surface in the body's frame under a shape that bears `force`, in N; an ellipsoid about
@@ -90,6 +95,8 @@ const MESH: usize = 4;
 pub(crate) struct Support {
     pub surface: Arc<dyn LimitSurface>,
     pub pose_bs: Pose,
+    /// Most pushes at once, where the surface is an ellipsoid.
+    pub at_edge: Option<EdgePush>,
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Contact of a round pusher with an outline.
 
+use crate::polygon::Side;
 use crate::{Ellipse, Polygon, perpendicular};
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
@@ -38,7 +39,7 @@ impl Contact {
 
     pub(crate) fn with_polygon(polygon: &Polygon, center: &Vector2<f64>, radius: f64) -> Self {
         let mut nearest = Self::with_edge(polygon, 0, center);
-        for edge in 1..polygon.vertices().len() {
+        for edge in 1..polygon.sides().len() {
             let candidate = Self::with_edge(polygon, edge, center);
             if candidate.is_nearer_than(&nearest, center) {
                 nearest = candidate;
@@ -47,7 +48,7 @@ impl Contact {
         let inside = polygon.contains(center);
         let distance = (nearest.point - center).norm();
         if inside {
-            nearest.normal = edge_normal(polygon, nearest.edge);
+            nearest.normal = polygon.sides()[nearest.edge].normal;
             nearest.feature = Feature::Edge;
         } else if nearest.feature == Feature::Vertex && distance > 0.0 {
             nearest.normal = (nearest.point - center) / distance;
@@ -107,14 +108,11 @@ impl Contact {
 
     /// The nearest point of one edge, its normal that of the edge.
     fn with_edge(polygon: &Polygon, edge: usize, center: &Vector2<f64>) -> Self {
-        let vertices = polygon.vertices();
-        let (a, b) = (vertices[edge], vertices[(edge + 1) % vertices.len()]);
-        let along = b - a;
-        let share = (center - a).dot(&along) / along.norm_squared();
+        let Side { from, to, along, length_squared, normal } = polygon.sides()[edge];
+        let share = (center - from).dot(&along) / length_squared;
         let p = share.clamp(0.0, 1.0);
         let feature = if share == p { Feature::Edge } else { Feature::Vertex };
-        let point = if p == 1.0 { b } else { a + p * along };
-        let normal = perpendicular(&along).normalize();
+        let point = if p == 1.0 { to } else { from + p * along };
         Self { point, normal, edge, p, gap: 0.0, feature }
     }
 
@@ -126,11 +124,6 @@ impl Contact {
         }
         (self.point - center).norm_squared() < (other.point - center).norm_squared()
     }
-}
-
-fn edge_normal(polygon: &Polygon, edge: usize) -> Vector2<f64> {
-    let vertices = polygon.vertices();
-    perpendicular(&(vertices[(edge + 1) % vertices.len()] - vertices[edge])).normalize()
 }
 
 #[cfg(test)]

@@ -1,12 +1,26 @@
 //! Simple polygons, convex or not.
 
-use crate::{PlanarError, cross};
+use crate::{PlanarError, cross, perpendicular};
 use nalgebra::Vector2;
 
 /// A simple polygon, vertices counter-clockwise, in m.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polygon {
     vertices: Vec<Vector2<f64>>,
+    /// What contacts ask of each edge, computed once.
+    sides: Vec<Side>,
+}
+
+/// An edge of a polygon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Side {
+    pub(crate) from: Vector2<f64>,
+    pub(crate) to: Vector2<f64>,
+    /// From its start to its end, in m.
+    pub(crate) along: Vector2<f64>,
+    pub(crate) length_squared: f64,
+    /// Unit normal into the polygon.
+    pub(crate) normal: Vector2<f64>,
 }
 
 impl Polygon {
@@ -22,7 +36,9 @@ impl Polygon {
         if let Some((index, v)) = vertices.iter().enumerate().find(|(_, v)| !is_finite(v)) {
             return Err(PlanarError::NotFinite { index, x: v.x, y: v.y });
         }
-        let polygon = Self { vertices };
+        let next = vertices.iter().cycle().skip(1);
+        let sides = vertices.iter().zip(next).map(|(from, to)| Side::between(*from, *to)).collect();
+        let polygon = Self { vertices, sides };
         polygon.check_edges()?;
         polygon.check_area()?;
         polygon.check_simple()?;
@@ -82,16 +98,21 @@ impl Polygon {
     /// Whether `point` (m) lies inside or on the outline.
     pub fn contains(&self, point: &Vector2<f64>) -> bool {
         let mut inside = false;
-        for (a, b) in self.edges() {
-            let side = cross(&(b - a), &(point - a));
-            if side == 0.0 && (point - a).dot(&(point - b)) <= 0.0 {
+        for Side { from, to, along, .. } in &self.sides {
+            let side = cross(along, &(point - from));
+            if side == 0.0 && (point - from).dot(&(point - to)) <= 0.0 {
                 return true;
             }
-            if (a.y > point.y) != (b.y > point.y) && (side > 0.0) == (b.y > a.y) {
+            if (from.y > point.y) != (to.y > point.y) && (side > 0.0) == (to.y > from.y) {
                 inside = !inside;
             }
         }
         inside
+    }
+
+    /// The edges, each with what contacts ask of it.
+    pub(crate) fn sides(&self) -> &[Side] {
+        &self.sides
     }
 
     /// Whether every inner angle is below or at 180°.
@@ -138,6 +159,14 @@ impl Polygon {
             }
         }
         Ok(())
+    }
+}
+
+impl Side {
+    fn between(from: Vector2<f64>, to: Vector2<f64>) -> Self {
+        let along = to - from;
+        let (length_squared, normal) = (along.norm_squared(), perpendicular(&along).normalize());
+        Self { from, to, along, length_squared, normal }
     }
 }
 

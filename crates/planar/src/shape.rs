@@ -121,11 +121,7 @@ impl Shape {
     /// The unit normal that points into the object at `p` along `edge`.
     pub fn inward_normal_at(&self, edge: usize, p: f64) -> Vector2<f64> {
         match self {
-            Self::Polygon(polygon) => {
-                let vertices = polygon.vertices();
-                let (i, n) = (edge % vertices.len(), vertices.len());
-                crate::perpendicular(&(vertices[(i + 1) % n] - vertices[i])).normalize()
-            }
+            Self::Polygon(polygon) => polygon.sides()[edge % polygon.sides().len()].normal,
             Self::Ellipse(ellipse) => {
                 let (a, b) = ellipse.semi_axes();
                 let point = self.point_at(edge, p);

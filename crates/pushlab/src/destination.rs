@@ -1,6 +1,7 @@
 //! A file to be written: checked before the work begins, whole or not there at its end.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
@@ -126,11 +127,16 @@ impl FolderDestination {
             }
             Ok(fs::rename(&part, &self.path)?)
         };
-        let written = written();
-        if written.is_err() {
-            let _ = fs::remove_dir_all(&part);
-        }
-        written.with_context(|| format!("cannot write {}", self.path.display()))
+        let Err(error) = written() else { return Ok(()) };
+        let error = match fs::remove_dir_all(&part) {
+            Ok(()) => error,
+            // There is nothing to remove where the folder itself could not be made.
+            Err(cause) if cause.kind() == ErrorKind::NotFound => error,
+            Err(cause) => {
+                error.context(format!("{} is left over, remove it: {cause}", part.display()))
+            }
+        };
+        Err(error).with_context(|| format!("cannot write {}", self.path.display()))
     }
 }
 

@@ -2,13 +2,13 @@
 
 use effects::Track;
 use filter::{DrawnMotion, MotionModel};
-use nalgebra::{Matrix3, Vector2, Vector3};
-use planar::{Feature, Pose, Twist};
+use nalgebra::{Matrix3, Rotation2, Vector2, Vector3};
+use planar::{Contact, Feature, Pose, Twist};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use super::settle::moved_by;
+use super::settle::{Holding, moved_by};
 use super::touch::first_touch;
 use super::{PushEvents, PushParticle, Pushed, RollOutSettings, StepErrors};
 use crate::step_correlation::root;
@@ -32,7 +32,12 @@ struct Begun {
     free: f64,
     /// The gap that contact holds, in m.
     gap: f64,
-    at_vertex: bool,
+    /// The nearest point of the outline when the push begins.
+    contact: Contact,
+    /// Where the pusher's center is then, in m, frame B.
+    start_b: Vector2<f64>,
+    /// The pusher's motion, a unit vector in B.
+    direction_b: Vector2<f64>,
 }
 
 impl MotionModel for PushMotion<'_> {
@@ -69,10 +74,14 @@ impl PushMotion<'_> {
         random: &mut ChaCha8Rng,
         mut density: impl FnMut(usize, f64),
     ) -> Result<(), ModelError> {
-        let (mut who, mut inputs, mut begun) = (Vec::new(), Vec::new(), Vec::new());
+        let room = states.len();
+        let (mut who, mut inputs, mut begun) =
+            (Vec::with_capacity(room), Vec::with_capacity(room), Vec::with_capacity(room));
+        let direction_w = self.direction_w();
         for (index, state) in states.iter().enumerate() {
-            if let Some(begin) = self.begins(state)
-                && let Some(input) = self.input(state, &begin)?
+            if let Some(direction_w) = &direction_w
+                && let Some(begin) = self.begins(state, direction_w)
+                && let Some(input) = self.input(state, &begin, direction_w)?
             {
                 who.push(index);
                 inputs.push(input);
@@ -101,24 +110,22 @@ impl PushMotion<'_> {
     }
 
     /// Whether and where the push begins.
-    fn begins(&self, state: &PushParticle) -> Option<Begun> {
+    fn begins(&self, state: &PushParticle, direction_w: &Vector2<f64>) -> Option<Begun> {
         let Pushed { shape, pusher_radius, .. } = self.pushed;
-        let PathStep { start_w, .. } = &self.step;
-        let (distance, direction_w) = (self.step.distance(), self.direction_w()?);
-        let contact_at = |way: f64| {
-            let center_w = start_w + way * direction_w;
-            shape.contact(&state.pose_wb.inverse_transform_point(&center_w), *pusher_radius)
-        };
-        let is_vertex = |way: f64| contact_at(way).feature == Feature::Vertex;
+        let turn = Rotation2::new(state.pose_wb.angle);
+        let direction_b = turn.inverse_transform_vector(direction_w);
+        let start_b = turn.inverse_transform_vector(&(self.step.start_w - state.pose_wb.position));
         if let Some(gap) = state.contact_gap {
-            let into = state.pose_wb.rotate(&contact_at(0.0).normal).dot(&direction_w);
-            if into > 0.0 {
-                return Some(Begun { free: 0.0, gap, at_vertex: is_vertex(0.0) });
+            let contact = shape.contact(&start_b, *pusher_radius);
+            if contact.normal.dot(&direction_b) > 0.0 {
+                return Some(Begun { free: 0.0, gap, contact, start_b, direction_b });
             }
         }
-        let body = (&**shape, *pusher_radius);
-        let free = first_touch(body, &state.pose_wb, start_w, &direction_w, distance)?;
-        Some(Begun { free, gap: state.gap_error, at_vertex: is_vertex(free) })
+        let free =
+            first_touch((shape, *pusher_radius), start_b, direction_b, self.step.distance())?;
+        let start_b = start_b + free * direction_b;
+        let contact = shape.contact(&start_b, *pusher_radius);
+        Some(Begun { free, gap: state.gap_error, contact, start_b, direction_b })
     }
 
     fn direction_w(&self) -> Option<Vector2<f64>> {
@@ -126,29 +133,33 @@ impl PushMotion<'_> {
     }
 
     /// What the model is asked; nothing of a way that is none.
-    fn input(&self, state: &PushParticle, begin: &Begun) -> Result<Option<StepInput>, ModelError> {
-        let PathStep { start_w, end_w, .. } = &self.step;
-        let (distance, Some(direction_w)) = (self.step.distance(), self.direction_w()) else {
-            return Ok(None);
-        };
+    fn input(
+        &self,
+        state: &PushParticle,
+        begin: &Begun,
+        direction_w: &Vector2<f64>,
+    ) -> Result<Option<StepInput>, ModelError> {
+        let distance = self.step.distance();
         if distance - begin.free < NO_WAY {
             return Ok(None);
         }
-        let touch_w = start_w + begin.free * direction_w;
         let duration = self.step.duration * (1.0 - begin.free / distance);
         let Pushed { shape, pusher_radius, object } = self.pushed;
+        let Begun { free, contact, start_b, direction_b, .. } = begin;
         let Some(object) = object else {
-            let bare =
-                StepInput::between(shape.clone(), *pusher_radius, &state.pose_wb, &touch_w, end_w)?;
+            let way = (*direction_b, distance - free);
+            let shape = shape.clone();
+            let bare = StepInput::at_contact(shape, *pusher_radius, contact, *start_b, way);
             return bare.lasting(duration).map(Some);
         };
+        let touch_w = self.step.start_w + *free * direction_w;
         let is_new = begin.free > 0.0;
         let whole = effects::StepInput {
             object: object.clone(),
             pusher_radius: *pusher_radius,
             pose_wb: state.pose_wb,
             twist_wb: if is_new { Twist::default() } else { state.twist_wb },
-            track: Track::straight(touch_w, *end_w, duration),
+            track: Track::straight(touch_w, self.step.end_w, duration),
             touching: true,
             since_contact: if is_new { 0.0 } else { state.since_contact },
             progress: 0.5,
@@ -168,16 +179,18 @@ impl PushMotion<'_> {
         let Some(along_w) = self.direction_w() else { return 0.0 };
         let (error, log_density) = self.error(state, said, normal);
         let drawn_wb = moved_by(&state.pose_wb, &along_w, (said.mean + error).into());
-        let RollOutSettings { tolerance, errors, .. } = self.settings;
-        let center_w = &self.step.end_w;
-        let is_lost = self.pushed.gap(&drawn_wb, center_w) - begin.gap > *tolerance;
-        let end_wb = match errors {
-            StepErrors::Independent | StepErrors::Held(_) if !is_lost => {
-                let covariance = &said.covariance;
-                self.pushed.settled(&drawn_wb, center_w, &along_w, covariance, begin.gap)
-            }
-            _ => drawn_wb,
+        let held = Holding {
+            center_w: self.step.end_w,
+            along_w,
+            gap: begin.gap,
+            tolerance: self.settings.tolerance,
         };
+        let covariance = match self.settings.errors {
+            StepErrors::Independent | StepErrors::Held(_) => said.covariance,
+            StepErrors::None => Matrix3::zeros(),
+        };
+        let settled = self.pushed.settled(&drawn_wb, &held, &covariance);
+        let (is_lost, end_wb) = (settled.is_none(), settled.unwrap_or(drawn_wb));
         let was_free = !state.touches() || begin.free > 0.0;
         let pushed_for = self.step.duration * (1.0 - begin.free / self.step.distance());
         state.since_contact = if was_free { 0.0 } else { state.since_contact } + pushed_for;
@@ -186,7 +199,7 @@ impl PushMotion<'_> {
         state.events = PushEvents {
             pushed: 1,
             touched: usize::from(was_free),
-            at_vertex: usize::from(begin.at_vertex),
+            at_vertex: usize::from(begin.contact.feature == Feature::Vertex),
             lost: usize::from(is_lost),
             unseen: 0,
         };

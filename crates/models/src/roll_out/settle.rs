@@ -1,6 +1,6 @@
 //! Contact that holds: draws conditioned on the pusher's place.
 
-use nalgebra::{Matrix3, RowVector3, Vector2, Vector3};
+use nalgebra::{Matrix3, Rotation2, RowVector3, Vector2, Vector3};
 use planar::{Pose, perpendicular};
 
 use super::Pushed;
@@ -18,36 +18,49 @@ pub(super) fn moved_by(
     Pose { position, angle: pose_wb.angle + turn }
 }
 
+/// A contact that is to hold.
+pub(super) struct Holding {
+    /// The pusher's center, in m, frame W.
+    pub(super) center_w: Vector2<f64>,
+    /// Its motion, a unit vector in W.
+    pub(super) along_w: Vector2<f64>,
+    /// The gap that is known, in m.
+    pub(super) gap: f64,
+    /// More gap than this beyond it is a loss, in m.
+    pub(super) tolerance: f64,
+}
+
 impl Pushed {
     /// The gap between pusher and outline, in m.
     pub(crate) fn gap(&self, pose_wb: &Pose, center_w: &Vector2<f64>) -> f64 {
         self.shape.contact(&pose_wb.inverse_transform_point(center_w), self.pusher_radius).gap
     }
 
-    /// A draw given that the gap is known: x + C Hᵀ (HCHᵀ)⁻¹ (gap − g(x)), H the slope of the gap g.
+    /// A draw given that the gap is known: x + C Hᵀ (HCHᵀ)⁻¹ (gap − g(x)), H the slope of the gap g;
+    /// none where the draw leaves more than the tolerance between pusher and outline.
     ///
     /// Exact for a Gaussian draw and a gap that is linear in it; a draw without variance stays.
     ///
-    /// - `covariance`: of the draw along `along_w`, its left normal, and of the turn.
+    /// - `covariance`: of the draw along the pusher's motion, its left normal, and of the turn.
     pub(super) fn settled(
         &self,
         drawn_wb: &Pose,
-        center_w: &Vector2<f64>,
-        along_w: &Vector2<f64>,
+        held: &Holding,
         covariance: &Matrix3<f64>,
-        gap: f64,
-    ) -> Pose {
+    ) -> Option<Pose> {
+        let Holding { center_w, along_w, gap, tolerance } = held;
+        let left_w = perpendicular(along_w);
         let mut pose_wb = *drawn_wb;
-        for _ in 0..ROUNDS {
-            let center_b = pose_wb.inverse_transform_point(center_w);
+        for round in 0..ROUNDS {
+            let turn = Rotation2::new(pose_wb.angle);
+            let center_b = turn.inverse_transform_vector(&(center_w - pose_wb.position));
             let contact = self.shape.contact(&center_b, self.pusher_radius);
-            let normal_w = pose_wb.rotate(&contact.normal);
-            let arm_w = pose_wb.rotate(&contact.point);
-            let slope = RowVector3::new(
-                normal_w.dot(along_w),
-                normal_w.dot(&perpendicular(along_w)),
-                normal_w.dot(&perpendicular(&arm_w)),
-            );
+            if round == 0 && contact.gap - gap > *tolerance {
+                return None;
+            }
+            let normal_w = turn * contact.normal;
+            let turned = normal_w.dot(&perpendicular(&(turn * contact.point)));
+            let slope = RowVector3::new(normal_w.dot(along_w), normal_w.dot(&left_w), turned);
             let spread: Vector3<f64> = covariance * slope.transpose();
             let variance = (slope * spread).x;
             if variance <= 0.0 {
@@ -56,7 +69,7 @@ impl Pushed {
             let by = spread * ((gap - contact.gap) / variance);
             pose_wb = moved_by(&pose_wb, along_w, by.into());
         }
-        pose_wb
+        Some(pose_wb)
     }
 }
 
@@ -67,7 +80,7 @@ mod tests {
     use nalgebra::{Matrix3, Vector2, Vector3};
     use planar::{Pose, Shape};
 
-    use super::Pushed;
+    use super::{Holding, Pushed};
 
     #[test]
     fn a_settled_draw_has_the_gap_and_moves_as_its_covariance_says() {
@@ -75,14 +88,16 @@ mod tests {
         let pushed = Pushed { shape, pusher_radius: 0.005, object: None };
         let (center, along) = (Vector2::new(-0.05, 0.02), Vector2::x());
         let drawn = Pose::new(0.0004, 0.0001, 0.003);
+        let held = |gap| Holding { center_w: center, along_w: along, gap, tolerance: 1e-3 };
         let stiff = Matrix3::from_diagonal(&Vector3::new(1e-8, 1e-8, 0.0));
-        let settled = pushed.settled(&drawn, &center, &along, &stiff, 0.0001);
+        let settled = pushed.settled(&drawn, &held(0.0001), &stiff).unwrap();
         assert!((pushed.gap(&settled, &center) - 0.0001).abs() < 1e-9);
         assert!((settled.angle - drawn.angle).abs() < 1e-12, "an angle without variance stays");
         let turning = Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, 1e-4));
-        let settled = pushed.settled(&drawn, &center, &along, &turning, 0.0001);
+        let settled = pushed.settled(&drawn, &held(0.0001), &turning).unwrap();
         assert!((pushed.gap(&settled, &center) - 0.0001).abs() < 1e-7);
         assert_eq!(settled.position, drawn.position);
-        assert_eq!(pushed.settled(&drawn, &center, &along, &Matrix3::zeros(), 0.0), drawn);
+        assert_eq!(pushed.settled(&drawn, &held(0.0), &Matrix3::zeros()), Some(drawn));
+        assert_eq!(pushed.settled(&drawn, &held(-0.002), &stiff), None);
     }
 }

@@ -1,26 +1,23 @@
 //! Where a free pusher meets the outline.
 
 use nalgebra::Vector2;
-use planar::{Pose, Shape};
+use planar::Shape;
 
 /// The pusher touches within this, in m.
 const TOUCH: f64 = 1e-6;
 /// Least advance along a surface that is passed by, in m.
 const LEAST_ADVANCE: f64 = 1e-5;
 
-/// The way, in m, after which a pusher from `start_w` along `direction_w` first moves into the
+/// The way, in m, after which a pusher from `start_b` along `direction_b` first moves into the
 /// outline; none within `distance`.
 ///
 /// The pusher goes on by its distance from the outline, which can never be too far.
 pub(super) fn first_touch(
     (shape, radius): (&Shape, f64),
-    pose_wb: &Pose,
-    start_w: &Vector2<f64>,
-    direction_w: &Vector2<f64>,
+    start_b: Vector2<f64>,
+    direction_b: Vector2<f64>,
     distance: f64,
 ) -> Option<f64> {
-    let start_b = pose_wb.inverse_transform_point(start_w);
-    let direction_b = pose_wb.inverse_rotate(direction_w);
     let mut way = 0.0;
     while way < distance {
         let contact = shape.contact(&(start_b + way * direction_b), radius);
@@ -36,16 +33,14 @@ pub(super) fn first_touch(
 #[cfg(test)]
 mod tests {
     use nalgebra::Vector2;
-    use planar::{Pose, Shape};
+    use planar::Shape;
 
     use super::first_touch;
 
     fn touch(start: [f64; 2], direction: [f64; 2], distance: f64) -> Option<f64> {
         let square = Shape::square(0.09).unwrap();
         let (start, direction) = (Vector2::from(start), Vector2::from(direction).normalize());
-        let pose = Pose::new(0.1, 0.2, std::f64::consts::FRAC_PI_2);
-        let world = pose.transform_point(&start);
-        first_touch((&square, 0.005), &pose, &world, &pose.rotate(&direction), distance)
+        first_touch((&square, 0.005), start, direction, distance)
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Figure 6.5: where one Gaussian does not do, and a mixture.
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use models::{
     GpPushModel, Noise, ProcessKind, PushModel, Slip, SlipMixture, SlipPrediction, StepInput,
     StepObservation, Training, learn_options,
@@ -162,7 +162,7 @@ fn least_certain(near: &[StepObservation], mixture: &SlipMixture) -> Result<usiz
     let surest =
         |said: &SlipPrediction| said.modes.iter().map(|(_, share, _)| *share).fold(0.0, f64::max);
     let order = (0..near.len()).min_by(|a, b| surest(&said[*a]).total_cmp(&surest(&said[*b])));
-    Ok(order.unwrap_or_default())
+    order.context("there are steps near a vertex")
 }
 
 fn densities(step: &StepObservation, plain: &GpPushModel, mixture: &SlipMixture) -> Result<Panel> {

@@ -17,13 +17,33 @@ const FRAME: &str = "world";
 /// Points on the pusher's rim.
 const RIM: usize = 24;
 
-/// A topic with the name of its schema and what the schema describes.
-const TOPICS: [(&str, &str); 5] = [
-    ("/robot/tip_pose", "foxglove.PoseInFrame"),
-    ("/object/pose", "foxglove.PoseInFrame"),
-    ("/object/particles", "foxglove.PosesInFrame"),
-    ("/object/outline", "foxglove.SceneUpdate"),
-    ("/measured/pose", "foxglove.PoseInFrame"),
+/// A schema as Foxglove publishes it.
+#[derive(Clone, Copy)]
+struct Schema {
+    name: &'static str,
+    text: &'static str,
+}
+
+const POSE: Schema = Schema {
+    name: "foxglove.PoseInFrame",
+    text: include_str!("../../../schemas/foxglove/PoseInFrame.json"),
+};
+const POSES: Schema = Schema {
+    name: "foxglove.PosesInFrame",
+    text: include_str!("../../../schemas/foxglove/PosesInFrame.json"),
+};
+const SCENE: Schema = Schema {
+    name: "foxglove.SceneUpdate",
+    text: include_str!("../../../schemas/foxglove/SceneUpdate.json"),
+};
+
+/// Topics with their schemas; the last is of recorded pushes alone.
+const TOPICS: [(&str, Schema); 5] = [
+    ("/robot/tip_pose", POSE),
+    ("/object/pose", POSE),
+    ("/object/particles", POSES),
+    ("/object/outline", SCENE),
+    ("/measured/pose", POSE),
 ];
 
 /// The log of a push: the pusher, the mean pose, the particles, the outlines, and, of a recorded push,
@@ -37,8 +57,8 @@ pub(super) fn motion_log(rolled: &Rolled, origin: &Origin) -> Result<Vec<u8>> {
     let mut writer = options.create(Cursor::new(Vec::new()))?;
     let n_topics = TOPICS.len() - usize::from(rolled.measured_wb.is_none());
     let mut channels = Vec::new();
-    for (topic, name) in &TOPICS[..n_topics] {
-        let schema = writer.add_schema(name, "jsonschema", schema(name).to_string().as_bytes())?;
+    for (topic, Schema { name, text }) in &TOPICS[..n_topics] {
+        let schema = writer.add_schema(name, "jsonschema", text.as_bytes())?;
         channels.push(writer.add_channel(schema, topic, "json", &BTreeMap::new())?);
     }
     for (index, (moment, snapshot)) in rolled.moments.iter().zip(&rolled.snapshots).enumerate() {
@@ -128,50 +148,129 @@ fn outlines(time: u64, rolled: &Rolled, pusher: &Pose, mean: &Pose) -> Value {
     json!({ "deletions": [], "entities": entities })
 }
 
-/// The fields of a schema that are used here, as JSON Schema.
-fn schema(name: &str) -> Value {
-    let object = |title: &str, properties: Value| json!({ "title": title, "type": "object", "properties": properties });
-    let list = |items: Value| json!({ "type": "array", "items": items });
-    let (number, text) = (json!({ "type": "number" }), json!({ "type": "string" }));
-    let integer = json!({ "type": "integer", "minimum": 0 });
-    let time = object("time", json!({ "sec": integer, "nsec": integer }));
-    let vector = object("foxglove.Vector3", json!({ "x": number, "y": number, "z": number }));
-    let quaternion = object(
-        "foxglove.Quaternion",
-        json!({ "x": number, "y": number, "z": number, "w": number }),
-    );
-    let pose = object("foxglove.Pose", json!({ "position": vector, "orientation": quaternion }));
-    let properties = match name {
-        "foxglove.PoseInFrame" => json!({ "timestamp": time, "frame_id": text, "pose": pose }),
-        "foxglove.PosesInFrame" => {
-            json!({ "timestamp": time, "frame_id": text, "poses": list(pose) })
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use models::{Analytical, PushPath, Pushed, RollOutSettings};
+    use nalgebra::Vector2;
+    use planar::{Pose, Shape};
+    use serde_json::{Value, json};
+
+    use super::{SCENE, motion_log};
+    use crate::commands::simulate::rolled::{Rolled, Task};
+    use crate::origin::Origin;
+
+    /// A push of 20 mm that turns the object, beside a measured one of as many poses.
+    fn rolled() -> Rolled {
+        let pushed = Pushed {
+            shape: Arc::new(Shape::square(0.09).unwrap()),
+            pusher_radius: 0.005,
+            object: None,
+        };
+        let start = Vector2::new(-0.05, 0.02);
+        let task = Task {
+            name: "turn".to_owned(),
+            pushed,
+            path: PushPath::straight(start, start + Vector2::new(0.02, 0.0), 0.02).unwrap(),
+            start_wb: Pose::default(),
+            measured_wb: Some(vec![Pose::new(0.1, 0.0, 0.3); 6]),
+            pose_sd: [[0.0; 2]; 2],
+        };
+        let settings =
+            RollOutSettings { n_particles: 7, touching: true, ..RollOutSettings::default() };
+        task.roll_out(&Analytical::nominal(0.25).unwrap(), &settings).unwrap()
+    }
+
+    /// What is wrong with a value by a JSON Schema, of the words that Foxglove uses.
+    fn fault(value: &Value, schema: &Value, at: &str) -> Option<String> {
+        if let Some(choices) = schema["oneOf"].as_array() {
+            let is_one = choices.iter().any(|choice| choice["const"] == *value);
+            return (!is_one).then(|| format!("{at}: {value} is none of the choices"));
         }
-        _ => {
-            let color = object(
-                "foxglove.Color",
-                json!({ "r": number, "g": number, "b": number, "a": number }),
-            );
-            let line = object(
-                "foxglove.LinePrimitive",
-                json!({
-                    "type": integer, "pose": pose, "thickness": number,
-                    "scale_invariant": { "type": "boolean" }, "points": list(vector),
-                    "color": color, "colors": list(color), "indices": list(integer.clone()),
-                }),
-            );
-            let none = || list(json!({ "type": "object" }));
-            let entity = object(
-                "foxglove.SceneEntity",
-                json!({
-                    "timestamp": time, "frame_id": text, "id": text,
-                    "lifetime": object("duration", json!({ "sec": integer, "nsec": integer })),
-                    "frame_locked": { "type": "boolean" }, "metadata": none(), "arrows": none(),
-                    "cubes": none(), "spheres": none(), "cylinders": none(),
-                    "lines": list(line), "triangles": none(), "texts": none(), "models": none(),
-                }),
-            );
-            json!({ "deletions": none(), "entities": list(entity) })
+        let is_number = |least: fn(&Value) -> bool| {
+            let bound = |key: &str| schema[key].as_f64().zip(value.as_f64());
+            least(value)
+                && bound("minimum").is_none_or(|(low, value)| value >= low)
+                && bound("maximum").is_none_or(|(high, value)| value <= high)
+        };
+        let is_sound = match schema["type"].as_str() {
+            Some("number") => is_number(Value::is_number),
+            Some("integer") => is_number(|value| value.is_i64() || value.is_u64()),
+            Some("string") => value.is_string(),
+            Some("boolean") => value.is_boolean(),
+            Some("array") => {
+                let Some(items) = value.as_array() else { return Some(format!("{at}: no list")) };
+                let items = items.iter().enumerate();
+                let mut faults =
+                    items.map(|(k, item)| fault(item, &schema["items"], &format!("{at}[{k}]")));
+                return faults.find_map(|found| found);
+            }
+            Some("object") => return fault_of_object(value, schema, at),
+            _ => false,
+        };
+        (!is_sound).then(|| format!("{at}: {value} is not of {schema}"))
+    }
+
+    fn fault_of_object(value: &Value, schema: &Value, at: &str) -> Option<String> {
+        let Some(fields) = value.as_object() else { return Some(format!("{at}: no object")) };
+        let required = schema["required"].as_array().into_iter().flatten();
+        let names = required.filter_map(Value::as_str);
+        let lacking = names.filter(|name| !fields.contains_key(*name));
+        if let Some(name) = lacking.collect::<Vec<_>>().first() {
+            return Some(format!("{at}: lacks {name}"));
         }
-    };
-    object(name, properties)
+        fields.iter().find_map(|(name, value)| match &schema["properties"][name] {
+            Value::Null => Some(format!("{at}: does not know {name}")),
+            known => fault(value, known, &format!("{at}.{name}")),
+        })
+    }
+
+    #[test]
+    fn every_message_is_what_foxglove_publishes_under_its_name() {
+        let rolled = rolled();
+        let log = motion_log(&rolled, &Origin::new(vec!["simulate".to_owned()])).unwrap();
+        let mut topics = std::collections::BTreeMap::<String, usize>::new();
+        for message in mcap::MessageStream::new(&log).unwrap() {
+            let message = message.unwrap();
+            let (channel, schema) = (&message.channel, message.channel.schema.as_ref().unwrap());
+            assert_eq!((&*channel.message_encoding, &*schema.encoding), ("json", "jsonschema"));
+            let published: Value = serde_json::from_slice(&schema.data).unwrap();
+            assert_eq!(published["title"], schema.name);
+            let value: Value = serde_json::from_slice(&message.data).unwrap();
+            assert_eq!(fault(&value, &published, &channel.topic), None);
+            *topics.entry(channel.topic.clone()).or_default() += 1;
+            if channel.topic == "/object/pose" {
+                let index = message.sequence as usize;
+                let mean = rolled.moments[index].pose_wb.mean;
+                assert_eq!(value["pose"]["position"]["x"], mean.x);
+                assert_eq!(value["pose"]["orientation"]["z"], (0.5 * mean.z).sin());
+                assert_eq!(message.log_time, (1e9 * rolled.moments[index].time).round() as u64);
+            }
+        }
+        assert_eq!(topics.len(), 5);
+        assert!(topics.values().all(|n| *n == rolled.moments.len()), "{topics:?}");
+    }
+
+    #[test]
+    fn a_message_that_departs_from_its_schema_is_found_out() {
+        let schema: Value = serde_json::from_str(SCENE.text).unwrap();
+        let good = json!({ "deletions": [], "entities": [] });
+        assert_eq!(fault(&good, &schema, ""), None);
+        let deletion = |kind: i32, nsec: i64| {
+            let time = json!({ "sec": 0, "nsec": nsec });
+            json!({ "deletions": [{ "timestamp": time, "type": kind, "id": "a" }], "entities": [] })
+        };
+        assert_eq!(fault(&deletion(1, 0), &schema, ""), None);
+        for bad in [
+            json!({ "deletions": [] }),
+            json!({ "deletions": [], "entities": [{ "id": "a" }] }),
+            json!({ "deletions": [], "entities": [], "more": 1 }),
+            deletion(2, 0),
+            deletion(1, -1),
+            deletion(1, 1_000_000_000),
+        ] {
+            assert!(fault(&bad, &schema, "").is_some(), "{bad}");
+        }
+    }
 }

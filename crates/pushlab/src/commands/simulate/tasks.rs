@@ -11,6 +11,7 @@ use effects::Object;
 use models::{
     ModelFile, PushModel, Pushed, RecordedPush, SeenSteps, StepCorrelation, StepSelection,
 };
+use planar::Pose;
 
 use super::Args;
 use super::path_file::PathFile;
@@ -105,7 +106,12 @@ impl Source {
             Some(StepLength::Time(time)) => time * path.length() / path.duration(),
         };
         let name = args.source.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let start_wb = args.object.map(super::Place::pose_wb).or(object_wb).unwrap_or_default();
+        let start_wb = match (args.object, object_wb) {
+            (Some(place), _) => place.pose_wb(),
+            (None, Some(pose_wb)) => pose_wb,
+            // As the help of --object says.
+            (None, None) => Pose::new(0.0, 0.0, 0.0),
+        };
         let (measured_wb, pose_sd) = (None, [[0.0; 2]; 2]);
         let task = Task { name, pushed, path, start_wb, measured_wb, pose_sd };
         let measured_on = match args.correlation.as_deref() {
