@@ -2,44 +2,65 @@
 
 use crate::runge_kutta::{Step, step};
 use crate::{Ellipsoid, Pusher};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector2;
 use planar::{Pose, Shape, perpendicular};
 
 /// What [`crate::push_along`] does, for the pushes that planning asks for millions of times: straight
-/// ones of a convex polygon on an ellipsoid, while the pusher keeps one edge and sticks or slides.
+/// ones of a convex polygon on an upright ellipsoid, while the pusher keeps one edge and sticks or
+/// slides.
 ///
-/// The same equations, steps and tolerance; no history is kept and nothing is allocated.
+/// The pusher's center is known at any time, so the object's pose follows from its turn φ and the
+/// place s of the contact along the edge. Two equations remain: with x < 0 the edge's distance from the
+/// center of friction, v the pusher's velocity in the edge's axes (n inward, t to its left),
+///
+/// - sticking: (V, ω) with f = V, fₙ = ((c² + x²) vₙ + x s vₜ)/(c² + x² + s²), fₜ likewise, and
+///   ω = (x vₜ − s vₙ)/(c² + x² + s²);
+/// - sliding, f along the edge (1, ±μ) of the friction cone: fₙ = c² vₙ/(c² + s² ∓ μ x s),
+///   ω = (± μ x − s) fₙ/c².
+///
+/// The same steps and tolerance; no history is kept and nothing is allocated.
 #[derive(Clone, Debug)]
 pub struct EdgePush {
-    /// Frame S.
     edges: Vec<Edge>,
-    /// A of the ellipsoid, upper triangle by rows.
-    matrix: [f64; 6],
-    pose_bs: Pose,
-    characteristic_length: f64,
+    /// The center of friction, in m, frame B.
+    center_b: Vector2<f64>,
+    /// Of c = Mmax/Fmax, in m².
+    length_squared: f64,
 }
 
+/// An edge in axes along its inward normal n and its left t, from the center of friction.
 #[derive(Clone, Copy, Debug)]
 struct Edge {
-    from: Vector2<f64>,
-    tangent: Vector2<f64>,
-    length: f64,
+    normal_b: Vector2<f64>,
+    /// Place of its line along n, in m.
+    x: f64,
+    /// Its ends along t, in m.
+    ends: [f64; 2],
 }
 
-/// How the pusher moves, frame S at the start.
-#[derive(Clone, Copy)]
-struct Way {
-    start: Vector2<f64>,
-    direction: Vector2<f64>,
+/// How the pusher moves; the state is the contact's place s along t, in m, and the turn φ, in rad.
+struct Way<'a> {
+    push: &'a EdgePush,
     edge: Edge,
-    radius: f64,
+    /// Its motion at the start, a unit vector in the axes of the edge.
+    direction: Vector2<f64>,
+    /// The pusher's center along n, in m.
+    center_x: f64,
     friction: f64,
 }
 
-/// Which way the pusher slides: 0 where it sticks.
-type Sliding = i8;
+/// Which way the pusher slides: to the left, to the right, or it sticks.
+#[derive(Clone, Copy, PartialEq)]
+enum Slides {
+    Left,
+    Right,
+    Not,
+}
 
-/// Error of a step, in m; an angle counts times the characteristic length.
+/// The contact is no longer of its kind.
+struct Changed;
+
+/// Error of a step, in m.
 const TOLERANCE: f64 = 1e-8;
 /// Longest travel of the pusher in a step, in m.
 const MAX_TRAVEL: f64 = 5e-3;
@@ -49,25 +70,24 @@ const TOUCH: f64 = 1e-9;
 const MOST_HALVINGS: u32 = 3;
 
 impl EdgePush {
-    /// Of a shape whose slider frame S is at `pose_bs`; none for one that is no convex polygon.
+    /// Of a shape whose slider frame S is at `pose_bs`; none for one that is no convex polygon, or an
+    /// ellipsoid that is not upright and round.
     pub fn new(shape: &Shape, ellipsoid: &Ellipsoid, pose_bs: &Pose) -> Option<Self> {
-        let Shape::Polygon(polygon) = shape else { return None };
-        if !polygon.is_convex() {
+        let (Shape::Polygon(polygon), a) = (shape, ellipsoid.matrix()) else { return None };
+        let is_upright = a.m11 == a.m22 && a.m12 == 0.0 && a.m13 == 0.0 && a.m23 == 0.0;
+        if !(is_upright && polygon.is_convex()) {
             return None;
         }
+        let center_b = pose_bs.position;
         let edge = |(from, to): (Vector2<f64>, Vector2<f64>)| {
-            let from = pose_bs.inverse_transform_point(&from);
-            let along = pose_bs.inverse_transform_point(&to) - from;
-            let length = along.norm();
-            Edge { from, tangent: along / length, length }
+            let normal_b = perpendicular(&(to - from)).normalize();
+            let left_b = perpendicular(&normal_b);
+            let [from, to] = [from - center_b, to - center_b];
+            // Edges run counter-clockwise, against their left.
+            Edge { normal_b, x: normal_b.dot(&from), ends: [left_b.dot(&to), left_b.dot(&from)] }
         };
-        let a = ellipsoid.matrix();
-        Some(Self {
-            edges: polygon.edges().map(edge).collect(),
-            matrix: [a.m11, a.m12, a.m13, a.m22, a.m23, a.m33],
-            pose_bs: *pose_bs,
-            characteristic_length: (0.5 * (a.m11 + a.m22) / a.m33).sqrt(),
-        })
+        let edges = polygon.edges().map(edge).collect();
+        Some(Self { edges, center_b, length_squared: a.m11 / a.m33 })
     }
 
     /// The motion of B, its end seen from its start, while a pusher's center goes from `start_b` by
@@ -83,149 +103,86 @@ impl EdgePush {
         direction_b: &Vector2<f64>,
         distance: f64,
     ) -> Option<Pose> {
-        let way = Way {
-            start: self.pose_bs.inverse_transform_point(start_b),
-            direction: self.pose_bs.inverse_rotate(direction_b),
-            edge: *self.edges.get(edge)?,
-            radius: pusher.radius,
-            friction: pusher.friction,
-        };
-        let (begin, mut state) = way.touch()?;
-        if begin >= distance {
+        let edge = *self.edges.get(edge)?;
+        let left_b = perpendicular(&edge.normal_b);
+        let in_edge = |v: &Vector2<f64>| Vector2::new(edge.normal_b.dot(v), left_b.dot(v));
+        let (direction, start) = (in_edge(direction_b), in_edge(&(start_b - self.center_b)));
+        let center_x = edge.x - pusher.radius;
+        let way = Way { push: self, edge, direction, center_x, friction: pusher.friction };
+        // An object that overlaps the pusher is moved out of it along the normal.
+        let gap = center_x - start.x;
+        let free = if gap > TOUCH { gap / direction.x } else { 0.0 };
+        if !(free >= 0.0 && free < distance) {
             return None;
         }
-        let n_least = ((distance - begin) / MAX_TRAVEL).ceil().max(1.0) as usize;
-        let first = self.slope(&way, begin, &state)?.0;
-        let end = (0..=MOST_HALVINGS).find_map(|halvings| {
-            let n = n_least << halvings;
-            let h = (distance - begin) / n as f64;
-            let mut now = state;
-            for k in 0..n {
-                now = self.stepped(&way, begin + h * k as f64, h, &now, first)?;
-            }
-            Some(now)
-        });
-        state = end?;
-        let pose_ss = Pose::new(state.x, state.y, state.z);
-        Some(self.pose_bs * pose_ss * self.pose_bs.inverse())
+        let first = Vector2::new(start.y + free * direction.y, 0.0);
+        let (slides, _) = way.slope(&first)?;
+        let pushed = distance - free;
+        let least = (pushed / MAX_TRAVEL).ceil().max(1.0) as usize;
+        let last = (0..=MOST_HALVINGS).find_map(|halvings| {
+            let n = least << halvings;
+            let h = pushed / n as f64;
+            (0..n).try_fold(first, |state, _| way.stepped(h, &state, slides))
+        })?;
+        // Where the pusher's center is tells where the object is.
+        let (sin, cos) = sin_cos(last.y);
+        let center = start + distance * direction;
+        let held = Vector2::new(cos * center_x - sin * last.x, sin * center_x + cos * last.x);
+        let moved = center - held;
+        let position = moved.x * edge.normal_b + moved.y * left_b;
+        let turned = Pose::new(0.0, 0.0, last.y).rotate(&self.center_b);
+        Some(Pose { position: position + self.center_b - turned, angle: last.y })
     }
+}
 
+impl Way<'_> {
     /// The state after a step; none if it is too long, or if the contact changes on the way.
-    fn stepped(
-        &self,
-        way: &Way,
-        at: f64,
-        h: f64,
-        state: &Vector3<f64>,
-        sliding: Sliding,
-    ) -> Option<Vector3<f64>> {
-        let slope = |at: f64, state: &Vector3<f64>| {
-            let same = self.slope(way, at, state).filter(|(kind, _)| *kind == sliding);
+    #[inline]
+    fn stepped(&self, h: f64, state: &Vector2<f64>, slides: Slides) -> Option<Vector2<f64>> {
+        let slope = |_: f64, state: &Vector2<f64>| {
+            let same = self.slope(state).filter(|(kind, _)| *kind == slides);
             same.map(|(_, slope)| slope).ok_or(Changed)
         };
-        let here = slope(at, state).ok()?;
-        let Step { end, error } = step(at, state, &here, h, slope).ok()?;
-        let off = error.xy().norm().hypot(self.characteristic_length * error.z);
-        (off <= TOLERANCE).then(|| way.closed(at + h, end))
+        let here = slope(0.0, state).ok()?;
+        let Step { end, error } = step(0.0, state, &here, h, slope).ok()?;
+        let arm = Vector2::new(self.center_x, end.x).norm();
+        (error.x.abs() + arm * error.y.abs() <= TOLERANCE).then_some(end)
     }
 
-    /// Whether and where the pusher slides, and the velocity of S at unit speed of the pusher; none
+    /// Whether the pusher slides, and how fast the state changes at unit speed of the pusher; none
     /// where it is beside the edge or does not press.
-    ///
-    /// With J the Jacobian of the contact point, a contact force f moves that point with J A Jᵀ f, up
-    /// to a factor, as in [`crate::predict`].
-    fn slope(&self, way: &Way, at: f64, state: &Vector3<f64>) -> Option<(Sliding, Vector3<f64>)> {
-        let (sin, cos) = sin_cos(state.z);
-        let place = way.place((sin, cos), at, state);
-        let Edge { tangent, length, .. } = way.edge;
-        if !(place.along > 0.0 && place.along < length) {
+    #[inline]
+    fn slope(&self, state: &Vector2<f64>) -> Option<(Slides, Vector2<f64>)> {
+        let (s, x, c2) = (state.x, self.edge.x, self.push.length_squared);
+        if !(s > self.edge.ends[0] && s < self.edge.ends[1]) {
             return None;
         }
-        let normal = perpendicular(&tangent);
-        let v = turned_back((sin, cos), &way.direction);
-        let approach = normal.dot(&v);
-        if approach <= 0.0 {
+        let (sin, cos) = sin_cos(state.y);
+        let v_n = cos * self.direction.x + sin * self.direction.y;
+        let v_t = cos * self.direction.y - sin * self.direction.x;
+        if v_n <= 0.0 {
             return None;
         }
-        let [xx, xy, xt, yy, yt, tt] = self.matrix;
-        let p = place.point;
-        // The motions that unit forces along x and y make: the columns of A Jᵀ.
-        let by_x = Vector3::new(xx - p.y * xt, xy - p.y * yt, xt - p.y * tt);
-        let by_y = Vector3::new(xy + p.x * xt, yy + p.x * yt, yt + p.x * tt);
-        let at_contact =
-            |twist: &Vector3<f64>| Vector2::new(twist.x - p.y * twist.z, twist.y + p.x * twist.z);
-        let (g_x, g_y) = (at_contact(&by_x), at_contact(&by_y));
-        let determinant = g_x.x * g_y.y - g_x.y * g_y.x;
-        let sticking =
-            Vector2::new(g_y.y * v.x - g_y.x * v.y, g_x.x * v.y - g_x.y * v.x) / determinant;
-        // The edge's own tangent runs counter-clockwise: that of a contact is its opposite.
-        let (normal_part, left) = (normal.dot(&sticking), -tangent.dot(&sticking));
-        let (sliding, f) = if left.abs() <= way.friction * normal_part {
-            (0, sticking)
+        let size = 1.0 / (c2 + x * x + s * s);
+        let f_n = ((c2 + x * x) * v_n + x * s * v_t) * size;
+        let f_t = ((c2 + s * s) * v_t + x * s * v_n) * size;
+        let (slides, f_t, turn) = if f_t.abs() <= self.friction * f_n {
+            (Slides::Not, f_t, (x * v_t - s * v_n) * size)
         } else {
-            let side = left.signum();
-            let edge = normal - side * way.friction * tangent;
-            (side as Sliding, edge * (approach / normal.dot(&(edge.x * g_x + edge.y * g_y))))
+            let (slides, slope) = if f_t > 0.0 {
+                (Slides::Left, self.friction)
+            } else {
+                (Slides::Right, -self.friction)
+            };
+            let f_n = c2 * v_n / (c2 + s * s - slope * x * s);
+            (slides, slope * f_n, (slope * x - s) * f_n / c2)
         };
-        let twist = f.x * by_x + f.y * by_y;
-        let linear = turned((sin, cos), &twist.xy());
-        Some((sliding, Vector3::new(linear.x, linear.y, twist.z)))
+        Some((slides, Vector2::new(v_t - f_t - turn * self.center_x, turn)))
     }
-}
-
-/// The contact is no longer of its kind.
-struct Changed;
-
-/// Where the pusher is at the edge, frame S.
-struct AtEdge {
-    /// From the edge's start, in m.
-    along: f64,
-    /// Nearest point of the edge's line, in m.
-    point: Vector2<f64>,
-    gap: f64,
-}
-
-impl Way {
-    fn place(&self, turn: (f64, f64), at: f64, state: &Vector3<f64>) -> AtEdge {
-        let center = turned_back(turn, &(self.start + at * self.direction - state.xy()));
-        let Edge { from, tangent, .. } = self.edge;
-        let arm = center - from;
-        let along = tangent.dot(&arm);
-        let outward = -perpendicular(&tangent).dot(&arm);
-        AtEdge { along, point: from + along * tangent, gap: outward - self.radius }
-    }
-
-    /// The pusher's way until it touches, and the state then: moved out of a pusher that overlaps.
-    fn touch(&self) -> Option<(f64, Vector3<f64>)> {
-        let still = Vector3::zeros();
-        let gap = self.place((0.0, 1.0), 0.0, &still).gap;
-        if gap <= TOUCH {
-            return Some((0.0, self.closed(0.0, still)));
-        }
-        let approach = perpendicular(&self.edge.tangent).dot(&self.direction);
-        (approach > 0.0).then(|| (gap / approach, still))
-    }
-
-    /// The state with the gap closed along the normal.
-    fn closed(&self, at: f64, mut state: Vector3<f64>) -> Vector3<f64> {
-        let turn = sin_cos(state.z);
-        let gap = self.place(turn, at, &state).gap;
-        let shift = turned(turn, &(-gap * perpendicular(&self.edge.tangent)));
-        state.x += shift.x;
-        state.y += shift.y;
-        state
-    }
-}
-
-fn turned((sin, cos): (f64, f64), v: &Vector2<f64>) -> Vector2<f64> {
-    Vector2::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y)
-}
-
-fn turned_back((sin, cos): (f64, f64), v: &Vector2<f64>) -> Vector2<f64> {
-    Vector2::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x)
 }
 
 /// Sine and cosine, to rounding by their series for the small turns of a step.
+#[inline]
 fn sin_cos(angle: f64) -> (f64, f64) {
     if angle.abs() > 0.3 {
         return angle.sin_cos();
@@ -233,19 +190,14 @@ fn sin_cos(angle: f64) -> (f64, f64) {
     let x = angle * angle;
     let sin =
         1.0 - x / 6.0 * (1.0 - x / 20.0 * (1.0 - x / 42.0 * (1.0 - x / 72.0 * (1.0 - x / 110.0))));
-    let cos = 1.0
-        - x / 2.0
-            * (1.0
-                - x / 12.0
-                    * (1.0 - x / 30.0 * (1.0 - x / 56.0 * (1.0 - x / 90.0 * (1.0 - x / 132.0)))));
-    (angle * sin, cos)
+    let cos = 1.0 - x / 30.0 * (1.0 - x / 56.0 * (1.0 - x / 90.0 * (1.0 - x / 132.0)));
+    (angle * sin, 1.0 - x / 2.0 * (1.0 - x / 12.0 * cos))
 }
 
 #[cfg(test)]
 mod tests {
     use super::{EdgePush, sin_cos};
     use crate::{Ellipsoid, PathSettings, Pusher, Slider, StraightPath, push_along};
-    use nalgebra::Vector2;
     use planar::{MIT_NAMES, Pose, Shape, mit_object};
     use proptest::prelude::{ProptestConfig, prop_assert, proptest};
     use proptest::test_runner::RngSeed;

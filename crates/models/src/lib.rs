@@ -10,6 +10,7 @@ mod description;
 mod error;
 mod estimate;
 mod gp_push_model;
+mod held_scatter;
 mod hybrid;
 mod kinds;
 mod least_squares;

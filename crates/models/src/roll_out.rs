@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use effects::Object;
 use filter::{ParticleFilter, PlanarSummary, Settings};
+use nalgebra::Vector3;
 use planar::{Pose, Shape};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -165,15 +166,19 @@ impl RollOut<'_> {
         path: &PushPath,
     ) -> Result<ParticleFilter<PushParticle>, ModelError> {
         self.check()?;
-        let RollOutSettings { n_particles, seed, start_sd, gap_sd, .. } = self.settings;
+        let RollOutSettings { n_particles, seed, start_sd, gap_sd, errors, .. } = self.settings;
         let [place_sd, angle_sd] = start_sd;
         let first = self.first(start_wb, path)?;
         let mut random = ChaCha8Rng::seed_from_u64(*seed);
         random.set_stream(u64::MAX);
-        let mut normal = || random.sample::<f64, _>(StandardNormal);
         let particle = |_| {
+            let size = match errors {
+                StepErrors::Held(correlation) => correlation.size(&mut random),
+                StepErrors::None | StepErrors::Independent => 1.0,
+            };
+            let mut normal = || random.sample::<f64, _>(StandardNormal);
             let noise = [normal(), normal(), normal()];
-            let held = nalgebra::Vector3::new(normal(), normal(), normal());
+            let held = size * Vector3::new(normal(), normal(), normal());
             let mut pose_wb = *start_wb;
             pose_wb.position.x += place_sd * noise[0];
             pose_wb.position.y += place_sd * noise[1];

@@ -1,8 +1,11 @@
 //! How the errors of the steps of a push go together.
 
 use nalgebra::{Matrix3, Vector3};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{ChiSquared, Distribution};
 use serde::{Deserialize, Serialize};
 
+use crate::held_scatter::{HeldScatter, PushMean};
 use crate::{ModelError, Noise, PushModel, RecordedPush, StepInput, StepObservation};
 
 /// Which part of a model's variance a whole push shares, which is each step's own, and which is
@@ -10,10 +13,13 @@ use crate::{ModelError, Noise, PushModel, RecordedPush, StepInput, StepObservati
 ///
 /// z_k = √held · u + √own · w_k + √measured · (e_{k+1} − e_k), of errors z = L⁻¹(observed − mean) with
 /// L Lᵀ the model's covariance of a step, u of the push, w and e of the step, all with variance 1.
-/// held + own + 2 measured is 1 for a model whose steps are calibrated. By moments: `held` is the mean
-/// product of errors two or more steps apart, `measured` what the mean product of neighbors lacks to
-/// that, and `own` the rest of the mean square, each at least 0. A bias that all pushes share counts as
-/// held.
+/// held + own + 2 measured is 1 for a model whose steps are calibrated. By moments: `measured` is what
+/// the mean product of neighbors lacks to that of errors two or more steps apart, and `own` the rest of
+/// the mean square, each at least 0. A bias that all pushes share counts as held.
+///
+/// Pushes differ in how much they hold, for some begin where the model is worse than it says: u has a
+/// Student t distribution. Its scale `held` and its degrees of freedom are those of most likelihood; few
+/// pushes leave them open, which makes the tails heavier.
 ///
 /// # Source
 /// Searle, Casella & McCulloch (1992), Variance Components, chapter 4 (analysis-of-variance
@@ -21,8 +27,10 @@ use crate::{ModelError, Noise, PushModel, RecordedPush, StepInput, StepObservati
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StepCorrelation {
-    /// Of Δx, Δy and Δθ, as shares of the model's variance.
+    /// Of Δx, Δy and Δθ, as shares of the model's variance: the scale squared of a t.
     pub held: [f64; 3],
+    /// The degrees of freedom of what a push holds: many for pushes that all hold alike.
+    pub freedom: f64,
     /// Likewise.
     pub own: [f64; 3],
     /// Likewise; it does not move the object.
@@ -48,8 +56,19 @@ impl StepCorrelation {
         model: &dyn PushModel,
         pushes: impl IntoIterator<Item = &'a RecordedPush>,
     ) -> Result<Self, ModelError> {
+        Self::measure_by(pushes.into_iter().map(|push| (model, push)))
+    }
+
+    /// The same where each push has a model of its own, which has not seen it: with models of one kind
+    /// that each leave out a part of the pushes, all of them are measured on.
+    ///
+    /// # Errors
+    /// As [`StepCorrelation::measure`].
+    pub fn measure_by<'a, 'm>(
+        pushes: impl IntoIterator<Item = (&'m dyn PushModel, &'a RecordedPush)>,
+    ) -> Result<Self, ModelError> {
         let (mut errors, mut squares, mut n_gaps) = (Vec::new(), 0.0, 0);
-        for push in pushes {
+        for (model, push) in pushes {
             errors.push(whitened(model, &push.steps)?);
             let gaps = push.gaps();
             squares += gaps.iter().map(|gap| (gap - gaps[0]).powi(2)).sum::<f64>();
@@ -76,17 +95,30 @@ impl StepCorrelation {
             }
         }
         let [square, neighbors, apart] = std::array::from_fn(|lag| sums[lag] / counts[lag] as f64);
-        let held = apart.map(|product| product.max(0.0));
-        let measured = (held - neighbors).map(|lacking| lacking.max(0.0));
-        let own = (square - held - 2.0 * measured).map(|rest| rest.max(0.0));
+        let products = apart.map(|product| product.max(0.0));
+        let measured = (products - neighbors).map(|lacking| lacking.max(0.0));
+        let own = (square - products - 2.0 * measured).map(|rest| rest.max(0.0));
+        let mean = |errors: &&Vec<Vector3<f64>>| {
+            let n = errors.len();
+            PushMean { mean: errors.iter().sum::<Vector3<f64>>() / n as f64, n }
+        };
+        let means: Vec<PushMean> = long.iter().map(mean).collect();
+        let HeldScatter { held, freedom } = HeldScatter::of(&means, &own);
         Ok(Self {
             held: held.into(),
+            freedom,
             own: own.into(),
             measured: measured.into(),
             gap_sd: 0.0,
             n_pushes: long.len(),
             n_steps: long.iter().map(|errors| errors.len()).sum(),
         })
+    }
+
+    /// By how much what a push holds is larger than the scale: the root of ν/χ²_ν.
+    pub(crate) fn size(&self, random: &mut ChaCha8Rng) -> f64 {
+        // Degrees of freedom are positive; without them there is no scatter of the scatter.
+        ChiSquared::new(self.freedom).map_or(1.0, |chi| (self.freedom / chi.sample(random)).sqrt())
     }
 
     /// A whitened error of a step, of the push's numbers and the step's.
@@ -113,6 +145,12 @@ fn whitened(
 
 /// The lower triangular root of a covariance, which may be singular: then it has columns of zeros.
 pub(crate) fn root(covariance: &Matrix3<f64>) -> Matrix3<f64> {
+    let [xy, xz, yz] = [covariance.m21, covariance.m31, covariance.m32];
+    if xy == 0.0 && xz == 0.0 && yz == 0.0 {
+        return Matrix3::from_diagonal(
+            &covariance.diagonal().map(|variance| variance.max(0.0).sqrt()),
+        );
+    }
     let mut root = Matrix3::zeros();
     for j in 0..3 {
         let before = |i: usize, k: usize| (0..j).map(|m| root[(i, m)] * root[(k, m)]).sum::<f64>();

@@ -38,6 +38,11 @@ impl Contact {
     }
 
     pub(crate) fn with_polygon(polygon: &Polygon, center: &Vector2<f64>, radius: f64) -> Self {
+        Self::beside_convex(polygon, center, radius)
+            .unwrap_or_else(|| Self::by_all_edges(polygon, center, radius))
+    }
+
+    fn by_all_edges(polygon: &Polygon, center: &Vector2<f64>, radius: f64) -> Self {
         let mut nearest = Self::with_edge(polygon, 0, center);
         for edge in 1..polygon.sides().len() {
             let candidate = Self::with_edge(polygon, edge, center);
@@ -55,6 +60,26 @@ impl Contact {
         }
         nearest.gap = if inside { -distance } else { distance } - radius;
         nearest
+    }
+
+    /// The contact with a convex polygon of a center outside of it that faces the inside of an edge:
+    /// the same as by all edges, in less time; none for other centers.
+    fn beside_convex(polygon: &Polygon, center: &Vector2<f64>, radius: f64) -> Option<Self> {
+        if !polygon.is_convex() {
+            return None;
+        }
+        let (mut edge, mut farthest) = (0, 0.0);
+        for (index, side) in polygon.sides().iter().enumerate() {
+            let outward = side.normal.dot(&(side.from - center));
+            if outward > farthest {
+                (edge, farthest) = (index, outward);
+            }
+        }
+        let nearest = Self::with_edge(polygon, edge, center);
+        let is_inside_edge = nearest.p > 0.0 && nearest.p < 1.0;
+        // By the point, as for any other center, so that the bits are the same.
+        let gap = (nearest.point - center).norm() - radius;
+        (farthest > 0.0 && is_inside_edge).then_some(Self { gap, ..nearest })
     }
 
     /// The other places of a polygon that are nearest to a center among their neighbors, and at most
@@ -128,7 +153,7 @@ impl Contact {
 
 #[cfg(test)]
 mod tests {
-    use super::Feature;
+    use super::{Contact, Feature};
     use crate::{Ellipse, Polygon, Shape, mit_object};
     use nalgebra::Vector2;
     use proptest::prelude::{ProptestConfig, prop_assert, proptest};
@@ -217,6 +242,20 @@ mod tests {
             prop_assert!((contact.p - p).abs() < 1e-9 && contact.edge == edge);
             prop_assert!((contact.point - point).norm() < 1e-10);
             prop_assert!((contact.normal - normal).norm() < 1e-8);
+        }
+
+        #[test]
+        fn a_convex_outline_has_the_contact_that_all_its_edges_give(
+            name in 0..10usize, x in -0.1..0.1f64, y in -0.1..0.1f64,
+        ) {
+            let Shape::Polygon(polygon) = mit_object(crate::MIT_NAMES[name]).unwrap().shape else {
+                return Ok(());
+            };
+            let center = Vector2::new(x, y);
+            if let Some(fast) = Contact::beside_convex(&polygon, &center, RADIUS) {
+                let slow = Contact::by_all_edges(&polygon, &center, RADIUS);
+                prop_assert!(fast == slow, "{fast:?} {slow:?}");
+            }
         }
 
         #[test]

@@ -9,6 +9,7 @@ pub struct Polygon {
     vertices: Vec<Vector2<f64>>,
     /// What contacts ask of each edge, computed once.
     sides: Vec<Side>,
+    is_convex: bool,
 }
 
 /// An edge of a polygon.
@@ -38,7 +39,8 @@ impl Polygon {
         }
         let next = vertices.iter().cycle().skip(1);
         let sides = vertices.iter().zip(next).map(|(from, to)| Side::between(*from, *to)).collect();
-        let polygon = Self { vertices, sides };
+        let is_convex = is_convex(&vertices);
+        let polygon = Self { vertices, sides, is_convex };
         polygon.check_edges()?;
         polygon.check_area()?;
         polygon.check_simple()?;
@@ -117,11 +119,7 @@ impl Polygon {
 
     /// Whether every inner angle is below or at 180°.
     pub fn is_convex(&self) -> bool {
-        let n = self.vertices.len();
-        (0..n).all(|i| {
-            let (a, b) = (self.vertices[i], self.vertices[(i + 1) % n]);
-            cross(&(b - a), &(self.vertices[(i + 2) % n] - b)) >= 0.0
-        })
+        self.is_convex
     }
 
     fn check_edges(&self) -> Result<(), PlanarError> {
@@ -171,6 +169,14 @@ impl Side {
 }
 
 type Segment = (Vector2<f64>, Vector2<f64>);
+
+fn is_convex(vertices: &[Vector2<f64>]) -> bool {
+    let n = vertices.len();
+    (0..n).all(|i| {
+        let (a, b) = (vertices[i], vertices[(i + 1) % n]);
+        cross(&(b - a), &(vertices[(i + 2) % n] - b)) >= 0.0
+    })
+}
 
 fn is_finite(v: &Vector2<f64>) -> bool {
     v.x.is_finite() && v.y.is_finite()

@@ -25,7 +25,8 @@ pub(super) const BENCHMARK: Benchmark = Benchmark {
     name: "filter",
     about: "one step of 10⁴ particles, three outputs with variance, beside its floor: for a kernel its \
             exponentials at the rate of a cross matrix, and the M² products a particle and output at \
-            the rate of faer's matrix product; the analytical model beside its mean alone; NumPy in \
+            the rate of faer's matrix product, beside the full variance and a table of it; the \
+            analytical model beside its mean alone, on one thread; NumPy in \
             xtask/peers/filter.py, where there is Python, as a reference by itself",
     rows: |_| rows(),
 };
@@ -34,6 +35,8 @@ const N_PARTICLES: usize = 10_000;
 const N_STEPS: usize = 400;
 const N_OUTPUTS: f64 = 3.0;
 const SIDE: f64 = 0.09;
+/// The pusher's way in a step, in m.
+const WAY: f64 = 0.004;
 const RADIUS: f64 = 0.005;
 
 /// A learnt kind, its size M and whether its floor counts exponentials.
@@ -54,7 +57,7 @@ fn rows() -> Result<Vec<Row>> {
         pool.install(|| -> Result<()> {
             rows.push(analytical(&pushed, threads)?);
             for (name, kind, size) in KINDS {
-                rows.push(learnt(&pushed, &steps, (name, kind, size), threads)?);
+                rows.extend(learnt(&pushed, &steps, (name, kind, size), threads)?);
             }
             Ok(())
         })?;
@@ -68,7 +71,7 @@ fn observations(pushed: &Pushed) -> Result<Vec<StepObservation>> {
     let model = Analytical::nominal(0.25)?;
     let step = |k: usize| {
         let (p, beta) = ((k as f64 * 0.618).fract(), -0.7 + 1.4 * (k as f64 * 0.414).fract());
-        let input = StepInput::on_edge(pushed.shape.clone(), RADIUS, 1, p, beta, 0.004)?;
+        let input = StepInput::on_edge(pushed.shape.clone(), RADIUS, 1, p, beta, WAY)?;
         let mean = model.predict(std::slice::from_ref(&input), Noise::Excluded)?[0].mean;
         let noise = 2e-5 * ((k * 7919 % 17) as f64 - 8.0) / 8.0;
         let outputs = mean + Vector3::new(noise, -noise, 30.0 * noise);
@@ -77,11 +80,19 @@ fn observations(pushed: &Pushed) -> Result<Vec<StepObservation>> {
     (0..N_STEPS).map(step).collect()
 }
 
-fn first_step() -> Result<(PushPath, PathStep)> {
+/// Steps of one push, all as long as those that were learnt from.
+fn push() -> Result<(PushPath, Vec<PathStep>)> {
     let start = Vector2::new(-0.5 * SIDE - RADIUS, 0.01);
-    let path = PushPath::straight(start, start + Vector2::new(0.004, 0.001), 0.02)?;
-    let step = path.steps(0.005)?[0];
-    Ok((path, step))
+    let path = PushPath::straight(start, start + Vector2::new(0.016, 0.004), 0.02)?;
+    let steps = path.steps(WAY)?;
+    Ok((path, steps))
+}
+
+/// A row of whole pushes, as one of a step.
+fn a_step_of(n_steps: usize, row: Row) -> Row {
+    let n = n_steps as f64;
+    let (median_seconds, reference_seconds) = (row.median_seconds / n, row.reference_seconds / n);
+    Row { median_seconds, reference_seconds, ..row }
 }
 
 /// Particles already spread a little, so that every one has a contact of its own.
@@ -94,13 +105,11 @@ fn learnt(
     steps: &[StepObservation],
     (name, kind, size): (&str, ProcessKind, usize),
     threads: usize,
-) -> Result<Row> {
+) -> Result<[Row; 2]> {
     let training = Training { n_pseudo_inputs: size, n_features: size, ..Training::with(kind) };
     let model = GpPushModel::train(steps, &training)?.0;
-    let (path, step) = first_step()?;
+    let (path, steps) = push()?;
     let settings = RollOutSettings { touching: true, ..settings() };
-    let roll_out = RollOut { model: &model, pushed, settings: &settings };
-    let start = roll_out.start(&Pose::default(), &path)?;
     let mut products = Floor::new(N_OUTPUTS * N_PARTICLES as f64 * (size * size) as f64, threads);
     let (x, _) = surface(N_PARTICLES, 7);
     let (z, _) = surface(size, 8);
@@ -110,21 +119,32 @@ fn learnt(
         let matrix = |_| cross(&kernel, x.as_ref(), z.as_ref());
         (0..N_OUTPUTS as usize).filter_map(|k| Some(matrix(k).ok()?[(0, 0)])).sum()
     };
-    let candidate = || {
-        let mut filter = start.clone();
-        filter.predict(&roll_out.motion(&step)).map(|()| filter)
+    let mut row = |name: &str, model: &GpPushModel| -> Result<Row> {
+        let roll_out = RollOut { model, pushed, settings: &settings };
+        let start = roll_out.start(&Pose::default(), &path)?;
+        let candidate = || {
+            let mut filter = start.clone();
+            steps
+                .iter()
+                .try_for_each(|step| filter.predict(&roll_out.motion(step)))
+                .map(|()| filter)
+        };
+        candidate()?;
+        let case = Case { name, size: N_PARTICLES, threads, rounds: 5, calls: 1 };
+        let floor = || steps.iter().map(|_| products.multiply(1) + exponentials()).sum::<f64>();
+        Ok(a_step_of(steps.len(), case.compare(candidate, floor)))
     };
-    candidate()?;
-    let case = Case { name, size: N_PARTICLES, threads, rounds: 5, calls: 1 };
-    Ok(case.compare(candidate, || (products.multiply(1), exponentials())))
+    let (table, _) = model.tabulated()?;
+    Ok([row(name, &model)?, row(&format!("{name}, table"), &table)?])
 }
 
 fn analytical(pushed: &Pushed, threads: usize) -> Result<Row> {
     let model = Analytical::nominal(0.25)?;
-    let (path, step) = first_step()?;
+    let (path, steps) = push()?;
     let settings = RollOutSettings { touching: true, ..settings() };
     let roll_out = RollOut { model: &model, pushed, settings: &settings };
     let start: ParticleFilter<_> = roll_out.start(&Pose::default(), &path)?;
+    let step = steps[0];
     let input = |particle: &models::PushParticle| {
         let shape = pushed.shape.clone();
         StepInput::between(shape, RADIUS, &particle.pose_wb, &step.start_w, &step.end_w)
@@ -132,14 +152,15 @@ fn analytical(pushed: &Pushed, threads: usize) -> Result<Row> {
     let inputs = start.particles().iter().map(input).collect::<Result<Vec<_>, _>>()?;
     let candidate = || {
         let mut filter = start.clone();
-        filter.predict(&roll_out.motion(&step)).map(|()| filter)
+        steps.iter().try_for_each(|step| filter.predict(&roll_out.motion(step))).map(|()| filter)
     };
     candidate()?;
     let means = || -> f64 {
-        inputs.iter().filter_map(|input| model.motion(input).ok()).map(|pose| pose.angle).sum()
+        let all = || model.parts(&inputs).ok()?.first().map(|parts| parts.physics.z);
+        steps.iter().filter_map(|_| all()).sum()
     };
     let case = Case { name: "analytical", size: N_PARTICLES, threads, rounds: 5, calls: 1 };
-    Ok(case.compare(candidate, means))
+    Ok(a_step_of(steps.len(), case.compare(candidate, means)))
 }
 
 /// The same step of a sparse process in NumPy; nothing without Python.

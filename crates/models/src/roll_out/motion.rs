@@ -148,8 +148,10 @@ impl PushMotion<'_> {
         let Begun { free, contact, start_b, direction_b, .. } = begin;
         let Some(object) = object else {
             let way = (*direction_b, distance - free);
+            // A gap while they touch is an error of measurement: the model is asked without it.
+            let touching_b = start_b + contact.gap * contact.normal;
             let shape = shape.clone();
-            let bare = StepInput::at_contact(shape, *pusher_radius, contact, *start_b, way);
+            let bare = StepInput::at_contact(shape, *pusher_radius, contact, touching_b, way);
             return bare.lasting(duration).map(Some);
         };
         let touch_w = self.step.start_w + *free * direction_w;

@@ -208,7 +208,16 @@ fn held_errors_grow_with_the_way_and_independent_ones_with_its_root() {
         let (n_pushes, n_steps, measured) = (1, 1, [0.0; 3]);
         let (held, own) = ([held; 3], [own; 3]);
         let gap_sd = 0.0;
-        StepErrors::Held(StepCorrelation { held, own, measured, gap_sd, n_pushes, n_steps })
+        let freedom = 1e6;
+        StepErrors::Held(StepCorrelation {
+            held,
+            freedom,
+            own,
+            measured,
+            gap_sd,
+            n_pushes,
+            n_steps,
+        })
     };
     let spread = |errors: StepErrors, way: f64| {
         let path = straight([FACE, 0.0], [FACE + way, 0.0]);

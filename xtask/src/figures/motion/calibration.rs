@@ -10,7 +10,7 @@ use super::trained::Setting;
 use crate::figures::inputs::Inputs;
 use crate::figures::sketch::Sketch;
 
-const N_PARTICLES: usize = 100;
+const N_PARTICLES: usize = 400;
 /// Where the curves are read.
 const N_LEVELS: usize = 51;
 
@@ -28,8 +28,9 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
         "Ends of {n} pushes that no model has seen, each among {N_PARTICLES} particles: the share that \
          lies within the region of a level. A model that knows how sure it is follows the diagonal. \
          Steps of a push share errors, which a variance per step does not tell (left); which part is \
-         held through a push was measured on other unseen pushes (right). Share within 50, 90 and 95 % \
-         regions, independent → held: {}.",
+         held through a push, and how unevenly pushes hold it, was measured on the pushes learnt from, \
+         each by a model that left it out (right). Share within 50, 90 and 95 % regions, independent → \
+         held: {}.",
         told.join("; ")
     );
     let alt = "Coverage curves of seven models, far below the diagonal at the left and near it at the \

@@ -10,8 +10,8 @@ use planar::{Pose, wrap_angle};
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use report::Color;
 
-use super::pushes::{Turn, steps_of};
-use super::trained::{Setting, Trained, train};
+use super::pushes::Turn;
+use super::trained::{Learnt, Setting, Trained, learn};
 use crate::figures::inputs::SEED;
 
 /// The levels of the regions whose coverage is told.
@@ -55,8 +55,8 @@ pub(crate) fn all_ends(
 ) -> Result<Vec<Ends>> {
     let mut all: Vec<Ends> = Vec::new();
     for turn in turns {
-        for (index, trained) in train(setting, &steps_of(&turn.train), &[])?.iter().enumerate() {
-            let own = ends_of(trained, turn, n_particles)?;
+        for (index, learnt) in learn(setting, turn, &[])?.into_iter().enumerate() {
+            let own = ends_of(learnt, turn, n_particles)?;
             match all.get_mut(index) {
                 None => all.push(own),
                 Some(known) => {
@@ -72,9 +72,8 @@ pub(crate) fn all_ends(
     Ok(all)
 }
 
-fn ends_of(trained: &Trained, turn: &Turn<'_>, n_particles: usize) -> Result<Ends> {
-    let measure = turn.measure.iter().copied();
-    let correlation = StepCorrelation::measure(trained.model.as_ref(), measure)?;
+fn ends_of(learnt: Learnt, turn: &Turn<'_>, n_particles: usize) -> Result<Ends> {
+    let Learnt { trained, correlation } = learnt;
     let with = |errors: StepErrors| {
         let settings = RollOutSettings {
             n_particles,
@@ -82,7 +81,7 @@ fn ends_of(trained: &Trained, turn: &Turn<'_>, n_particles: usize) -> Result<End
             errors,
             ..recorded_settings(correlation.gap_sd)
         };
-        let end = |push: &&RecordedPush| end_of(trained, push, &settings);
+        let end = |push: &&RecordedPush| end_of(&trained, push, &settings);
         turn.test.par_iter().map(end).collect::<Result<Vec<_>>>()
     };
     let (independent, unseen): (Vec<End>, Vec<f64>) =

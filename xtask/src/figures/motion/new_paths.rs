@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use models::{Moment, PushParticle, PushPath, Pushed, RollOut, RollOutSettings};
 use nalgebra::Vector2;
 use planar::Pose;
@@ -12,12 +12,12 @@ use super::scene::{Rolled, Scene};
 use super::view::{cloud, mean_pose, outline, pusher, shade, table};
 use crate::figures::inputs::{Inputs, STEP_WAY};
 use crate::figures::sketch::Sketch;
+use crate::held_out::quantile;
 
 const N_PARTICLES: usize = 500;
 const N_OUTLINES: usize = 7;
 /// Free way before the touch, in m.
 const FREE: f64 = 0.008;
-const SPEED: f64 = 0.02;
 
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let scene = Scene::of(inputs)?;
@@ -30,7 +30,8 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     };
     let mut figure = Figure::new(2, 2).panel_size(380.0, 330.0);
     let (mut names, mut columns) = (Vec::new(), vec![Vec::new(); 7]);
-    for (name, path) in paths(pushed)? {
+    let speed = usual_speed(&scene)?;
+    for (name, path) in paths(pushed, speed)? {
         let (mut moments, mut particles) = (Vec::new(), Vec::new());
         let roll_out = RollOut { model: scene.gp.model.as_ref(), pushed, settings: &settings };
         let watch = |moment: &Moment, now: &[PushParticle]| {
@@ -58,8 +59,10 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
         })
         .collect();
     let caption = format!(
-        "Four paths at 20 mm/s by a Gaussian process learnt from straight pushes: the object from dark \
-         to light, and {N_PARTICLES} particles at the end, with errors held as in recorded pushes. {}.",
+        "Four paths at {:.0} mm/s, the usual speed of the straight pushes from which a Gaussian process \
+         has learnt: the object from dark to light, and {N_PARTICLES} particles at the end, with errors \
+         held as in recorded pushes. {}.",
+        1e3 * speed,
         told.join("; ")
     );
     let alt = "An object carried along a straight, a round, a curved and a cornered path.";
@@ -89,8 +92,16 @@ fn end_of(rolled: &Rolled) -> [f64; 7] {
     ]
 }
 
+/// The median speed of the recorded pushes, in m/s.
+fn usual_speed(scene: &Scene) -> Result<f64> {
+    let ways = scene.test.iter().map(|push| push.path.length() / push.path.duration());
+    let speeds: Vec<f64> = ways.collect();
+    ensure!(!speeds.is_empty(), "there are pushes to test");
+    Ok(quantile(speeds, 0.5))
+}
+
 /// Paths that begin at the left of an object in the origin.
-fn paths(pushed: &Pushed) -> Result<[(&'static str, PushPath); 4]> {
+fn paths(pushed: &Pushed, speed: f64) -> Result<[(&'static str, PushPath); 4]> {
     let far = -3.0 * pushed.shape.bounding_radius();
     let start = |y: f64| {
         let center = Vector2::new(far, y);
@@ -101,15 +112,15 @@ fn paths(pushed: &Pushed) -> Result<[(&'static str, PushPath); 4]> {
     let (middle, above) = (start(0.0), start(0.2 * size));
     let at = |x: f64, y: f64| middle + size * Vector2::new(x, y);
     Ok([
-        ("straight, off center", PushPath::straight(above, above + size * Vector2::x(), SPEED)?),
-        ("arc", PushPath::arc(middle, at(0.0, 2.0), 0.25 * PI, SPEED)?),
+        ("straight, off center", PushPath::straight(above, above + size * Vector2::x(), speed)?),
+        ("arc", PushPath::arc(middle, at(0.0, 2.0), 0.25 * PI, speed)?),
         (
             "spline",
-            PushPath::spline(&[middle, at(0.5, 0.05), at(1.1, -0.1), at(1.7, 0.15)], SPEED)?,
+            PushPath::spline(&[middle, at(0.5, 0.05), at(1.1, -0.1), at(1.7, 0.15)], speed)?,
         ),
         (
             "corners",
-            PushPath::polyline(&[middle, at(0.7, 0.0), at(1.1, 0.22), at(1.6, 0.0)], SPEED)?,
+            PushPath::polyline(&[middle, at(0.7, 0.0), at(1.1, 0.22), at(1.6, 0.0)], speed)?,
         ),
     ])
 }

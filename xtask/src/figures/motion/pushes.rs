@@ -19,11 +19,34 @@ const N_TURNS: usize = 4;
 /// Most pushes that are tested in all.
 const MOST_TESTED: usize = 64;
 
-/// Pushes to learn from, to measure how their steps go together, and to be tested on.
+/// How often the pushes to learn from are split, to measure on what a part has not seen.
+const N_FOLDS: usize = 3;
+
+/// Pushes to learn from, and to be tested on.
 pub(crate) struct Turn<'a> {
-    pub(crate) train: Vec<&'a RecordedPush>,
-    pub(crate) measure: Vec<&'a RecordedPush>,
+    pub(crate) learn: Vec<&'a RecordedPush>,
     pub(crate) test: Vec<&'a RecordedPush>,
+}
+
+/// The pushes to learn from without some of them, and those.
+pub(crate) struct Fold<'a> {
+    pub(crate) learn: Vec<&'a RecordedPush>,
+    pub(crate) left_out: Vec<&'a RecordedPush>,
+}
+
+impl<'a> Turn<'a> {
+    /// Each push to learn from is left out once.
+    pub(crate) fn folds(&self) -> [Fold<'a>; N_FOLDS] {
+        std::array::from_fn(|fold| {
+            let part = |is_left_out: bool| {
+                let all = self.learn.iter().enumerate();
+                all.filter(|(k, _)| (k % N_FOLDS == fold) == is_left_out)
+                    .map(|(_, push)| *push)
+                    .collect()
+            };
+            Fold { learn: part(false), left_out: part(true) }
+        })
+    }
 }
 
 /// The pushes of the first object, in a random order.
@@ -46,8 +69,7 @@ pub(crate) fn pushes(inputs: &Inputs) -> Result<Vec<RecordedPush>> {
     Ok(pushes)
 }
 
-/// Half to learn from, a quarter to measure, a quarter to test; few pushes take turns, so that each
-/// is tested once.
+/// Three quarters to learn from, a quarter to test; few pushes take turns, so that each is tested once.
 pub(crate) fn turns(pushes: &[RecordedPush]) -> Vec<Turn<'_>> {
     let n = pushes.len();
     let n_turns = if n < TURNS_BELOW { N_TURNS } else { 1 };
@@ -55,8 +77,7 @@ pub(crate) fn turns(pushes: &[RecordedPush]) -> Vec<Turn<'_>> {
     let part = |k: usize| pushes[quarter(k)].iter();
     let most = MOST_TESTED.div_ceil(n_turns);
     let turn = |k: usize| Turn {
-        train: part(k + 2).chain(part(k + 3)).collect(),
-        measure: part(k + 1).collect(),
+        learn: part(k + 1).chain(part(k + 2)).chain(part(k + 3)).collect(),
         test: part(k).take(most).collect(),
     };
     (0..n_turns).map(turn).collect()

@@ -8,8 +8,8 @@ use models::{
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use super::ends::recorded_settings;
-use super::pushes::{pushes, steps_of, turns};
-use super::trained::{Setting, Trained, train};
+use super::pushes::{pushes, turns};
+use super::trained::{Learnt, Setting, Trained, learn};
 use crate::figures::inputs::{Inputs, SEED};
 
 /// Models trained on one part of the pushes, and another part to be rolled out.
@@ -38,11 +38,9 @@ impl Scene {
         let setting = Setting { friction: inputs.pusher()?.friction, support: inputs.support()? };
         let turns = turns(&pushes);
         let turn = turns.first().context("pushes take turns")?;
-        let mut trained = train(&setting, &steps_of(&turn.train), &["analytical", "gp"])?;
-        let gp = trained.pop().context("a process was trained")?;
-        let analytical = trained.pop().context("a model was fitted")?;
-        let measure = turn.measure.iter().copied();
-        let correlation = StepCorrelation::measure(gp.model.as_ref(), measure)?;
+        let mut learnt = learn(&setting, turn, &["analytical", "gp"])?;
+        let Learnt { trained: gp, correlation } = learnt.pop().context("a process was trained")?;
+        let analytical = learnt.pop().context("a model was fitted")?.trained;
         let test = turn.test.iter().map(|push| (*push).clone()).collect();
         Ok(Self { test, gp, analytical, correlation })
     }

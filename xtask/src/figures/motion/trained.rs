@@ -4,7 +4,7 @@ use anyhow::Result;
 use dataset::SupportSpec;
 use models::{
     Analytical, Base, Description, GpPushModel, Hybrid, ModelEffect, Noise, ProcessKind, PushModel,
-    StepObservation, Training, learn_options,
+    StepCorrelation, StepObservation, Training, learn_options,
 };
 use nalgebra::Matrix3;
 use rand::SeedableRng;
@@ -13,6 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use report::Color;
 
+use super::pushes::{Turn, steps_of};
 use crate::figures::inputs::SEED;
 
 /// A model that is rolled out.
@@ -59,15 +60,38 @@ const fn kind(name: &'static str, color: Color, most: usize, train: Train) -> Ki
     Kind { name, color, most, train }
 }
 
+/// A model, and how the errors of its steps go together in pushes that it has not seen.
+pub(crate) struct Learnt {
+    pub(crate) trained: Trained,
+    pub(crate) correlation: StepCorrelation,
+}
+
+/// Learns the models of these names, or all, from the pushes of a turn: their correlations by models of
+/// the same kind that each leave out a part of them.
+///
+/// # Errors
+/// What a fit says.
+pub(crate) fn learn(setting: &Setting, turn: &Turn<'_>, names: &[&str]) -> Result<Vec<Learnt>> {
+    let folds = turn.folds();
+    let by_fold: Vec<Vec<Trained>> = folds
+        .iter()
+        .map(|fold| train(setting, &steps_of(&fold.learn), names))
+        .collect::<Result<_>>()?;
+    let correlation = |kind: usize| {
+        let left_out = folds.iter().zip(&by_fold).flat_map(|(fold, models)| {
+            fold.left_out.iter().map(move |push| (models[kind].model.as_ref(), *push))
+        });
+        StepCorrelation::measure_by(left_out)
+    };
+    let all = train(setting, &steps_of(&turn.learn), names)?.into_iter().enumerate();
+    all.map(|(kind, trained)| Ok(Learnt { trained, correlation: correlation(kind)? })).collect()
+}
+
 /// Trains the models of these names, or all.
 ///
 /// # Errors
 /// What a fit says.
-pub(crate) fn train(
-    setting: &Setting,
-    steps: &[StepObservation],
-    names: &[&str],
-) -> Result<Vec<Trained>> {
+fn train(setting: &Setting, steps: &[StepObservation], names: &[&str]) -> Result<Vec<Trained>> {
     let mut steps = steps.to_vec();
     steps.shuffle(&mut ChaCha8Rng::seed_from_u64(SEED));
     let wanted = |kind: &&Kind| names.is_empty() || names.contains(&kind.name);
