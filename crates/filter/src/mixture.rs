@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use rand::{Rng, RngExt};
 
 use crate::weights::Weights;
@@ -66,29 +66,32 @@ impl Mixture {
         Ok(Weights::from_logs(logs).map_or(f64::NEG_INFINITY, |(_, log_sum)| log_sum))
     }
 
-    /// What a motion makes of the mixture, where each state goes one of several ways: `motion`
-    /// names the way (as sticking or sliding) and gives its Gaussian. Each component splits into
-    /// one for each way that its points go.
+    /// What a motion makes of the mixture, where each state goes one or several ways: `motion`
+    /// numbers the ways (as sticking or sliding), with the probability and the Gaussian of each. Each
+    /// component splits into one for each way that its points go.
     ///
     /// # Errors
     /// What `motion` says; `ShapeMismatch` if its Gaussians differ in dimension.
     pub fn propagated<E: From<FilterError>>(
         &self,
         rule: &dyn Rule,
-        motion: impl Fn(&DVector<f64>) -> Result<(usize, Gaussian), E>,
+        motion: impl Fn(&DVector<f64>) -> Result<Vec<(usize, f64, Gaussian)>, E>,
     ) -> Result<Self, E> {
         let mut components = Vec::new();
         for (component, share) in &self.components {
             let mut ways: BTreeMap<usize, Vec<(Gaussian, f64)>> = BTreeMap::new();
             for (point, weight) in component.points(rule) {
                 if weight > 0.0 {
-                    let (way, moved) = motion(&point)?;
-                    ways.entry(way).or_default().push((moved, weight));
+                    for (way, probability, moved) in motion(&point)? {
+                        ways.entry(way).or_default().push((moved, weight * probability));
+                    }
                 }
             }
             for parts in ways.values() {
                 let weight: f64 = parts.iter().map(|(_, weight)| weight).sum();
-                components.push((Gaussian::of_mixture(parts)?, share * weight));
+                if weight > 0.0 {
+                    components.push((Gaussian::of_mixture(parts)?, share * weight));
+                }
             }
         }
         Ok(Self::new(components)?)
@@ -124,8 +127,18 @@ impl Mixture {
     }
 }
 
-/// Runnalls' bound on the divergence that a join costs.
+/// Runnalls' bound on the divergence that a join costs, in units of the joined Gaussian's standard
+/// deviations, of which a thousandth is added to all: what has no variance has no divergence either.
 fn join_cost(a: &(Gaussian, f64), b: &(Gaussian, f64), joined: &Gaussian) -> f64 {
-    let size = |part: &Gaussian| part.covariance().determinant().max(f64::MIN_POSITIVE).ln();
+    let n = joined.mean().len();
+    let sd = joined.covariance().diagonal().map(f64::sqrt);
+    let unit = |i: usize| if sd[i] > 0.0 { sd[i] } else { 1.0 };
+    let size = |part: &Gaussian| {
+        let scaled = DMatrix::from_fn(n, n, |i, j| {
+            let floor = if i == j { 1e-6 } else { 0.0 };
+            part.covariance()[(i, j)] / (unit(i) * unit(j)) + floor
+        });
+        scaled.determinant().max(f64::MIN_POSITIVE).ln()
+    };
     0.5 * ((a.1 + b.1) * size(joined) - a.1 * size(&a.0) - b.1 * size(&b.0))
 }

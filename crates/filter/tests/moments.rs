@@ -70,9 +70,9 @@ fn a_density_is_that_of_its_own_draws() {
 #[test]
 fn a_motion_of_two_ways_splits_and_joins_to_the_same_moments() {
     let start = Mixture::new(vec![(Gaussian::new(dvector![0.0], dmatrix![1.0]).unwrap(), 1.0)]);
-    let motion = |x: &DVector<f64>| -> Result<(usize, Gaussian), FilterError> {
+    let motion = |x: &DVector<f64>| -> Result<Vec<(usize, f64, Gaussian)>, FilterError> {
         let way = usize::from(x[0] > 0.0);
-        Ok((way, Gaussian::new(dvector![x[0].abs()], DMatrix::zeros(1, 1))?))
+        Ok(vec![(way, 1.0, Gaussian::new(dvector![x[0].abs()], DMatrix::zeros(1, 1))?)])
     };
     let moved = start.unwrap().propagated(&GaussHermite { order: 40 }, motion).unwrap();
     assert_eq!(moved.components().len(), 2);
@@ -83,6 +83,26 @@ fn a_motion_of_two_ways_splits_and_joins_to_the_same_moments() {
     }
     let (whole, joined) = (moved.moments().unwrap(), moved.reduced(1).unwrap());
     assert!((joined.components()[0].0.covariance() - whole.covariance()).amax() < 1e-14);
+}
+
+#[test]
+fn a_state_that_may_go_two_ways_goes_both_with_their_probabilities() {
+    let start = Gaussian::new(dvector![0.0, 1.0], dmatrix![1.0, 0.0; 0.0, 0.0]).unwrap();
+    let motion = |x: &DVector<f64>| -> Result<Vec<(usize, f64, Gaussian)>, FilterError> {
+        let to = |by: f64| Gaussian::new(dvector![x[0] + by, x[1]], DMatrix::zeros(2, 2));
+        Ok(vec![(0, 0.7, to(-3.0)?), (1, 0.3, to(7.0)?)])
+    };
+    let start = Mixture::new(vec![(start, 1.0)]).unwrap();
+    let moved = start.propagated(&GaussHermite { order: 3 }, motion).unwrap();
+    let told: Vec<_> =
+        moved.components().iter().map(|(part, weight)| (part.mean()[0], *weight)).collect();
+    assert!((told[0].0 + 3.0).abs() < 1e-12 && (told[0].1 - 0.7).abs() < 1e-12, "{told:?}");
+    assert!((told[1].0 - 7.0).abs() < 1e-12 && (told[1].1 - 0.3).abs() < 1e-12, "{told:?}");
+    // Again: of four, the two that meet at 4 are joined, although the second axis has no variance.
+    let again = moved.propagated(&GaussHermite { order: 3 }, motion).unwrap().reduced(3).unwrap();
+    let mut means: Vec<f64> = again.components().iter().map(|(part, _)| part.mean()[0]).collect();
+    means.sort_by(f64::total_cmp);
+    assert!((means[0] + 6.0).abs() < 1e-9 && (means[1] - 4.0).abs() < 1e-9, "{means:?}");
 }
 
 #[test]

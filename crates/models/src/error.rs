@@ -236,6 +236,12 @@ pub enum ModelError {
     /// An effect or a prediction with effects was refused.
     #[error(transparent)]
     Effects(#[from] effects::EffectError),
+    /// A kind of model that no file holds.
+    #[error("a {kind} model cannot be saved; keep the steps that it was trained on")]
+    NotSaved {
+        /// Its kind.
+        kind: &'static str,
+    },
     /// A table for a model that knows more of a step than its place and angle.
     #[error(
         "a table is of p and beta_rad alone, and this model's inputs are {inputs}; ask it itself"

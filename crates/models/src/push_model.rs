@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::{Description, ModelError, SeenSteps, StepInput, Unexplained};
+use crate::{Description, ModelError, SeenSteps, SlipMixture, StepInput, Unexplained};
 
 /// A model of what a step of a push does to the object.
 pub trait PushModel: Debug + Send + Sync {
@@ -43,10 +43,15 @@ pub trait PushModel: Debug + Send + Sync {
         Ok(vec![true; steps.len()])
     }
 
+    /// The model's ways to go, if it has several: then a roll-out draws one of them for each particle.
+    fn as_mixture(&self) -> Option<&SlipMixture> {
+        None
+    }
+
     /// Everything from which the model can be built again.
     ///
     /// # Errors
-    /// `Gp` for a kernel that cannot be saved.
+    /// `Gp` for a kernel that cannot be saved; `NotSaved` for a kind that model files do not know.
     fn describe(&self) -> Result<Description, ModelError>;
 }
 

@@ -1,5 +1,6 @@
 //! A whole push by a model of its steps, with its uncertainty.
 
+mod matched;
 mod motion;
 mod particle;
 mod settle;

@@ -5,7 +5,8 @@ use planar::{Pose, perpendicular};
 
 use crate::step_correlation::root;
 use crate::{
-    GpPushModel, ModelError, Noise, PushModel, StepInput, StepObservation, StepPrediction, Training,
+    Description, GpPushModel, ModelError, Noise, Parts, PushModel, SeenSteps, StepFeatures,
+    StepInput, StepObservation, StepPrediction, Training, Unexplained,
 };
 
 /// How the contact moves along the outline over a step.
@@ -40,6 +41,7 @@ pub struct SlipMixture {
     /// The ways that were seen often enough, each with its process.
     modes: Vec<(Slip, GpPushModel)>,
     gate: Gate,
+    seen: Option<SeenSteps>,
 }
 
 /// What a mixture says of a step: weights that sum to 1, each with its Gaussian.
@@ -114,14 +116,16 @@ impl SlipMixture {
             return Err(ModelError::TooFewSteps { what, needed: FEWEST, actual });
         }
         let gate = Gate::learn(known, modes.len());
-        Ok(Self { modes, gate })
+        let inputs: Vec<&StepInput> = steps.iter().map(|step| &step.input).collect();
+        let seen = SeenSteps::of(StepFeatures::default(), &inputs)?;
+        Ok(Self { modes, gate, seen })
     }
 
     /// A mixture over (Δx, Δy, Δθ) of each step.
     ///
     /// # Errors
     /// As [`PushModel::predict`].
-    pub fn predict(
+    pub fn ways(
         &self,
         steps: &[StepInput],
         noise: Noise,
@@ -138,7 +142,71 @@ impl SlipMixture {
     }
 }
 
+impl PushModel for SlipMixture {
+    fn kind(&self) -> &'static str {
+        "slip-mixture"
+    }
+
+    /// The Gaussians of the same moments.
+    fn predict(
+        &self,
+        steps: &[StepInput],
+        noise: Noise,
+    ) -> Result<Vec<StepPrediction>, ModelError> {
+        Ok(self.ways(steps, noise)?.iter().map(SlipPrediction::moments).collect())
+    }
+
+    fn parts(&self, steps: &[StepInput]) -> Result<Vec<Parts>, ModelError> {
+        let said = self.predict(steps, Noise::Excluded)?;
+        Ok(said.into_iter().map(|said| Parts::learnt(said.mean)).collect())
+    }
+
+    fn unexplained(&self, _steps: &[StepInput]) -> Result<Unexplained, ModelError> {
+        Ok(Unexplained::ALL)
+    }
+
+    fn seen(&self) -> Option<&SeenSteps> {
+        self.seen.as_ref()
+    }
+
+    fn has_seen(&self, steps: &[StepInput]) -> Result<Vec<bool>, ModelError> {
+        let Some(seen) = &self.seen else { return Ok(vec![true; steps.len()]) };
+        Ok(steps.iter().map(|step| seen.holds(&[step.p(), step.beta()])).collect())
+    }
+
+    fn as_mixture(&self) -> Option<&SlipMixture> {
+        Some(self)
+    }
+
+    fn describe(&self) -> Result<Description, ModelError> {
+        Err(ModelError::NotSaved { kind: self.kind() })
+    }
+}
+
 impl SlipPrediction {
+    /// The Gaussian of the way at which a number, even from 0 to 1, arrives when the ways' shares are
+    /// laid end to end.
+    pub(crate) fn drawn(&self, number: f64) -> StepPrediction {
+        let mut left = number;
+        let reached = self.modes.iter().find(|(_, share, _)| {
+            left -= share;
+            left < 0.0
+        });
+        reached.unwrap_or(&self.modes[self.modes.len() - 1]).2
+    }
+
+    /// The Gaussian of the way of most probability.
+    pub(crate) fn likeliest(&self) -> StepPrediction {
+        let most = self.modes.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        most.unwrap_or(&self.modes[0]).2
+    }
+
+    /// The Gaussian of a way, or of the likeliest where that way was never seen.
+    pub(crate) fn of(&self, way: Slip) -> StepPrediction {
+        let own = self.modes.iter().find(|(own, ..)| *own == way);
+        own.map_or_else(|| self.likeliest(), |(_, _, said)| *said)
+    }
+
     /// Log density of observed outputs, in nats of m, m and rad; −∞ without variance.
     pub fn log_density(&self, outputs: &Vector3<f64>) -> f64 {
         let logs =
@@ -292,14 +360,14 @@ mod tests {
             let logs = said.iter().zip(&near).map(|(said, step)| said.log_density(&step.outputs));
             -logs.sum::<f64>() / near.len() as f64
         };
-        let of_mixture = score(mixture.predict(&inputs, Noise::Included).unwrap());
+        let of_mixture = score(mixture.ways(&inputs, Noise::Included).unwrap());
         let said = plain.predict(&inputs, Noise::Included).unwrap();
         let of_plain = score(said.into_iter().map(SlipPrediction::from).collect());
         assert!(of_mixture < of_plain - 1.0, "{of_mixture} {of_plain}");
         let at = |p: f64| {
             let shape = train[0].input.shared_shape().clone();
             let input = StepInput::on_edge(shape, 0.005, 1, p, 0.5, 0.004).unwrap();
-            let said = mixture.predict(&[input], Noise::Included).unwrap();
+            let said = mixture.ways(&[input], Noise::Included).unwrap();
             let slips = said[0].modes.iter().filter(|(way, ..)| *way != Slip::Stick);
             slips.map(|(_, share, _)| share).sum::<f64>()
         };
@@ -311,7 +379,7 @@ mod tests {
         let all = steps(200);
         let mixture = SlipMixture::train(&all, &Training::default()).unwrap();
         let input = all.iter().find(|step| step.input.p() > 0.9).unwrap().input.clone();
-        let said = mixture.predict(&[input], Noise::Included).unwrap().remove(0);
+        let said = mixture.ways(&[input], Noise::Included).unwrap().remove(0);
         let sum: f64 = said.modes.iter().map(|(_, share, _)| share).sum();
         assert!((sum - 1.0).abs() < 1e-12);
         let moments = said.moments();

@@ -6,7 +6,7 @@ use rand_distr::{ChiSquared, Distribution};
 use serde::{Deserialize, Serialize};
 
 use crate::held_scatter::{HeldScatter, PushMean};
-use crate::{ModelError, Noise, PushModel, RecordedPush, StepInput, StepObservation};
+use crate::{ModelError, Noise, PushModel, RecordedPush, Slip, StepInput, StepObservation};
 
 /// Which part of a model's variance a whole push shares, which is each step's own, and which is
 /// noise of the measured poses, that one step has in excess and the next one lacks.
@@ -133,7 +133,14 @@ fn whitened(
     steps: &[StepObservation],
 ) -> Result<Vec<Vector3<f64>>, ModelError> {
     let inputs: Vec<StepInput> = steps.iter().map(|step| step.input.clone()).collect();
-    let said = model.predict(&inputs, Noise::Included)?;
+    let said = match model.as_mixture() {
+        // A step is held against the way that it went: which one is drawn anew every time.
+        Some(mixture) => {
+            let ways = mixture.ways(&inputs, Noise::Included)?;
+            ways.iter().zip(steps).map(|(said, step)| said.of(Slip::of(step))).collect()
+        }
+        None => model.predict(&inputs, Noise::Included)?,
+    };
     let error = |(step, said): (&StepObservation, &crate::StepPrediction)| {
         let off = step.outputs - said.mean;
         root(&said.covariance)

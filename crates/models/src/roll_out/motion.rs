@@ -12,7 +12,9 @@ use super::settle::{Holding, moved_by};
 use super::touch::first_touch;
 use super::{PushEvents, PushParticle, Pushed, RollOutSettings, StepErrors};
 use crate::step_correlation::root;
-use crate::{ModelError, Noise, PathStep, PushModel, StepInput, StepPrediction};
+use crate::{
+    ModelError, Noise, PathStep, PushModel, SlipMixture, SlipPrediction, StepInput, StepPrediction,
+};
 
 /// One step of a path as a motion of particles: see [`super::RollOut`].
 #[derive(Clone, Copy, Debug)]
@@ -27,11 +29,11 @@ pub struct PushMotion<'a> {
 const NO_WAY: f64 = 1e-9;
 
 /// The part of a step over which a particle is pushed.
-struct Begun {
+pub(super) struct Begun {
     /// Free way before, in m.
     free: f64,
     /// The gap that contact holds, in m.
-    gap: f64,
+    pub(super) gap: f64,
     /// The nearest point of the outline when the push begins.
     contact: Contact,
     /// Where the pusher's center is then, in m, frame B.
@@ -88,11 +90,10 @@ impl PushMotion<'_> {
                 begun.push(begin);
             }
         }
-        let noise = match self.settings.errors {
-            StepErrors::None => Noise::Excluded,
-            StepErrors::Independent | StepErrors::Held(_) => Noise::Included,
+        let predictions = match self.model.as_mixture() {
+            Some(mixture) => self.drawn_ways(mixture, &inputs, random)?,
+            None => self.model.predict(&inputs, self.noise())?,
         };
-        let predictions = self.model.predict(&inputs, noise)?;
         let seen = self.model.has_seen(&inputs)?;
         let mut pushes = who.iter().zip(&begun).zip(predictions).zip(seen).peekable();
         for (index, state) in states.iter_mut().enumerate() {
@@ -109,8 +110,30 @@ impl PushMotion<'_> {
         Ok(())
     }
 
+    pub(super) fn noise(&self) -> Noise {
+        match self.settings.errors {
+            StepErrors::None => Noise::Excluded,
+            StepErrors::Independent | StepErrors::Held(_) => Noise::Included,
+        }
+    }
+
+    /// Of several ways that each step may go, one by its probability; without errors the likeliest.
+    fn drawn_ways(
+        &self,
+        mixture: &SlipMixture,
+        inputs: &[StepInput],
+        random: &mut ChaCha8Rng,
+    ) -> Result<Vec<StepPrediction>, ModelError> {
+        let all = mixture.ways(inputs, self.noise())?;
+        let one = |said: SlipPrediction| match self.settings.errors {
+            StepErrors::None => said.likeliest(),
+            StepErrors::Independent | StepErrors::Held(_) => said.drawn(random.random()),
+        };
+        Ok(all.into_iter().map(one).collect())
+    }
+
     /// Whether and where the push begins.
-    fn begins(&self, state: &PushParticle, direction_w: &Vector2<f64>) -> Option<Begun> {
+    pub(super) fn begins(&self, state: &PushParticle, direction_w: &Vector2<f64>) -> Option<Begun> {
         let Pushed { shape, pusher_radius, .. } = self.pushed;
         let turn = Rotation2::new(state.pose_wb.angle);
         let direction_b = turn.inverse_transform_vector(direction_w);
@@ -128,12 +151,12 @@ impl PushMotion<'_> {
         Some(Begun { free, gap: state.gap_error, contact, start_b, direction_b })
     }
 
-    fn direction_w(&self) -> Option<Vector2<f64>> {
+    pub(super) fn direction_w(&self) -> Option<Vector2<f64>> {
         (self.step.end_w - self.step.start_w).try_normalize(NO_WAY)
     }
 
     /// What the model is asked; nothing of a way that is none.
-    fn input(
+    pub(super) fn input(
         &self,
         state: &PushParticle,
         begin: &Begun,

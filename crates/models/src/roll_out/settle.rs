@@ -48,28 +48,53 @@ impl Pushed {
         held: &Holding,
         covariance: &Matrix3<f64>,
     ) -> Option<Pose> {
-        let Holding { center_w, along_w, gap, tolerance } = held;
-        let left_w = perpendicular(along_w);
         let mut pose_wb = *drawn_wb;
         for round in 0..ROUNDS {
-            let turn = Rotation2::new(pose_wb.angle);
-            let center_b = turn.inverse_transform_vector(&(center_w - pose_wb.position));
-            let contact = self.shape.contact(&center_b, self.pusher_radius);
-            if round == 0 && contact.gap - gap > *tolerance {
+            let (now, slope) = self.gap_and_slope(&pose_wb, held);
+            if round == 0 && now - held.gap > held.tolerance {
                 return None;
             }
-            let normal_w = turn * contact.normal;
-            let turned = normal_w.dot(&perpendicular(&(turn * contact.point)));
-            let slope = RowVector3::new(normal_w.dot(along_w), normal_w.dot(&left_w), turned);
             let spread: Vector3<f64> = covariance * slope.transpose();
             let variance = (slope * spread).x;
             if variance <= 0.0 {
                 break;
             }
-            let by = spread * ((gap - contact.gap) / variance);
-            pose_wb = moved_by(&pose_wb, along_w, by.into());
+            let by = spread * ((held.gap - now) / variance);
+            pose_wb = moved_by(&pose_wb, &held.along_w, by.into());
         }
         Some(pose_wb)
+    }
+
+    /// The Gaussian of a draw given that the gap is known; none where the mean leaves more than the
+    /// tolerance.
+    ///
+    /// - `mean_wb`, `covariance`: of the draw before; the latter as of [`Pushed::settled`].
+    pub(super) fn settled_gaussian(
+        &self,
+        mean_wb: &Pose,
+        held: &Holding,
+        covariance: &Matrix3<f64>,
+    ) -> Option<(Pose, Matrix3<f64>)> {
+        let mean_wb = self.settled(mean_wb, held, covariance)?;
+        let (_, slope) = self.gap_and_slope(&mean_wb, held);
+        let spread: Vector3<f64> = covariance * slope.transpose();
+        let variance = (slope * spread).x;
+        if variance <= 0.0 {
+            return Some((mean_wb, *covariance));
+        }
+        Some((mean_wb, covariance - spread * spread.transpose() / variance))
+    }
+
+    /// The gap, and its slope along the pusher's motion, its left normal, and over the turn.
+    fn gap_and_slope(&self, pose_wb: &Pose, held: &Holding) -> (f64, RowVector3<f64>) {
+        let Holding { center_w, along_w, .. } = held;
+        let turn = Rotation2::new(pose_wb.angle);
+        let center_b = turn.inverse_transform_vector(&(center_w - pose_wb.position));
+        let contact = self.shape.contact(&center_b, self.pusher_radius);
+        let normal_w = turn * contact.normal;
+        let by_turn = normal_w.dot(&perpendicular(&(turn * contact.point)));
+        let left = normal_w.dot(&perpendicular(along_w));
+        (contact.gap, RowVector3::new(normal_w.dot(along_w), left, by_turn))
     }
 }
 
@@ -98,6 +123,10 @@ mod tests {
         assert!((pushed.gap(&settled, &center) - 0.0001).abs() < 1e-7);
         assert_eq!(settled.position, drawn.position);
         assert_eq!(pushed.settled(&drawn, &held(0.0), &Matrix3::zeros()), Some(drawn));
+        let (mean, left) = pushed.settled_gaussian(&drawn, &held(0.0001), &stiff).unwrap();
+        assert_eq!(Some(mean), pushed.settled(&drawn, &held(0.0001), &stiff));
+        // Along the normal nothing is left, across it all.
+        assert!((left[(1, 1)] / 1e-8 - 1.0).abs() < 1e-4 && left[(0, 0)] < 1e-12, "{left}");
         assert_eq!(pushed.settled(&drawn, &held(-0.002), &stiff), None);
     }
 }

@@ -10,7 +10,7 @@ use super::trained::Setting;
 use crate::figures::inputs::Inputs;
 use crate::figures::sketch::Sketch;
 
-const N_PARTICLES: usize = 400;
+const N_PARTICLES: usize = 200;
 /// Where the curves are read.
 const N_LEVELS: usize = 51;
 

@@ -52,7 +52,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
         Ok::<_, anyhow::Error>(said.into_iter().map(SlipPrediction::from).collect::<Vec<_>>())
     };
     let of_mixture = |steps: &[StepObservation]| {
-        Ok::<_, anyhow::Error>(mixture.predict(&inputs_of(steps), Noise::Included)?)
+        Ok::<_, anyhow::Error>(mixture.ways(&inputs_of(steps), Noise::Included)?)
     };
     let scores = [
         Score::of("gp", parts, |steps| of_one(&plain, steps))?,
@@ -158,7 +158,7 @@ fn slips(steps: &[StepObservation]) -> Panel {
 
 /// The step whose way is least certain by the mixture.
 fn least_certain(near: &[StepObservation], mixture: &SlipMixture) -> Result<usize> {
-    let said = mixture.predict(&inputs_of(near), Noise::Included)?;
+    let said = mixture.ways(&inputs_of(near), Noise::Included)?;
     let surest =
         |said: &SlipPrediction| said.modes.iter().map(|(_, share, _)| *share).fold(0.0, f64::max);
     let order = (0..near.len()).min_by(|a, b| surest(&said[*a]).total_cmp(&surest(&said[*b])));
@@ -169,7 +169,7 @@ fn densities(step: &StepObservation, plain: &GpPushModel, mixture: &SlipMixture)
     const N: usize = 201;
     let input = std::slice::from_ref(&step.input);
     let one = SlipPrediction::from(plain.predict(input, Noise::Included)?[0]);
-    let many = mixture.predict(input, Noise::Included)?.remove(0);
+    let many = mixture.ways(input, Noise::Included)?.remove(0);
     let [wide, other] = [one.moments(), many.moments()];
     let sd = wide.covariance[(1, 1)].sqrt().max(other.covariance[(1, 1)].sqrt());
     let (low, high) =
