@@ -13,7 +13,8 @@ use crate::{FilterError, Rule};
 pub struct Gaussian {
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
-    /// A square root R of the covariance, R Rᵀ, by its eigenvectors: it may be singular.
+    /// A square root R of the covariance, R Rᵀ, by its eigenvectors, with a column for each direction
+    /// that has variance.
     root: DMatrix<f64>,
 }
 
@@ -37,12 +38,23 @@ impl Gaussian {
         if !is_symmetric || !mean.iter().chain(&covariance).all(|value| value.is_finite()) {
             return Err(FilterError::NotPositiveSemiDefinite { dimension });
         }
-        let eigen = covariance.clone().symmetric_eigen();
-        if eigen.eigenvalues.iter().any(|value| *value < -ROUNDING * scale) {
+        if covariance.diagonal().iter().any(|variance| *variance < -ROUNDING * scale) {
             return Err(FilterError::NotPositiveSemiDefinite { dimension });
         }
-        let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
-        let root = eigen.eigenvectors * DMatrix::from_diagonal(&roots);
+        // In standard deviations, so that coordinates of any unit count alike.
+        let units = covariance.diagonal().map(|variance| variance.max(0.0).sqrt());
+        let unit = |i: usize| if units[i] > 0.0 { units[i] } else { 1.0 };
+        let scaled =
+            DMatrix::from_fn(dimension, dimension, |i, j| covariance[(i, j)] / (unit(i) * unit(j)));
+        let eigen = scaled.symmetric_eigen();
+        if eigen.eigenvalues.iter().any(|value| *value < -ROUNDING * dimension as f64) {
+            return Err(FilterError::NotPositiveSemiDefinite { dimension });
+        }
+        let is_wide = |k: &usize| eigen.eigenvalues[*k] > ROUNDING * dimension as f64;
+        let wide: Vec<usize> = (0..dimension).filter(is_wide).collect();
+        let root = DMatrix::from_fn(dimension, wide.len(), |i, k| {
+            unit(i) * eigen.eigenvalues[wide[k]].sqrt() * eigen.eigenvectors[(i, wide[k])]
+        });
         Ok(Self { mean, covariance, root })
     }
 
@@ -60,7 +72,7 @@ impl Gaussian {
 
     /// A draw.
     pub fn sample(&self, random: &mut dyn Rng) -> DVector<f64> {
-        let normal = DVector::from_fn(self.mean.len(), |_, _| random.sample(StandardNormal));
+        let normal = DVector::from_fn(self.root.ncols(), |_, _| random.sample(StandardNormal));
         &self.mean + &self.root * normal
     }
 
@@ -98,7 +110,7 @@ impl Gaussian {
 
     /// The rule's points in the state's own coordinates.
     pub(crate) fn points(&self, rule: &dyn Rule) -> Vec<(DVector<f64>, f64)> {
-        let points = rule.points(self.mean.len()).into_iter();
+        let points = rule.points(self.root.ncols()).into_iter();
         points.map(|(point, weight)| (&self.mean + &self.root * point, weight)).collect()
     }
 

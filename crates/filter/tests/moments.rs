@@ -86,6 +86,28 @@ fn a_motion_of_two_ways_splits_and_joins_to_the_same_moments() {
 }
 
 #[test]
+fn a_gaussian_of_few_directions_asks_few_points_whatever_its_units() {
+    // Meters beside radians: the third is the sum of the others, the fourth is known.
+    let factor = dmatrix![1e-6, 0.0; 0.0, 3.0; 1e-6, 3.0; 0.0, 0.0];
+    let covariance = &factor * factor.transpose();
+    let start = Gaussian::new(dvector![1.0, 2.0, 3.0, 4.0], covariance.clone()).unwrap();
+    let n_asked = std::cell::Cell::new(0);
+    let moved = start
+        .propagated(&GaussHermite { order: 3 }, |x| {
+            n_asked.set(n_asked.get() + 1);
+            Gaussian::new(x.clone(), DMatrix::zeros(4, 4))
+        })
+        .unwrap();
+    assert_eq!(n_asked.get(), 9);
+    for (a, b) in moved.covariance().iter().zip(&covariance) {
+        assert!((a - b).abs() <= 1e-9 * b.abs() + 1e-20, "{a} {b}");
+    }
+    let known = Gaussian::new(dvector![1.0], dmatrix![0.0]).unwrap();
+    let moved = known.propagated(&filter::Unscented, |x| Gaussian::new(2.0 * x, dmatrix![0.5]));
+    assert_eq!(moved.unwrap(), Gaussian::new(dvector![2.0], dmatrix![0.5]).unwrap());
+}
+
+#[test]
 fn a_state_that_may_go_two_ways_goes_both_with_their_probabilities() {
     let start = Gaussian::new(dvector![0.0, 1.0], dmatrix![1.0, 0.0; 0.0, 0.0]).unwrap();
     let motion = |x: &DVector<f64>| -> Result<Vec<(usize, f64, Gaussian)>, FilterError> {

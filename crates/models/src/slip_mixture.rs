@@ -121,6 +121,16 @@ impl SlipMixture {
         Ok(Self { modes, gate, seen })
     }
 
+    /// The same mixture with its processes read from tables: see [`GpPushModel::tabulated`].
+    ///
+    /// # Errors
+    /// As [`GpPushModel::tabulated`].
+    pub fn tabulated(&self) -> Result<Self, ModelError> {
+        let table = |(way, model): &(Slip, GpPushModel)| Ok((*way, model.tabulated()?.0));
+        let modes = self.modes.iter().map(table).collect::<Result<_, ModelError>>()?;
+        Ok(Self { modes, gate: self.gate.clone(), seen: self.seen.clone() })
+    }
+
     /// A mixture over (Δx, Δy, Δθ) of each step.
     ///
     /// # Errors

@@ -146,4 +146,5 @@ pub(crate) const ALL: &[Entry] = &[
         missing::error_falls::draw,
     ),
     entry("M.4", Chapter::Motion, "what the uncertainty covers", motion::calibration::draw),
+    entry("M.5", Chapter::Motion, "pushes without particles", motion::without_particles::draw),
 ];

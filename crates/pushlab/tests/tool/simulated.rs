@@ -98,6 +98,27 @@ fn a_path_is_rolled_out_and_its_log_is_read_again() {
 }
 
 #[test]
+fn a_path_beyond_the_training_steps_is_told_and_its_regions_are_wider() {
+    let set = trained();
+    let path = |name: &str, end: [f64; 2]| {
+        let points = format!("points_mm = [[-50, 0], [{}, {}]]", end[0], end[1]);
+        set.write(name, &format!("kind = \"straight\"\nspeed_mm_s = 20\n{points}\n"));
+    };
+    path("within.toml", [-38.0, 0.0]);
+    // Half as steep again as any push of the set.
+    path("beyond.toml", [-49.0, 12.0]);
+    let text = |name: &str| {
+        let about = ["--manifest", "sim/dataset.toml", "--model", "rff.toml"];
+        let out = name.trim_end_matches(".toml");
+        let simulate = ["simulate", name, "--particles", "200", "-o", out];
+        set.done(&[&simulate[..], &about].concat()).stdout
+    };
+    let (within, beyond) = (text("within.toml"), text("beyond.toml"));
+    assert!(!within.contains("beyond those that the model has seen"), "{within}");
+    assert!(beyond.contains("beyond those that the model has seen"), "{beyond}");
+}
+
+#[test]
 fn what_cannot_be_simulated_is_refused_with_the_reason() {
     let set = trained();
     set.write("inside.toml", "kind = \"straight\"\nspeed_mm_s = 20\npoints_mm = [[0, 0], [9, 0]]");
@@ -133,6 +154,22 @@ fn what_cannot_be_simulated_is_refused_with_the_reason() {
         let message = set.wrong_usage(&[&command[..], more].concat());
         assert!(message.contains(says), "{source}: {message}");
     }
+    for (source, model, more, says) in [
+        ("broken.toml", "rff.toml", &about[..], "broken.toml is no path"),
+        ("broken.csv", "rff.toml", &about, "line 2: 2 values, expected 3"),
+        ("push.toml", "none.toml", &about, "cannot read none.toml"),
+        ("push.toml", "broken-model.toml", &about, "broken-model.toml"),
+    ] {
+        set.write("broken.toml", "kind = \"straight\"\nspeed_mm_s = 20\npoints_mm = [[-55, 0]");
+        set.write("broken.csv", "t_s,x_m,y_m\n0,-0.06\n");
+        set.write("broken-model.toml", "kind = 3\n");
+        let command = ["simulate", source, "--model", model, "-o", "out", "--particles", "9"];
+        let message = set.error(&[&command[..], more].concat());
+        assert!(message.contains(says), "{source}, {model}: {message}");
+        assert!(!set.path("out").exists(), "{source} has left a folder");
+    }
+    let none = ["simulate", "sim", "--model", "rff.toml", "-o", "out", "--particles", "0"];
+    assert!(set.wrong_usage(&none).contains("--particles"), "no particles at all");
     let full = ["simulate", "sim", "--model", "rff.toml", "-o", "sim"];
     assert!(set.error(&full).contains("the folder is not empty"));
 }

@@ -11,3 +11,4 @@ mod scene;
 mod trained;
 pub(crate) mod vertex;
 mod view;
+pub(crate) mod without_particles;
