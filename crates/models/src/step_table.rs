@@ -100,9 +100,9 @@ impl StepTable {
                 Noise::Excluded => belief.function_sd,
             };
             let distance = step.distance();
-            for k in 0..3 {
-                prediction.mean[k] = belief.mean[k] * distance;
-                prediction.covariance[(k, k)] = (sd[k] * distance).powi(2);
+            for (k, (mean, sd)) in belief.mean.iter().zip(sd).enumerate() {
+                prediction.mean[k] = mean * distance;
+                prediction.covariance[(k, k)] = (sd * distance).powi(2);
             }
         }
         beyond

@@ -1,5 +1,7 @@
 //! Particles in great numbers: what they cost, and how near the fast way is.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
 use std::sync::Arc;
 
 use allocation_counter::{AllocationInfo, measure};

@@ -115,9 +115,9 @@ impl PushMotion<'_> {
             let drawn_wb = moved_by(&state.pose_wb, &along_w, mean.into());
             let (pose_wb, covariance) = self
                 .pushed
-                .settled_gaussian(&drawn_wb, &held, &covariance)
-                .unwrap_or((drawn_wb, covariance));
-            (slip as usize, share, pose_wb, axes * covariance * axes.transpose())
+                .settled_gaussian(&drawn_wb, &held, &covariance, &axes)
+                .unwrap_or_else(|| (drawn_wb, axes * covariance * axes.transpose()));
+            (slip as usize, share, pose_wb, covariance)
         };
         Ok(self.said(&input)?.into_iter().map(way).collect())
     }

@@ -65,24 +65,32 @@ impl Pushed {
         Some(pose_wb)
     }
 
-    /// The Gaussian of a draw given that the gap is known; none where the mean leaves more than the
-    /// tolerance.
+    /// The Gaussian of a draw given that the gap is known, its covariance in W; none where the mean
+    /// leaves more than the tolerance.
+    ///
+    /// (I − K H) C (I − K H)ᵀ keeps what is left of the covariance positive although it has no variance
+    /// along the normal.
     ///
     /// - `mean_wb`, `covariance`: of the draw before; the latter as of [`Pushed::settled`].
+    /// - `axes`: turns (along, left, turn) into W.
     pub(super) fn settled_gaussian(
         &self,
         mean_wb: &Pose,
         held: &Holding,
         covariance: &Matrix3<f64>,
+        axes: &Matrix3<f64>,
     ) -> Option<(Pose, Matrix3<f64>)> {
         let mean_wb = self.settled(mean_wb, held, covariance)?;
-        let (_, slope) = self.gap_and_slope(&mean_wb, held);
-        let spread: Vector3<f64> = covariance * slope.transpose();
-        let variance = (slope * spread).x;
+        let slope_w = self.gap_and_slope(&mean_wb, held).1 * axes.transpose();
+        let covariance_w = axes * covariance * axes.transpose();
+        let spread: Vector3<f64> = covariance_w * slope_w.transpose();
+        let variance = (slope_w * spread).x;
         if variance <= 0.0 {
-            return Some((mean_wb, *covariance));
+            return Some((mean_wb, covariance_w));
         }
-        Some((mean_wb, covariance - spread * spread.transpose() / variance))
+        let keeps = Matrix3::identity() - spread * slope_w / variance;
+        let left = keeps * covariance_w * keeps.transpose();
+        Some((mean_wb, 0.5 * (left + left.transpose())))
     }
 
     /// The gap, and its slope along the pusher's motion, its left normal, and over the turn.
@@ -123,7 +131,8 @@ mod tests {
         assert!((pushed.gap(&settled, &center) - 0.0001).abs() < 1e-7);
         assert_eq!(settled.position, drawn.position);
         assert_eq!(pushed.settled(&drawn, &held(0.0), &Matrix3::zeros()), Some(drawn));
-        let (mean, left) = pushed.settled_gaussian(&drawn, &held(0.0001), &stiff).unwrap();
+        let axes = Matrix3::identity();
+        let (mean, left) = pushed.settled_gaussian(&drawn, &held(0.0001), &stiff, &axes).unwrap();
         assert_eq!(Some(mean), pushed.settled(&drawn, &held(0.0001), &stiff));
         // Along the normal nothing is left, across it all.
         assert!((left[(1, 1)] / 1e-8 - 1.0).abs() < 1e-4 && left[(0, 0)] < 1e-12, "{left}");
