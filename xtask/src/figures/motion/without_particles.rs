@@ -29,6 +29,8 @@ const N_READ: usize = 20_000;
 const N_DRAWN: usize = 1500;
 /// Half axes of the ellipse that holds 95 % of a Gaussian in the plane, in standard deviations.
 const REACH_95: f64 = 2.447_746_830_680_816;
+/// Standard deviations by which all densities are widened, in m, m and rad: less than any sensor's.
+const WIDER_SD: [f64; 3] = [1e-5, 1e-5, 1e-4];
 const MM: f64 = 1e3;
 
 /// A way to do without particles: its name, its rule and the most Gaussians that it keeps.
@@ -110,7 +112,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
          push (95 % ellipses of the place; the Gaussian fitted to the particles is drawn in black). By \
          how many nats a particle is less likely than under that fitted Gaussian (for one Gaussian its \
          Kullback–Leibler divergence; below 0 the mixture is nearer than any Gaussian), median and \
-         worst of {} pushes: {}.",
+         worst of {} pushes, all widened by 10 µm and 0.1 mrad: {}.",
         tested.len(),
         told.join("; ")
     );
@@ -178,11 +180,20 @@ impl Ends {
             let logs = read.map(density).collect::<Result<Vec<_>>>()?;
             Ok(logs.iter().sum::<f64>() / logs.len() as f64)
         };
-        let best = mean(&|at| Ok(self.fitted.log_density(at)?))?;
-        let of_methods =
-            self.matched.iter().map(|mixture| mean(&|at| Ok(mixture.log_density(at)?)));
-        let of_few = std::iter::once_with(|| mean(&|at| Ok(self.of_few.log_density(at)?)));
-        of_methods.chain(of_few).map(|log| Ok(best - log?)).collect()
+        let of_one = |gaussian: &Gaussian| {
+            let wide = widened(gaussian)?;
+            mean(&|at| Ok(wide.log_density(at)?))
+        };
+        let of_mixture = |mixture: &Mixture| {
+            let parts = mixture.components().iter();
+            let wide = parts.map(|(part, weight)| Ok((widened(part)?, *weight)));
+            let wide = Mixture::new(wide.collect::<Result<_>>()?)?;
+            mean(&|at| Ok(wide.log_density(at)?))
+        };
+        let best = of_one(&self.fitted)?;
+        let of_few = std::iter::once_with(|| of_one(&self.of_few));
+        let all = self.matched.iter().map(of_mixture).chain(of_few);
+        all.map(|log| Ok(best - log?)).collect()
     }
 
     fn panel(&self, name: &str, push: &RecordedPush) -> Result<Panel> {
@@ -218,6 +229,14 @@ fn fitted(particles: &[DVector<f64>]) -> Result<Gaussian> {
         covariance.ger(1.0 / n, &off, &off, 1.0);
     }
     Ok(Gaussian::new(mean, covariance)?)
+}
+
+/// A little wider: a part of a mixture that came from a single point of a rule has no density along
+/// the normal of its contact.
+fn widened(gaussian: &Gaussian) -> Result<Gaussian> {
+    let variances = WIDER_SD.map(|sd| sd * sd);
+    let wider = DMatrix::from_diagonal(&DVector::from_row_slice(&variances));
+    Ok(Gaussian::new(gaussian.mean().clone(), gaussian.covariance() + wider)?)
 }
 
 /// Where 95 % of the places are.
