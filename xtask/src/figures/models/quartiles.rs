@@ -26,6 +26,12 @@ impl Quartiles {
         &self.median
     }
 
+    /// The lowest and the highest quartile of all places.
+    pub(crate) fn span(&self) -> (f64, f64) {
+        let low = self.low.iter().copied().fold(f64::INFINITY, f64::min);
+        (low, self.high.iter().copied().fold(f64::NEG_INFINITY, f64::max))
+    }
+
     /// The same in another unit.
     pub(crate) fn times(&self, factor: f64) -> Self {
         let [low, median, high] = [&self.low, &self.median, &self.high]
@@ -68,6 +74,7 @@ mod tests {
         let quartiles = Quartiles::of(&splits, 2, |split, i| split[i]);
         assert_eq!(quartiles.median(), [3.0, 30.0]);
         assert_eq!((&quartiles.low[..], &quartiles.high[..]), (&[2.0, 20.0][..], &[4.0, 40.0][..]));
+        assert_eq!(quartiles.span(), (2.0, 40.0));
         assert_eq!(quartiles.times(2.0).median(), [6.0, 60.0]);
     }
 }

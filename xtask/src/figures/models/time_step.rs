@@ -130,7 +130,7 @@ fn figure(curves: &[Curve]) -> Figure {
         let mut panel =
             Panel::new(Axis::new("time step / s").log(), y).title(title).legend(LegendPlace::Below);
         for (k, curve) in curves.iter().enumerate() {
-            let label = format!("{:.0} mm/s", 1e3 * curve.speed);
+            let label = format!("{} mm/s", curve.speed_mm_s());
             panel = curve.errors[which].draw(panel, &curve.time_steps, Color::cycle(k), &label);
         }
         figure = figure.with(panel);
@@ -159,6 +159,21 @@ fn table(curves: &[Curve]) -> Table {
 }
 
 impl Curve {
+    /// The speed to two digits: a pusher that starts and stops is a little slower in the mean.
+    fn speed_mm_s(&self) -> f64 {
+        let speed = 1e3 * self.speed;
+        let digit = 10f64.powf(speed.log10().floor() - 1.0);
+        (speed / digit).round() * digit
+    }
+
+    /// The shortest time step with 95 % of the fall from the shortest one's error to the lowest.
+    fn fallen(&self) -> f64 {
+        let errors = self.errors[0].median();
+        let lowest = errors.iter().copied().fold(f64::INFINITY, f64::min);
+        let first = errors.iter().position(|error| error - lowest <= 0.05 * (errors[0] - lowest));
+        first.map_or(f64::NAN, |i| self.time_steps[i])
+    }
+
     /// The shortest time step whose median error is as good as the lowest.
     fn shortest(&self) -> f64 {
         let errors = self.errors[0].median();
@@ -179,9 +194,14 @@ impl Curve {
     fn said(&self) -> String {
         let pairs = self.time_steps.iter().zip(self.errors[0].median());
         let errors: Vec<String> =
-            pairs.map(|(step, error)| format!("{error:.3} ({step} s)")).collect();
-        let (speed, shortest) = (1e3 * self.speed, self.shortest());
-        format!("{speed:.0} mm/s: {}, as good as the lowest from {shortest} s", errors.join(", "))
+            pairs.map(|(step, error)| format!("{error:.4} ({step} s)")).collect();
+        format!(
+            "{} mm/s: {}, 95 % of the fall by {} s, within 10 % of the lowest from {} s",
+            self.speed_mm_s(),
+            errors.join(", "),
+            self.fallen(),
+            self.shortest()
+        )
     }
 }
 
