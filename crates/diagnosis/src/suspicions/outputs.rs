@@ -230,21 +230,21 @@ mod tests {
         all.map(|suspicion| suspicion.what).collect()
     }
 
+    type Change = fn([f64; 3]) -> [f64; 3];
+
     #[test]
     fn one_wrong_sign_or_unit_is_one_suspicion() {
-        for (change, what) in [
-            (
-                &(|[x, y, t]: [f64; 3]| [x, y, -t]) as &dyn Fn(_) -> _,
-                "dtheta_rad has the wrong sign",
-            ),
-            (&|[x, y, t]| [x, -y, t], "dy_m or beta_rad"),
-            (&|[x, y, t]| [x, -y, -t], "mirrored"),
-            (&|[x, y, t]| [-x, -y, t], "against the pusher"),
-            (&|[x, y, t]| [1e3 * x, 1e3 * y, t], "dx_m and dy_m are in mm"),
-            (&|[x, y, t]| [1e-3 * x, 1e-3 * y, 1e-3 * t], "the pusher's way is in another unit"),
-            (&|[x, y, t]| [x, y, 57.3 * t], "dtheta_rad is in degrees"),
-            (&|[x, y, t]| [x, 100.0 * y, t], "dy_m is in cm"),
-        ] {
+        let changes: [(Change, &str); 8] = [
+            (|[x, y, t]| [x, y, -t], "dtheta_rad has the wrong sign"),
+            (|[x, y, t]| [x, -y, t], "dy_m or beta_rad"),
+            (|[x, y, t]| [x, -y, -t], "mirrored"),
+            (|[x, y, t]| [-x, -y, t], "against the pusher"),
+            (|[x, y, t]| [1e3 * x, 1e3 * y, t], "dx_m and dy_m are in mm"),
+            (|[x, y, t]| [1e-3 * x, 1e-3 * y, 1e-3 * t], "the pusher's way is in another unit"),
+            (|[x, y, t]| [x, y, 57.3 * t], "dtheta_rad is in degrees"),
+            (|[x, y, t]| [x, 100.0 * y, t], "dy_m is in cm"),
+        ];
+        for (change, what) in changes {
             let told = told(&steps(change));
             assert!(told.len() == 1 && told[0].contains(what), "{told:?} is not {what}");
         }
@@ -252,13 +252,14 @@ mod tests {
 
     #[test]
     fn what_effects_do_is_no_suspicion() {
-        for change in [
-            &(|motion| motion) as &dyn Fn([f64; 3]) -> [f64; 3],
-            &|[x, y, t]| [0.6 * x, 2.5 * y, 0.4 * t],
-            &|[x, y, t]| [x, y + 0.0008, t + 0.01],
-            &|[x, _, _]| [x, 0.0, 0.0],
-            &|[x, y, t]| [x, y - 0.002, t - 0.05],
-        ] {
+        let changes: [Change; 5] = [
+            |motion| motion,
+            |[x, y, t]| [0.6 * x, 2.5 * y, 0.4 * t],
+            |[x, y, t]| [x, y + 0.0008, t + 0.01],
+            |[x, _, _]| [x, 0.0, 0.0],
+            |[x, y, t]| [x, y - 0.002, t - 0.05],
+        ];
+        for change in changes {
             assert_eq!(told(&steps(change)), Vec::<String>::new());
         }
     }
