@@ -9,6 +9,8 @@ use rand_chacha::ChaCha8Rng;
 
 /// The levels of the intervals whose coverage is scored.
 pub(crate) const LEVELS: [f64; 3] = [0.5, 0.9, 0.95];
+/// The place of 95 % among them.
+pub(crate) const LEVEL_95: usize = 2;
 
 /// The steps in the random order of split number `split`.
 pub(crate) fn shuffled(steps: &[StepObservation], seed: u64, split: u64) -> Vec<StepObservation> {
@@ -25,15 +27,41 @@ pub(crate) struct HeldOut {
     outputs: [Vec<f64>; 3],
 }
 
-/// How well a model predicts held-out steps.
+/// How well one output is predicted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Scores {
-    /// Squared error over the output's variance, mean over the outputs.
+pub(crate) struct Score {
+    /// Squared error over the output's variance.
     pub(crate) nmse: f64,
-    /// Share of observations inside the intervals of [`LEVELS`], for each output.
-    pub(crate) coverage: [[f64; 3]; 3],
-    /// Mean negative log predictive density of each output, in nats (of m, m and rad).
-    pub(crate) nlpd: [f64; 3],
+    /// Mean negative log predictive density, in nats.
+    pub(crate) nlpd: f64,
+    /// Share of observations inside the intervals of [`LEVELS`].
+    pub(crate) coverage: [f64; 3],
+}
+
+/// How well a model predicts Δx, Δy and Δθ of held-out steps (densities of m, m and rad).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Scores(pub(crate) [Score; 3]);
+
+impl Score {
+    /// Of Gaussian predictions.
+    pub(crate) fn of(observed: &[f64], mean: &[f64], variance: &[f64]) -> Result<Self> {
+        let mut inside = [0.0; 3];
+        inside.copy_from_slice(&coverage(observed, mean, variance, &LEVELS)?);
+        let (nmse, nlpd) = (nmse(observed, mean)?, nlpd(observed, mean, variance)?);
+        Ok(Self { nmse, nlpd, coverage: inside })
+    }
+}
+
+impl Scores {
+    /// The mean over the outputs.
+    pub(crate) fn mean(&self, value: impl Fn(&Score) -> f64) -> f64 {
+        self.0.iter().map(value).sum::<f64>() / OUTPUTS.len() as f64
+    }
+
+    /// Squared error over variance, mean over the outputs.
+    pub(crate) fn nmse(&self) -> f64 {
+        self.mean(|score| score.nmse)
+    }
 }
 
 impl HeldOut {
@@ -59,16 +87,13 @@ impl HeldOut {
     /// All scores of a model that predicts a scatter.
     pub(crate) fn scores(&self, model: &dyn PushModel) -> Result<Scores> {
         let predictions = model.predict(&self.inputs, Noise::Included)?;
-        let mut scores = Scores { nmse: 0.0, coverage: [[0.0; 3]; 3], nlpd: [0.0; 3] };
-        for (k, observed) in self.outputs.iter().enumerate() {
+        let score = |k: usize| {
             let mean: Vec<f64> = predictions.iter().map(|prediction| prediction.mean[k]).collect();
             let variance: Vec<f64> =
                 predictions.iter().map(|prediction| prediction.covariance[(k, k)]).collect();
-            scores.nmse += nmse(observed, &mean)? / OUTPUTS.len() as f64;
-            scores.coverage[k].copy_from_slice(&coverage(observed, &mean, &variance, &LEVELS)?);
-            scores.nlpd[k] = nlpd(observed, &mean, &variance)?;
-        }
-        Ok(scores)
+            Score::of(&self.outputs[k], &mean, &variance)
+        };
+        Ok(Scores([score(0)?, score(1)?, score(2)?]))
     }
 }
 
@@ -121,13 +146,14 @@ mod tests {
         .unwrap();
         let steps = steps(&model);
         let scores = HeldOut::new(&steps).scores(&model).unwrap();
-        assert_eq!(scores.coverage[0], [0.0, 1.0, 1.0]);
-        assert_eq!(scores.coverage[2], [1.0, 1.0, 1.0]);
+        assert_eq!(scores.0[0].coverage, [0.0, 1.0, 1.0]);
+        assert_eq!(scores.0[2].coverage, [1.0, 1.0, 1.0]);
         let density =
             0.5 * 1.5f64.powi(2) + (sd * 0.004 * (2.0 * std::f64::consts::PI).sqrt()).ln();
-        assert!((scores.nlpd[0] - density).abs() < 1e-9, "{}", scores.nlpd[0]);
-        assert_eq!(scores.nmse, HeldOut::new(&steps).nmse(&model).unwrap());
-        assert!(scores.nmse > 0.0 && scores.nmse < 1e-3);
+        assert!((scores.0[0].nlpd - density).abs() < 1e-9, "{}", scores.0[0].nlpd);
+        let nmse = HeldOut::new(&steps).nmse(&model).unwrap();
+        assert!((scores.nmse() - nmse).abs() < 1e-15);
+        assert!(nmse > 0.0 && nmse < 1e-3);
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod effects_atlas;
 mod figures;
 mod fixtures;
 mod held_out;
+mod learned_kinds;
 mod real_comparison;
 mod real_data;
 mod residual_grid;

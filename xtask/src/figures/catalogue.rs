@@ -121,6 +121,12 @@ pub(crate) const ALL: &[Entry] = &[
     entry("5.1", Chapter::Models, "noise of the sensors", recordings::noise::draw),
     entry("5.2", Chapter::Models, "the learned push", models::gp_maps::draw)
         .settles(&models::gp_maps::CLAIMS),
+    entry("5.3", Chapter::Models, "error and time step", models::time_step::draw)
+        .settles(&models::time_step::CLAIMS),
+    entry("5.4", Chapter::Models, "error and pseudo-inputs", models::pseudo_inputs::draw)
+        .settles(&models::pseudo_inputs::CLAIMS),
+    entry("5.5", Chapter::Models, "error and random features", models::random_features::draw)
+        .settles(&models::random_features::CLAIMS),
     entry("5.6", Chapter::Models, "speeds pooled and apart", models::pooled_speeds::draw)
         .settles(&models::pooled_speeds::CLAIMS),
     entry("5.7", Chapter::Models, "learning curves", models::learning_curves::draw)

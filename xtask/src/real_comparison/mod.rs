@@ -1,15 +1,17 @@
-//! `cargo xtask real-comparison`: the analytical model against public measurements, on a page.
+//! `cargo xtask real-comparison`: the models against public measurements, on a page.
 
 mod corner;
 mod ends;
+mod learned;
 mod page;
 mod source;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use clap::ValueEnum;
 
-/// Compares the analytical model with public measurements and writes the page about it.
+/// Compares the models with public measurements and writes the page about it.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// Folder with the public data sets (`mit-push-table`, `mit-push-raw`, `mit-push-endpoints`)
@@ -18,19 +20,61 @@ pub(crate) struct Args {
     /// Folder for `real-data.md` and its picture
     #[arg(long, default_value = "docs")]
     out: PathBuf,
+    /// Write these sections anew, and leave the page's others as they are
+    #[arg(long, value_delimiter = ',')]
+    only: Vec<Part>,
+}
+
+/// A section of the page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Part {
+    /// The analytical model on the one-step pushes
+    Table,
+    /// Every model that learns, on the same
+    Learned,
+    /// The analytical model on the raw pushes
+    Raw,
+    /// The ends of long pushes
+    Ends,
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let table = source::one_step_table(&args.data.join("mit-push-table/table.csv"))?;
-    let raw = source::raw_pushes(&args.data.join("mit-push-raw"))?;
-    let ends = ends::ends(&args.data.join("mit-push-endpoints/plywood.csv"))?;
-    let corner = corner::Corner::of(&table)?;
-    let picture = args.out.join("real-data-corner.svg");
-    write_whole(&picture, &corner.picture(&table)?)?;
     let page = args.out.join("real-data.md");
-    write_whole(&page, &page::text(&table, &corner, &raw, &ends))?;
-    println!("written: {} and {}", page.display(), picture.display());
+    let mut text = page::HEAD.to_owned();
+    if !args.only.is_empty() {
+        let old = std::fs::read_to_string(&page);
+        let old = old.with_context(|| format!("cannot read {}", page.display()))?;
+        text += page::sections(&old);
+    }
+    for part in Part::value_variants() {
+        let section = match part {
+            _ if args.only.is_empty() || args.only.contains(part) => part.text(args)?,
+            _ => continue,
+        };
+        text = if args.only.is_empty() { text + &section } else { page::with(&text, &section)? };
+    }
+    write_whole(&page, &text)?;
+    println!("written: {}", page.display());
     Ok(())
+}
+
+impl Part {
+    fn text(self, args: &Args) -> Result<String> {
+        let table = args.data.join("mit-push-table/table.csv");
+        Ok(match self {
+            Self::Table => {
+                let table = source::one_step_table(&table)?;
+                let corner = corner::Corner::of(&table)?;
+                write_whole(&args.out.join("real-data-corner.svg"), &corner.picture(&table)?)?;
+                page::one_step_text(&table, &corner)
+            }
+            Self::Learned => learned::Learned::of(&table)?.text(),
+            Self::Raw => page::raw_text(&source::raw_pushes(&args.data.join("mit-push-raw"))?),
+            Self::Ends => {
+                ends::text(&ends::ends(&args.data.join("mit-push-endpoints/plywood.csv"))?)
+            }
+        })
+    }
 }
 
 /// Writes under a temporary name and renames, so that a killed run leaves no half file.

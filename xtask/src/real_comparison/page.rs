@@ -2,45 +2,69 @@
 
 use std::fmt::Write;
 
+use anyhow::{Context, Result};
 use diagnosis::{Comparison, FloorSource, PushEnds, Spread};
 
 use super::corner::{Corner, NUMBERS};
-use super::ends::Ends;
 use super::source::{Compared, Fitted};
 
-/// The page.
-pub(super) fn text(table: &Compared, corner: &Corner, raw: &Compared, shapes: &[Ends]) -> String {
-    let mut page = HEAD.to_owned();
-    page += TABLE_HEAD;
+/// How a section begins.
+const HEADING: &str = "\n## ";
+
+/// The section about the one-step pushes.
+pub(super) fn one_step_text(table: &Compared, corner: &Corner) -> String {
+    let mut page = TABLE_HEAD.to_owned();
     page += &errors(table);
     page += &fitted(table.fitted.as_ref());
     page += "\nWhere it fails, with the share of the squared error; the nominal model\n\n";
     page += &findings(&table.nominal);
-    page += &corner_text(corner);
-    page += RAW_HEAD;
+    page + &corner_text(corner)
+}
+
+/// The section about the raw pushes.
+pub(super) fn raw_text(raw: &Compared) -> String {
+    let mut page = RAW_HEAD.to_owned();
     page += &errors(raw);
     page += &ends(raw.ends.as_ref());
     page += "\nWhere it fails, with the share of the squared error; the nominal model\n\n";
-    page += &findings(&raw.nominal);
-    page += &super::ends::text(shapes);
-    page
+    page + &findings(&raw.nominal)
 }
 
-const HEAD: &str = "\
-# The analytical model on real pushes
+/// The sections of a page, without its head.
+pub(super) fn sections(page: &str) -> &str {
+    page.find(HEADING).map_or("", |start| &page[start..])
+}
 
-Where the quasi-static model on an ellipsoid fails on public measurements of others, and how much of
-that no model could mend. This page and its picture are written by
+/// The page with one section in place of that of the same heading.
+///
+/// # Errors
+/// If the page has none.
+pub(super) fn with(page: &str, section: &str) -> Result<String> {
+    let heading = section.trim_start().lines().next().unwrap_or_default();
+    let start = page.find(&format!("\n{heading}\n"));
+    let start = start.with_context(|| {
+        format!("the page has no section `{heading}`; write all of it, without --only")
+    })?;
+    let length = sections(&page[start + 1..]).len();
+    Ok(format!("{}{section}{}", &page[..start], &page[page.len() - length..]))
+}
+
+pub(super) const HEAD: &str = "\
+# The models on real pushes
+
+Where the quasi-static model on an ellipsoid fails on public measurements of others, how much of that no
+model could mend, and what models that learn make of the same pushes. This page and its picture are
+written by
 
 ```text
 cargo xtask real-comparison --data DIR
 ```
 
-with `DIR` the folder of the public data, and every number on it is from that run; the command in each
-section prints the same comparison (all of it with `--json`). No row of the data is part of the
-project. Errors are observed less predicted, root mean squares over steps; ± is a standard error that
-takes whole pushes for independent. Nominal is what the presets say: pusher friction 0.25, uniform
-pressure.
+with `DIR` the folder of the public data, and every number on it is from that run (`--only` writes some
+of its sections anew); the command in each section prints the same comparison (all of it with `--json`).
+No row of the data is part of the project. Unless said otherwise, errors are observed less predicted,
+root mean squares over steps; ± is a standard error that takes whole pushes for independent. Nominal is
+what the presets say: pusher friction 0.25, uniform pressure.
 
 How to get the data: *More than a million ways to be pushed* (Yu, Bauza, Fazeli & Rodriguez, 2016).
 ";
@@ -217,5 +241,22 @@ fn people(unit: &str) -> (f64, &str) {
         "m" => (1e3, "mm"),
         "rad" => (1.0_f64.to_degrees(), "°"),
         other => (1.0, other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{sections, with};
+
+    const PAGE: &str = "# Head\n\nWords.\n\n## One\n\nold\n\n### Part\n\nold\n\n## Two\n\ntwo\n";
+
+    #[test]
+    fn a_section_takes_the_place_of_its_older_self() {
+        let expected = "# Head\n\nWords.\n\n## One\n\nnew\n\n## Two\n\ntwo\n";
+        assert_eq!(with(PAGE, "\n## One\n\nnew\n").unwrap(), expected);
+        let expected = PAGE.replace("two", "new");
+        assert_eq!(with(PAGE, "\n## Two\n\nnew\n").unwrap(), expected);
+        assert!(with(PAGE, "\n## Three\n").unwrap_err().to_string().contains("`## Three`"));
+        assert!(PAGE.ends_with(sections(PAGE)) && sections(PAGE).starts_with("\n## One"));
     }
 }

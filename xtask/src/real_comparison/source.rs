@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use dataset::{
-    IngestSettings, ObjectChoice, Preset, RecordingSet, StepLength, TableMapping, ingest,
+    IngestSettings, ObjectChoice, Preset, RecordingSet, StepLength, Table, TableMapping, ingest,
 };
 use diagnosis::{
     Comparison, MapSettings, Observations, Predictions, PushEnds, RepeatTolerance, compare,
@@ -40,10 +40,8 @@ pub(super) fn one_step_table(path: &Path) -> Result<Compared> {
     let mapping = TableMapping::mit_table()?;
     let table = mapping.read_table(path)?;
     let observations = Observations::of_mapped(&table, &mapping)?;
-    let objects = ObjectChoice::Fixed(Box::new(mapping.object.clone()));
-    let steps = StepSelection::default().observations(&table, &objects, mapping.pusher.radius)?;
     let nominal = Analytical::nominal(mapping.pusher.friction)?;
-    let (train, test) = halves(&steps.steps);
+    let (train, test) = halves(&steps_of(&table, &mapping)?);
     let fit = nominal.fit(&train)?.model;
     let names: Vec<String> =
         test.iter().map(|index| observations.pushes()[*index].to_string()).collect();
@@ -60,6 +58,17 @@ pub(super) fn one_step_table(path: &Path) -> Result<Compared> {
     let pusher_friction = mapping.pusher.friction;
     let (nominal, fitted, ends) = (comparison, Some(fitted), None);
     Ok(Compared { observations, predictions, nominal, pusher_friction, fitted, ends })
+}
+
+/// The same as steps to learn from, and the pusher's nominal friction.
+pub(super) fn one_step_pushes(path: &Path) -> Result<(Vec<StepObservation>, f64)> {
+    let mapping = TableMapping::mit_table()?;
+    Ok((steps_of(&mapping.read_table(path)?, &mapping)?, mapping.pusher.friction))
+}
+
+fn steps_of(table: &Table, mapping: &TableMapping) -> Result<Vec<StepObservation>> {
+    let objects = ObjectChoice::Fixed(Box::new(mapping.object.clone()));
+    Ok(StepSelection::default().observations(table, &objects, mapping.pusher.radius)?.steps)
 }
 
 /// The raw pushes, as the preset `mit-push` reads them, in steps of [`STEP`].

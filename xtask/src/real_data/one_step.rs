@@ -115,7 +115,7 @@ fn summary(splits: &[Split]) -> Section {
     let median_of =
         |value: &dyn Fn(&Split) -> f64| quantile(splits.iter().map(value).collect(), 0.5);
     let nominal = median_of(&|split| split.nominal_nmse);
-    let fitted = median_of(&|split| split.fitted.nmse);
+    let fitted = median_of(&|split| split.fitted.nmse());
     let (mu_p, c) = (median_of(&|split| split.mu_p), median_of(&|split| split.c));
     let rows = vec![
         Row::new("analytical, nominal: NMSE", nominal, Reference::Expected(0.074)),
@@ -148,26 +148,24 @@ fn curve(
         let median = |value: &dyn Fn(&Scores) -> f64| {
             quantile(splits.iter().map(|split| value(&scores(split)[i])).collect(), 0.5)
         };
-        let nmse = median(&|scores| scores.nmse);
+        let nmse = median(&Scores::nmse);
         let by_output = |value: &dyn Fn(usize) -> Value| {
             Value::from_iter(OUTPUTS.iter().enumerate().map(|(k, name)| (*name, value(k))))
         };
         let coverage = by_output(&|k| {
-            json!([0, 1, 2].map(|level| median(&|scores| scores.coverage[k][level])))
+            json!([0, 1, 2].map(|level| median(&|scores| scores.0[k].coverage[level])))
         });
-        let nlpd = by_output(&|k| median(&|scores| scores.nlpd[k]).into());
+        let nlpd = by_output(&|k| median(&|scores| scores.0[k].nlpd).into());
         for (json, value) in json.iter_mut().zip([nmse.into(), coverage, nlpd]) {
             json.insert(n.to_string(), value);
         }
-        let mean_of = |values: &[f64; 3]| values.iter().sum::<f64>() / 3.0;
-        let covered =
-            |level: usize| median(&|scores| mean_of(&scores.coverage.map(|output| output[level])));
+        let covered = |level: usize| median(&|scores| scores.mean(|output| output.coverage[level]));
         section.rows.push(Row::new(format!("{title}, {n} points: NMSE"), nmse, reference));
         for (level, share) in LEVELS.iter().enumerate() {
             let name = format!("{title}, {n} points: share in {:.0} %", 100.0 * share);
             section.rows.push(Row::new(name, covered(level), Reference::None));
         }
-        let density = median(&|scores| mean_of(&scores.nlpd));
+        let density = median(&|scores| scores.mean(|output| output.nlpd));
         let name = format!("{title}, {n} points: NLPD in nats");
         section.rows.push(Row::new(name, density, Reference::None));
     }

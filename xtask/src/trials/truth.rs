@@ -56,10 +56,13 @@ pub(super) fn open(path: &Path) -> Result<Truth> {
     Ok(Truth { hidden, drawn })
 }
 
+/// A number of an effect: its name, its nominal value, and what it is of a push.
+type Number<'a> = (&'a str, f64, &'a dyn Fn(&Variation) -> f64);
+
 /// The effects whose numbers the pushes of a set share.
 fn drawn(pushes: &[Variation]) -> Vec<TrueEffect> {
     let nominal = Nominal::default();
-    let effect = |id: &str, numbers: &[(&str, f64, &dyn Fn(&Variation) -> f64)]| {
+    let effect = |id: &str, numbers: &[Number<'_>]| {
         let mut stands_out = false;
         let values = numbers.iter().map(|(name, usual, of)| {
             let (mean, se) = mean(&pushes.iter().map(of).collect::<Vec<_>>());

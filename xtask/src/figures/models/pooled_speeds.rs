@@ -4,13 +4,14 @@ use anyhow::Result;
 use gp_core::LearnOptions;
 use models::{Analytical, GpPushModel, Hybrid, StepObservation, learn_options};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
-use report::{Axis, Band, Claim, Color, Figure, LegendPlace, Line, Panel, Points, Table};
+use report::{Axis, Claim, Color, Figure, LegendPlace, Panel, Table};
 
+use super::quartiles::Quartiles;
 use super::steps::Steps;
 use crate::figures::claims::judged;
 use crate::figures::inputs::{Inputs, SEED, STEP_WAY};
 use crate::figures::sketch::Sketch;
-use crate::held_out::{HeldOut, quantile, shuffled};
+use crate::held_out::{HeldOut, shuffled};
 
 /// What this figure settles.
 pub(crate) const CLAIMS: [&str; 2] = [
@@ -50,15 +51,8 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let splits: Vec<Split> =
         (0..N_SPLITS).into_par_iter().map(|split| learn(&data, split)).collect::<Result<_>>()?;
     let n = speeds.len();
-    let quartiles = |value: &dyn Fn(&Split, usize) -> f64| {
-        let at = |share: f64| {
-            let over = |i: usize| splits.iter().map(|split| value(split, i)).collect();
-            (0..n).map(|i| quantile(over(i), share)).collect::<Vec<_>>()
-        };
-        [at(0.25), at(0.5), at(0.75)]
-    };
-    let pooled = quartiles(&|split, i| split.pooled[i]);
-    let alone = [0, 1, 2, 3].map(|k| quartiles(&|split, i| split.alone[i][k]));
+    let pooled = Quartiles::of(&splits, n, |split, i| split.pooled[i]);
+    let alone = [0, 1, 2, 3].map(|k| Quartiles::of(&splits, n, |split, i| split.alone[i][k]));
     let caption = format!(
         "Steps of {:.0} mm at every speed. Left: error at the slowest speed of a GP that learns from \
          {PER_SPEED} steps of each speed up to the one named. Right: each speed by itself, \
@@ -68,16 +62,13 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     );
     let alt = "Two panels over the speed: the error with pooled speeds, and the errors of four \
                models with each speed alone.";
-    let mut table = Table::new().column("speed_m_s", &speeds);
-    let curves = std::iter::once(("pooled", &pooled)).chain(NAMES.iter().map(|n| n.0).zip(&alone));
-    for (name, quartiles) in curves {
-        for (part, values) in ["lower", "median", "upper"].iter().zip(quartiles) {
-            table = table.column(&format!("{name}_nmse_{part}"), values);
-        }
+    let mut table = pooled.columns(Table::new().column("speed_m_s", &speeds), "pooled_nmse");
+    for ((name, _), quartiles) in NAMES.iter().zip(&alone) {
+        table = quartiles.columns(table, &format!("{name}_nmse"));
     }
     let sketch = Sketch::new(figure(&speeds, &pooled, &alone), table, &caption, alt);
-    let alone = alone.map(|[_, median, _]| median);
-    Ok(sketch.claim(pooling(&speeds, &pooled[1])).claim(by_speed(&speeds, &alone)))
+    let medians = alone.each_ref().map(|quartiles| quartiles.median());
+    Ok(sketch.claim(pooling(&speeds, pooled.median())).claim(by_speed(&speeds, medians)))
 }
 
 fn learn(data: &[Steps], split: u64) -> Result<Split> {
@@ -105,28 +96,20 @@ fn learn(data: &[Steps], split: u64) -> Result<Split> {
     Ok(result)
 }
 
-fn figure(speeds: &[f64], pooled: &[Vec<f64>; 3], alone: &[[Vec<f64>; 3]; 4]) -> Figure {
+fn figure(speeds: &[f64], pooled: &Quartiles, alone: &[Quartiles; 4]) -> Figure {
     let speeds: Vec<f64> = speeds.iter().map(|speed| 1e3 * speed).collect();
     let panel = |x: &str, title: &str| {
         let y = Axis::new("normalized mean squared error").log();
         Panel::new(Axis::new(x).log(), y).title(title).legend(LegendPlace::Below)
     };
-    let curve = |panel: Panel, [low, median, high]: &[Vec<f64>; 3], color: Color, label: &str| {
-        panel
-            .with(Band::new(&speeds, low, high).color(color))
-            .with(Line::new(&speeds, median).color(color).label(label))
-            .with(Points::new(&speeds, median).color(color).radius(3.0))
-    };
     let together = panel("fastest speed in the pool / (mm/s)", "speeds pooled");
+    let together = pooled.draw(together, &speeds, Color::BLUE, "GP, at the slowest speed");
     let apart = panel("speed / (mm/s)", "each speed by itself");
     let apart = NAMES
         .iter()
         .zip(alone)
-        .fold(apart, |panel, ((name, color), values)| curve(panel, values, *color, name));
-    Figure::new(1, 2)
-        .panel_size(420.0, 320.0)
-        .with(curve(together, pooled, Color::BLUE, "GP, at the slowest speed"))
-        .with(apart)
+        .fold(apart, |panel, ((name, color), values)| values.draw(panel, &speeds, *color, name));
+    Figure::new(1, 2).panel_size(420.0, 320.0).with(together).with(apart)
 }
 
 fn pooling(speeds: &[f64], pooled: &[f64]) -> Claim {
@@ -140,7 +123,7 @@ fn pooling(speeds: &[f64], pooled: &[f64]) -> Claim {
     judged(CLAIMS[0], value, holds, reason)
 }
 
-fn by_speed(speeds: &[f64], [_, analytical, gp, hybrid]: &[Vec<f64>; 4]) -> Claim {
+fn by_speed(speeds: &[f64], [_, analytical, gp, hybrid]: [&[f64]; 4]) -> Claim {
     let fast = (0..speeds.len()).filter(|&i| speeds[i] > QUASI_STATIC);
     let holds = fast.clone().count() > 0 && fast.clone().all(|i| hybrid[i] > gp[i]);
     let ratios: Vec<f64> = hybrid.iter().zip(gp).map(|(hybrid, gp)| hybrid / gp).collect();
@@ -197,8 +180,8 @@ mod tests {
     #[test]
     fn the_hybrid_is_judged_at_the_fast_speeds_alone() {
         let verdict = |hybrid: [f64; 5]| {
-            let [other, gp] = [vec![1.0; 5], vec![1.0; 5]];
-            by_speed(&SPEEDS, &[other.clone(), other, gp, hybrid.to_vec()]).verdict
+            let other = [1.0; 5];
+            by_speed(&SPEEDS, [&other, &other, &other, &hybrid]).verdict
         };
         assert_eq!(verdict([0.5, 0.5, 0.5, 1.1, 1.2]), Verdict::Holds);
         assert_eq!(verdict([2.0, 2.0, 2.0, 0.9, 1.2]), Verdict::DoesNotHold);

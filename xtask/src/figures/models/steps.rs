@@ -27,9 +27,14 @@ pub(crate) struct Steps {
 impl Steps {
     /// Of the object of the first row; those of others would need models of their own.
     pub(crate) fn of(inputs: &Inputs) -> Result<Self> {
-        let (table, pusher) = (inputs.table()?, inputs.pusher()?);
-        let too_few = || inputs.lacking("at least 80 whole steps of one object");
-        let first = table.rows.first().ok_or_else(too_few)?;
+        let found = Self::among(inputs, inputs.table()?)?;
+        found.ok_or_else(|| inputs.lacking("at least 80 whole steps of one object"))
+    }
+
+    /// Those among the rows of another table of the same data; none if they are too few.
+    pub(crate) fn among(inputs: &Inputs, table: &Table) -> Result<Option<Self>> {
+        let pusher = inputs.pusher()?;
+        let Some(first) = table.rows.first() else { return Ok(None) };
         let object = inputs.object(&first.recording)?;
         let rows = table.rows.iter().filter(|row| row.shape == first.shape).cloned().collect();
         let speed = quantile(table.rows.iter().map(|row| row.speed).collect(), 0.5);
@@ -37,9 +42,8 @@ impl Steps {
         let shape = Arc::new(object.shape.clone());
         let objects = ObjectChoice::Fixed(Box::new(object));
         let steps = StepSelection::default().observations(&table, &objects, pusher.radius)?.steps;
-        if steps.len() < FEWEST {
-            return Err(too_few());
-        }
-        Ok(Self { steps, shape, pusher_radius: pusher.radius, friction: pusher.friction, speed })
+        let (pusher_radius, friction) = (pusher.radius, pusher.friction);
+        let is_enough = steps.len() >= FEWEST;
+        Ok(is_enough.then_some(Self { steps, shape, pusher_radius, friction, speed }))
     }
 }
