@@ -2,11 +2,19 @@
 
 use faer::Mat;
 
+use crate::contact_place::ContactPlaces;
 use crate::{ModelError, StepInput};
 
-/// The inputs of the processes: (p, β), and what is chosen beside them.
+/// The inputs of the processes: (p, β), and what is chosen beside them or in place of p.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StepFeatures {
+    /// The contact as the friction of the support sees it, in place of p: the lever of its normal
+    /// about the centroid and the depth of the centroid behind it, over the mean distance ρ of the
+    /// outline's area from its centroid, and the outline's curvature times ρ. These do not change
+    /// when a body frame is turned, moved, or scaled with its object, and the outputs are learnt of
+    /// the centroid, Δθ times ρ: steps of several outlines can be learnt from together, and others
+    /// asked about.
+    pub contact: bool,
     /// The pusher's mean speed, in m/s: for pushes that are not quasi-static.
     pub speed: bool,
     /// The contact normal in the body's frame: edges are told apart, and on a curved outline the
@@ -16,23 +24,29 @@ pub struct StepFeatures {
 
 impl StepFeatures {
     const PLACE: [&str; 2] = ["p", "beta_rad"];
+    const CONTACT: [&str; 4] = ["lever", "depth", "curvature", "beta_rad"];
     const SPEED: [&str; 1] = ["speed_m_s"];
     const NORMAL: [&str; 2] = ["normal_x", "normal_y"];
 
     /// Every choice.
-    pub const ALL: [Self; 4] = [
-        Self { speed: false, normal: false },
-        Self { speed: true, normal: false },
-        Self { speed: false, normal: true },
-        Self { speed: true, normal: true },
+    pub const ALL: [Self; 8] = [
+        Self { contact: false, speed: false, normal: false },
+        Self { contact: false, speed: true, normal: false },
+        Self { contact: false, speed: false, normal: true },
+        Self { contact: false, speed: true, normal: true },
+        Self { contact: true, speed: false, normal: false },
+        Self { contact: true, speed: true, normal: false },
+        Self { contact: true, speed: false, normal: true },
+        Self { contact: true, speed: true, normal: true },
     ];
 
     /// Names of the inputs in order, as in `model.toml`.
     pub fn names(self) -> Vec<&'static str> {
+        let place: &[&str] = if self.contact { &Self::CONTACT } else { &Self::PLACE };
         let chosen = |is_chosen: bool, names: &'static [&str]| {
             if is_chosen { names } else { &[] }.iter().copied()
         };
-        let places = chosen(true, &Self::PLACE);
+        let places = place.iter().copied();
         places
             .chain(chosen(self.speed, &Self::SPEED))
             .chain(chosen(self.normal, &Self::NORMAL))
@@ -72,8 +86,13 @@ impl StepFeatures {
         self,
         steps: impl Iterator<Item = &'a StepInput>,
     ) -> Result<Mat<f64>, ModelError> {
+        let mut places = ContactPlaces::default();
         let row = |step: &StepInput| {
-            let mut row = vec![step.p(), step.beta()];
+            let mut row = match self.contact {
+                true => places.of(step).inputs().to_vec(),
+                false => vec![step.p()],
+            };
+            row.push(step.beta());
             if self.speed {
                 row.push(step.speed().ok_or(ModelError::NoSpeed)?);
             }

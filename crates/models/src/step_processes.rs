@@ -6,6 +6,7 @@ use gp_core::GpError;
 use nalgebra::{Matrix3, Vector3};
 use planar::Shape;
 
+use crate::contact_place::ContactPlaces;
 use crate::process::{Process, ProcessReport};
 use crate::{
     ModelError, Noise, OUTPUTS, Outline, ProcessKind, SeenSteps, StepFeatures, StepInput,
@@ -32,9 +33,14 @@ impl StepProcesses {
         training: &Training,
     ) -> Result<(Self, [ProcessReport; 3]), ModelError> {
         let x = training.features.training_rows(steps)?;
+        let mut places = ContactPlaces::default();
+        let per_meter = targets.iter().zip(steps).map(|(target, step)| match training.features {
+            StepFeatures { contact: true, .. } => places.of(step).to_common(target),
+            _ => *target,
+        } / step.distance());
+        let per_meter: Vec<Vector3<f64>> = per_meter.collect();
         let learn = |k: usize| {
-            let rows = targets.iter().zip(steps);
-            let y: Vec<f64> = rows.map(|(target, step)| target[k] / step.distance()).collect();
+            let y: Vec<f64> = per_meter.iter().map(|target| target[k]).collect();
             Process::learn(x.as_ref(), &y, training).map_err(of_output(k))
         };
         let [(dx, report_x), (dy, report_y), (dtheta, report_theta)] =
@@ -82,6 +88,12 @@ impl StepProcesses {
                 prediction.covariance[(k, k)] = variance[i] * distance * distance;
             }
         }
+        if self.features.contact {
+            let mut places = ContactPlaces::default();
+            for (prediction, step) in predictions.iter_mut().zip(steps) {
+                *prediction = places.of(step).prediction_of(prediction);
+            }
+        }
         Ok(predictions)
     }
 
@@ -97,6 +109,12 @@ impl StepProcesses {
             let found = process.posterior().predict_mean(x.as_ref()).map_err(of_output(k))?;
             for ((mean, found), step) in means.iter_mut().zip(found).zip(steps) {
                 mean[k] = found * step.distance();
+            }
+        }
+        if self.features.contact {
+            let mut places = ContactPlaces::default();
+            for (mean, step) in means.iter_mut().zip(steps) {
+                *mean = places.of(step).mean_of(mean);
             }
         }
         Ok(means)
@@ -148,11 +166,15 @@ impl StepProcesses {
         Ok(Self { outputs, features, outlines: weights.outlines.clone(), seen })
     }
 
-    /// Refuses steps of objects that nothing was learnt about.
+    /// Refuses steps of objects that nothing was learnt about, unless the inputs are what outlines
+    /// have in common.
     fn check_outlines<'a>(
         &self,
         steps: impl IntoIterator<Item = &'a StepInput>,
     ) -> Result<(), ModelError> {
+        if self.features.contact {
+            return Ok(());
+        }
         let mut last: Option<&Arc<Shape>> = None;
         for shape in steps.into_iter().map(StepInput::shared_shape) {
             if last.is_some_and(|last| Arc::ptr_eq(last, shape)) {

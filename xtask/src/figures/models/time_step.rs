@@ -7,10 +7,10 @@ use models::{GpPushModel, learn_options};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use report::{Axis, Claim, Color, Figure, LegendPlace, Panel, Table, Verdict};
 
-use super::quartiles::Quartiles;
 use super::steps::Steps;
 use crate::figures::claims::judged;
 use crate::figures::inputs::{Inputs, SEED};
+use crate::figures::quartiles::Quartiles;
 use crate::figures::sketch::Sketch;
 use crate::held_out::{HeldOut, Scores, shuffled};
 
