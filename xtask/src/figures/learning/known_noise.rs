@@ -45,22 +45,25 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let draws: Vec<Draw> = (0..n_draws).into_par_iter().map(learn).collect::<Result<_>>()?;
     let curves = Curves::of(counts, &draws);
     let [fitc, _, vfe] = &curves.sparse;
-    let last = counts.len() - 1;
+    let covered = fitc[1].median();
+    let worst =
+        (0..counts.len()).fold(0, |worst, i| if covered[i] < covered[worst] { i } else { worst });
+    let of = |[noise, inside, _]: &[Quartiles; 3]| {
+        (noise.median()[worst], 100.0 * inside.median()[worst])
+    };
+    let ((fitc_noise, fitc_inside), (vfe_noise, vfe_inside)) = (of(fitc), of(vfe));
     let caption = format!(
         "Learnt standard deviation of the noise, share of {TESTED} unseen rows inside the 95 % intervals \
          and their negative log density, of sparse processes learnt from {n_rows} rows of a surface like \
          the turn of a pushed slider, whose noise has a standard deviation of {NOISE_SD}; medians and \
-         quartiles of {n_draws} draws. With {} pseudo-inputs FITC takes {:.4} for the noise and covers \
-         {:.1} %, VFE {:.4} and {:.1} %: pseudo-inputs that are free to move let FITC explain noise as \
-         variance that they leave over.",
-        counts[last],
-        fitc[0].median()[last],
-        100.0 * fitc[1].median()[last],
-        vfe[0].median()[last],
-        100.0 * vfe[1].median()[last],
+         quartiles of {n_draws} draws. With {} pseudo-inputs FITC takes {fitc_noise:.4} for the noise and \
+         covers {fitc_inside:.1} %, VFE {vfe_noise:.4} and {vfe_inside:.1} %: pseudo-inputs that are free \
+         to move let FITC explain noise as variance that they leave over. Where there are so many that \
+         nothing is left over, all agree with the exact process.",
+        counts[worst],
     );
-    let alt = "Three panels over the number of pseudo-inputs. FITC's noise falls below the true one, \
-               which power EP and VFE approach from above, and its intervals hold too few rows.";
+    let alt = "Three panels over the number of pseudo-inputs. FITC's noise is below the true one, which \
+               power EP and VFE approach from above, and its intervals hold too few rows.";
     Ok(Sketch::new(curves.figure(), curves.table(), &caption, alt))
 }
 
@@ -158,15 +161,15 @@ impl Curves {
 
 #[cfg(test)]
 mod tests {
-    use super::{Curves, NOISE_SD, learn};
+    use super::{Curves, NOISE_SD, Quartiles, learn};
 
     #[test]
     fn fitc_takes_less_for_noise_than_there_is_and_vfe_does_not() {
-        let curves = Curves::of(&[50], &[learn(0, 400, &[50]).unwrap()]);
-        let noise = |curves: &[super::Quartiles; 3]| curves[0].median()[0] / NOISE_SD;
+        let curves = Curves::of(&[20], &[learn(0, 400, &[20]).unwrap()]);
+        let noise = |curves: &[Quartiles; 3]| curves[0].median()[0] / NOISE_SD;
         let [fitc, power_ep, vfe] = curves.sparse.each_ref().map(noise);
-        assert!(fitc < 0.85 && fitc < power_ep && power_ep < vfe, "{fitc} {power_ep} {vfe}");
-        assert!((vfe - 1.0).abs() < 0.1 && (noise(&curves.exact) - 1.0).abs() < 0.1);
+        assert!(fitc < 0.75 && fitc < power_ep && power_ep < vfe, "{fitc} {power_ep} {vfe}");
+        assert!((vfe - 1.0).abs() < 0.2 && (noise(&curves.exact) - 1.0).abs() < 0.1, "{vfe}");
         let [fitc, _, vfe] = curves.sparse.each_ref().map(|curves| curves[1].median()[0]);
         assert!(fitc < vfe, "{fitc} {vfe}");
     }

@@ -85,8 +85,8 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
          steps of each of the first three objects, together or each by itself; of the hexagon none has \
          seen a push. Mean over the three: (p, β) {:.3}, with the contact normal in the body's frame \
          {:.3}, with the contact as its lever and depth about the centroid and the outline's curvature \
-         {:.3}, each by itself {:.3}. That alone can be asked about the hexagon: {:.3}, where the \
-         analytical model with its nominal friction has {:.3}.",
+         {:.3}, each by itself {:.3}. Of the models that learn, only that of contact and curvature can be \
+         asked about the hexagon: {:.3}, where the analytical model with its nominal friction has {:.3}.",
         n_training(&data),
         mean(2),
         mean(3),
