@@ -85,10 +85,9 @@ impl Cholesky {
 
     /// The diagonal of K⁻¹, in O(N³).
     pub fn inverse_diagonal(&self) -> Vec<f64> {
-        let n = self.factor.nrows();
-        let mut inverse = self.factor.clone();
-        triangle::invert(inverse.as_mut(), Mat::zeros(triangle::scratch_rows(n), n).as_mut());
-        (0..n).map(|j| column(&inverse, j)[j..].iter().map(|value| value * value).sum()).collect()
+        let inverse = triangle::inverse(self.factor.as_ref());
+        let squares = |j| column(&inverse, j)[j..].iter().map(|value| value * value).sum();
+        (0..inverse.ncols()).map(squares).collect()
     }
 }
 

@@ -7,15 +7,16 @@ use faer::{Accum, Mat, MatRef, Par};
 use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
 
 use crate::checks::{
-    check_count, check_distinct_rows, check_inputs, check_not_negative, check_outputs,
-    check_positive,
+    check_count, check_distinct_rows, check_inputs, check_outputs, check_positive,
 };
 use crate::cholesky::{Cholesky, solve_with};
-use crate::kernel::{column, column_mut, copy_row, fill_cross, fill_lower_gram, mirror_lower};
+use crate::kernel::{column_mut, column_of, copy_row, fill_cross, fill_lower_gram, mirror_lower};
 use crate::likelihood::{COVARIANCE, Evaluator, Likelihood};
 use crate::mean::{Residual, Trend};
+use crate::noise::Noise;
 use crate::vector::{add_multiple, add_square};
-use crate::{GpError, JointGaussian, Kernel, LeaveOneOut, Mean, Posterior};
+use crate::workspace::{predict_blocks_into, predict_in_blocks};
+use crate::{GpError, JointGaussian, Kernel, LeaveOneOut, Mean, Posterior, Workspace};
 
 /// A Gaussian process conditioned on data: y = f(x) + noise, f ~ GP(m, k), noise ~ N(0, σₙ²).
 ///
@@ -272,7 +273,8 @@ impl Gp {
             solve_with(self.cholesky.factor(), &mut weights);
             self.kernel.input_gradient(&a, &a, &mut slope);
             let mut explained = vec![0.0; n_inputs];
-            self.kernel.column_input_gradient(self.inputs(), &a, &values, &weights, &mut explained);
+            let of_input = &mut explained;
+            self.kernel.column_gradient(self.inputs(), &a, &values, &weights, &mut [], of_input);
             for (d, (slope, explained)) in slope.iter().zip(&explained).enumerate() {
                 // k(x, x) moves with both of its arguments.
                 gradient[(i, d)] = 2.0 * (slope - explained);
@@ -282,51 +284,27 @@ impl Gp {
     }
 
     /// Mean and variance for the rows of a block, which share one triangular solve.
-    fn predict_block(&self, x_star: MatRef<'_, f64>, mean: &mut [f64], variance: &mut [f64]) {
-        let mut cross = Mat::zeros(x_star.nrows(), self.y.len());
-        fill_cross(&*self.kernel, x_star, self.inputs(), &mut cross);
+    fn predict_block(
+        &self,
+        x_star: MatRef<'_, f64>,
+        workspace: &mut Workspace,
+        mean: &mut [f64],
+        variance: &mut [f64],
+    ) {
+        let n = self.y.len();
+        let (mut cross, _) = workspace.matrices(x_star.nrows(), n);
+        fill_cross(&*self.kernel, x_star, self.inputs(), cross.as_mut());
         self.trend.fill(x_star, mean);
         for (j, weight) in self.weights.iter().enumerate() {
-            add_multiple(mean, *weight, column(&cross, j));
+            add_multiple(mean, *weight, column_of(cross.as_mut(), j));
         }
         self.cholesky.solve_rows(cross.as_mut());
         self.kernel.diagonal(x_star, variance);
-        for j in 0..cross.ncols() {
-            add_square(variance, -1.0, column(&cross, j));
+        for j in 0..n {
+            add_square(variance, -1.0, column_of(cross.as_mut(), j));
         }
         // Rounding alone can make the difference of two nearly equal variances negative.
         variance.iter_mut().for_each(|variance| *variance = variance.max(0.0));
-    }
-}
-
-/// The noise on observations: a common variance, and known ones of the rows or none.
-#[derive(Clone, Copy)]
-pub(crate) struct Noise<'a> {
-    pub(crate) common: f64,
-    pub(crate) of_rows: &'a [f64],
-}
-
-impl Noise<'_> {
-    pub(crate) fn same(common: f64) -> Self {
-        Self { common, of_rows: &[] }
-    }
-
-    pub(crate) fn of_row(self, i: usize) -> f64 {
-        self.common + self.of_rows.get(i).copied().unwrap_or(0.0)
-    }
-
-    fn check(self) -> Result<(), GpError> {
-        check_not_negative("noise variance", self.common)?;
-        check_row_noise(self.of_rows)
-    }
-}
-
-/// Checks that every row's noise variance is finite and not negative.
-pub(crate) fn check_row_noise(of_rows: &[f64]) -> Result<(), GpError> {
-    let bad = of_rows.iter().position(|&noise| check_not_negative("", noise).is_err());
-    match bad {
-        Some(row) => check_not_negative(&format!("noise variance of row {row}"), of_rows[row]),
-        None => Ok(()),
     }
 }
 
@@ -353,21 +331,28 @@ impl Posterior for Gp {
 
     fn predict(&self, x_star: MatRef<'_, f64>) -> Result<(Vec<f64>, Vec<f64>), GpError> {
         check_inputs("inputs", x_star, self.n_inputs())?;
-        let mut mean = vec![0.0; x_star.nrows()];
-        let mut variance = vec![0.0; x_star.nrows()];
-        mean.par_chunks_mut(BLOCK).zip(variance.par_chunks_mut(BLOCK)).enumerate().for_each(
-            |(block, (mean, variance))| {
-                let rows = x_star.subrows(block * BLOCK, mean.len());
-                self.predict_block(rows, mean, variance);
-            },
-        );
-        Ok((mean, variance))
+        Ok(predict_in_blocks(x_star, BLOCK, |rows, workspace, mean, variance| {
+            self.predict_block(rows, workspace, mean, variance);
+        }))
+    }
+
+    fn predict_into(
+        &self,
+        x_star: MatRef<'_, f64>,
+        workspace: &mut Workspace,
+        mean: &mut [f64],
+        variance: &mut [f64],
+    ) -> Result<(), GpError> {
+        check_inputs("inputs", x_star, self.n_inputs())?;
+        predict_blocks_into(x_star, BLOCK, workspace, mean, variance, |rows, w, mean, variance| {
+            self.predict_block(rows, w, mean, variance);
+        })
     }
 
     fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
         let mean = self.predict_mean(x_star)?;
         let mut cross = Mat::zeros(self.y.len(), x_star.nrows());
-        fill_cross(&*self.kernel, self.inputs(), x_star, &mut cross);
+        fill_cross(&*self.kernel, self.inputs(), x_star, cross.as_mut());
         self.cholesky.solve_lower(cross.as_mut());
         let mut covariance = Mat::zeros(x_star.nrows(), x_star.nrows());
         fill_lower_gram(&*self.kernel, x_star, &mut covariance);

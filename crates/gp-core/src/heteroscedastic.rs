@@ -249,7 +249,7 @@ impl Posterior for HeteroscedasticGp {
     fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
         let mean = self.predict_mean(x_star)?;
         let mut cross = Mat::zeros(self.y.len(), x_star.nrows());
-        fill_cross(&*self.kernel, self.x.as_ref(), x_star, &mut cross);
+        fill_cross(&*self.kernel, self.x.as_ref(), x_star, cross.as_mut());
         self.cholesky.solve_lower(cross.as_mut());
         let mut covariance = Mat::zeros(x_star.nrows(), x_star.nrows());
         fill_lower_gram(&*self.kernel, x_star, &mut covariance);
@@ -294,7 +294,7 @@ impl Belief<'_> {
 
     fn predict_block(&self, x_star: MatRef<'_, f64>, mean: &mut [f64], variance: &mut [f64]) {
         let mut cross = Mat::zeros(self.x.nrows(), x_star.nrows());
-        fill_cross(self.kernel, self.x, x_star, &mut cross);
+        fill_cross(self.kernel, self.x, x_star, cross.as_mut());
         for (j, mean) in mean.iter_mut().enumerate() {
             *mean = self.constant + dot(column(&cross, j), self.weights);
         }

@@ -31,6 +31,7 @@ pub use self::squared_exponential::{SquaredExponential, SquaredExponentialProfil
 pub use self::sum::Sum;
 use crate::GpError;
 use crate::checks::check_inputs;
+use crate::vector::add_multiple;
 
 /// A covariance function k(a, b) of two inputs with D coordinates, and its derivatives.
 ///
@@ -73,58 +74,30 @@ pub trait Kernel: Debug + Send + Sync {
         }
     }
 
-    /// Adds Σᵢ wᵢ ∂k(xᵢ, b)/∂ ln θ to `gradient`, where `values` holds what `column` wrote.
+    /// Adds Σᵢ wᵢ ∂k(xᵢ, b)/∂ ln θ to `of_parameters` and Σᵢ wᵢ ∂k(xᵢ, b)/∂b to `of_input`, either
+    /// of which may be empty: not wanted; `values` holds what `column` wrote.
     fn column_gradient(
         &self,
         x: MatRef<'_, f64>,
         b: &[f64],
         _values: &[f64],
         weights: &[f64],
-        gradient: &mut [f64],
+        of_parameters: &mut [f64],
+        of_input: &mut [f64],
     ) {
         let mut a = vec![0.0; x.ncols()];
-        let mut term = vec![0.0; gradient.len()];
+        let (mut by_parameters, mut by_input) = (of_parameters.to_vec(), of_input.to_vec());
         for (i, weight) in weights.iter().enumerate() {
             copy_row(x, i, &mut a);
-            self.parameter_gradient(&a, b, &mut term);
-            for (sum, slope) in gradient.iter_mut().zip(&term) {
-                *sum += weight * slope;
+            if !of_parameters.is_empty() {
+                self.parameter_gradient(&a, b, &mut by_parameters);
+                add_multiple(of_parameters, *weight, &by_parameters);
+            }
+            if !of_input.is_empty() {
+                self.input_gradient(b, &a, &mut by_input);
+                add_multiple(of_input, *weight, &by_input);
             }
         }
-    }
-
-    /// Adds Σᵢ wᵢ ∂k(xᵢ, b)/∂b to `gradient`, where `values` holds what `column` wrote.
-    fn column_input_gradient(
-        &self,
-        x: MatRef<'_, f64>,
-        b: &[f64],
-        _values: &[f64],
-        weights: &[f64],
-        gradient: &mut [f64],
-    ) {
-        let mut a = vec![0.0; x.ncols()];
-        let mut term = vec![0.0; gradient.len()];
-        for (i, weight) in weights.iter().enumerate() {
-            copy_row(x, i, &mut a);
-            self.input_gradient(b, &a, &mut term);
-            for (sum, slope) in gradient.iter_mut().zip(&term) {
-                *sum += weight * slope;
-            }
-        }
-    }
-
-    /// `column_gradient` and `column_input_gradient` at once.
-    fn column_gradients(
-        &self,
-        x: MatRef<'_, f64>,
-        b: &[f64],
-        values: &[f64],
-        weights: &[f64],
-        gradient: &mut [f64],
-        input_gradient: &mut [f64],
-    ) {
-        self.column_gradient(x, b, values, weights, gradient);
-        self.column_input_gradient(x, b, values, weights, input_gradient);
     }
 
     /// Writes k(xᵢ, xᵢ) into `values` for every row xᵢ of `x`.
@@ -143,9 +116,7 @@ pub trait Kernel: Debug + Send + Sync {
         for (i, weight) in weights.iter().enumerate() {
             copy_row(x, i, &mut a);
             self.parameter_gradient(&a, &a, &mut term);
-            for (sum, slope) in gradient.iter_mut().zip(&term) {
-                *sum += weight * slope;
-            }
+            add_multiple(gradient, *weight, &term);
         }
     }
 }
@@ -210,7 +181,7 @@ pub fn cross(
     check_inputs("inputs", a, kernel.n_inputs())?;
     check_inputs("inputs", b, kernel.n_inputs())?;
     let mut matrix = Mat::zeros(a.nrows(), b.nrows());
-    fill_cross(kernel, a, b, &mut matrix);
+    fill_cross(kernel, a, b, matrix.as_mut());
     Ok(matrix)
 }
 
@@ -235,12 +206,12 @@ pub fn fill_cross(
     kernel: &dyn Kernel,
     a: MatRef<'_, f64>,
     b: MatRef<'_, f64>,
-    matrix: &mut Mat<f64>,
+    mut matrix: MatMut<'_, f64>,
 ) {
     let mut row = vec![0.0; b.ncols()];
     for j in 0..b.nrows() {
         copy_row(b, j, &mut row);
-        kernel.column(a, &row, column_mut(matrix, j));
+        kernel.column(a, &row, column_of(matrix.as_mut(), j));
     }
 }
 
@@ -277,7 +248,10 @@ pub fn column_mut(matrix: &mut Mat<f64>, j: usize) -> &mut [f64] {
 }
 
 /// A column of a part of an owned matrix as a mutable slice.
-pub(crate) fn column_of(matrix: MatMut<'_, f64>, j: usize) -> &mut [f64] {
+///
+/// # Panics
+/// If there is no column `j`, or the columns are not contiguous.
+pub fn column_of(matrix: MatMut<'_, f64>, j: usize) -> &mut [f64] {
     matrix
         .col_mut(j)
         .try_as_col_major_mut()
@@ -324,32 +298,10 @@ impl<K: Kernel + ?Sized> Kernel for Box<K> {
         b: &[f64],
         values: &[f64],
         weights: &[f64],
-        gradient: &mut [f64],
+        of_parameters: &mut [f64],
+        of_input: &mut [f64],
     ) {
-        (**self).column_gradient(x, b, values, weights, gradient);
-    }
-
-    fn column_input_gradient(
-        &self,
-        x: MatRef<'_, f64>,
-        b: &[f64],
-        values: &[f64],
-        weights: &[f64],
-        gradient: &mut [f64],
-    ) {
-        (**self).column_input_gradient(x, b, values, weights, gradient);
-    }
-
-    fn column_gradients(
-        &self,
-        x: MatRef<'_, f64>,
-        b: &[f64],
-        values: &[f64],
-        weights: &[f64],
-        gradient: &mut [f64],
-        input_gradient: &mut [f64],
-    ) {
-        (**self).column_gradients(x, b, values, weights, gradient, input_gradient);
+        (**self).column_gradient(x, b, values, weights, of_parameters, of_input);
     }
 
     fn diagonal(&self, x: MatRef<'_, f64>, values: &mut [f64]) {

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::bfgs::{Limits, Minimum, StopReason, best_of, minimize};
 use crate::checks::{check_count, check_inputs, check_outputs, check_positive};
-use crate::gp::{Noise, check_row_noise};
 use crate::likelihood::Likelihood;
+use crate::noise::{Noise, check_row_noise};
 use crate::search_space::SearchSpace;
 use crate::{Gp, GpError, Kernel, Mean};
 

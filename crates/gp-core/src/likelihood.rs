@@ -4,9 +4,9 @@ use faer::{Mat, MatMut, MatRef};
 use rayon::prelude::{IndexedParallelIterator, ParallelIterator};
 
 use crate::cholesky::{factorize, invert};
-use crate::gp::Noise;
 use crate::kernel::{COLUMNS, column, column_of, copy_row, fill_lower_gram};
 use crate::mean::Residual;
+use crate::noise::Noise;
 use crate::triangle::scratch_rows;
 use crate::{GpError, Kernel, Mean};
 
@@ -135,7 +135,7 @@ impl<'a> Likelihood<'a> {
                     *of_noise += noise_variance * slope[0];
                     copy_row(x, j, &mut b);
                     let (rows, values) = (x.subrows(j, slope.len()), &column(gram, j)[j..]);
-                    kernel.column_gradient(rows, &b, values, slope, of_kernel);
+                    kernel.column_gradient(rows, &b, values, slope, of_kernel, &mut []);
                 }
                 part
             })

@@ -133,12 +133,12 @@ impl Residual {
         solve_upper(factor, &mut weights);
         let normalization = y.len() as f64 * (2.0 * PI).ln();
         let log_likelihood = -0.5 * (quadratic + log_determinant(factor) + normalization);
-        let slopes = coefficients.get(1..).unwrap_or_default().to_vec();
-        let trend = Trend {
-            value: origin + coefficients.first().unwrap_or(&0.0),
-            first: (0..slopes.len()).map(|d| x[(0, d)]).collect(),
-            slopes,
+        let (constant, slopes) = match coefficients.split_first() {
+            Some((constant, slopes)) => (*constant, slopes.to_vec()),
+            None => (0.0, Vec::new()),
         };
+        let first = (0..slopes.len()).map(|d| x[(0, d)]).collect();
+        let trend = Trend { value: origin + constant, first, slopes };
         Ok(Self { trend, weights, log_likelihood })
     }
 }

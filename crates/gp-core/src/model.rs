@@ -6,7 +6,7 @@ use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 use crate::checks::check_count;
-use crate::gp::Noise;
+use crate::noise::Noise;
 use crate::{Gp, GpError, KernelSpec, Mean};
 
 /// Everything from which `Gp::from_model` rebuilds the same predictions, bit for bit.

@@ -253,7 +253,7 @@ fn contract(
         slope[1..].iter_mut().for_each(|slope| *slope *= 2.0);
         copy_row(x, j, &mut b);
         let rows = x.subrows(j, slope.len());
-        kernel.column_gradient(rows, &b, &column(gram, j)[j..], slope, gradient);
+        kernel.column_gradient(rows, &b, &column(gram, j)[j..], slope, gradient, &mut []);
     }
 }
 

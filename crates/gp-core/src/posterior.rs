@@ -2,7 +2,8 @@
 
 use faer::{Mat, MatRef};
 
-use crate::{GpError, JointGaussian};
+use crate::checks::check_count;
+use crate::{GpError, JointGaussian, Workspace};
 
 /// A Gaussian belief about a function f after data have been seen.
 ///
@@ -23,6 +24,28 @@ pub trait Posterior: Send + Sync {
     /// # Errors
     /// As `predict_mean`.
     fn predict(&self, x_star: MatRef<'_, f64>) -> Result<(Vec<f64>, Vec<f64>), GpError>;
+
+    /// As `predict` on the calling thread, in memory that is there: for many small calls, none of
+    /// which should allocate matrices.
+    ///
+    /// - `mean`, `variance`: one a row, overwritten.
+    ///
+    /// # Errors
+    /// As `predict_mean`; `ShapeMismatch` if there is not one mean and one variance a row.
+    fn predict_into(
+        &self,
+        x_star: MatRef<'_, f64>,
+        _workspace: &mut Workspace,
+        mean: &mut [f64],
+        variance: &mut [f64],
+    ) -> Result<(), GpError> {
+        check_count("means", x_star.nrows(), mean.len())?;
+        check_count("variances", x_star.nrows(), variance.len())?;
+        let predicted = self.predict(x_star)?;
+        mean.copy_from_slice(&predicted.0);
+        variance.copy_from_slice(&predicted.1);
+        Ok(())
+    }
 
     /// The posterior mean and the full covariance of f at all rows together.
     ///

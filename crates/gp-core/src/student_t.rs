@@ -7,7 +7,7 @@ use faer::{Mat, MatRef};
 use serde::{Deserialize, Serialize};
 
 use crate::checks::{check_count, check_inputs, check_outputs, check_positive, check_range};
-use crate::gp::Noise;
+use crate::noise::Noise;
 use crate::student_t_bound::{StudentTBound, Tails};
 use crate::{Gp, GpError, JointGaussian, Kernel, KernelSpec, Mean, Posterior};
 

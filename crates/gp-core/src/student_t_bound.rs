@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use faer::MatRef;
 
-use crate::gp::Noise;
 use crate::likelihood::Likelihood;
 use crate::mean::Residual;
+use crate::noise::Noise;
 use crate::{GpError, Kernel, Mean};
 
 /// A lower bound of ln p(y) where y = f + ε, ε of a Student t, f ~ GP(m, k); owns its memory.

@@ -5,9 +5,9 @@
 //! the number of threads.
 
 use faer::linalg::matmul::matmul;
-use faer::{Accum, MatMut, MatRef, Par};
-use pulp::{Arch, Simd, WithSimd};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 
+use crate::tile::{TILE, factorize_tile, invert_tile, solve_tile};
 use crate::vector::{add_multiple, dot};
 
 /// Overwrites the lower triangle of a symmetric matrix by its Cholesky factor; n³/3 operations.
@@ -27,7 +27,7 @@ pub fn factorize(mut matrix: MatMut<'_, f64>) -> Result<(), usize> {
         let rows = matrix.as_mut().get_mut(start.., ..end);
         let (known, mut panel) = rows.split_at_col_mut(start);
         let (known, width) = (known.as_ref(), end - start);
-        add_product(panel.as_mut(), known, known.subrows(0, width).transpose());
+        increase(panel.as_mut(), known, known.subrows(0, width).transpose(), -1.0);
         let (mut pivots, below) = panel.split_at_row_mut(width);
         factorize(pivots.as_mut()).map_err(|pivot| start + pivot)?;
         solve_rows(pivots.as_ref(), below);
@@ -46,7 +46,7 @@ pub fn solve_rows(factor: MatRef<'_, f64>, mut x: MatMut<'_, f64>) {
         let end = n.min(start + width);
         let (known, mut panel) = x.as_mut().get_mut(.., ..end).split_at_col_mut(start);
         let coefficients = factor.get(start..end, ..start);
-        add_product(panel.as_mut(), known.as_ref(), coefficients.transpose());
+        increase(panel.as_mut(), known.as_ref(), coefficients.transpose(), -1.0);
         solve_rows(factor.get(start..end, start..end), panel);
     }
 }
@@ -106,6 +106,15 @@ pub fn invert(mut factor: MatMut<'_, f64>, mut scratch: MatMut<'_, f64>) {
     }
 }
 
+/// L⁻¹ of a lower triangle L, with zeros above its diagonal; n³/3 operations.
+pub fn inverse(factor: MatRef<'_, f64>) -> Mat<f64> {
+    let n = factor.nrows();
+    let mut inverse = factor.to_owned();
+    invert(inverse.as_mut(), Mat::zeros(scratch_rows(n), n).as_mut());
+    clear_above(inverse.as_mut());
+    inverse
+}
+
 /// Replaces the lower triangle M by that of MᵀM, where [`invert`] has left M; n³/3 operations.
 ///
 /// - `scratch`: [`scratch_rows`]×n.
@@ -125,19 +134,64 @@ pub fn square(mut matrix: MatMut<'_, f64>, mut scratch: MatMut<'_, f64>) {
     }
 }
 
+/// product ← X L for an L with zeros above its diagonal; n² operations a row.
+pub fn multiply_rows(mut product: MatMut<'_, f64>, x: MatRef<'_, f64>, lower: MatRef<'_, f64>) {
+    let n = lower.nrows();
+    for start in (0..n).step_by(WIDE) {
+        let end = n.min(start + WIDE);
+        for first in (start..end).step_by(NARROW) {
+            let last = end.min(first + NARROW);
+            let columns = product.as_mut().get_mut(.., first..last);
+            let (a, b) = (x.get(.., first..end), lower.get(first..end, first..last));
+            multiply(columns, Accum::Replace, a, b, 1.0);
+        }
+        let columns = product.as_mut().get_mut(.., start..end);
+        increase(columns, x.get(.., end..), lower.get(end.., start..end), 1.0);
+    }
+}
+
+/// product ← X Lᵀ for an L with zeros above its diagonal; n² operations a row.
+pub fn multiply_rows_transposed(
+    mut product: MatMut<'_, f64>,
+    x: MatRef<'_, f64>,
+    lower: MatRef<'_, f64>,
+) {
+    let n = lower.nrows();
+    for start in (0..n).step_by(WIDE) {
+        let end = n.min(start + WIDE);
+        for first in (start..end).step_by(NARROW) {
+            let last = end.min(first + NARROW);
+            let columns = product.as_mut().get_mut(.., first..last);
+            let (a, b) = (x.get(.., start..last), lower.get(first..last, start..last));
+            multiply(columns, Accum::Replace, a, b.transpose(), 1.0);
+        }
+        let columns = product.as_mut().get_mut(.., start..end);
+        increase(columns, x.get(.., ..start), lower.get(start..end, ..start).transpose(), 1.0);
+    }
+}
+
+/// Writes zeros above the diagonal.
+pub fn clear_above(mut matrix: MatMut<'_, f64>) {
+    for j in 1..matrix.ncols() {
+        matrix.as_mut().col_mut(j).subrows_mut(0, j).fill(0.0);
+    }
+}
+
 /// The rows that a scratch matrix has for a triangle of size n.
 pub fn scratch_rows(n: usize) -> usize {
     panel_width(n)
 }
-
-/// Rows and columns of the tiles that are handled without a matrix product.
-const TILE: usize = 32;
 
 /// Columns that one matrix product finishes: wide enough for its speed, narrow enough for little
 /// work above the diagonal.
 fn panel_width(n: usize) -> usize {
     if n > 16 * TILE { 2 * TILE } else { TILE }
 }
+
+/// Columns of a triangle that a product with many rows takes at once: as many as the matrix product
+/// keeps in registers, for the least work above the diagonal; and beside a wide rectangle.
+const NARROW: usize = 8;
+const WIDE: usize = 128;
 
 /// Multiplications of a product that one thread does at once.
 const LEAF: usize = 1 << 23;
@@ -170,166 +224,10 @@ fn multiply(
     }
 }
 
-/// sum ← sum − A B.
-fn add_product(sum: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
+/// sum ← sum + factor·A B.
+fn increase(sum: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, factor: f64) {
     if a.ncols() > 0 {
-        multiply(sum, Accum::Add, a, b, -1.0);
-    }
-}
-
-fn clear_above(mut matrix: MatMut<'_, f64>) {
-    for j in 1..matrix.ncols() {
-        matrix.as_mut().col_mut(j).subrows_mut(0, j).fill(0.0);
-    }
-}
-
-/// Columns of a tile, which stays in the first cache.
-type Tile = [[f64; TILE]; TILE];
-
-fn factorize_tile(mut matrix: MatMut<'_, f64>) -> Result<(), usize> {
-    let mut columns = [[0.0; TILE]; TILE];
-    load(matrix.as_ref(), &mut columns);
-    let failed = Arch::new().dispatch(FactorColumns(&mut columns[..matrix.ncols()]));
-    store(&columns, matrix.as_mut());
-    failed.map_or(Ok(()), Err)
-}
-
-fn solve_tile(factor: MatRef<'_, f64>, mut x: MatMut<'_, f64>) {
-    let triangle = Triangle::new(factor);
-    let mut columns = [[0.0; TILE]; TILE];
-    for start in (0..x.nrows()).step_by(TILE) {
-        let n_rows = TILE.min(x.nrows() - start);
-        let mut rows = x.as_mut().subrows_mut(start, n_rows);
-        load(rows.as_ref(), &mut columns);
-        triangle.solve(&mut columns);
-        store(&columns, rows.as_mut());
-    }
-}
-
-fn invert_tile(factor: MatMut<'_, f64>) {
-    let mut columns = [[0.0; TILE]; TILE];
-    (0..TILE).for_each(|i| columns[i][i] = 1.0);
-    Triangle::new(factor.as_ref()).solve(&mut columns);
-    // The rows are those of L⁻ᵀ.
-    store(&columns, factor.transpose_mut());
-}
-
-/// A triangle by rows, with 1 over its diagonal.
-struct Triangle {
-    rows: Tile,
-    n: usize,
-}
-
-impl Triangle {
-    fn new(factor: MatRef<'_, f64>) -> Self {
-        let n = factor.nrows();
-        let mut rows = [[0.0; TILE]; TILE];
-        for (j, row) in rows[..n].iter_mut().enumerate() {
-            (0..j).for_each(|k| row[k] = factor[(j, k)]);
-            row[j] = factor[(j, j)].recip();
-        }
-        Self { rows, n }
-    }
-
-    fn solve(&self, columns: &mut Tile) {
-        let (columns, rows) = (&mut columns[..self.n], &self.rows);
-        Arch::new().dispatch(SolveColumns { columns, rows });
-    }
-}
-
-/// Overwrites a tile by its Cholesky factor; returns the first pivot that is not positive.
-struct FactorColumns<'a>(&'a mut [[f64; TILE]]);
-
-impl WithSimd for FactorColumns<'_> {
-    type Output = Option<usize>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Option<usize> {
-        for j in 0..self.0.len() {
-            let (known, rest) = self.0.split_at_mut(j);
-            subtract(simd, &mut rest[0], known, |_, column| column[j]);
-            let pivot = rest[0][j];
-            if pivot <= 0.0 || pivot.is_nan() {
-                return Some(j);
-            }
-            scale(&mut rest[0], pivot.sqrt().recip());
-        }
-        None
-    }
-}
-
-/// Replaces the columns X of a tile by those of X L⁻ᵀ.
-struct SolveColumns<'a> {
-    columns: &'a mut [[f64; TILE]],
-    rows: &'a Tile,
-}
-
-impl WithSimd for SolveColumns<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        for (j, row) in self.rows[..self.columns.len()].iter().enumerate() {
-            let (known, rest) = self.columns.split_at_mut(j);
-            subtract(simd, &mut rest[0], known, |k, _| row[k]);
-            scale(&mut rest[0], row[j]);
-        }
-    }
-}
-
-/// sum ← sum − Σ coefficient·column.
-#[inline(always)]
-fn subtract<S: Simd>(
-    simd: S,
-    sum: &mut [f64; TILE],
-    columns: &[[f64; TILE]],
-    coefficient: impl Fn(usize, &[f64; TILE]) -> f64,
-) {
-    match TILE / S::F64_LANES {
-        0..4 => subtract_in::<S, 1>(simd, sum, columns, coefficient),
-        4..8 => subtract_in::<S, 4>(simd, sum, columns, coefficient),
-        _ => subtract_in::<S, 8>(simd, sum, columns, coefficient),
-    }
-}
-
-/// As `subtract`, with `N` vector registers of the sum at a time.
-#[inline(always)]
-fn subtract_in<S: Simd, const N: usize>(
-    simd: S,
-    sum: &mut [f64; TILE],
-    columns: &[[f64; TILE]],
-    coefficient: impl Fn(usize, &[f64; TILE]) -> f64,
-) {
-    let (sum, _) = S::as_mut_simd_f64s(sum);
-    for (block, sum) in sum.as_chunks_mut::<N>().0.iter_mut().enumerate() {
-        let mut registers = *sum;
-        for (k, column) in columns.iter().enumerate() {
-            let factor = simd.splat_f64s(-coefficient(k, column));
-            let column = &S::as_simd_f64s(column).0.as_chunks::<N>().0[block];
-            for (register, value) in registers.iter_mut().zip(column) {
-                *register = simd.mul_add_f64s(*value, factor, *register);
-            }
-        }
-        *sum = registers;
-    }
-}
-
-#[inline(always)]
-fn scale(column: &mut [f64; TILE], factor: f64) {
-    for value in column {
-        *value *= factor;
-    }
-}
-
-fn load(matrix: MatRef<'_, f64>, tile: &mut Tile) {
-    for (values, column) in tile.iter_mut().zip(matrix.col_iter()) {
-        values.iter_mut().zip(column.iter()).for_each(|(value, entry)| *value = *entry);
-    }
-}
-
-fn store(tile: &Tile, matrix: MatMut<'_, f64>) {
-    for (column, values) in matrix.col_iter_mut().zip(tile) {
-        column.iter_mut().zip(values).for_each(|(entry, value)| *entry = *value);
+        multiply(sum, Accum::Add, a, b, factor);
     }
 }
 
@@ -337,7 +235,23 @@ fn store(tile: &Tile, matrix: MatMut<'_, f64>) {
 mod tests {
     use faer::{Mat, Side};
 
-    use super::{factorize, invert, scratch_rows, solve_rows, square};
+    use super::{
+        factorize, invert, multiply_rows, multiply_rows_transposed, scratch_rows, solve_rows,
+        square,
+    };
+
+    #[test]
+    fn products_with_a_triangle_are_those_with_a_whole_matrix() {
+        for n in [1, 7, 8, 9, 100, 128, 129, 300] {
+            let triangle = lower(&matrix(n));
+            let rows = Mat::from_fn(5, n, |i, j| ((3 * i + j) as f64).sin());
+            let mut product = Mat::full(5, n, f64::NAN);
+            multiply_rows(product.as_mut(), rows.as_ref(), triangle.as_ref());
+            assert!((&product - &rows * &triangle).norm_max() < 1e-13, "{n}");
+            multiply_rows_transposed(product.as_mut(), rows.as_ref(), triangle.as_ref());
+            assert!((&product - &rows * triangle.transpose()).norm_max() < 1e-13, "{n}");
+        }
+    }
 
     fn matrix(n: usize) -> Mat<f64> {
         let value = |i: usize, j: usize| (-0.3 * (i as f64 - j as f64).abs()).exp();

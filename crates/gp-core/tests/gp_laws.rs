@@ -5,8 +5,8 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use gp_core::{
-    Gp, GpModel, JointGaussian, Kernel, Matern32, Mean, Periodic, Posterior, Product,
-    SquaredExponential, gram,
+    Gp, GpError, GpModel, JointGaussian, Kernel, Matern32, Mean, Periodic, Posterior, Product,
+    SquaredExponential, Workspace, gram,
 };
 use proptest::collection::vec;
 use proptest::prelude::{Just, ProptestConfig, Strategy, prop_assert, prop_assert_eq, proptest};
@@ -308,4 +308,21 @@ fn samples_of_a_periodic_product_nearly_repeat() {
         let spread = (0..40).map(|i| (samples[(i, s)] - samples[(0, s)]).abs());
         assert!(spread.fold(0.0, f64::max) > 0.5);
     }
+}
+
+#[test]
+fn predictions_in_memory_that_is_there_are_the_same_bits() {
+    let x = Mat::from_fn(30, 1, |i, _| 0.2 * i as f64);
+    let y: Vec<f64> = (0..30).map(|i| (0.2 * i as f64).sin()).collect();
+    let gp = Gp::fit(SquaredExponential::unit(1).unwrap(), x.as_ref(), &y, 1e-3).unwrap();
+    let mut workspace = Workspace::new();
+    for n in [1, 1000, 7] {
+        let x_star = Mat::from_fn(n, 1, |i, _| 0.01 * i as f64);
+        let (mut mean, mut variance) = (vec![f64::NAN; n], vec![f64::NAN; n]);
+        gp.predict_into(x_star.as_ref(), &mut workspace, &mut mean, &mut variance).unwrap();
+        assert_eq!(bits((mean, variance)), bits(gp.predict(x_star.as_ref()).unwrap()));
+    }
+    let mut one = [0.0];
+    let error = gp.predict_into(x.subrows(0, 2), &mut workspace, &mut one, &mut [0.0; 2]);
+    assert!(matches!(error, Err(GpError::ShapeMismatch { .. })), "{error:?}");
 }

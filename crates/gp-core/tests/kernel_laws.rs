@@ -165,7 +165,7 @@ proptest! {
             let mut values = vec![0.0; x.nrows()];
             kernel.column(x.as_ref(), b, &mut values);
             let mut actual = vec![1.0; n_parameters];
-            kernel.column_gradient(x.as_ref(), b, &values, &weights, &mut actual);
+            kernel.column_gradient(x.as_ref(), b, &values, &weights, &mut actual, &mut []);
             let mut expected = vec![1.0; n_parameters];
             for (a, weight) in entries.chunks(d).zip(&weights) {
                 let mut slope = vec![0.0; n_parameters];
@@ -178,8 +178,8 @@ proptest! {
             let (mut together, mut by_input) = (vec![1.0; n_parameters], vec![0.5; d]);
             let mut alone = vec![0.5; d];
             let slopes = (&mut together[..], &mut by_input[..]);
-            kernel.column_gradients(x.as_ref(), b, &values, &weights, slopes.0, slopes.1);
-            kernel.column_input_gradient(x.as_ref(), b, &values, &weights, &mut alone);
+            kernel.column_gradient(x.as_ref(), b, &values, &weights, slopes.0, slopes.1);
+            kernel.column_gradient(x.as_ref(), b, &values, &weights, &mut [], &mut alone);
             prop_assert_eq!((together, by_input), (actual, alone));
         }
     }
@@ -198,7 +198,7 @@ proptest! {
             kernel.column(x.as_ref(), b, &mut values);
             kernel.diagonal(x.as_ref(), &mut diagonal);
             let (mut by_input, mut by_parameters) = (vec![1.0; d], vec![1.0; n_parameters]);
-            kernel.column_input_gradient(x.as_ref(), b, &values, &weights, &mut by_input);
+            kernel.column_gradient(x.as_ref(), b, &values, &weights, &mut [], &mut by_input);
             kernel.diagonal_gradient(x.as_ref(), &weights, &mut by_parameters);
             let (mut input, mut parameters) = (vec![1.0; d], vec![1.0; n_parameters]);
             for (i, a) in entries.chunks(d).enumerate() {

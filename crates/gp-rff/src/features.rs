@@ -1,9 +1,9 @@
 //! Random features whose products approximate a kernel.
 
-use faer::{Mat, MatRef};
+use faer::{Mat, MatMut, MatRef};
 use gp_core::checks::{check_count, check_inputs, check_positive};
-use gp_core::kernel::column_mut;
-use gp_core::vector::{SIN_COS_LIMIT, sin_cos, vectorized};
+use gp_core::kernel::column_of;
+use gp_core::vector::{self, SIN_COS_LIMIT};
 use gp_core::{GpError, Kernel, Matern32, Matern52, SquaredExponential};
 use serde::{Deserialize, Serialize};
 
@@ -188,16 +188,17 @@ impl RandomFeatures {
     pub fn evaluate(&self, x: MatRef<'_, f64>) -> Result<Mat<f64>, GpError> {
         check_inputs("inputs", x, self.n_inputs())?;
         let mut values = Mat::zeros(x.nrows(), self.n_features());
-        self.fill(x, &mut values, None);
+        self.fill(x, values.as_mut(), None);
         Ok(values)
     }
 
-    /// Writes the features and, where asked for, the sine beside each cosine, N×frequencies.
+    /// Writes the features into the first columns of `values` and, where asked for, the sine beside
+    /// each cosine, N×frequencies.
     pub(crate) fn fill(
         &self,
         x: MatRef<'_, f64>,
-        values: &mut Mat<f64>,
-        mut sines: Option<&mut Mat<f64>>,
+        mut values: MatMut<'_, f64>,
+        mut sines: Option<MatMut<'_, f64>>,
     ) {
         let amplitude = self.amplitude();
         let n_frequencies = self.phases.len();
@@ -206,7 +207,7 @@ impl RandomFeatures {
         for (j, (frequency, phase)) in frequencies.zip(&self.phases).enumerate() {
             for start in (0..x.nrows()).step_by(ROWS) {
                 let n = ROWS.min(x.nrows() - start);
-                let cosine = &mut column_mut(values, j)[start..start + n];
+                let cosine = &mut column_of(values.as_mut(), j)[start..start + n];
                 let sine = &mut sine[..n];
                 cosine.fill(*phase);
                 for (d, (frequency, lengthscale)) in
@@ -216,10 +217,11 @@ impl RandomFeatures {
                 }
                 turn(cosine, sine, amplitude);
                 if self.form == Form::Paired {
-                    column_mut(values, n_frequencies + j)[start..start + n].copy_from_slice(sine);
+                    let column = column_of(values.as_mut(), n_frequencies + j);
+                    column[start..start + n].copy_from_slice(sine);
                 }
-                if let Some(sines) = sines.as_deref_mut() {
-                    column_mut(sines, j)[start..start + n].copy_from_slice(sine);
+                if let Some(sines) = &mut sines {
+                    column_of(sines.as_mut(), j)[start..start + n].copy_from_slice(sine);
                 }
             }
         }
@@ -248,11 +250,7 @@ const ROWS: usize = 256;
 fn add_multiple(sums: &mut [f64], factor: f64, x: MatRef<'_, f64>, start: usize, d: usize) {
     let rows = x.col(d).subrows(start, sums.len());
     match rows.try_as_col_major() {
-        Some(rows) => vectorized(|| {
-            for (sum, x) in sums.iter_mut().zip(rows.as_slice()) {
-                *sum += factor * x;
-            }
-        }),
+        Some(rows) => vector::add_multiple(sums, factor, rows.as_slice()),
         None => {
             for (sum, x) in sums.iter_mut().zip(rows.iter()) {
                 *sum += factor * x;
@@ -263,23 +261,12 @@ fn add_multiple(sums: &mut [f64], factor: f64, x: MatRef<'_, f64>, start: usize,
 
 /// Replaces angles by a·cos, and writes a·sin.
 fn turn(angles: &mut [f64], sines: &mut [f64], amplitude: f64) {
-    let mut is_small = true;
-    for angle in angles.iter() {
-        is_small &= angle.abs() <= SIN_COS_LIMIT;
+    if angles.iter().all(|angle| angle.abs() <= SIN_COS_LIMIT) {
+        return vector::turn(angles, sines, amplitude);
     }
-    if is_small {
-        vectorized(|| {
-            for (angle, sine) in angles.iter_mut().zip(sines) {
-                let (s, c) = sin_cos(*angle);
-                *sine = amplitude * s;
-                *angle = amplitude * c;
-            }
-        });
-    } else {
-        for (angle, sine) in angles.iter_mut().zip(sines) {
-            let (s, c) = angle.sin_cos();
-            *sine = amplitude * s;
-            *angle = amplitude * c;
-        }
+    for (angle, sine) in angles.iter_mut().zip(sines) {
+        let (s, c) = angle.sin_cos();
+        *sine = amplitude * s;
+        *angle = amplitude * c;
     }
 }

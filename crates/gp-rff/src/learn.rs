@@ -134,16 +134,9 @@ impl RffGp {
         x: MatRef<'_, f64>,
         y: &[f64],
     ) -> Result<Vec<f64>, GpError> {
-        gp_core::checks::check_inputs("inputs", x, self.features.n_inputs())?;
-        check_outputs("outputs", y, x.nrows())?;
-        let mut gradient = vec![0.0; self.features.n_inputs() + 2];
-        Likelihood::new(&self.features, x, y, self.mean).evaluate(
-            &self.features,
-            self.signal_variance,
-            self.noise_variance,
-            &mut gradient,
-        )?;
-        Ok(gradient)
+        let mut evaluator = self.evaluator(x, y)?;
+        evaluator.evaluate()?;
+        Ok(evaluator.gradient().to_vec())
     }
 }
 
@@ -164,7 +157,7 @@ fn maximize_own(
         progress: None,
     };
     let run = |index: usize| {
-        let mut likelihood = Likelihood::new(features, x, y, options.mean);
+        let mut likelihood = Likelihood::new(features, x, y, options.mean)?;
         let evaluate = |point: &[f64], gradient: &mut [f64]| {
             let parameters = space.parameters(point);
             let moved = features.with_lengthscales(&parameters[..d])?;

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod draw;
+mod evaluator;
 mod evidence;
 mod features;
 mod learn;
@@ -10,6 +11,7 @@ mod model;
 mod rff_gp;
 mod statistics;
 
+pub use evaluator::Evaluator;
 pub use features::{FeatureOptions, Form, RandomFeatures, Sampling, Spectrum};
 pub use learn::{Hyperparameters, RffOptions, RffReport};
 pub use model::RffGpModel;

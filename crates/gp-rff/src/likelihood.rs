@@ -3,38 +3,37 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use gp_core::cholesky::invert;
-use gp_core::kernel::{column, column_mut, mirror_lower};
+use gp_core::kernel::{column, column_of};
 use gp_core::triangle::scratch_rows;
-use gp_core::vector::{add_multiple, dot, vectorized};
+use gp_core::vector::{dot, multiply, subtract_products};
 use gp_core::{GpError, Mean};
 use rayon::prelude::{IntoParallelRefMutIterator, ParallelIterator};
 
 use crate::evidence::Evidence;
-use crate::statistics::{BLOCK, multiply_transposed};
+use crate::statistics::{BLOCK, FeatureRows, rows_of_part};
 use crate::{Form, RandomFeatures, SufficientStatistics};
 
-/// ln p(y | X, θ) for one data set, fixed base frequencies and many θ; owns its memory, about
-/// 24 N M bytes.
+/// ln p(y | X, θ) for one data set, fixed base frequencies and many θ.
+///
+/// Features are computed twice and not kept, which costs less than the way to memory and back.
 pub(crate) struct Likelihood {
     mean: Mean,
-    origin: f64,
-    blocks: Vec<Block>,
+    statistics: SufficientStatistics,
+    parts: Vec<Part>,
+    /// B⁻¹, then what the features are multiplied by for the slope.
     inverse: Mat<f64>,
     scratch: Mat<f64>,
+    slope_factor: Mat<f64>,
 }
 
-/// Rows of data with their features.
-struct Block {
+/// Some of the rows, and all that one thread needs for them.
+struct Part {
     x: Mat<f64>,
     y: Vec<f64>,
-    phi: Mat<f64>,
-    /// The sine beside each cosine.
-    sines: Mat<f64>,
+    statistics: SufficientStatistics,
+    rows: FeatureRows,
     /// ∂ ln p/∂Φ.
     slope: Mat<f64>,
-    /// ΦᵀΦ, the lower triangle.
-    square: Mat<f64>,
-    residual: Vec<f64>,
     of_lengthscales: Vec<f64>,
 }
 
@@ -45,35 +44,31 @@ impl Likelihood {
         x: MatRef<'_, f64>,
         y: &[f64],
         mean: Mean,
-    ) -> Self {
-        let (n, m) = (y.len(), features.n_features());
-        let origin = y.iter().sum::<f64>() / n as f64;
-        let block = |start: usize| {
-            let rows = BLOCK.min(n - start);
-            Block {
-                x: x.subrows(start, rows).to_owned(),
-                y: y[start..start + rows].iter().map(|y| y - origin).collect(),
-                phi: Mat::zeros(rows, m),
-                sines: Mat::zeros(rows, features.phases.len()),
-                slope: Mat::zeros(rows, m),
-                square: Mat::zeros(m, m),
-                residual: vec![0.0; rows],
-                of_lengthscales: vec![0.0; features.n_inputs()],
-            }
+    ) -> Result<Self, GpError> {
+        let m = features.n_features();
+        let statistics =
+            SufficientStatistics::new(features, y.iter().sum::<f64>() / y.len() as f64)?;
+        let per_part = rows_of_part(y.len());
+        let part = |(part, y): (usize, &[f64])| Part {
+            x: x.subrows(part * per_part, y.len()).to_owned(),
+            y: y.to_vec(),
+            statistics: statistics.clone(),
+            rows: FeatureRows::new(features, true),
+            slope: Mat::zeros(BLOCK, m),
+            of_lengthscales: vec![0.0; features.n_inputs()],
         };
-        Self {
+        Ok(Self {
             mean,
-            origin,
-            blocks: (0..n).step_by(BLOCK).map(block).collect(),
+            parts: y.chunks(per_part).enumerate().map(part).collect(),
+            statistics,
             inverse: Mat::zeros(m, m),
             scratch: Mat::zeros(scratch_rows(m), m),
-        }
+            slope_factor: Mat::zeros(m + 2, m),
+        })
     }
 
     /// ln p, and its gradient by ln of lengthscales, signal variance and noise variance; 3 N M²
     /// operations.
-    ///
-    /// With w = Λ⁻¹(y − m) and the features scaled by s, ∂ ln p/∂Φ = w tᵀ − ΦB⁻¹.
     ///
     /// # Errors
     /// `NotPositiveDefinite`.
@@ -84,92 +79,82 @@ impl Likelihood {
         noise_variance: f64,
         gradient: &mut [f64],
     ) -> Result<f64, GpError> {
-        self.blocks.par_iter_mut().for_each(|block| {
-            features.fill(block.x.as_ref(), &mut block.phi, Some(&mut block.sines));
-            multiply_transposed(&block.phi, &mut block.square);
-        });
-        let mut statistics = SufficientStatistics::new(features, self.origin)?;
-        for block in &self.blocks {
-            statistics.add_block(&block.phi, &block.square, &block.y);
+        self.parts.par_iter_mut().for_each(|part| part.sum(features));
+        self.statistics.clear(features);
+        for part in &self.parts {
+            self.statistics.merge(&part.statistics)?;
         }
-        let evidence = Evidence::new(&statistics, signal_variance, noise_variance, self.mean)?;
-        let trace = self.invert(&evidence.root);
-        let (m, n) = (evidence.weights.len() as f64, statistics.n_rows() as f64);
+        let evidence = Evidence::new(&self.statistics, signal_variance, noise_variance, self.mean)?;
+        let trace = self.invert(&evidence, signal_variance.sqrt(), noise_variance);
+        let (m, n) = (evidence.weights.len() as f64, self.statistics.n_rows() as f64);
         let (d, t) = (features.n_inputs(), &evidence.weights);
         gradient[d] = 0.5 * (dot(t, t) - m + noise_variance * trace);
         let free = n - m + noise_variance * trace;
         gradient[d + 1] = 0.5 * (evidence.squared_residual / noise_variance - free);
-        let (inverse, signal_sd) = (self.inverse.as_ref(), signal_variance.sqrt());
-        self.blocks.par_iter_mut().for_each(|block| {
-            block.differentiate(features, inverse, &evidence, signal_sd, noise_variance);
-        });
+        let slope_factor = self.slope_factor.as_ref();
+        self.parts.par_iter_mut().for_each(|part| part.differentiate(features, slope_factor));
         for (d, slope) in gradient[..d].iter_mut().enumerate() {
-            *slope = self.blocks.iter().map(|block| block.of_lengthscales[d]).sum();
+            *slope = self.parts.iter().map(|part| part.of_lengthscales[d]).sum();
+        }
+        for (slope, lengthscale) in gradient[..d].iter_mut().zip(features.lengthscales()) {
+            *slope *= signal_variance.sqrt() / lengthscale;
         }
         Ok(evidence.value)
     }
 
-    /// Fills B⁻¹, both triangles, and returns its trace.
-    fn invert(&mut self, root: &Mat<f64>) -> f64 {
-        self.inverse.copy_from(root);
+    /// Fills what (Φ, y, 1) is multiplied by for the slope, and returns the trace of B⁻¹.
+    ///
+    /// With r = y − m − sΦt and the features scaled by s, ∂ ln p/∂Φ = r tᵀ/σₙ² − sΦB⁻¹.
+    fn invert(&mut self, evidence: &Evidence, signal_sd: f64, noise_variance: f64) -> f64 {
+        self.inverse.copy_from(&evidence.root);
         invert(self.inverse.as_mut(), self.scratch.as_mut());
-        mirror_lower(&mut self.inverse);
-        (0..root.nrows()).map(|j| self.inverse[(j, j)]).sum()
+        let (m, t) = (evidence.weights.len(), &evidence.weights);
+        for j in 0..m {
+            let of_residual = t[j] / noise_variance;
+            let factors = column_of(self.slope_factor.as_mut(), j);
+            for (i, factor) in factors[..m].iter_mut().enumerate() {
+                let inverse = self.inverse[(i.max(j), i.min(j))];
+                *factor = -signal_sd * (inverse + t[i] * of_residual);
+            }
+            factors[m] = of_residual;
+            factors[m + 1] = -evidence.constant * of_residual;
+        }
+        (0..m).map(|j| self.inverse[(j, j)]).sum()
     }
 }
 
-impl Block {
-    /// The slope by the logarithms of the lengthscales.
+impl Part {
+    fn sum(&mut self, features: &RandomFeatures) {
+        self.statistics.clear(features);
+        self.statistics.add_rows(features, self.x.as_ref(), &self.y, &mut self.rows);
+    }
+
+    /// The slope by the logarithms of the lengthscales, over s/l_d.
     ///
     /// For an angle θ = Σ ω_d x_d/l_d + b: ∂cos θ/∂ ln l_d = sin θ · ω_d x_d/l_d.
-    fn differentiate(
-        &mut self,
-        features: &RandomFeatures,
-        inverse: MatRef<'_, f64>,
-        evidence: &Evidence,
-        signal_sd: f64,
-        noise_variance: f64,
-    ) {
-        let Self { x, y, phi, sines, slope, residual, of_lengthscales, .. } = self;
-        matmul(slope.as_mut(), Accum::Replace, &*phi, inverse, -signal_sd, Par::Seq);
-        for (residual, y) in residual.iter_mut().zip(y) {
-            *residual = *y - evidence.constant;
-        }
-        for (j, t) in evidence.weights.iter().enumerate() {
-            add_multiple(residual, -signal_sd * t, column(phi, j));
-        }
-        for (j, t) in evidence.weights.iter().enumerate() {
-            add_multiple(column_mut(slope, j), t / noise_variance, residual);
-        }
+    fn differentiate(&mut self, features: &RandomFeatures, slope_factor: MatRef<'_, f64>) {
+        let Self { x, y, rows, slope, of_lengthscales, statistics } = self;
+        let (d, n_frequencies) = (x.ncols(), features.phases.len());
         of_lengthscales.fill(0.0);
-        let n_frequencies = features.phases.len();
-        for (j, frequency) in features.frequencies.chunks_exact(x.ncols()).enumerate() {
-            // In place of the sines, which are not needed again: the slope by the angle, negated.
-            let of_angle = column_mut(sines, j);
-            multiply(of_angle, column(slope, j));
-            if features.form == Form::Paired {
-                subtract_products(of_angle, column(slope, n_frequencies + j), column(phi, j));
-            }
-            for (d, of_lengthscale) in of_lengthscales.iter_mut().enumerate() {
-                let scale = signal_sd * frequency[d] / features.lengthscales[d];
-                *of_lengthscale += scale * dot(of_angle, column(x, d));
+        for (block, y) in y.chunks(BLOCK).enumerate() {
+            let (start, n) = (block * BLOCK, y.len());
+            rows.fill(features, x.as_ref().subrows(start, n), y, statistics.origin());
+            let block_slope = slope.as_mut().subrows_mut(0, n);
+            matmul(block_slope, Accum::Replace, rows.values(), slope_factor, 1.0, Par::Seq);
+            for (j, frequency) in features.frequencies.chunks_exact(d).enumerate() {
+                let (mut by_cosine, by_sine) = slope.as_mut().split_at_col_mut(n_frequencies);
+                let (cosine, sine) = rows.pair(j, n_frequencies);
+                // In place of the slope by the cosine: that by the angle, negated.
+                let of_angle = &mut column_of(by_cosine.as_mut(), j)[..n];
+                multiply(of_angle, sine);
+                if features.form == Form::Paired {
+                    subtract_products(of_angle, &column_of(by_sine, j)[..n], cosine);
+                }
+                for (c, of_lengthscale) in of_lengthscales.iter_mut().enumerate() {
+                    let x = &column(x, c)[start..start + n];
+                    *of_lengthscale += frequency[c] * dot(of_angle, x);
+                }
             }
         }
     }
-}
-
-fn multiply(values: &mut [f64], factors: &[f64]) {
-    vectorized(|| {
-        for (value, factor) in values.iter_mut().zip(factors) {
-            *value *= factor;
-        }
-    });
-}
-
-fn subtract_products(values: &mut [f64], a: &[f64], b: &[f64]) {
-    vectorized(|| {
-        for ((value, a), b) in values.iter_mut().zip(a).zip(b) {
-            *value -= a * b;
-        }
-    });
 }

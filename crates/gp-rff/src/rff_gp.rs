@@ -1,12 +1,13 @@
 //! Bayesian linear regression on random features: an approximate Gaussian process.
 
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 use gp_core::checks::{check_inputs, check_outputs, check_positive};
-use gp_core::kernel::{column, mirror_lower};
-use gp_core::triangle::solve_rows;
-use gp_core::vector::{add_multiple, vectorized};
-use gp_core::{GpError, JointGaussian, Mean, Posterior};
+use gp_core::kernel::{column_of, mirror_lower};
+use gp_core::triangle::{inverse, multiply_rows_transposed};
+use gp_core::vector::{add_multiple, add_square};
+use gp_core::workspace::{predict_blocks_into, predict_in_blocks};
+use gp_core::{GpError, JointGaussian, Mean, Posterior, Workspace};
 use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
 
 use crate::evidence::Evidence;
@@ -29,7 +30,8 @@ pub struct RffGp {
     pub(crate) mean: Mean,
     constant: f64,
     weights: Vec<f64>,
-    root: Mat<f64>,
+    /// R⁻¹ with B = R Rᵀ, and zeros above the diagonal.
+    root_inverse: Mat<f64>,
     log_evidence: f64,
 }
 
@@ -80,7 +82,7 @@ impl RffGp {
         Ok(Self {
             constant: statistics.origin() + evidence.constant,
             weights: evidence.weights,
-            root: evidence.root,
+            root_inverse: inverse(evidence.root.as_ref()),
             log_evidence: evidence.value,
             features,
             statistics,
@@ -137,23 +139,44 @@ impl RffGp {
         self.log_evidence
     }
 
-    /// Means, and φ by rows.
-    fn evaluate(&self, x_star: MatRef<'_, f64>, mean: &mut [f64]) -> Mat<f64> {
-        let mut phi = Mat::zeros(x_star.nrows(), self.weights.len());
-        self.features.fill(x_star, &mut phi, None);
-        let signal_sd = self.signal_variance.sqrt();
-        mean.fill(self.constant);
-        for (j, weight) in self.weights.iter().enumerate() {
-            add_multiple(mean, signal_sd * weight, column(&phi, j));
+    /// Means and variances for the rows of a block.
+    fn predict_block(
+        &self,
+        x_star: MatRef<'_, f64>,
+        workspace: &mut Workspace,
+        mean: &mut [f64],
+        variance: &mut [f64],
+    ) {
+        let mut whitened = self.whiten(x_star, workspace, mean);
+        let scale = self.noise_variance * self.signal_variance;
+        variance.fill(0.0);
+        for j in 0..whitened.ncols() {
+            add_square(variance, scale, column_of(whitened.as_mut(), j));
         }
-        phi
     }
 
     /// Means, and φR⁻ᵀ by rows.
-    fn whiten(&self, x_star: MatRef<'_, f64>, mean: &mut [f64]) -> Mat<f64> {
-        let mut phi = self.evaluate(x_star, mean);
-        solve_rows(self.root.as_ref(), phi.as_mut());
-        phi
+    fn whiten<'a>(
+        &self,
+        x_star: MatRef<'_, f64>,
+        workspace: &'a mut Workspace,
+        mean: &mut [f64],
+    ) -> MatMut<'a, f64> {
+        let (mut phi, mut whitened) = workspace.matrices(x_star.nrows(), self.weights.len());
+        self.evaluate(x_star, phi.as_mut(), mean);
+        let root_inverse = self.root_inverse.as_ref();
+        multiply_rows_transposed(whitened.as_mut(), phi.as_ref(), root_inverse);
+        whitened
+    }
+
+    /// Means, and φ by rows.
+    fn evaluate(&self, x_star: MatRef<'_, f64>, mut phi: MatMut<'_, f64>, mean: &mut [f64]) {
+        self.features.fill(x_star, phi.as_mut(), None);
+        let signal_sd = self.signal_variance.sqrt();
+        mean.fill(self.constant);
+        for (j, weight) in self.weights.iter().enumerate() {
+            add_multiple(mean, signal_sd * weight, column_of(phi.as_mut(), j));
+        }
     }
 }
 
@@ -165,43 +188,45 @@ impl Posterior for RffGp {
     fn predict_mean(&self, x_star: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {
         check_inputs("inputs", x_star, self.n_inputs())?;
         let mut mean = vec![0.0; x_star.nrows()];
-        mean.par_chunks_mut(BLOCK).enumerate().for_each(|(block, mean)| {
-            self.evaluate(x_star.subrows(block * BLOCK, mean.len()), mean);
+        let blocks = mean.par_chunks_mut(BLOCK).enumerate();
+        blocks.for_each_init(Workspace::new, |workspace, (block, mean)| {
+            let (phi, _) = workspace.matrices(mean.len(), self.weights.len());
+            self.evaluate(x_star.subrows(block * BLOCK, mean.len()), phi, mean);
         });
         Ok(mean)
     }
 
     fn predict(&self, x_star: MatRef<'_, f64>) -> Result<(Vec<f64>, Vec<f64>), GpError> {
         check_inputs("inputs", x_star, self.n_inputs())?;
-        let mut mean = vec![0.0; x_star.nrows()];
-        let mut variance = vec![0.0; x_star.nrows()];
-        mean.par_chunks_mut(BLOCK).zip(variance.par_chunks_mut(BLOCK)).enumerate().for_each(
-            |(block, (mean, variance))| {
-                let rows = x_star.subrows(block * BLOCK, mean.len());
-                let whitened = self.whiten(rows, mean);
-                let scale = self.noise_variance * self.signal_variance;
-                for j in 0..whitened.ncols() {
-                    let half = column(&whitened, j);
-                    vectorized(|| {
-                        for (variance, half) in variance.iter_mut().zip(half) {
-                            *variance += scale * (half * half);
-                        }
-                    });
-                }
-            },
-        );
-        Ok((mean, variance))
+        Ok(predict_in_blocks(x_star, BLOCK, |rows, workspace, mean, variance| {
+            self.predict_block(rows, workspace, mean, variance);
+        }))
+    }
+
+    fn predict_into(
+        &self,
+        x_star: MatRef<'_, f64>,
+        workspace: &mut Workspace,
+        mean: &mut [f64],
+        variance: &mut [f64],
+    ) -> Result<(), GpError> {
+        check_inputs("inputs", x_star, self.n_inputs())?;
+        predict_blocks_into(x_star, BLOCK, workspace, mean, variance, |rows, w, mean, variance| {
+            self.predict_block(rows, w, mean, variance);
+        })
     }
 
     fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
         check_inputs("inputs", x_star, self.n_inputs())?;
         let n = x_star.nrows();
         let mut mean = vec![0.0; n];
-        let half = self.whiten(x_star, &mut mean);
+        let mut workspace = Workspace::new();
+        let half = self.whiten(x_star, &mut workspace, &mut mean);
+        let half = half.as_ref();
         let mut covariance = Mat::zeros(n, n);
         let scale = self.noise_variance * self.signal_variance;
         let sum = covariance.as_mut();
-        matmul(sum, Accum::Replace, &half, half.transpose(), scale, Par::Seq);
+        matmul(sum, Accum::Replace, half, half.transpose(), scale, Par::Seq);
         mirror_lower(&mut covariance);
         JointGaussian::new(mean, covariance)
     }

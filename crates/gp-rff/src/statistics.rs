@@ -5,17 +5,17 @@ use faer::{Accum, Mat, MatRef, Par};
 use gp_core::GpError;
 use gp_core::checks::{check_count, check_inputs, check_outputs};
 use gp_core::kernel::{column, column_mut};
-use gp_core::vector::dot;
-use rayon::prelude::{IntoParallelIterator, ParallelIterator};
+use gp_core::vector::add_compensated;
+use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSlice};
 use serde::{Deserialize, Serialize};
 
-use crate::RandomFeatures;
+use crate::{Form, RandomFeatures};
 
 /// ΦᵀΦ, Φᵀ1, Φᵀy, yᵀy, 1ᵀy and N of the rows seen so far, y less a fixed origin.
 ///
-/// Rows are taken in blocks of at most 256, each by a matrix product, and blocks are added with
+/// Rows are taken in groups of at most 960, each by matrix products, and groups are added with
 /// compensated sums. However the rows were split over calls, files or machines, every entry is the
-/// exact sum but for a relative error of some 256 ε in its terms: results agree to rounding.
+/// exact sum but for a relative error of at most 960 ε in its terms: results agree to rounding.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SufficientStatistics {
@@ -71,15 +71,15 @@ impl SufficientStatistics {
         check_inputs("inputs", x, features.n_inputs())?;
         check_outputs("outputs", y, x.nrows())?;
         self.check_features(features)?;
-        let per_part = y.len().div_ceil(MOST_PARTS).next_multiple_of(BLOCK);
-        let part = |start: usize| {
-            let n = per_part.min(y.len() - start);
-            let mut part = Self::new(features, self.origin)?;
-            part.add_rows(features, x.subrows(start, n), &y[start..start + n]);
-            Ok(part)
+        let per_part = rows_of_part(y.len());
+        let part = |(part, y): (usize, &[f64])| {
+            let mut statistics = Self::new(features, self.origin)?;
+            let rows = x.subrows(part * per_part, y.len());
+            statistics.add_rows(features, rows, y, &mut FeatureRows::new(features, false));
+            Ok(statistics)
         };
-        let starts: Vec<usize> = (0..y.len()).step_by(per_part).collect();
-        let parts: Vec<Result<Self, GpError>> = starts.into_par_iter().map(part).collect();
+        let parts: Vec<Result<Self, GpError>> =
+            y.par_chunks(per_part).enumerate().map(part).collect();
         for part in parts {
             self.merge(&part?)?;
         }
@@ -173,71 +173,128 @@ impl SufficientStatistics {
         (start..start + self.n_features).map(|index| self.total(index)).collect()
     }
 
-    fn add_rows(&mut self, features: &RandomFeatures, x: MatRef<'_, f64>, y: &[f64]) {
-        let m = self.n_features;
-        let mut phi = Mat::zeros(BLOCK.min(y.len()), m);
-        let mut square = Mat::zeros(m, m);
-        for start in (0..y.len()).step_by(BLOCK) {
-            let n = BLOCK.min(y.len() - start);
-            if n < phi.nrows() {
-                phi = Mat::zeros(n, m);
+    /// No rows of other features of as many columns.
+    pub(crate) fn clear(&mut self, features: &RandomFeatures) {
+        self.features = features.fingerprint();
+        self.n_rows = 0;
+        self.sums.fill(0.0);
+        self.remainders.fill(0.0);
+    }
+
+    /// Takes in rows that have been checked, on the calling thread.
+    pub(crate) fn add_rows(
+        &mut self,
+        features: &RandomFeatures,
+        x: MatRef<'_, f64>,
+        y: &[f64],
+        rows: &mut FeatureRows,
+    ) {
+        for (group, y) in y.chunks(GROUP).enumerate() {
+            rows.square.fill(0.0);
+            for (block, y) in y.chunks(BLOCK).enumerate() {
+                let start = group * GROUP + block * BLOCK;
+                rows.fill(features, x.subrows(start, y.len()), y, self.origin);
+                rows.add_square();
             }
-            features.fill(x.subrows(start, n), &mut phi, None);
-            multiply_transposed(&phi, &mut square);
-            let y: Vec<f64> = y[start..start + n].iter().map(|y| y - self.origin).collect();
-            self.add_block(&phi, &square, &y);
+            self.add_square(&rows.square);
+            self.n_rows += y.len() as u64;
         }
     }
 
-    /// Adds what was summed over one block.
-    pub(crate) fn add_block(&mut self, phi: &Mat<f64>, square: &Mat<f64>, y: &[f64]) {
+    /// Adds (Φ, y, 1)ᵀ(Φ, y, 1), of which the lower triangle is given.
+    fn add_square(&mut self, square: &Mat<f64>) {
         let m = self.n_features;
         let mut start = 0;
         for j in 0..m {
-            self.add(start, &column(square, j)[j..]);
+            self.add(start, &column(square, j)[j..m]);
             start += m - j;
         }
-        let ones = vec![1.0; y.len()];
-        let of_one: Vec<f64> = (0..m).map(|j| dot(column(phi, j), &ones)).collect();
-        let of_y: Vec<f64> = (0..m).map(|j| dot(column(phi, j), y)).collect();
-        self.add(start, &of_one);
-        self.add(start + m, &of_y);
-        self.add(start + 2 * m, &[dot(y, y), y.iter().sum()]);
-        self.n_rows += y.len() as u64;
+        let row = |i: usize| (0..m).map(|j| square[(i, j)]).collect::<Vec<f64>>();
+        self.add(start, &row(m + 1));
+        self.add(start + m, &row(m));
+        self.add(start + 2 * m, &[square[(m, m)], square[(m + 1, m)]]);
     }
 
     /// Compensated: what the rounding of a sum loses is kept in its remainder.
     fn add(&mut self, start: usize, terms: &[f64]) {
         let range = start..start + terms.len();
-        let sums = self.sums[range.clone()].iter_mut().zip(&mut self.remainders[range]);
-        gp_core::vector::vectorized(|| {
-            for ((sum, remainder), term) in sums.zip(terms) {
-                let total = *sum + term;
-                let added = total - *sum;
-                *remainder += (*sum - (total - added)) + (term - added);
-                *sum = total;
-            }
-        });
+        add_compensated(&mut self.sums[range.clone()], &mut self.remainders[range], terms);
     }
 }
 
-/// ΦᵀΦ, the lower triangle.
-pub(crate) fn multiply_transposed(phi: &Mat<f64>, square: &mut Mat<f64>) {
-    matmul(
-        square.as_mut(),
-        BlockStructure::TriangularLower,
-        Accum::Replace,
-        phi.transpose(),
-        BlockStructure::Rectangular,
-        phi,
-        BlockStructure::Rectangular,
-        1.0,
-        Par::Seq,
-    );
+/// A block of rows (Φ, y, 1), and memory for their products.
+pub(crate) struct FeatureRows {
+    n: usize,
+    values: Mat<f64>,
+    /// The sine beside each cosine, where features and their slopes do not have it anyway.
+    sines: Mat<f64>,
+    /// The sum of (Φ, y, 1)ᵀ(Φ, y, 1) over blocks, the lower triangle.
+    square: Mat<f64>,
 }
 
-/// Rows that one matrix product takes.
-pub(crate) const BLOCK: usize = 256;
+impl FeatureRows {
+    pub(crate) fn new(features: &RandomFeatures, with_sines: bool) -> Self {
+        let width = features.n_features() + 2;
+        let has_sines = with_sines && features.form == Form::Cosines;
+        let n_sines = if has_sines { features.phases.len() } else { 0 };
+        Self {
+            n: 0,
+            values: Mat::zeros(BLOCK, width),
+            sines: Mat::zeros(BLOCK, n_sines),
+            square: Mat::zeros(width, width),
+        }
+    }
+
+    /// Writes at most [`BLOCK`] rows.
+    pub(crate) fn fill(
+        &mut self,
+        features: &RandomFeatures,
+        x: MatRef<'_, f64>,
+        y: &[f64],
+        origin: f64,
+    ) {
+        let (n, m) = (y.len(), features.n_features());
+        self.n = n;
+        let sines = (self.sines.ncols() > 0).then(|| self.sines.as_mut().subrows_mut(0, n));
+        features.fill(x, self.values.as_mut().subrows_mut(0, n), sines);
+        for (value, y) in column_mut(&mut self.values, m).iter_mut().zip(y) {
+            *value = y - origin;
+        }
+        column_mut(&mut self.values, m + 1)[..n].fill(1.0);
+    }
+
+    /// (Φ, y, 1).
+    pub(crate) fn values(&self) -> MatRef<'_, f64> {
+        self.values.as_ref().subrows(0, self.n)
+    }
+
+    /// Cosine number `j` of the rows, and the sine beside it.
+    pub(crate) fn pair(&self, j: usize, n_frequencies: usize) -> (&[f64], &[f64]) {
+        let sine = match self.sines.ncols() {
+            0 => column(&self.values, n_frequencies + j),
+            _ => column(&self.sines, j),
+        };
+        (&column(&self.values, j)[..self.n], &sine[..self.n])
+    }
+
+    fn add_square(&mut self) {
+        let values = self.values.as_ref().subrows(0, self.n);
+        let (lower, whole) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
+        let square = self.square.as_mut();
+        matmul(square, lower, Accum::Add, values.transpose(), whole, values, whole, 1.0, Par::Seq);
+    }
+}
+
+/// Rows of a part: parts run in parallel, and what they are follows from the number of rows alone.
+pub(crate) fn rows_of_part(n_rows: usize) -> usize {
+    n_rows.div_ceil(MOST_PARTS).next_multiple_of(GROUP)
+}
+
+/// Rows that one matrix product takes: with two hundred features they stay in the second cache. No
+/// power of two, so that the columns do not compete for the same places in it.
+pub(crate) const BLOCK: usize = 240;
+/// Rows that are summed before a compensated sum takes them.
+const GROUP: usize = 4 * BLOCK;
 /// Parts that run in parallel.
 const MOST_PARTS: usize = 16;
 

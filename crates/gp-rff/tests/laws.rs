@@ -4,7 +4,7 @@
 
 use faer::linalg::solvers::Llt;
 use faer::{Mat, MatRef, Side};
-use gp_core::{BayesianLinear, Gp, Mean, Posterior, SquaredExponential, gram};
+use gp_core::{BayesianLinear, Gp, GpError, Mean, Posterior, SquaredExponential, Workspace, gram};
 use gp_rff::{
     FeatureOptions, Form, RandomFeatures, RffGp, RffGpModel, Sampling, Spectrum,
     SufficientStatistics,
@@ -369,4 +369,23 @@ fn a_long_stream_loses_no_digits() {
     assert!(difference.abs() < 1e-11, "{difference:e}");
     let relative = singles.log_evidence() / blocks.log_evidence() - 1.0;
     assert!(relative.abs() < 1e-14, "{relative:e}");
+}
+
+#[test]
+fn predictions_in_memory_that_is_there_are_the_same_bits() {
+    let x = Mat::from_fn(30, 1, |i, _| 0.2 * i as f64);
+    let y: Vec<f64> = (0..30).map(|i| (0.2 * i as f64).sin()).collect();
+    let options = FeatureOptions::default();
+    let features = RandomFeatures::new(Spectrum::default(), &[1.0], options).unwrap();
+    let gp = RffGp::fit(features, x.as_ref(), &y, 1.0, 1e-3).unwrap();
+    let mut workspace = Workspace::new();
+    for n in [1, 1000, 7] {
+        let x_star = Mat::from_fn(n, 1, |i, _| 0.01 * i as f64);
+        let (mut mean, mut variance) = (vec![f64::NAN; n], vec![f64::NAN; n]);
+        gp.predict_into(x_star.as_ref(), &mut workspace, &mut mean, &mut variance).unwrap();
+        assert_eq!(bits((mean, variance)), bits(gp.predict(x_star.as_ref()).unwrap()));
+    }
+    let mut one = [0.0];
+    let error = gp.predict_into(x.subrows(0, 2), &mut workspace, &mut one, &mut [0.0; 2]);
+    assert!(matches!(error, Err(GpError::ShapeMismatch { .. })), "{error:?}");
 }

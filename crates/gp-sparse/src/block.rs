@@ -1,53 +1,46 @@
 //! The part of the objective that one block of rows contributes.
-//!
-//! A block owns all its memory, so that an evaluation allocates nothing and blocks run in parallel;
-//! sums over blocks are made in their order, whoever computed them.
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 use gp_core::Kernel;
 use gp_core::kernel::{column, column_mut};
-use gp_core::vector::{add_multiple, add_square, dot, vectorized};
+use gp_core::triangle::{multiply_rows, multiply_rows_transposed};
+use gp_core::vector::{add_multiple, add_products, add_square, multiply, subtract_from_multiple};
 
 use crate::Approximation;
 
-/// Rows of a block: with a hundred pseudo-inputs its three matrices stay in the second cache.
-pub(crate) const BLOCK: usize = 256;
+/// Rows of a block: with a hundred pseudo-inputs its matrices stay in the second cache. No power of
+/// two, so that the columns do not compete for the same places in it.
+pub(crate) const BLOCK: usize = 240;
 
-/// Rows of data and what an evaluation writes beside them; K and V are rows×M.
+/// Rows of data, and what the second pass needs of the first.
 pub(crate) struct Block {
-    pub(crate) x: Mat<f64>,
+    x: Mat<f64>,
     /// Outputs less the data's origin.
     y: Vec<f64>,
     /// K_fu.
     k: Mat<f64>,
-    /// V = K_fu L⁻ᵀ, with K_uu = L Lᵀ; later the gradient by K_fu.
-    v: Mat<f64>,
-    /// First D⁻¹V, later the gradient by V.
-    work: Mat<f64>,
+    /// A = D^−½ (V, y, 1) with V = K_fu L⁻ᵀ, K_uu = L Lᵀ.
+    whitened: Mat<f64>,
     /// c, the variance that the pseudo-inputs leave over.
     leftover: Vec<f64>,
-    /// D⁻¹.
-    precision: Vec<f64>,
+    /// D^−½.
+    root_precision: Vec<f64>,
+}
+
+/// Memory that the blocks of a part use one after the other.
+pub(crate) struct Scratch {
+    product: Mat<f64>,
+    slope: Mat<f64>,
     weights: Vec<f64>,
-    /// e, the slope by the leftover variance.
-    leftover_slope: Vec<f64>,
-    pub(crate) sums: Sums,
-    pub(crate) slopes: Slopes,
+    row_slopes: Vec<f64>,
 }
 
 /// What the value needs from the rows: sums over them.
 pub(crate) struct Sums {
-    /// VᵀD⁻¹V, the lower triangle; in the second pass the same of the gradient.
+    /// AᵀA, the lower triangle.
     pub(crate) square: Mat<f64>,
-    /// VᵀD⁻¹y and VᵀD⁻¹1.
-    pub(crate) v_y: Vec<f64>,
-    pub(crate) v_one: Vec<f64>,
-    /// yᵀD⁻¹y, 1ᵀD⁻¹y and 1ᵀD⁻¹1.
-    pub(crate) y_y: f64,
-    pub(crate) one_y: f64,
-    pub(crate) one_one: f64,
     pub(crate) log_determinant: f64,
     /// Σ ln(1 + α c/σₙ²)/α.
     pub(crate) penalty: f64,
@@ -55,6 +48,8 @@ pub(crate) struct Sums {
 
 /// What the gradient collects over the rows.
 pub(crate) struct Slopes {
+    /// GᵀA, the lower triangle; for G see [`Block::differentiate`].
+    pub(crate) square: Mat<f64>,
     pub(crate) kernel: Vec<f64>,
     /// By ln σₙ².
     pub(crate) noise: f64,
@@ -69,7 +64,7 @@ pub(crate) struct Shared<'a> {
     pub(crate) z: &'a [f64],
     pub(crate) approximation: Approximation,
     pub(crate) noise_variance: f64,
-    /// L⁻¹, of which the lower triangle counts.
+    /// L⁻¹, with zeros above its diagonal.
     pub(crate) factor_inverse: MatRef<'a, f64>,
 }
 
@@ -86,226 +81,156 @@ pub(crate) struct Solution<'a> {
     pub(crate) has_free_z: bool,
 }
 
+impl Scratch {
+    pub(crate) fn new(m: usize) -> Self {
+        let matrix = || Mat::zeros(BLOCK, m);
+        let (weights, row_slopes) = (vec![0.0; BLOCK], vec![0.0; BLOCK]);
+        Self { product: matrix(), slope: matrix(), weights, row_slopes }
+    }
+}
+
 impl Block {
-    pub(crate) fn new(x: MatRef<'_, f64>, y: Vec<f64>, m: usize, n_parameters: usize) -> Self {
+    pub(crate) fn new(x: MatRef<'_, f64>, y: Vec<f64>, m: usize) -> Self {
         let n = y.len();
         Self {
             x: x.to_owned(),
             y,
             k: Mat::zeros(n, m),
-            v: Mat::zeros(n, m),
-            work: Mat::zeros(n, m),
+            whitened: Mat::zeros(n, m + 2),
             leftover: vec![0.0; n],
-            precision: vec![0.0; n],
-            weights: vec![0.0; n],
-            leftover_slope: vec![0.0; n],
-            sums: Sums {
-                square: Mat::zeros(m, m),
-                v_y: vec![0.0; m],
-                v_one: vec![0.0; m],
-                y_y: 0.0,
-                one_y: 0.0,
-                one_one: 0.0,
-                log_determinant: 0.0,
-                penalty: 0.0,
-            },
-            slopes: Slopes {
-                kernel: vec![0.0; n_parameters],
-                noise: 0.0,
-                z: vec![0.0; m * x.ncols()],
-            },
+            root_precision: vec![0.0; n],
         }
     }
 
-    /// The first pass: everything up to the sums over rows; rows × M² operations.
-    pub(crate) fn sum(&mut self, shared: &Shared<'_>) {
+    /// The first pass: everything up to the sums over rows; rows × 2M² operations.
+    pub(crate) fn sum(&mut self, shared: &Shared<'_>, sums: &mut Sums) {
         let m = self.k.ncols();
         for (a, z) in shared.z.chunks_exact(self.x.ncols()).enumerate() {
             shared.kernel.column(self.x.as_ref(), z, column_mut(&mut self.k, a));
         }
-        triangular_matmul(
-            self.v.as_mut(),
-            BlockStructure::Rectangular,
-            Accum::Replace,
-            &self.k,
-            BlockStructure::Rectangular,
-            shared.factor_inverse.transpose(),
-            BlockStructure::TriangularUpper,
-            1.0,
-            Par::Seq,
-        );
+        let v = self.whitened.as_mut().subcols_mut(0, m);
+        multiply_rows_transposed(v, self.k.as_ref(), shared.factor_inverse);
         shared.kernel.diagonal(self.x.as_ref(), &mut self.leftover);
         for a in 0..m {
-            add_square(&mut self.leftover, -1.0, column(&self.v, a));
+            add_square(&mut self.leftover, -1.0, column(&self.whitened, a));
         }
-        self.set_precision(shared);
-        self.sum_rows(shared);
+        self.set_precision(shared, sums);
         for a in 0..m {
-            let (v, work) = (column(&self.v, a), column_mut(&mut self.work, a));
-            multiply(work, v, &self.precision);
-            self.sums.v_y[a] = dot(work, &self.y);
-            self.sums.v_one[a] = dot(v, &self.precision);
+            multiply(column_mut(&mut self.whitened, a), &self.root_precision);
         }
-        triangular_matmul(
-            self.sums.square.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Replace,
-            self.work.transpose(),
-            BlockStructure::Rectangular,
-            &self.v,
-            BlockStructure::Rectangular,
-            1.0,
-            Par::Seq,
-        );
+        column_mut(&mut self.whitened, m).copy_from_slice(&self.y);
+        multiply(column_mut(&mut self.whitened, m), &self.root_precision);
+        column_mut(&mut self.whitened, m + 1).copy_from_slice(&self.root_precision);
+        let whitened = self.whitened.as_ref();
+        add_lower(sums.square.as_mut(), whitened.transpose(), whitened);
     }
 
-    /// D⁻¹ from the leftover variance, of which rounding below 0 is cut off.
-    fn set_precision(&mut self, shared: &Shared<'_>) {
+    /// D^−½ from the leftover variance, of which rounding below 0 is cut off.
+    fn set_precision(&mut self, shared: &Shared<'_>, sums: &mut Sums) {
         let (alpha, noise) = (shared.approximation.alpha(), shared.noise_variance);
-        for (leftover, precision) in self.leftover.iter_mut().zip(&mut self.precision) {
+        for (leftover, root_precision) in self.leftover.iter_mut().zip(&mut self.root_precision) {
             *leftover = leftover.max(0.0);
-            *precision = (noise + alpha * *leftover).recip();
+            let variance = noise + alpha * *leftover;
+            *root_precision = variance.sqrt().recip();
+            sums.log_determinant += variance.ln();
         }
-    }
-
-    fn sum_rows(&mut self, shared: &Shared<'_>) {
-        let (y, precision) = (&self.y, &self.precision);
-        let n = y.len();
-        self.sums.y_y = (0..n).map(|i| y[i] * y[i] * precision[i]).sum();
-        self.sums.one_y = dot(y, precision);
-        self.sums.one_one = precision.iter().sum();
-        self.sums.log_determinant = -precision.iter().map(|p| p.ln()).sum::<f64>();
-        let (alpha, noise) = (shared.approximation.alpha(), shared.noise_variance);
         let term = |leftover: &f64| match alpha {
             0.0 => leftover / noise,
             _ => (alpha * leftover / noise).ln_1p() / alpha,
         };
-        self.sums.penalty = match shared.approximation {
-            Approximation::Fitc | Approximation::Dtc => 0.0,
-            _ => self.leftover.iter().map(term).sum(),
-        };
+        if shared.approximation.has_penalty() && alpha < 1.0 {
+            sums.penalty += self.leftover.iter().map(term).sum::<f64>();
+        }
     }
 
-    /// The second pass: the gradient; 4 × rows × M² operations.
+    /// The second pass: the gradient; rows × 4M² operations.
     ///
     /// With r = y − m, w = (Q + D)⁻¹r and H = ½(wwᵀ − (Q + D)⁻¹) − diag(e), where e is the slope by
-    /// the leftover variance: ∂F/∂K_fu = 2HK_fuK_uu⁻¹ = w uᵀ − (D⁻¹VB⁻¹ + 2eV)L⁻¹, and
-    /// `sums.square` becomes the lower triangle of −(D⁻¹VB⁻¹ + 2eV)ᵀV.
-    pub(crate) fn differentiate(&mut self, shared: &Shared<'_>, solution: &Solution<'_>) {
+    /// the leftover variance: ∂F/∂K_fu = 2HK_fuK_uu⁻¹ = w uᵀ − D^−½ G L⁻¹ with G = AB⁻¹ + 2eDA.
+    pub(crate) fn differentiate(
+        &self,
+        shared: &Shared<'_>,
+        solution: &Solution<'_>,
+        scratch: &mut Scratch,
+        slopes: &mut Slopes,
+    ) {
+        let (n, m) = (self.y.len(), self.k.ncols());
+        let a = self.whitened.as_ref().subcols(0, m);
+        let mut product = scratch.product.as_mut().subrows_mut(0, n);
+        matmul(product.as_mut(), Accum::Replace, a, solution.inverse, 1.0, Par::Seq);
+        self.set_weights(solution, &mut scratch.weights[..n]);
+        self.set_row_slopes(shared, scratch, slopes);
+        for j in 0..m {
+            let product = &mut column_mut(&mut scratch.product, j)[..n];
+            add_products(product, &scratch.row_slopes[..n], column(&self.whitened, j));
+        }
+        let g = scratch.product.as_ref().subrows(0, n);
+        add_lower(slopes.square.as_mut(), g.transpose(), a);
+        multiply_rows(scratch.slope.as_mut().subrows_mut(0, n), g, shared.factor_inverse);
+        self.contract(shared, solution, scratch, slopes);
+    }
+
+    /// w = D^−½ (D^−½ r − D^−½ V t).
+    fn set_weights(&self, solution: &Solution<'_>, weights: &mut [f64]) {
         let m = self.k.ncols();
-        let inverse = solution.inverse;
-        matmul(self.work.as_mut(), Accum::Replace, &self.v, inverse, 1.0, Par::Seq);
-        self.set_weights(solution);
-        self.set_leftover_slope(shared);
-        for a in 0..m {
-            let (v, work) = (column(&self.v, a), column_mut(&mut self.work, a));
-            combine(work, &self.precision, &self.leftover_slope, v);
-        }
-        triangular_matmul(
-            self.sums.square.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Replace,
-            self.work.transpose(),
-            BlockStructure::Rectangular,
-            &self.v,
-            BlockStructure::Rectangular,
-            1.0,
-            Par::Seq,
-        );
-        // V has done its work and makes room.
-        triangular_matmul(
-            self.v.as_mut(),
-            BlockStructure::Rectangular,
-            Accum::Replace,
-            &self.work,
-            BlockStructure::Rectangular,
-            shared.factor_inverse,
-            BlockStructure::TriangularLower,
-            1.0,
-            Par::Seq,
-        );
-        self.contract(shared, solution);
-    }
-
-    /// w = D⁻¹(r − Vt).
-    fn set_weights(&mut self, solution: &Solution<'_>) {
-        for (weight, y) in self.weights.iter_mut().zip(&self.y) {
-            *weight = y - solution.constant;
-        }
+        weights.copy_from_slice(column(&self.whitened, m));
+        add_multiple(weights, -solution.constant, &self.root_precision);
         for (a, t) in solution.whitened.iter().enumerate() {
-            add_multiple(&mut self.weights, -t, column(&self.v, a));
+            add_multiple(weights, -t, column(&self.whitened, a));
         }
-        for (weight, precision) in self.weights.iter_mut().zip(&self.precision) {
-            *weight *= precision;
-        }
+        multiply(weights, &self.root_precision);
     }
 
-    /// e, and the slope by the noise on the way.
+    /// 2eD, and the slopes by the noise and by the prior variance on the way.
     ///
-    /// The diagonal of (Q + D)⁻¹ is D⁻¹ − D⁻²diag(VB⁻¹Vᵀ); `work` holds VB⁻¹ here.
-    fn set_leftover_slope(&mut self, shared: &Shared<'_>) {
+    /// The diagonal of (Q + D)⁻¹ is D⁻¹ (1 − diag(AB⁻¹Aᵀ)); `product` holds AB⁻¹ here.
+    fn set_row_slopes(&self, shared: &Shared<'_>, scratch: &mut Scratch, slopes: &mut Slopes) {
         let alpha = shared.approximation.alpha();
         let penalty = if shared.approximation.has_penalty() { 0.5 * (1.0 - alpha) } else { 0.0 };
-        let slopes = &mut self.leftover_slope;
-        slopes.fill(0.0);
-        for a in 0..self.v.ncols() {
-            add_products(slopes, column(&self.v, a), column(&self.work, a));
+        let n = self.y.len();
+        let row_slopes = &mut scratch.row_slopes[..n];
+        row_slopes.fill(0.0);
+        for a in 0..self.k.ncols() {
+            let product = &column(&scratch.product, a)[..n];
+            add_products(row_slopes, column(&self.whitened, a), product);
         }
-        self.slopes.noise = 0.0;
-        for (i, slope) in slopes.iter_mut().enumerate() {
-            let precision = self.precision[i];
-            let diagonal = precision * (1.0 - precision * *slope);
-            let by_variance = 0.5 * (self.weights[i].powi(2) - diagonal);
+        for (i, slope) in row_slopes.iter_mut().enumerate() {
+            let precision = self.root_precision[i] * self.root_precision[i];
+            let diagonal = precision * (1.0 - *slope);
+            let by_variance = 0.5 * (scratch.weights[i].powi(2) - diagonal);
             let by_penalty = penalty * precision;
-            self.slopes.noise +=
-                shared.noise_variance * by_variance + by_penalty * self.leftover[i];
+            slopes.noise += shared.noise_variance * by_variance + by_penalty * self.leftover[i];
             *slope = alpha * by_variance - by_penalty;
         }
+        shared.kernel.diagonal_gradient(self.x.as_ref(), row_slopes, &mut slopes.kernel);
+        for (slope, root_precision) in row_slopes.iter_mut().zip(&self.root_precision) {
+            *slope *= 2.0 / (root_precision * root_precision);
+        }
     }
 
-    /// Takes ∂F/∂K_fu and ∂F/∂c to the kernel's parameters and the pseudo-inputs.
-    fn contract(&mut self, shared: &Shared<'_>, solution: &Solution<'_>) {
-        let n_inputs = self.x.ncols();
-        let Self { x, k, v: slope_by_k, weights, leftover_slope, slopes, .. } = self;
-        slopes.kernel.fill(0.0);
-        slopes.z.fill(0.0);
-        shared.kernel.diagonal_gradient(x.as_ref(), leftover_slope, &mut slopes.kernel);
+    /// Takes ∂F/∂K_fu to the kernel's parameters and the pseudo-inputs.
+    fn contract(
+        &self,
+        shared: &Shared<'_>,
+        solution: &Solution<'_>,
+        scratch: &mut Scratch,
+        slopes: &mut Slopes,
+    ) {
+        let (n, n_inputs) = (self.y.len(), self.x.ncols());
         let rows = shared.z.chunks_exact(n_inputs).zip(slopes.z.chunks_exact_mut(n_inputs));
-        for (a, (z, slope)) in rows.enumerate() {
-            let by_k = column_mut(slope_by_k, a);
-            add_multiple(by_k, solution.weights[a], weights);
-            let k = column(k, a);
-            let of_kernel = &mut slopes.kernel;
-            if solution.has_free_z {
-                shared.kernel.column_gradients(x.as_ref(), z, k, by_k, of_kernel, slope);
-            } else {
-                shared.kernel.column_gradient(x.as_ref(), z, k, by_k, of_kernel);
-            }
+        for (a, (z, of_z)) in rows.enumerate() {
+            let by_k = &mut column_mut(&mut scratch.slope, a)[..n];
+            let weights = &scratch.weights[..n];
+            subtract_from_multiple(by_k, &self.root_precision, solution.weights[a], weights);
+            let of_z = if solution.has_free_z { of_z } else { &mut [] };
+            let (x, k) = (self.x.as_ref(), column(&self.k, a));
+            shared.kernel.column_gradient(x, z, k, by_k, &mut slopes.kernel, of_z);
         }
     }
 }
 
-fn multiply(product: &mut [f64], a: &[f64], b: &[f64]) {
-    vectorized(|| {
-        for ((product, a), b) in product.iter_mut().zip(a).zip(b) {
-            *product = a * b;
-        }
-    });
-}
-
-fn add_products(sums: &mut [f64], a: &[f64], b: &[f64]) {
-    vectorized(|| {
-        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-            *sum += a * b;
-        }
-    });
-}
-
-/// work ← −(precision·work + 2·slope·v).
-fn combine(work: &mut [f64], precision: &[f64], slope: &[f64], v: &[f64]) {
-    vectorized(|| {
-        for (((work, precision), slope), v) in work.iter_mut().zip(precision).zip(slope).zip(v) {
-            *work = -(precision * *work + 2.0 * slope * v);
-        }
-    });
+/// sum ← sum + A B, the lower triangle.
+fn add_lower(sum: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
+    let (lower, whole) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
+    triangular_matmul(sum, lower, Accum::Add, a, whole, b, whole, 1.0, Par::Seq);
 }

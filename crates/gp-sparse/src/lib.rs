@@ -7,6 +7,7 @@ mod choose_size;
 mod learn;
 mod model;
 mod objective;
+mod part;
 mod placement;
 mod sparse_gp;
 

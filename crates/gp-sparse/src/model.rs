@@ -6,6 +6,7 @@ use faer::Mat;
 use gp_core::checks::{check_count, check_inputs, check_outputs, check_positive};
 use gp_core::cholesky::factorize;
 use gp_core::kernel::fill_lower_gram;
+use gp_core::triangle::inverse;
 use gp_core::{GpError, KernelSpec};
 use serde::{Deserialize, Serialize};
 
@@ -108,7 +109,8 @@ impl SparseGp {
             z,
             constant: model.mean,
             weights: model.weights.clone(),
-            factor,
+            factor_inverse: inverse(factor.as_ref()),
+            root_inverse: inverse(root.as_ref()),
             root,
             objective: model.objective,
         })

@@ -6,18 +6,19 @@ use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::{Mat, MatRef, Par};
 use gp_core::cholesky::{factorize, invert, log_determinant};
 use gp_core::kernel::{column, column_mut, fill_lower_gram, mirror_lower};
-use gp_core::triangle::{self, scratch_rows, solve_lower, solve_upper};
+use gp_core::triangle::{self, clear_above, scratch_rows, solve_lower, solve_upper};
 use gp_core::vector::dot;
 use gp_core::{GpError, Kernel, Mean};
 use rayon::prelude::{IntoParallelRefMutIterator, ParallelIterator};
 
 use crate::SparseSettings;
-use crate::block::{BLOCK, Block, Shared, Solution};
+use crate::block::{Shared, Solution};
+use crate::part::Part;
 
 pub(crate) const PSEUDO_COVARIANCE: &str = "covariance of the pseudo-outputs";
 pub(crate) const PRECISION: &str = "precision of the pseudo-outputs";
 
-/// ln p(y | X, Z, θ) for one data set and many Z and θ; owns all memory, 24 N M bytes.
+/// ln p(y | X, Z, θ) for one data set and many Z and θ; owns all memory, 16 N M bytes.
 ///
 /// With K_uu = L Lᵀ, V = K_fu L⁻ᵀ and B = I + VᵀD⁻¹V the determinant lemma and its inverse give
 /// ln |Q + D| = ln |B| + ln |D| and (Q + D)⁻¹ = D⁻¹ − D⁻¹VB⁻¹VᵀD⁻¹. O(N M²).
@@ -26,14 +27,16 @@ pub(crate) struct Objective {
     /// Subtracted from all outputs, so that far offsets cost no digits.
     origin: f64,
     n_rows: usize,
-    blocks: Vec<Block>,
+    parts: Vec<Part>,
+    /// (V, y, 1)ᵀ D⁻¹ (V, y, 1), the lower triangle.
+    sums: Mat<f64>,
     /// Pseudo-inputs, M×D by rows and as a matrix.
     z: Vec<f64>,
     z_columns: Mat<f64>,
     /// K_uu with its jitter, then a matrix of slopes.
     gram: Mat<f64>,
-    pub(crate) factor: Mat<f64>,
-    factor_inverse: Mat<f64>,
+    factor: Mat<f64>,
+    pub(crate) factor_inverse: Mat<f64>,
     /// The Cholesky factor R of B.
     pub(crate) root: Mat<f64>,
     inverse: Mat<f64>,
@@ -56,17 +59,13 @@ impl Objective {
     ) -> Self {
         let (n, d, m) = (x.nrows(), x.ncols(), n_pseudo_inputs);
         let origin = y.iter().sum::<f64>() / n as f64;
-        let block = |start: usize| {
-            let rows = BLOCK.min(n - start);
-            let y = y[start..start + rows].iter().map(|y| y - origin).collect();
-            Block::new(x.subrows(start, rows), y, m, n_parameters)
-        };
         let square = || Mat::zeros(m, m);
         Self {
             settings,
             origin,
             n_rows: n,
-            blocks: (0..n).step_by(BLOCK).map(block).collect(),
+            parts: Part::split(x, y, origin, m, n_parameters),
+            sums: Mat::zeros(m + 2, m + 2),
             z: vec![0.0; m * d],
             z_columns: Mat::zeros(m, d),
             gram: square(),
@@ -111,6 +110,7 @@ impl Objective {
         factorize(PSEUDO_COVARIANCE, self.factor.as_mut())?;
         self.factor_inverse.copy_from(&self.factor);
         triangle::invert(self.factor_inverse.as_mut(), self.scratch.as_mut());
+        clear_above(self.factor_inverse.as_mut());
         let shared = Shared {
             kernel,
             z: &self.z,
@@ -118,28 +118,26 @@ impl Objective {
             noise_variance,
             factor_inverse: self.factor_inverse.as_ref(),
         };
-        self.blocks.par_iter_mut().for_each(|block| block.sum(&shared));
+        self.parts.par_iter_mut().for_each(|part| part.sum(&shared));
         self.solve()
     }
 
-    /// Merges the blocks' sums and solves for the weights.
+    /// Merges the parts' sums and solves for the weights.
     fn solve(&mut self) -> Result<f64, GpError> {
         let m = self.whitened.len();
-        merge_lower(&mut self.root, self.blocks.iter().map(|block| &block.sums.square));
+        merge_lower(&mut self.sums, self.parts.iter().map(|part| &part.sums.square));
+        self.root.copy_from(self.sums.as_ref().get(..m, ..m));
         for a in 0..m {
             self.root[(a, a)] += 1.0;
         }
         factorize(PRECISION, self.root.as_mut())?;
-        let total = |term: &dyn Fn(&Block) -> f64| self.blocks.iter().map(term).sum::<f64>();
-        let vector = |term: &dyn Fn(&Block, usize) -> f64| -> Vec<f64> {
-            (0..m).map(|a| total(&|block| term(block, a))).collect()
-        };
-        let mut of_y = vector(&|block, a| block.sums.v_y[a]);
-        let mut of_one = vector(&|block, a| block.sums.v_one[a]);
+        let total = |term: fn(&Part) -> f64| self.parts.iter().map(term).sum::<f64>();
+        let row = |i: usize| (0..m).map(|a| self.sums[(i, a)]).collect::<Vec<f64>>();
+        let (mut of_y, mut of_one) = (row(m), row(m + 1));
         solve_lower(self.root.as_ref(), &mut [&mut of_y, &mut of_one]);
-        let one_one = total(&|block| block.sums.one_one) - dot(&of_one, &of_one);
-        let one_y = total(&|block| block.sums.one_y) - dot(&of_one, &of_y);
-        let y_y = total(&|block| block.sums.y_y) - dot(&of_y, &of_y);
+        let one_one = self.sums[(m + 1, m + 1)] - dot(&of_one, &of_one);
+        let one_y = self.sums[(m + 1, m)] - dot(&of_one, &of_y);
+        let y_y = self.sums[(m, m)] - dot(&of_y, &of_y);
         self.constant = match self.settings.mean {
             Mean::Fixed(value) => value - self.origin,
             _ => one_y / one_one,
@@ -153,10 +151,10 @@ impl Objective {
         self.weights.copy_from_slice(&self.whitened);
         solve_upper(self.factor.as_ref(), &mut self.weights);
         let determinant =
-            log_determinant(self.root.as_ref()) + total(&|block| block.sums.log_determinant);
+            log_determinant(self.root.as_ref()) + total(|part| part.sums.log_determinant);
         let normalization = self.n_rows as f64 * (2.0 * PI).ln();
         let approximation = self.settings.approximation;
-        let penalty = (1.0 - approximation.alpha()) * total(&|block| block.sums.penalty);
+        let penalty = (1.0 - approximation.alpha()) * total(|part| part.sums.penalty);
         Ok(-0.5 * (quadratic + determinant + normalization + penalty))
     }
 
@@ -168,7 +166,7 @@ impl Objective {
         noise_variance: f64,
         gradient: &mut [f64],
     ) {
-        let n_parameters = self.blocks[0].slopes.kernel.len();
+        let n_parameters = self.parts[0].slopes.kernel.len();
         let (of_parameters, of_z) = gradient.split_at_mut(n_parameters + 1);
         self.invert_root();
         let shared = Shared {
@@ -185,11 +183,11 @@ impl Objective {
             constant: self.constant,
             has_free_z: !of_z.is_empty(),
         };
-        self.blocks.par_iter_mut().for_each(|block| block.differentiate(&shared, &solution));
+        self.parts.par_iter_mut().for_each(|part| part.differentiate(&shared, &solution));
         let (of_noise, of_kernel) = of_parameters.split_last_mut().expect("the noise comes last");
         self.differentiate_pseudo_covariance(kernel, of_kernel, of_z);
         *of_noise = 0.0;
-        for slopes in self.blocks.iter().map(|block| &block.slopes) {
+        for slopes in self.parts.iter().map(|part| &part.slopes) {
             *of_noise += slopes.noise;
             add(of_kernel, &slopes.kernel);
             add(of_z, &slopes.z);
@@ -203,7 +201,7 @@ impl Objective {
         mirror_lower(&mut self.inverse);
     }
 
-    /// What K_uu contributes: its slope is −½ (L⁻ᵀSL⁻¹ + uuᵀ) with S from the blocks.
+    /// What K_uu contributes: its slope is ½ (L⁻ᵀ GᵀA L⁻¹ − uuᵀ) with GᵀA from the parts.
     fn differentiate_pseudo_covariance(
         &mut self,
         kernel: &dyn Kernel,
@@ -211,7 +209,7 @@ impl Objective {
         of_z: &mut [f64],
     ) {
         let d = self.z_columns.ncols();
-        merge_lower(&mut self.slope, self.blocks.iter().map(|block| &block.sums.square));
+        merge_lower(&mut self.slope, self.parts.iter().map(|part| &part.slopes.square));
         mirror_lower(&mut self.slope);
         let upper = self.factor.transpose();
         solve_upper_triangular_in_place(upper, self.slope.as_mut(), Par::Seq);
@@ -222,16 +220,16 @@ impl Objective {
         for b in 0..self.weights.len() {
             let slope = column_mut(&mut self.slope, b);
             for (slope, weight) in slope.iter_mut().zip(&self.weights) {
-                *slope = -0.5 * (*slope + weight * self.weights[b]);
+                *slope = 0.5 * (*slope - weight * self.weights[b]);
             }
             slope[b] *= 1.0 + self.settings.jitter;
             let (z, z_b) = (self.z_columns.as_ref(), &self.z[b * d..(b + 1) * d]);
             let values = column(&self.gram, b);
-            kernel.column_gradient(z, z_b, values, slope, of_parameters);
+            kernel.column_gradient(z, z_b, values, slope, of_parameters, &mut []);
             if !of_z.is_empty() {
                 slope.iter_mut().for_each(|slope| *slope *= 2.0);
                 let of_z = &mut of_z[b * d..(b + 1) * d];
-                kernel.column_input_gradient(z, z_b, values, slope, of_z);
+                kernel.column_gradient(z, z_b, values, slope, &mut [], of_z);
             }
         }
     }

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use gp_core::checks::{check_inputs, check_outputs, check_positive};
-use gp_core::kernel::{column, copy_row, fill_cross, fill_lower_gram, mirror_lower};
-use gp_core::triangle::solve_rows;
+use gp_core::kernel::{column_of, copy_row, fill_cross, fill_lower_gram, mirror_lower};
+use gp_core::triangle::{inverse, multiply_rows_transposed};
 use gp_core::vector::{add_multiple, add_square};
-use gp_core::{GpError, JointGaussian, Kernel, Posterior};
+use gp_core::workspace::{predict_blocks_into, predict_in_blocks};
+use gp_core::{GpError, JointGaussian, Kernel, Posterior, Workspace};
 use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
 
 use crate::SparseSettings;
@@ -28,10 +29,12 @@ pub struct SparseGp {
     pub(crate) z: Mat<f64>,
     pub(crate) constant: f64,
     pub(crate) weights: Vec<f64>,
-    /// L with K_uu = L Lᵀ.
-    pub(crate) factor: Mat<f64>,
+    /// L⁻¹ with K_uu = L Lᵀ, and zeros above the diagonal.
+    pub(crate) factor_inverse: Mat<f64>,
     /// R with R Rᵀ = I + L⁻¹ K_uf D⁻¹ K_fu L⁻ᵀ.
     pub(crate) root: Mat<f64>,
+    /// R⁻¹, with zeros above the diagonal.
+    pub(crate) root_inverse: Mat<f64>,
     pub(crate) objective: f64,
 }
 
@@ -108,7 +111,8 @@ impl SparseGp {
             z: Mat::from_fn(m, d, |a, j| z[a * d + j]),
             constant: objective.mean(),
             weights: objective.weights,
-            factor: objective.factor,
+            factor_inverse: objective.factor_inverse,
+            root_inverse: inverse(objective.root.as_ref()),
             root: objective.root,
             objective: value,
         })
@@ -176,25 +180,33 @@ impl SparseGp {
     }
 
     /// Mean and variance for the rows of a block.
-    fn predict_block(&self, x_star: MatRef<'_, f64>, mean: &mut [f64], variance: &mut [f64]) {
-        let mut cross = Mat::zeros(x_star.nrows(), self.weights.len());
-        fill_cross(&*self.kernel, x_star, self.z.as_ref(), &mut cross);
+    fn predict_block(
+        &self,
+        x_star: MatRef<'_, f64>,
+        workspace: &mut Workspace,
+        mean: &mut [f64],
+        variance: &mut [f64],
+    ) {
+        let m = self.weights.len();
+        let (mut cross, mut whitened) = workspace.matrices(x_star.nrows(), m);
+        fill_cross(&*self.kernel, x_star, self.z.as_ref(), cross.as_mut());
         mean.fill(self.constant);
         for (a, weight) in self.weights.iter().enumerate() {
-            add_multiple(mean, *weight, column(&cross, a));
+            add_multiple(mean, *weight, column_of(cross.as_mut(), a));
         }
         self.kernel.diagonal(x_star, variance);
-        let add_squares = |sign: f64, cross: &Mat<f64>, sums: &mut [f64]| {
-            for a in 0..cross.ncols() {
-                add_square(sums, sign, column(cross, a));
-            }
-        };
-        solve_rows(self.factor.as_ref(), cross.as_mut());
-        add_squares(-1.0, &cross, variance);
+        let factor_inverse = self.factor_inverse.as_ref();
+        multiply_rows_transposed(whitened.as_mut(), cross.as_ref(), factor_inverse);
+        for a in 0..m {
+            add_square(variance, -1.0, column_of(whitened.as_mut(), a));
+        }
         // Rounding alone can make the difference of two nearly equal variances negative.
         variance.iter_mut().for_each(|variance| *variance = variance.max(0.0));
-        solve_rows(self.root.as_ref(), cross.as_mut());
-        add_squares(1.0, &cross, variance);
+        let root_inverse = self.root_inverse.as_ref();
+        multiply_rows_transposed(cross.as_mut(), whitened.as_ref(), root_inverse);
+        for a in 0..m {
+            add_square(variance, 1.0, column_of(cross.as_mut(), a));
+        }
     }
 }
 
@@ -222,27 +234,36 @@ impl Posterior for SparseGp {
 
     fn predict(&self, x_star: MatRef<'_, f64>) -> Result<(Vec<f64>, Vec<f64>), GpError> {
         check_inputs("inputs", x_star, self.n_inputs())?;
-        let mut mean = vec![0.0; x_star.nrows()];
-        let mut variance = vec![0.0; x_star.nrows()];
-        mean.par_chunks_mut(BLOCK).zip(variance.par_chunks_mut(BLOCK)).enumerate().for_each(
-            |(block, (mean, variance))| {
-                let rows = x_star.subrows(block * BLOCK, mean.len());
-                self.predict_block(rows, mean, variance);
-            },
-        );
-        Ok((mean, variance))
+        Ok(predict_in_blocks(x_star, BLOCK, |rows, workspace, mean, variance| {
+            self.predict_block(rows, workspace, mean, variance);
+        }))
+    }
+
+    fn predict_into(
+        &self,
+        x_star: MatRef<'_, f64>,
+        workspace: &mut Workspace,
+        mean: &mut [f64],
+        variance: &mut [f64],
+    ) -> Result<(), GpError> {
+        check_inputs("inputs", x_star, self.n_inputs())?;
+        predict_blocks_into(x_star, BLOCK, workspace, mean, variance, |rows, w, mean, variance| {
+            self.predict_block(rows, w, mean, variance);
+        })
     }
 
     fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
         let mean = self.predict_mean(x_star)?;
         let mut cross = Mat::zeros(x_star.nrows(), self.weights.len());
-        fill_cross(&*self.kernel, x_star, self.z.as_ref(), &mut cross);
+        fill_cross(&*self.kernel, x_star, self.z.as_ref(), cross.as_mut());
         let mut covariance = Mat::zeros(x_star.nrows(), x_star.nrows());
         fill_lower_gram(&*self.kernel, x_star, &mut covariance);
-        for (factor, sign) in [(&self.factor, -1.0), (&self.root, 1.0)] {
-            solve_rows(factor.as_ref(), cross.as_mut());
+        let mut whitened = cross.clone();
+        for (inverse, sign) in [(&self.factor_inverse, -1.0), (&self.root_inverse, 1.0)] {
+            multiply_rows_transposed(whitened.as_mut(), cross.as_ref(), inverse.as_ref());
             let sum = covariance.as_mut();
-            matmul(sum, Accum::Add, &cross, cross.transpose(), sign, Par::Seq);
+            matmul(sum, Accum::Add, &whitened, whitened.transpose(), sign, Par::Seq);
+            std::mem::swap(&mut cross, &mut whitened);
         }
         for j in 0..covariance.ncols() {
             covariance[(j, j)] = covariance[(j, j)].max(0.0);
@@ -258,7 +279,7 @@ impl Posterior for SparseGp {
 }
 
 /// Inputs predicted together; the results do not depend on who computes which block.
-const BLOCK: usize = 128;
+const BLOCK: usize = 240;
 
 pub(crate) fn check_data(
     kernel: &dyn Kernel,

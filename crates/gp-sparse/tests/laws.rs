@@ -5,7 +5,8 @@
 use faer::linalg::solvers::Llt;
 use faer::{Mat, Side};
 use gp_core::{
-    Gp, Kernel, Matern32, Matern52, Mean, Periodic, Posterior, Product, SquaredExponential,
+    Gp, GpError, Kernel, Matern32, Matern52, Mean, Periodic, Posterior, Product,
+    SquaredExponential, Workspace,
 };
 use gp_sparse::{Approximation, SparseGp, SparseGpModel, SparseSettings};
 use proptest::collection::vec;
@@ -331,4 +332,22 @@ fn results_do_not_depend_on_the_number_of_threads() {
         })
     };
     assert_eq!(run(1), run(3));
+}
+
+#[test]
+fn predictions_in_memory_that_is_there_are_the_same_bits() {
+    let x = Mat::from_fn(30, 1, |i, _| 0.2 * i as f64);
+    let y: Vec<f64> = (0..30).map(|i| (0.2 * i as f64).sin()).collect();
+    let (kernel, z) = (SquaredExponential::unit(1).unwrap(), x.subrows(0, 9));
+    let gp = SparseGp::fit(kernel, x.as_ref(), &y, z, 1e-3, SparseSettings::default()).unwrap();
+    let mut workspace = Workspace::new();
+    for n in [1, 1000, 7] {
+        let x_star = Mat::from_fn(n, 1, |i, _| 0.01 * i as f64);
+        let (mut mean, mut variance) = (vec![f64::NAN; n], vec![f64::NAN; n]);
+        gp.predict_into(x_star.as_ref(), &mut workspace, &mut mean, &mut variance).unwrap();
+        assert_eq!(bits((mean, variance)), bits(gp.predict(x_star.as_ref()).unwrap()));
+    }
+    let mut one = [0.0];
+    let error = gp.predict_into(x.subrows(0, 2), &mut workspace, &mut one, &mut [0.0; 2]);
+    assert!(matches!(error, Err(GpError::ShapeMismatch { .. })), "{error:?}");
 }

@@ -118,25 +118,15 @@ impl Kernel for ActiveInputs {
         b: &[f64],
         values: &[f64],
         weights: &[f64],
-        gradient: &mut [f64],
+        of_parameters: &mut [f64],
+        of_input: &mut [f64],
     ) {
-        let b = self.choose(b);
-        self.with_columns(x, |x| self.kernel.column_gradient(x, &b, values, weights, gradient));
-    }
-
-    fn column_input_gradient(
-        &self,
-        x: MatRef<'_, f64>,
-        b: &[f64],
-        values: &[f64],
-        weights: &[f64],
-        gradient: &mut [f64],
-    ) {
-        let (b, mut of_active) = (self.choose(b), vec![0.0; self.columns.len()]);
+        let (b, mut of_active) =
+            (self.choose(b), vec![0.0; of_input.len().min(self.columns.len())]);
         self.with_columns(x, |x| {
-            self.kernel.column_input_gradient(x, &b, values, weights, &mut of_active);
+            self.kernel.column_gradient(x, &b, values, weights, of_parameters, &mut of_active);
         });
-        self.scatter(&of_active, gradient);
+        self.scatter(&of_active, of_input);
     }
 
     fn diagonal(&self, x: MatRef<'_, f64>, values: &mut [f64]) {

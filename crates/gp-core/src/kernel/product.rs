@@ -115,33 +115,17 @@ impl Kernel for Product {
         b: &[f64],
         _values: &[f64],
         weights: &[f64],
-        gradient: &mut [f64],
+        of_parameters: &mut [f64],
+        of_input: &mut [f64],
     ) {
-        let (of_first, of_second) = gradient.split_at_mut(self.n_first);
-        let mut first = vec![0.0; weights.len()];
-        let mut second = vec![0.0; weights.len()];
+        let n_first = self.n_first.min(of_parameters.len());
+        let (of_first, of_second) = of_parameters.split_at_mut(n_first);
+        let (mut first, mut second) = (vec![0.0; weights.len()], vec![0.0; weights.len()]);
         self.first.column(x, b, &mut first);
         self.second.column(x, b, &mut second);
-        self.first.column_gradient(x, b, &first, &products(weights, &second), of_first);
-        self.second.column_gradient(x, b, &second, &products(weights, &first), of_second);
-    }
-
-    fn column_input_gradient(
-        &self,
-        x: MatRef<'_, f64>,
-        b: &[f64],
-        _values: &[f64],
-        weights: &[f64],
-        gradient: &mut [f64],
-    ) {
-        let mut first = vec![0.0; weights.len()];
-        let mut second = vec![0.0; weights.len()];
-        self.first.column(x, b, &mut first);
-        self.second.column(x, b, &mut second);
-        let of_first = products(weights, &second);
-        self.first.column_input_gradient(x, b, &first, &of_first, gradient);
-        let of_second = products(weights, &first);
-        self.second.column_input_gradient(x, b, &second, &of_second, gradient);
+        let (by_first, by_second) = (products(weights, &second), products(weights, &first));
+        self.first.column_gradient(x, b, &first, &by_first, of_first, of_input);
+        self.second.column_gradient(x, b, &second, &by_second, of_second, of_input);
     }
 
     fn diagonal(&self, x: MatRef<'_, f64>, values: &mut [f64]) {

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use faer::{ColRef, MatRef};
+use faer::MatRef;
 
 use super::{Kernel, KernelSpec, Parameter, Role};
 use crate::GpError;
@@ -132,9 +132,12 @@ impl<P: Profile> Kernel for Radial<P> {
     }
 
     fn column(&self, x: MatRef<'_, f64>, b: &[f64], values: &mut [f64]) {
-        self.squared_distances(x, b, values);
-        let signal_variance = self.signal_variance;
-        vectorized(|| profile_values::<P>(values, signal_variance));
+        let last = self.lengthscales.len() - 1;
+        self.squared_distances(x, b, last, values);
+        let (inverse, signal_variance) = (self.lengthscales[last].recip(), self.signal_variance);
+        with_column(x, last, |x| {
+            profile_values::<P>(values, x, b[last], inverse, signal_variance);
+        });
     }
 
     fn column_gradient(
@@ -143,53 +146,34 @@ impl<P: Profile> Kernel for Radial<P> {
         b: &[f64],
         values: &[f64],
         weights: &[f64],
-        gradient: &mut [f64],
+        of_parameters: &mut [f64],
+        of_input: &mut [f64],
     ) {
-        let (of_variance, of_lengthscales) = gradient.split_last_mut().expect("one a parameter");
-        *of_variance += dot(values, weights);
-        self.for_blocks(x, b, values, weights, |rows, factors| {
-            for (d, slope) in of_lengthscales.iter_mut().enumerate() {
-                let inverse = self.lengthscales[d].recip();
-                *slope -= sums_over_column(rows.col(d), factors, b[d], inverse).1;
+        let mut factors = [0.0; BLOCK];
+        let signal_variance = self.signal_variance;
+        for start in (0..values.len()).step_by(BLOCK) {
+            let n = BLOCK.min(values.len() - start);
+            let (rows, factors) = (x.subrows(start, n), &mut factors[..n]);
+            if P::NEEDS_DISTANCE {
+                self.squared_distances(rows, b, self.lengthscales.len(), factors);
             }
-        });
-    }
-
-    fn column_input_gradient(
-        &self,
-        x: MatRef<'_, f64>,
-        b: &[f64],
-        values: &[f64],
-        weights: &[f64],
-        gradient: &mut [f64],
-    ) {
-        self.for_blocks(x, b, values, weights, |rows, factors| {
-            for (d, slope) in gradient.iter_mut().enumerate() {
-                let inverse = self.lengthscales[d].recip();
-                *slope -= inverse * sums_over_column(rows.col(d), factors, b[d], inverse).0;
+            let (values, weights) = (&values[start..start + n], &weights[start..start + n]);
+            profile_slopes::<P>(factors, values, weights, signal_variance);
+            if let Some((of_variance, _)) = of_parameters.split_last_mut() {
+                *of_variance += dot(values, weights);
             }
-        });
-    }
-
-    fn column_gradients(
-        &self,
-        x: MatRef<'_, f64>,
-        b: &[f64],
-        values: &[f64],
-        weights: &[f64],
-        gradient: &mut [f64],
-        input_gradient: &mut [f64],
-    ) {
-        let (of_variance, of_lengthscales) = gradient.split_last_mut().expect("one a parameter");
-        *of_variance += dot(values, weights);
-        self.for_blocks(x, b, values, weights, |rows, factors| {
-            for (d, slope) in of_lengthscales.iter_mut().enumerate() {
-                let inverse = self.lengthscales[d].recip();
-                let (first, second) = sums_over_column(rows.col(d), factors, b[d], inverse);
-                *slope -= second;
-                input_gradient[d] -= inverse * first;
+            for (d, lengthscale) in self.lengthscales.iter().enumerate() {
+                let inverse = lengthscale.recip();
+                let sums = |x: &[f64]| weighted_sums(x, factors, b[d], inverse);
+                let (first, second) = with_column(rows, d, sums);
+                if !of_parameters.is_empty() {
+                    of_parameters[d] -= second;
+                }
+                if !of_input.is_empty() {
+                    of_input[d] -= inverse * first;
+                }
             }
-        });
+        }
     }
 
     fn diagonal(&self, _x: MatRef<'_, f64>, values: &mut [f64]) {
@@ -203,45 +187,27 @@ impl<P: Profile> Kernel for Radial<P> {
 }
 
 impl<P: Profile> Radial<P> {
-    /// Writes r² of every row from b.
-    fn squared_distances(&self, x: MatRef<'_, f64>, b: &[f64], squares: &mut [f64]) {
-        squares.fill(0.0);
-        for (d, lengthscale) in self.lengthscales.iter().enumerate() {
-            let (center, inverse) = (b[d], lengthscale.recip());
-            match x.col(d).try_as_col_major() {
-                Some(x) => vectorized(|| add_squares(squares, x.as_slice(), center, inverse)),
-                None => {
-                    for (square, x) in squares.iter_mut().zip(x.col(d).iter()) {
-                        let scaled = (x - center) * inverse;
-                        *square += scaled * scaled;
-                    }
-                }
-            }
-        }
-    }
-
-    /// Calls `body` with blocks of rows and their 2 s² wᵢ g'(rᵢ²).
-    fn for_blocks(
+    /// Writes r² of every row from b, over the first `n_inputs` inputs.
+    fn squared_distances(
         &self,
         x: MatRef<'_, f64>,
         b: &[f64],
-        values: &[f64],
-        weights: &[f64],
-        mut body: impl FnMut(MatRef<'_, f64>, &[f64]),
+        n_inputs: usize,
+        squares: &mut [f64],
     ) {
-        let mut factors = [0.0; BLOCK];
-        for start in (0..values.len()).step_by(BLOCK) {
-            let n = BLOCK.min(values.len() - start);
-            let rows = x.subrows(start, n);
-            let factors = &mut factors[..n];
-            if P::NEEDS_DISTANCE {
-                self.squared_distances(rows, b, factors);
-            }
-            let (values, weights) = (&values[start..start + n], &weights[start..start + n]);
-            let signal_variance = self.signal_variance;
-            vectorized(|| profile_slopes::<P>(factors, values, weights, signal_variance));
-            body(rows, factors);
+        squares.fill(0.0);
+        for (d, lengthscale) in self.lengthscales[..n_inputs].iter().enumerate() {
+            let (center, inverse) = (b[d], lengthscale.recip());
+            with_column(x, d, |x| add_squares(squares, x, center, inverse));
         }
+    }
+}
+
+/// Calls `body` with a column of a matrix of any layout.
+fn with_column<R>(x: MatRef<'_, f64>, d: usize, body: impl FnOnce(&[f64]) -> R) -> R {
+    match x.col(d).try_as_col_major() {
+        Some(x) => body(x.as_slice()),
+        None => body(&x.col(d).iter().copied().collect::<Vec<f64>>()),
     }
 }
 
@@ -275,47 +241,46 @@ impl<P: Profile> fmt::Debug for Radial<P> {
 pub(super) const FARTHEST: f64 = 1e9;
 
 /// Rows that the gradient handles at once: their terms stay on the stack and in the first cache.
-const BLOCK: usize = 128;
+const BLOCK: usize = 256;
 
-/// Adds ((xᵢ − center)·inverse)².
-#[inline(always)]
-fn add_squares(squares: &mut [f64], x: &[f64], center: f64, inverse: f64) {
-    for (square, x) in squares.iter_mut().zip(x) {
-        let scaled = (x - center) * inverse;
-        *square += scaled * scaled;
+vectorized! {
+    /// Adds ((xᵢ − center)·inverse)².
+    fn add_squares(squares: &mut [f64], x: &[f64], center: f64, inverse: f64) {
+        for (square, x) in squares.iter_mut().zip(x) {
+            let scaled = (x - center) * inverse;
+            *square += scaled * scaled;
+        }
     }
 }
 
-/// Replaces r² by s² g(r²).
-#[inline(always)]
-fn profile_values<P: Profile>(values: &mut [f64], signal_variance: f64) {
-    for value in values {
-        *value = signal_variance * P::value(*value);
+vectorized! {
+    /// Replaces what is there of r², all but the last input's part, by s² g(r²).
+    fn profile_values<P: Profile>(
+        values: &mut [f64],
+        x: &[f64],
+        center: f64,
+        inverse: f64,
+        signal_variance: f64,
+    ) {
+        for (value, x) in values.iter_mut().zip(x) {
+            let scaled = (x - center) * inverse;
+            *value = signal_variance * P::value(*value + scaled * scaled);
+        }
     }
 }
 
-/// Replaces r² by 2 s² w g'(r²), given the kernel's values.
-#[inline(always)]
-fn profile_slopes<P: Profile>(
-    factors: &mut [f64],
-    values: &[f64],
-    weights: &[f64],
-    signal_variance: f64,
-) {
-    let inverse_variance = signal_variance.recip();
-    for ((factor, value), weight) in factors.iter_mut().zip(values).zip(weights) {
-        let slope = P::slope(*factor, value * inverse_variance);
-        *factor = 2.0 * signal_variance * slope * weight;
-    }
-}
-
-/// `weighted_sums` over a column of a matrix of any layout.
-fn sums_over_column(x: ColRef<'_, f64>, weights: &[f64], center: f64, scale: f64) -> (f64, f64) {
-    match x.try_as_col_major() {
-        Some(x) => weighted_sums(x.as_slice(), weights, center, scale),
-        None => {
-            let x: Vec<f64> = x.iter().copied().collect();
-            weighted_sums(&x, weights, center, scale)
+vectorized! {
+    /// Replaces r² by 2 s² w g'(r²), given the kernel's values.
+    fn profile_slopes<P: Profile>(
+        factors: &mut [f64],
+        values: &[f64],
+        weights: &[f64],
+        signal_variance: f64,
+    ) {
+        let inverse_variance = signal_variance.recip();
+        for ((factor, value), weight) in factors.iter_mut().zip(values).zip(weights) {
+            let slope = P::slope(*factor, value * inverse_variance);
+            *factor = 2.0 * signal_variance * slope * weight;
         }
     }
 }

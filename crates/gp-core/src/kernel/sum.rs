@@ -99,28 +99,15 @@ impl Kernel for Sum {
         b: &[f64],
         _values: &[f64],
         weights: &[f64],
-        gradient: &mut [f64],
+        of_parameters: &mut [f64],
+        of_input: &mut [f64],
     ) {
-        let (of_first, of_second) = gradient.split_at_mut(self.n_first);
+        let n_first = self.n_first.min(of_parameters.len());
+        let (of_first, of_second) = of_parameters.split_at_mut(n_first);
         let mut values = vec![0.0; weights.len()];
-        self.first.column(x, b, &mut values);
-        self.first.column_gradient(x, b, &values, weights, of_first);
-        self.second.column(x, b, &mut values);
-        self.second.column_gradient(x, b, &values, weights, of_second);
-    }
-
-    fn column_input_gradient(
-        &self,
-        x: MatRef<'_, f64>,
-        b: &[f64],
-        _values: &[f64],
-        weights: &[f64],
-        gradient: &mut [f64],
-    ) {
-        let mut values = vec![0.0; weights.len()];
-        for term in [&self.first, &self.second] {
+        for (term, of_term) in [(&self.first, of_first), (&self.second, of_second)] {
             term.column(x, b, &mut values);
-            term.column_input_gradient(x, b, &values, weights, gradient);
+            term.column_gradient(x, b, &values, weights, of_term, of_input);
         }
     }
 

@@ -1,0 +1,37 @@
+//! The noise on the observations of a process.
+
+use crate::GpError;
+use crate::checks::check_not_negative;
+
+/// The noise on observations: a common variance, and known ones of the rows or none.
+#[derive(Clone, Copy)]
+pub(crate) struct Noise<'a> {
+    pub(crate) common: f64,
+    pub(crate) of_rows: &'a [f64],
+}
+
+impl Noise<'_> {
+    pub(crate) fn same(common: f64) -> Self {
+        Self { common, of_rows: &[] }
+    }
+
+    pub(crate) fn of_row(self, i: usize) -> f64 {
+        self.common + self.of_rows.get(i).copied().unwrap_or(0.0)
+    }
+
+    /// # Errors
+    /// `Negative` or `NotFinite` for a variance that is not finite and not negative.
+    pub(crate) fn check(self) -> Result<(), GpError> {
+        check_not_negative("noise variance", self.common)?;
+        check_row_noise(self.of_rows)
+    }
+}
+
+/// Checks that every row's noise variance is finite and not negative.
+pub(crate) fn check_row_noise(of_rows: &[f64]) -> Result<(), GpError> {
+    let bad = of_rows.iter().position(|&noise| check_not_negative("", noise).is_err());
+    match bad {
+        Some(row) => check_not_negative(&format!("noise variance of row {row}"), of_rows[row]),
+        None => Ok(()),
+    }
+}
