@@ -5,6 +5,7 @@ mod geometry;
 mod mistake;
 mod moment;
 mod numbers;
+mod outputs;
 mod units;
 
 use std::fmt;
@@ -12,19 +13,21 @@ use std::fmt;
 use dataset::{Manifest, Recording};
 use serde::Serialize;
 
+pub use self::outputs::step_suspicions;
+
 use self::geometry::geometry;
 use self::moment::{Moment, moments};
 
-/// Something about recordings that cannot be as stated.
+/// Something about recordings or a step table that cannot be as stated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Suspicion {
     /// What seems to be wrong.
     pub what: String,
     /// The numbers that say so.
     pub evidence: String,
-    /// Which key of the manifest to correct, and how.
+    /// Which key of the manifest, or of a table's mapping, to correct, and how.
     pub fix: String,
-    /// Whether nothing that is read from these recordings can be trusted.
+    /// Whether nothing that is read from them can be trusted.
     pub is_certain: bool,
 }
 

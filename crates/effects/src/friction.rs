@@ -4,11 +4,10 @@ use std::sync::Arc;
 
 use mechanics::LimitSurface;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
-use planar::{Pose, Twist, perpendicular};
+use planar::{Pose, Twist};
 
 use crate::effect::Sliding;
 use crate::patch_table::PatchTable;
-use crate::points::Point;
 use crate::pressure::Pressure;
 use crate::{EffectError, Object, PushPhysics, Support};
 
@@ -132,7 +131,9 @@ impl<'a> Friction<'a> {
             slope += self.shape * patch_slope;
         }
         if let Some(local) = &self.local {
-            self.add_local(local, motion, (&mut load, &mut slope));
+            let (surplus, surplus_slope) = self.local_load(local, motion);
+            load += surplus;
+            slope += surplus_slope;
         }
         Ok((load, slope))
     }
@@ -200,55 +201,14 @@ impl<'a> Friction<'a> {
         Some((with - without, with_slope - without_slope))
     }
 
-    /// Adds, for each point, its share of the load times its surplus s times T²v/|Tv|.
-    fn add_local(
-        &self,
-        local: &Local<'_>,
-        motion: &Vector3<f64>,
-        sums: (&mut Vector3<f64>, &mut Matrix3<f64>),
-    ) {
-        let (load, slope) = sums;
-        let uniform = self.object.points();
-        let points = self.pressure.as_ref().map_or(uniform, |pressure| &pressure.points);
-        for Point { place, share, .. } in points {
-            let place = self.stretch * place;
-            let arm = perpendicular(&place);
-            let velocity = motion.xy() + motion.z * arm;
-            let square = velocity.norm_squared();
-            if square == 0.0 {
-                continue;
-            }
-            let (surplus, growth) = local.surplus_and_growth(&place, &velocity);
-            let (turned, image) = (self.tensor * arm, self.tensor * velocity);
-            add_point(share * surplus, &self.tensor, &turned, &image, load, slope);
-            if growth != 0.0 {
-                // ds = growth · d|v|/|v|, with d|v| = v·(dv + J r dω)/|v|.
-                let force = self.tensor * image / image.norm();
-                let force = Vector3::new(force.x, force.y, turned.dot(&image) / image.norm());
-                let faster = Vector3::new(velocity.x, velocity.y, velocity.dot(&arm));
-                *slope += share * growth / square * force * faster.transpose();
-            }
-        }
+    /// Of each point, its share of the load times its surplus s times T²v/|Tv|.
+    fn local_load(&self, local: &Local<'_>, motion: &Vector3<f64>) -> Load {
+        let points = self.pressure.as_ref().map_or(self.object.lanes(), |leaning| &leaning.lanes);
+        let law = |place: &Vector2<f64>, velocity: &Vector2<f64>| {
+            local.surplus_and_growth(place, velocity)
+        };
+        points.local_load(&law, &self.tensor, self.stretch, motion)
     }
-}
-
-/// Adds `weight` times Aᵀ v/|v|, with v = A t the velocity of a point and A = (`tensor`, `arm`).
-fn add_point(
-    weight: f64,
-    tensor: &Matrix2<f64>,
-    arm: &Vector2<f64>,
-    velocity: &Vector2<f64>,
-    load: &mut Vector3<f64>,
-    slope: &mut Matrix3<f64>,
-) {
-    let speed = velocity.norm();
-    let across = perpendicular(velocity) / speed;
-    let force = tensor.tr_mul(velocity) * (weight / speed);
-    *load += Vector3::new(force.x, force.y, weight / speed * arm.dot(velocity));
-    // (1 − v̂ v̂ᵀ) is the part across the velocity.
-    let side = tensor.tr_mul(&across);
-    let side = Vector3::new(side.x, side.y, arm.dot(&across));
-    *slope += weight / speed * side * side.transpose();
 }
 
 /// A⁻¹ = diag(T², c²) of the ellipsoid of a moment, per unit of the largest force.

@@ -1,5 +1,7 @@
 //! Sums over the points that stand for a support, in the machine's vector registers.
 
+mod local;
+
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 

@@ -17,8 +17,6 @@ pub(crate) struct Pressure {
     /// Its center from the centroid, in m, axes of the outline.
     pub(crate) center: Vector2<f64>,
     /// The object's points about the center, with their shares.
-    pub(crate) points: Vec<Point>,
-    /// The same points, for sums over all of them.
     pub(crate) lanes: Points,
     /// With the shares of uniform pressure.
     pub(crate) uniform: Points,
@@ -46,26 +44,29 @@ impl Pressure {
         let distance = shift.dot(&(precision * shift)).sqrt();
         let center = shift * (FARTHEST / distance.max(FARTHEST));
         let weights = weights(object.points(), &center)?;
-        let with = |share_of: fn(f64) -> f64| -> Vec<Point> {
-            let pairs = object.points().iter().zip(&weights);
-            let point = |(point, weight): (&Point, &f64)| Point {
-                place: point.place - center,
-                share: point.share * share_of(*weight),
-                spin: point.spin,
-            };
-            pairs.map(point).collect()
+        let with = |share_of: fn(f64) -> f64| {
+            let shares: Vec<f64> = weights.iter().map(|weight| share_of(*weight)).collect();
+            Points::new(&about(object.points(), &center, &shares))
         };
-        let points = with(|weight| weight);
-        let lanes = Points::new(&points);
-        let uniform = Points::new(&with(|_| 1.0));
-        let surplus = Points::new(&with(|weight| weight - 1.0));
-        Ok(Self { asked: *shift, center, points, lanes, uniform, surplus })
+        let (lanes, uniform, surplus) =
+            (with(|weight| weight), with(|_| 1.0), with(|weight| weight - 1.0));
+        Ok(Self { asked: *shift, center, lanes, uniform, surplus })
     }
 
     /// Whether this is the pressure with a center.
     pub(crate) fn is(&self, shift: &Vector2<f64>) -> bool {
         self.asked == *shift
     }
+}
+
+/// Points seen from a center, with so many times their shares.
+fn about(points: &[Point], center: &Vector2<f64>, factors: &[f64]) -> Vec<Point> {
+    let point = |(point, factor): (&Point, &f64)| Point {
+        place: point.place - center,
+        share: point.share * factor,
+        spin: point.spin,
+    };
+    points.iter().zip(factors).map(point).collect()
 }
 
 /// Newton's method on the dual ln Σ s exp(e·φ), which is convex; φ are the constraints' misses.
@@ -110,7 +111,7 @@ fn weights(points: &[Point], center: &Vector2<f64>) -> Result<Vec<f64>, EffectEr
 
 #[cfg(test)]
 mod tests {
-    use super::Pressure;
+    use super::{Pressure, about, weights};
     use crate::Object;
     use crate::points::Point;
     use nalgebra::Vector2;
@@ -121,20 +122,25 @@ mod tests {
         Object::uniform(Arc::new(mit_object(name).unwrap().shape), 0.8).unwrap()
     }
 
+    fn leaning(object: &Object, center: &Vector2<f64>) -> Vec<Point> {
+        about(object.points(), center, &weights(object.points(), center).unwrap())
+    }
+
     #[test]
     fn the_load_has_the_center_asked_for_and_the_mean_distance_of_uniform_pressure() {
         for name in MIT_NAMES {
             let object = object(name);
             for (x, y) in [(5e-3, -3e-3), (0.0, 1e-2), (-0.2, 0.1)] {
-                let pressure = Pressure::new(&object, &Vector2::new(x, y)).unwrap();
-                assert!(pressure.points.iter().all(|point| point.share > 0.0), "{name}");
+                let center = Pressure::new(&object, &Vector2::new(x, y)).unwrap().center;
+                let leaning = leaning(&object, &center);
+                assert!(leaning.iter().all(|point| point.share > 0.0), "{name}");
                 let center: Vector2<f64> =
-                    pressure.points.iter().map(|point| point.share * point.place).sum();
+                    leaning.iter().map(|point| point.share * point.place).sum();
                 assert!(center.norm() < 1e-12, "{name}");
                 let distance = |points: &[Point]| {
                     points.iter().map(|point| point.share * point.place.norm()).sum::<f64>()
                 };
-                let ratio = distance(&pressure.points) / distance(object.points());
+                let ratio = distance(&leaning) / distance(object.points());
                 assert!((ratio - 1.0).abs() < 1e-11, "{name} {ratio}");
             }
         }
@@ -143,8 +149,7 @@ mod tests {
     #[test]
     fn pressure_that_is_not_moved_is_uniform() {
         let object = object("tri1");
-        let pressure = Pressure::new(&object, &Vector2::zeros()).unwrap();
-        for (leaning, uniform) in pressure.points.iter().zip(object.points()) {
+        for (leaning, uniform) in leaning(&object, &Vector2::zeros()).iter().zip(object.points()) {
             assert!((leaning.share / uniform.share - 1.0).abs() < 1e-14);
         }
     }

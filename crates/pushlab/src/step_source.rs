@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use dataset::{
-    DatasetError, IngestSettings, MANIFEST_NAME, Manifest, Preset, RecordingSet, Table,
+    DatasetError, IngestSettings, MANIFEST_NAME, Manifest, Preset, PusherSpec, RecordingSet, Table,
     TableMapping,
 };
-use diagnosis::{Observations, steady_ingest};
+use diagnosis::{Observations, Suspicion, steady_ingest, step_suspicions};
 
 use crate::command_line::preset_parser;
 use crate::failure::WrongUsage;
@@ -42,6 +42,22 @@ pub(crate) enum Reading {
     Steady,
 }
 
+impl Reading {
+    /// Tells what contradicts the mechanics.
+    ///
+    /// # Errors
+    /// If that is certain, and tests or fits would follow.
+    fn heed(self, suspicions: &[Suspicion], terminal: &Terminal) -> Result<()> {
+        match self {
+            Self::Plain(_) => {
+                warn(suspicions, terminal);
+                Ok(())
+            }
+            Self::Steady => refuse(suspicions, terminal),
+        }
+    }
+}
+
 /// Observed steps, with what was read for them.
 pub(crate) struct Steps {
     pub(crate) observations: Observations,
@@ -67,16 +83,18 @@ impl StepSource {
         }
         let inside = set.join("table.csv");
         let table = if is_folder { &inside } else { set };
-        match (&self.mapping, self.preset) {
+        let (steps, pusher) = match (&self.mapping, self.preset) {
             (Some(mapping), _) => {
-                Steps::mapped(table, &TableMapping::read(mapping)?, Some(mapping))
+                Steps::mapped(table, &TableMapping::read(mapping)?, Some(mapping))?
             }
             (None, Some(Preset::MitTable)) => {
-                Steps::mapped(table, &TableMapping::mit_table()?, None)
+                Steps::mapped(table, &TableMapping::mit_table()?, None)?
             }
             (None, Some(_)) => bail!(WrongUsage("this preset is for recordings, not for a table")),
-            (None, None) => Steps::tabled(table, self.manifest.as_deref()),
-        }
+            (None, None) => Steps::tabled(table, self.manifest.as_deref())?,
+        };
+        reading.heed(&step_suspicions(&steps.observations, pusher.friction)?, terminal)?;
+        Ok(steps)
     }
 
     /// Another set, of which the same is known.
@@ -106,11 +124,7 @@ impl StepSource {
             Some(preset) => RecordingSet::open_with_preset(&self.set, preset)?,
             None => RecordingSet::open(&self.set)?,
         };
-        let suspicions = suspected(&set);
-        match reading {
-            Reading::Plain(_) => warn(&suspicions, terminal),
-            Reading::Steady => refuse(&suspicions, terminal)?,
-        }
+        reading.heed(&suspected(&set), terminal)?;
         let settings = match reading {
             Reading::Steady => steady_ingest(),
             Reading::Plain(step) => {
@@ -130,16 +144,21 @@ impl StepSource {
 }
 
 impl Steps {
-    /// A table of others.
-    fn mapped(path: &Path, mapping: &TableMapping, from: Option<&PathBuf>) -> Result<Self> {
+    /// A table of others, and the pusher.
+    fn mapped(
+        path: &Path,
+        mapping: &TableMapping,
+        from: Option<&PathBuf>,
+    ) -> Result<(Self, PusherSpec)> {
         let table = mapping.read_table(path)?;
         let files = std::iter::once(path).chain(from.map(PathBuf::as_path));
         let inputs = files.map(Input::file).collect::<Result<_>>()?;
-        Ok(Self { observations: Observations::of_mapped(&table, mapping)?, inputs, n_pushes: None })
+        let observations = Observations::of_mapped(&table, mapping)?;
+        Ok((Self { observations, inputs, n_pushes: None }, mapping.pusher))
     }
 
-    /// A table of `pushlab ingest`, or one whose mapping lies beside it.
-    fn tabled(path: &Path, manifest: Option<&Path>) -> Result<Self> {
+    /// A table of `pushlab ingest`, or one whose mapping lies beside it, and the pusher.
+    fn tabled(path: &Path, manifest: Option<&Path>) -> Result<(Self, PusherSpec)> {
         let beside = path.with_file_name(MANIFEST_NAME);
         let table = match Table::read(path) {
             Err(DatasetError::ColumnMissing { .. }) if manifest.is_none() => {
@@ -163,6 +182,7 @@ impl Steps {
             )
         })?;
         let inputs = [path, manifest_path].into_iter().map(Input::file).collect::<Result<_>>()?;
-        Ok(Self { observations: Observations::of(&table, &manifest)?, inputs, n_pushes: None })
+        let observations = Observations::of(&table, &manifest)?;
+        Ok((Self { observations, inputs, n_pushes: None }, manifest.pusher))
     }
 }

@@ -1,4 +1,4 @@
-//! Recordings whose frames, signs or units contradict the mechanics.
+//! Measurements whose frames, signs or units contradict the mechanics.
 
 use anyhow::{Result, bail};
 use dataset::RecordingSet;
@@ -30,7 +30,7 @@ pub(crate) fn warn(suspicions: &[Suspicion], terminal: &Terminal) {
     }
 }
 
-/// Refuses recordings from which nothing can be concluded; warns of others.
+/// Refuses measurements from which nothing can be concluded; warns of others.
 ///
 /// # Errors
 /// If a suspicion is certain.
@@ -41,7 +41,7 @@ pub(crate) fn refuse(suspicions: &[Suspicion], terminal: &Terminal) -> Result<()
     }
     let told: Vec<_> = suspicions.iter().map(|one| format!("\n  {one}")).collect();
     bail!(
-        "these recordings contradict the mechanics, so nothing is concluded from them:{}",
+        "these measurements contradict the mechanics, so nothing is concluded from them:{}",
         told.concat()
     );
 }

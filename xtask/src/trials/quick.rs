@@ -77,13 +77,14 @@ fn broken(record: &Record) -> Option<String> {
 mod tests {
     use super::super::record::{Outcome, Record};
     use super::super::score::tests::answer;
-    use super::super::truth::TrueEffect;
+    use super::super::truth::{TrueEffect, Truth};
     use super::{PLAIN, broken, cases};
 
     fn told(named: &[&str]) -> Option<String> {
         let case = cases().into_iter().find(|case| case.about == PLAIN[0]).unwrap();
         let truth = TrueEffect { id: PLAIN[0].into(), values: [].into() };
-        let record = Record::failed(&case, String::new(), vec![truth], 1.0);
+        let truth = Truth { hidden: vec![truth], drawn: Vec::new() };
+        let record = Record::failed(&case, String::new(), truth, 1.0);
         let outcome = Outcome::Answer(Box::new(answer(named, &[])));
         broken(&Record { outcome, ..record })
     }

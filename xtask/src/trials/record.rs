@@ -10,7 +10,7 @@ use diagnosis::{Diagnosis, ErrorFall, Leftover, ParameterFinding, Status, Verdic
 use serde::{Deserialize, Serialize};
 
 use super::case::{Case, Family, Setup};
-use super::truth::TrueEffect;
+use super::truth::{TrueEffect, Truth};
 use super::variant::Variant;
 
 /// One finished trial.
@@ -31,6 +31,9 @@ pub(super) struct Record {
     pub(super) visibility: Option<f64>,
     /// From the sealed file, read after the answer.
     pub(super) truth: Vec<TrueEffect>,
+    /// From there as well: what the pushes share beside it.
+    #[serde(default)]
+    pub(super) drawn: Vec<TrueEffect>,
     /// Of the diagnosis alone, in s.
     pub(super) seconds: f64,
     pub(super) outcome: Outcome,
@@ -76,7 +79,7 @@ pub(super) struct Told {
 
 impl Record {
     /// A trial without an answer.
-    pub(super) fn failed(case: &Case, why: String, truth: Vec<TrueEffect>, seconds: f64) -> Self {
+    pub(super) fn failed(case: &Case, why: String, truth: Truth, seconds: f64) -> Self {
         Self {
             case: case.name.clone(),
             family: case.family,
@@ -86,7 +89,8 @@ impl Record {
             setup: case.setup,
             multiple: case.multiple(),
             visibility: None,
-            truth,
+            truth: truth.hidden,
+            drawn: truth.drawn,
             seconds,
             outcome: Outcome::Failed(why),
             variants: BTreeMap::new(),

@@ -5,6 +5,7 @@ use effects::by_id;
 
 use super::case::Family;
 use super::record::{Answer, Outcome, Record};
+use super::truth::TrueEffect;
 
 /// The shape that an ellipsoid on a patch lacks, too.
 const SHAPE: &str = "limit-surface-shape";
@@ -20,12 +21,16 @@ const EQUIVALENTS: [(&str, &[&str]); 4] = [
     ("cable-drag", &["table-tilt"]),
 ];
 
+/// Three intervals of 95 % that are so much wider hold three numbers 19 times in 20.
+const WIDER: f64 = 1.22;
+
 /// What an answer is worth.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Score {
     /// For each hidden effect whether it is named, or in a group of its documented look-alikes.
     pub(super) found: Vec<bool>,
-    /// Names that are not right, and groups without a right member.
+    /// Names that are not right, and groups without a right member. What the pushes of a set happen to
+    /// share is right where it is told rightly.
     pub(super) wrong: Vec<String>,
 }
 
@@ -34,7 +39,14 @@ impl Score {
     pub(super) fn of(record: &Record) -> Self {
         let hidden: Vec<&str> = record.truth.iter().map(|effect| effect.id.as_str()).collect();
         match &record.outcome {
-            Outcome::Answer(answer) => Self::of_answer(answer, &hidden, record.has_ellipsoid()),
+            Outcome::Answer(answer) => {
+                let mut score = Self::of_answer(answer, &hidden, record.has_ellipsoid());
+                let is_drawn = |id: &String| {
+                    record.drawn.iter().any(|one| one.id == *id && one.is_as_told(answer))
+                };
+                score.wrong.retain(|id| !is_drawn(id));
+                score
+            }
             Outcome::Failed(why) => {
                 Self { found: vec![false; hidden.len()], wrong: vec![format!("failed: {why}")] }
             }
@@ -103,6 +115,23 @@ fn is_class_of(group: &[String], id: &str) -> bool {
     };
     let is_alike = |other: &String| other == id || documents(id, other) || documents(other, id);
     group.iter().any(|member| member == id) && group.iter().all(is_alike)
+}
+
+impl TrueEffect {
+    /// Whether the intervals that an answer tells hold it, a little widened since there are several.
+    fn is_as_told(&self, answer: &Answer) -> bool {
+        let Some(told) = answer.told(&self.id) else { return false };
+        let parameters = self.parameters();
+        let holds = |(name, truth): &(&str, f64)| {
+            let found = told.parameters.iter().find(|parameter| parameter.name == *name);
+            let ends = found.and_then(|one| one.low95.zip(one.high95));
+            ends.zip(found.and_then(|one| one.estimate)).is_some_and(|((low, high), estimate)| {
+                let end = if *truth < estimate { low } else { high };
+                (truth - estimate).abs() <= WIDER * (end - estimate).abs()
+            })
+        };
+        parameters.iter().all(holds)
+    }
 }
 
 impl Record {

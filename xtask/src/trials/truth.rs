@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use plant::Nominal;
+use plant::{Nominal, Variation};
 use serde::{Deserialize, Serialize};
 
 /// An effect that is in a set.
@@ -16,21 +16,98 @@ pub(super) struct TrueEffect {
     pub(super) values: BTreeMap<String, f64>,
 }
 
+/// What a sealed file tells.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Truth {
+    /// What was hidden.
+    pub(super) hidden: Vec<TrueEffect>,
+    /// What the pushes of the set share beside it: the mean of what was drawn for each, where that is
+    /// more than pushes alone scatter to. The sessions of a set have draws of their own.
+    pub(super) drawn: Vec<TrueEffect>,
+}
+
 /// The part of a sealed file that scores need.
 #[derive(Deserialize)]
 struct Sealed {
     hidden: Vec<TrueEffect>,
+    pushes: Vec<SealedPush>,
 }
+
+#[derive(Deserialize)]
+struct SealedPush {
+    variation: Variation,
+}
+
+/// Standard errors of the mean by which what a set shares stands out of its pushes' scatter.
+const STANDS_OUT: f64 = 3.0;
 
 /// Opens a sealed truth.
 ///
 /// # Errors
 /// A file that cannot be read or is no truth.
-pub(super) fn open(path: &Path) -> Result<Vec<TrueEffect>> {
+pub(super) fn open(path: &Path) -> Result<Truth> {
     let text =
         fs::read_to_string(path).with_context(|| format!("cannot open {}", path.display()))?;
-    let sealed: Sealed = toml::from_str(&text)?;
-    Ok(sealed.hidden)
+    let Sealed { hidden, pushes } = toml::from_str(&text)?;
+    let variations: Vec<Variation> = pushes.into_iter().map(|push| push.variation).collect();
+    let is_hidden = |one: &TrueEffect| hidden.iter().any(|other| other.id == one.id);
+    let mut drawn = drawn(&variations);
+    drawn.retain(|one| !is_hidden(one));
+    Ok(Truth { hidden, drawn })
+}
+
+/// A number of an effect: its name, its nominal value, and what it is of a push.
+type Number<'a> = (&'a str, f64, &'a dyn Fn(&Variation) -> f64);
+
+/// The effects whose numbers the pushes of a set share.
+fn drawn(pushes: &[Variation]) -> Vec<TrueEffect> {
+    let nominal = Nominal::default();
+    let effect = |id: &str, numbers: &[Number<'_>]| {
+        let mut stands_out = false;
+        let values = numbers.iter().map(|(name, usual, of)| {
+            let (mean, se) = mean(&pushes.iter().map(of).collect::<Vec<_>>());
+            stands_out |= (mean - usual).abs() > STANDS_OUT * se;
+            ((*name).to_owned(), mean)
+        });
+        let values = values.collect();
+        stands_out.then(|| TrueEffect { id: id.to_owned(), values })
+    };
+    let all = [
+        effect(
+            "support-friction",
+            &[("coefficient", nominal.support_friction, &|push| {
+                nominal.support_friction * push.support_friction
+            })],
+        ),
+        effect(
+            "pusher-friction",
+            &[("coefficient", nominal.pusher_friction, &|push| {
+                nominal.pusher_friction * push.tip_friction
+            })],
+        ),
+        effect("pressure-radius", &[("ratio", 1.0, &|push| push.pressure_radius)]),
+        effect(
+            "friction-center-offset",
+            &[
+                ("x", 0.0, &|push| push.pressure_shift[0]),
+                ("y", 0.0, &|push| push.pressure_shift[1]),
+            ],
+        ),
+        effect("contact-bias", &[("offset", 0.0, &|push| push.contact_shift)]),
+        effect(
+            "force-bias",
+            &[("x", 0.0, &|push| push.force_bias[0]), ("y", 0.0, &|push| push.force_bias[1])],
+        ),
+    ];
+    all.into_iter().flatten().collect()
+}
+
+/// The mean with its standard error.
+fn mean(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (mean, (squares / (n * (n - 1.0).max(1.0))).sqrt())
 }
 
 impl TrueEffect {
@@ -87,9 +164,24 @@ impl TrueEffect {
 #[cfg(test)]
 mod tests {
     use effects::all;
-    use plant::{HiddenEffect, effect_kinds};
+    use plant::{HiddenEffect, Variation, effect_kinds};
 
-    use super::TrueEffect;
+    use super::{TrueEffect, drawn};
+
+    #[test]
+    fn what_all_pushes_share_stands_out_of_their_scatter() {
+        let push = |k: usize, shared: f64| Variation {
+            force_bias: [shared + 0.01 * (k % 5) as f64 - 0.02, 0.0],
+            support_friction: 1.0 + 0.01 * (k % 3) as f64 - 0.01,
+            ..Variation::default()
+        };
+        let ids = |shared: f64| -> Vec<String> {
+            let pushes: Vec<_> = (0..60).map(|k| push(k, shared)).collect();
+            drawn(&pushes).into_iter().map(|effect| effect.id).collect()
+        };
+        assert_eq!(ids(0.0), Vec::<String>::new());
+        assert_eq!(ids(0.01), ["force-bias"]);
+    }
 
     #[test]
     fn every_effect_of_the_catalogue_has_its_parameters_and_no_other_has() {

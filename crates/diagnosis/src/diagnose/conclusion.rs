@@ -37,7 +37,8 @@ impl Search<'_> {
         let whole = here.asking(&ids(&progress.chosen)).settled()?;
         let (whole, fit) = self.without_open(whole, &mut progress)?;
         let confirmed = self.confirmed(whole, fit, &mut progress, &noise)?;
-        let Confirmed { accepted, error, descriptions: [description, with_nuisances] } = confirmed;
+        let Confirmed { accepted, error, descriptions, with_doubted } = confirmed;
+        let [description, with_nuisances] = descriptions;
         let Progress { refused, first_screen, .. } = progress;
         Ok(Found {
             first_screen,
@@ -48,6 +49,7 @@ impl Search<'_> {
             error,
             description,
             with_nuisances,
+            with_doubted,
         })
     }
 
@@ -132,6 +134,7 @@ impl Search<'_> {
         noise: &NoiseModel,
     ) -> Result<Confirmed, DiagnosisError> {
         let [_, base] = whole.roughly_without(&ids(&progress.chosen))?.descriptions()?;
+        let mut with_doubted = None;
         loop {
             let descriptions = whole.descriptions()?;
             let aside = Aside::new(self.aside, &descriptions[1], noise, self.settings)?;
@@ -159,9 +162,15 @@ impl Search<'_> {
                 if error.gap_closed.is_none() {
                     accepted.iter_mut().for_each(|one| one.gap_closed = None);
                 }
-                return Ok(Confirmed { accepted, error, descriptions });
+                return Ok(Confirmed { accepted, error, descriptions, with_doubted });
             };
             let (id, objection) = (*id, Objection::NotConfirmed { gain: *gain });
+            // Beside what is no hint, nothing is known of what the hints explain.
+            with_doubted = match (objection.is_hint(), with_doubted) {
+                (true, None) => Some(descriptions[1].clone()),
+                (true, earlier) => earlier,
+                (false, _) => None,
+            };
             progress.refused.push(Refused { id, objection });
             whole = match self.next_of_group(&whole, id, progress) {
                 Some(other) => other,
@@ -205,6 +214,8 @@ struct Confirmed {
     error: ErrorFall,
     /// The model with it, and the same with the nuisances.
     descriptions: [Description; 2],
+    /// The latter with what the pushes set aside only hint at.
+    with_doubted: Option<Description>,
 }
 
 /// An effect of a fit that the data leave open.

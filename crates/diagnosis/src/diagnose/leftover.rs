@@ -6,24 +6,52 @@ use super::scatter::gathered_again;
 use super::search::Found;
 use super::{DiagnoseSettings, Leftover};
 use crate::{
-    Concentration, DiagnosisError, MapSettings, Observations, Predictions, RepeatTolerance,
-    compare, noise_floor,
+    Concentration, DiagnosisError, MapSettings, NoiseFloor, Observations, Predictions,
+    RepeatTolerance, compare, noise_floor,
 };
 
 /// Structure in the residuals of the last model.
 pub(super) struct Left {
-    /// Probability of as much structure in noise; none where there is too little to look at.
-    pub(super) p: Option<f64>,
-    /// Where it shows most, in words.
-    pub(super) sentence: Option<String>,
-    /// Share of a number's squared error that the mean of a region explains: the largest.
-    share: f64,
+    structure: Structure,
+    /// Whether an effect that is no more than a hint explains the structure.
+    is_doubted_enough: bool,
     /// Whitened root mean square of the last model, on pushes set aside.
     rms: f64,
     /// Where errors gather that may have no sign of their own.
     gathered: Option<Concentration>,
     /// What pushes that are missed by far have in common, if anything.
     shared: Option<Shared>,
+}
+
+/// Errors whose mean differs from zero somewhere.
+struct Structure {
+    /// Probability of as much in noise; none where there is too little to look at.
+    p: Option<f64>,
+    /// Where it shows most, in words.
+    sentence: Option<String>,
+    /// Share of a number's squared error that the mean of a region explains: the largest.
+    share: f64,
+}
+
+impl Structure {
+    fn of(
+        predictions: &Predictions,
+        observations: &Observations,
+        floor: &NoiseFloor,
+        settings: &DiagnoseSettings,
+    ) -> Result<Self, DiagnosisError> {
+        let map_settings = MapSettings { seed: settings.seed, ..MapSettings::default() };
+        let comparison = compare(observations, predictions, floor, &map_settings)?;
+        let p = comparison.maps.iter().map(|map| map.p_adjusted).min_by(f64::total_cmp);
+        let sure = comparison.findings.iter().filter(|finding| finding.p_adjusted <= Rules::NAME);
+        let share = sure.clone().map(|finding| finding.share).fold(0.0, f64::max);
+        let sentence = sure.map(|finding| finding.sentence.clone()).next();
+        Ok(Self { p, sentence, share })
+    }
+
+    fn is_surer_than(&self, level: f64) -> bool {
+        self.p.is_some_and(|p| p <= level)
+    }
 }
 
 /// Structure that matters is 0.6 of the noise: it adds a sixth to the whitened error, or is a fifth of
@@ -42,16 +70,17 @@ pub(super) fn leftover(
 ) -> Result<Left, DiagnosisError> {
     let predictions = Predictions::of(&found.with_nuisances, &settings.own, fitted)?;
     let floor = noise_floor(fitted, &predictions, &RepeatTolerance::default())?;
-    let map_settings = MapSettings { seed: settings.seed, ..MapSettings::default() };
-    let comparison = compare(fitted, &predictions, &floor, &map_settings)?;
-    let p = comparison.maps.iter().map(|map| map.p_adjusted).min_by(f64::total_cmp);
-    let sure = comparison.findings.iter().filter(|finding| finding.p_adjusted <= Rules::NAME);
-    let share = sure.clone().map(|finding| finding.share).fold(0.0, f64::max);
-    let sentence = sure.map(|finding| finding.sentence.clone()).next();
+    let structure = Structure::of(&predictions, fitted, &floor, settings)?;
+    let with_doubted = found.with_doubted.as_ref().map(|model| {
+        let predictions = Predictions::of(model, &settings.own, fitted)?;
+        Structure::of(&predictions, fitted, &floor, settings)
+    });
+    let with_doubted = with_doubted.transpose()?;
+    let is_doubted_enough = with_doubted.is_some_and(|with| !with.is_surer_than(Rules::NAME));
     let gathered = gathered_again(found, (fitted, aside), &floor, settings)?;
     let shared = shared_by_far_off(found, [fitted, aside], settings)?;
     let shared = shared.filter(|shared| shared.p <= Rules::NAME);
-    Ok(Left { p, sentence, share, rms: found.error.after, gathered, shared })
+    Ok(Left { structure, is_doubted_enough, rms: found.error.after, gathered, shared })
 }
 
 impl Left {
@@ -61,7 +90,8 @@ impl Left {
     }
 
     fn has_structure(&self) -> bool {
-        self.is_surer_than(Rules::NAME) && (self.share >= SHARE || self.rms >= MISSES)
+        let matters = self.structure.share >= SHARE || self.rms >= MISSES;
+        self.structure.is_surer_than(Rules::NAME) && matters && !self.is_doubted_enough
     }
 
     /// Whether errors gather somewhere, without a sign of their own, on the pushes set aside as well.
@@ -72,8 +102,9 @@ impl Left {
 
     /// Whether something may be left.
     pub(super) fn is_hint(&self) -> bool {
-        let is_seen = self.is_surer_than(Rules::HINT);
-        self.is_far_off() || is_seen && (self.share >= 0.5 * SHARE || self.rms >= MISSES)
+        let is_seen = self.structure.is_surer_than(Rules::HINT);
+        let matters = self.structure.share >= 0.5 * SHARE || self.rms >= MISSES;
+        self.is_far_off() || is_seen && matters
     }
 
     /// Whether pushes set aside are missed by far more than noise, be they ever so few.
@@ -81,19 +112,15 @@ impl Left {
         self.rms >= FAR_OFF
     }
 
-    fn is_surer_than(&self, level: f64) -> bool {
-        self.p.is_some_and(|p| p <= level)
-    }
-
     pub(super) fn summary(&self) -> Leftover {
-        Leftover { p: self.p, covariate: self.told() }
+        Leftover { p: self.structure.p, covariate: self.told() }
     }
 
     /// Where something is left, in words.
     pub(super) fn told(&self) -> Option<String> {
         let gathered = || self.gathered.as_ref().map(|region| region.sentence.clone());
         if self.has_structure() {
-            self.sentence.clone().or_else(gathered)
+            self.structure.sentence.clone().or_else(gathered)
         } else if self.scatters() {
             gathered()
         } else {
@@ -104,18 +131,13 @@ impl Left {
 
 #[cfg(test)]
 mod tests {
-    use super::Left;
+    use super::{Left, Structure};
     use crate::{Concentration, Condition, Covariate};
 
     fn left(p: f64, share: f64, rms: f64) -> Left {
-        Left {
-            p: Some(p),
-            sentence: Some("turns too far".to_owned()),
-            share,
-            rms,
-            gathered: None,
-            shared: None,
-        }
+        let sentence = Some("turns too far".to_owned());
+        let structure = Structure { p: Some(p), sentence, share };
+        Left { structure, is_doubted_enough: false, rms, gathered: None, shared: None }
     }
 
     fn gathered(error_share: f64) -> Option<Concentration> {
@@ -138,7 +160,11 @@ mod tests {
     fn structure_is_left_if_it_is_sure_and_matters() {
         assert!(left(0.01, 0.2, 1.0).is_left() && left(0.001, 0.0, 1.15).is_left());
         assert!(!left(0.02, 0.5, 1.4).is_left() && !left(0.001, 0.19, 1.14).is_left());
-        assert!(!Left { p: None, ..left(0.0, 0.5, 1.4) }.is_left());
+        let unseen = Structure { p: None, sentence: None, share: 0.5 };
+        assert!(!Left { structure: unseen, ..left(0.0, 0.5, 1.4) }.is_left());
+        // What a hint explains is no structure that nothing explains.
+        let doubted = Left { is_doubted_enough: true, ..left(0.001, 0.5, 1.4) };
+        assert!(!doubted.is_left() && doubted.is_hint());
         assert!(left(0.05, 0.1, 1.0).is_hint() && left(0.03, 0.0, 1.2).is_hint());
         assert!(!left(0.06, 0.5, 1.4).is_hint() && !left(0.001, 0.09, 1.1).is_hint());
     }

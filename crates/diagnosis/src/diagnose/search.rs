@@ -38,6 +38,8 @@ pub(super) struct Found {
     pub(super) description: Description,
     /// The same with the nuisances, for predictions.
     pub(super) with_nuisances: Description,
+    /// The same with what the pushes set aside hint at without confirming it; none without a hint.
+    pub(super) with_doubted: Option<Description>,
 }
 
 /// An effect that was added and is confirmed.

@@ -4,7 +4,7 @@ use effects::by_id;
 
 use super::leftover::Left;
 use super::rules::Claims;
-use super::{EffectFinding, ErrorFall, ParameterFinding, Verdict};
+use super::{EffectFinding, ErrorFall, ParameterFinding, Status, Verdict};
 
 /// One or two sentences that say what the verdict says, with sizes in mm, degrees and ms.
 pub(super) fn sentence(
@@ -42,8 +42,13 @@ pub(super) fn sentence(
                 .to_owned()
         }
         Verdict::Weak => {
-            "There are hints, but nothing that these pushes make sure; more pushes would."
-                .to_owned()
+            let hints = effects.iter().filter(|effect| effect.status == Status::Weak);
+            let hints: Vec<&str> = hints.map(|effect| effect.id.as_str()).collect();
+            let of =
+                if hints.is_empty() { String::new() } else { format!(" of {}", hints.join(", ")) };
+            format!(
+                "There are hints{of}, but nothing that these pushes make sure; more pushes would."
+            )
         }
     };
     if let Some(where_) = left.told().filter(|_| claims.is_left) {

@@ -44,10 +44,50 @@ fn a_wrong_sign_or_unit_is_told_and_nothing_is_named() {
         assert!(message.contains("contradict the mechanics"), "{message}");
         assert!(message.contains(what) && message.contains(fix), "{message}");
         assert!(!set.exists("d.json"));
-        for command in ["check", "compare"] {
+        for command in ["check", "compare", "report"] {
             let told = set.run(&[command, "pushes", "--model", "model.toml", "-q"]).stderr;
             assert!(told.starts_with(&format!("warning: {what}: ")), "{command}: {told}");
         }
+    }
+}
+
+/// A table with one of its columns times a factor.
+fn spoiled(table: &str, column: &str, factor: f64) -> String {
+    let (mut place, mut lines) = (None, Vec::new());
+    for line in table.lines() {
+        let mut cells: Vec<_> = line.split(',').map(str::to_owned).collect();
+        match place {
+            None => place = cells.iter().position(|cell| cell == column),
+            Some(place) => {
+                let value: f64 = cells[place].parse().unwrap();
+                cells[place] = (factor * value).to_string();
+            }
+        }
+        lines.push(cells.join(","));
+    }
+    assert!(place.is_some(), "no column {column}");
+    lines.join("\n") + "\n"
+}
+
+#[test]
+fn a_step_table_with_a_wrong_sign_or_unit_is_told_and_nothing_is_named() {
+    let set = pushes(&["--pushes", "24", "--hidden", "friction-center-offset"]);
+    set.done(&["ingest", "pushes", "-o", "steps.csv", "-q"]);
+    let table = set.read("steps.csv");
+    let about = ["--manifest", "pushes/dataset.toml", "--model", "model.toml"];
+    let run = |command: &[&str]| set.run(&[command, &about].concat());
+    assert_eq!(run(&["compare", "steps.csv", "-q"]).stderr, "");
+    for (column, factor, what) in [
+        ("dtheta_rad", -1.0, "dtheta_rad has the wrong sign"),
+        ("dtheta_rad", 180.0 / std::f64::consts::PI, "dtheta_rad is in degrees, not rad"),
+        ("dy_m", -1.0, "dy_m or beta_rad has the wrong sign"),
+    ] {
+        set.write("wrong.csv", &spoiled(&table, column, factor));
+        let refused = run(&["diagnose", "wrong.csv", "-o", "d.json"]).stderr;
+        assert!(refused.contains("contradict the mechanics"), "{refused}");
+        assert!(refused.contains(what) && !set.exists("d.json"), "{refused}");
+        let told = run(&["compare", "wrong.csv", "-q"]).stderr;
+        assert!(told.starts_with(&format!("warning: {what}")), "{told}");
     }
 }
 

@@ -41,6 +41,8 @@ impl Headline {
     }
 }
 
+const CONTRADICTED: &str = "These recordings contradict the mechanics. Correct this first: all that \
+                            follows rests on it.";
 const NOWHERE: &str = "It fails nowhere more than chance.";
 
 impl fmt::Display for Headline {
@@ -56,6 +58,10 @@ impl fmt::Display for Headline {
 /// The section that a reader begins with.
 pub(super) fn section(report: &Report, headlines: &[Headline]) -> Section {
     let mut section = Section::new("found", "What was found");
+    if !report.suspicions.is_empty() {
+        let told = report.suspicions.iter().map(|suspicion| format!("{suspicion}."));
+        section = section.text(CONTRADICTED).list(told.collect());
+    }
     for Headline { error, findings } in headlines {
         section = section.text(error);
         section = match findings[..] {

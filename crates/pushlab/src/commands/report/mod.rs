@@ -17,7 +17,8 @@ use anyhow::{Context, Result, bail};
 use dataset::{IngestSettings, RecordingSet};
 use diagnosis::{
     Comparison, Diagnosis, MapSettings, NoiseFloor, Observations, OutlineMap, Predictions,
-    PushEnds, RepeatTolerance, Rollout, compare, noise_floor, outline_maps, push_ends, roll_out,
+    PushEnds, RepeatTolerance, Rollout, Suspicion, compare, noise_floor, outline_maps, push_ends,
+    roll_out,
 };
 use models::ModelFile;
 use serde::Serialize;
@@ -31,6 +32,7 @@ use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
 use crate::recorded_steps::RecordedSteps;
 use crate::step_size::StepSize;
+use crate::suspected::{suspected, warn};
 use crate::terminal::Terminal;
 
 /// Show how models do on recordings: one HTML page, to be read without a network
@@ -73,6 +75,8 @@ struct Report {
     observations: Observations,
     models: Vec<Tried>,
     diagnosis: Option<(Diagnosis, Signatures)>,
+    /// What of the set contradicts the mechanics.
+    suspicions: Vec<Suspicion>,
 }
 
 /// A model with all that the page shows of it.
@@ -97,6 +101,7 @@ struct Written {
     n_steps: usize,
     /// Pushes that the page can play.
     n_played: usize,
+    suspicions: Vec<Suspicion>,
     headlines: Vec<Headline>,
 }
 
@@ -117,6 +122,8 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     spared.extend(args.diagnosis.clone());
     spared.extend_from_slice(set.recordings());
     destination.spare(&spared)?;
+    let suspicions = suspected(&set);
+    warn(&suspicions, terminal);
     let mut settings = IngestSettings::default();
     if let Some(StepSize(step)) = args.step {
         settings.step = step;
@@ -132,7 +139,8 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         bail!("{} is about other recordings than {}", path.display(), args.set.display());
     }
     let diagnosis = diagnosis.map(|found| (found, observations.clone()));
-    let report = Report::of(set.manifest().name.clone(), files, observations)?;
+    let mut report = Report::of(set.manifest().name.clone(), files, observations)?;
+    report.suspicions = suspicions;
     let report = report.with_diagnosis(diagnosis)?;
     let (html, written) = report.written(&origin, &args.output)?;
     destination.write(html.as_bytes())?;
@@ -172,7 +180,8 @@ impl Report {
             models.push(tried().with_context(|| format!("cannot try {}", path.display()))?);
         }
         let floor = floor.context("name a model with --model")?;
-        Ok(Self { set, part, floor, observations, models, diagnosis: None })
+        let (diagnosis, suspicions) = (None, Vec::new());
+        Ok(Self { set, part, floor, observations, models, diagnosis, suspicions })
     }
 
     /// The same with what a diagnosis says of the first model, shown on all pushes.
@@ -212,6 +221,7 @@ impl Report {
             n_pushes: self.observations.pushes().len(),
             n_steps: self.observations.n_steps(),
             n_played,
+            suspicions: self.suspicions.clone(),
             headlines,
         };
         Ok((html, written))

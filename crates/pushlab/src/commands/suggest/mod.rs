@@ -23,6 +23,7 @@ use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
 use crate::recorded_steps::RecordedSteps;
 use crate::speed::Speed;
+use crate::suspected::{refuse, suspected};
 use crate::terminal::{Terminal, WARNING};
 
 /// Tell which pushes to do next: those that decide between rivals, or measure a name
@@ -112,6 +113,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     destination.spare(&spared)?;
     origin.inputs.push(Input::file(&model)?);
     told_if_other(&found, &origin, &model, terminal);
+    refuse(&suspected(&recordings), terminal)?;
     let model = ModelFile::read(&model)?;
     let recorded = RecordedSteps::read(&recordings, &steady_ingest(), terminal)?;
     origin.inputs.extend(recorded.inputs);

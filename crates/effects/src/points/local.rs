@@ -1,0 +1,188 @@
+//! Sums over points whose friction differs from point to point.
+
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use pulp::{Arch, Simd, WithSimd};
+
+use super::{Block, Points, SIZE, total};
+use crate::friction::Load;
+
+/// Relative surplus s of friction at a place that slides with a velocity, and ds/d ln |v|.
+pub(crate) type Law<'a> = dyn Fn(&Vector2<f64>, &Vector2<f64>) -> (f64, f64) + 'a;
+
+impl Points {
+    /// Σ of each point's share times its surplus s times T²v/|Tv|, with the derivatives by the
+    /// motion; `law` tells the surplus.
+    ///
+    /// v = (vx, vy) + ω J `stretch` r; what is at rest adds nothing. As in [`Points::load`] the bits
+    /// do not depend on the machine.
+    pub(crate) fn local_load(
+        &self,
+        law: &Law<'_>,
+        tensor: &Matrix2<f64>,
+        stretch: f64,
+        motion: &Vector3<f64>,
+    ) -> Load {
+        let pass = LocalForces { points: self, law, tensor, stretch, motion };
+        let [x, y, turn, sides @ ..] = Arch::new().dispatch(pass);
+        let [xx, xy, yy, x_turn, y_turn, turn_turn, growth @ ..] = sides;
+        let slope = Matrix3::new(xx, xy, x_turn, xy, yy, y_turn, x_turn, y_turn, turn_turn);
+        // From directions of images to those of velocities.
+        let mut map = Matrix3::identity();
+        map.fixed_view_mut::<2, 2>(0, 0).copy_from(&tensor.transpose());
+        let faster = map * Matrix3::from_row_slice(&growth);
+        (map * Vector3::new(x, y, turn), map * slope * map.transpose() + faster)
+    }
+}
+
+/// One pass for the load. With u the direction of a point's image T v, l the image of ω = 1 and c
+/// that of l across u: Σ of the weights times (u, l·u), Σ of the weights over |T v| times the
+/// elements of (−u_y, u_x, c)ᵀ(−u_y, u_x, c), and Σ of the growths over |v|² times those of
+/// (u, l·u)ᵀ(v, v·J r), since ds = ds/d ln |v| · v·dv/|v|².
+struct LocalForces<'a> {
+    points: &'a Points,
+    law: &'a Law<'a>,
+    tensor: &'a Matrix2<f64>,
+    stretch: f64,
+    motion: &'a Vector3<f64>,
+}
+
+/// Three of the load, six of its symmetric and nine of its other derivatives.
+const SUMS: usize = 18;
+
+impl WithSimd for LocalForces<'_> {
+    type Output = [f64; SUMS];
+
+    /// A sum for each place in a block, so that the compiler may take several points at once.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> [f64; SUMS] {
+        let Self { points, law, tensor, stretch, motion } = self;
+        let (m11, m12, m21, m22) = (tensor.m11, tensor.m12, tensor.m21, tensor.m22);
+        let mut sums = [[0.0; SIZE]; SUMS];
+        for block in &points.blocks {
+            let Surplus { weight, growth } = Surplus::of(block, law, stretch, motion);
+            let Block { x, y, .. } = block;
+            let mut terms = [[0.0; SIZE]; SUMS];
+            for k in 0..SIZE {
+                let (arm_x, arm_y) = (-stretch * y[k], stretch * x[k]);
+                let (vx, vy) = (motion.x + motion.z * arm_x, motion.y + motion.z * arm_y);
+                let (image_x, image_y) = (m11 * vx + m12 * vy, m21 * vx + m22 * vy);
+                let (lever_x, lever_y) = (m11 * arm_x + m12 * arm_y, m21 * arm_x + m22 * arm_y);
+                let square = image_x * image_x + image_y * image_y;
+                let inverse = if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 };
+                let (ux, uy) = (image_x * inverse, image_y * inverse);
+                let along = lever_x * ux + lever_y * uy;
+                let across = lever_y * ux - lever_x * uy;
+                let over = weight[k] * inverse;
+                terms[0][k] = weight[k] * ux;
+                terms[1][k] = weight[k] * uy;
+                terms[2][k] = weight[k] * along;
+                terms[3][k] = over * uy * uy;
+                terms[4][k] = -over * ux * uy;
+                terms[5][k] = over * ux * ux;
+                terms[6][k] = -over * uy * across;
+                terms[7][k] = over * ux * across;
+                terms[8][k] = over * across * across;
+                let turning = vx * arm_x + vy * arm_y;
+                let (gx, gy, gt) = (growth[k] * ux, growth[k] * uy, growth[k] * along);
+                for (row, force) in [gx, gy, gt].into_iter().enumerate() {
+                    terms[9 + 3 * row][k] = force * vx;
+                    terms[10 + 3 * row][k] = force * vy;
+                    terms[11 + 3 * row][k] = force * turning;
+                }
+            }
+            for (sum, terms) in sums.iter_mut().zip(&terms) {
+                for k in 0..SIZE {
+                    sum[k] += terms[k];
+                }
+            }
+        }
+        sums.map(|sums| total(&sums))
+    }
+}
+
+/// What the law says of the points of a block.
+struct Surplus {
+    /// Share times surplus.
+    weight: [f64; SIZE],
+    /// Share times ds/d ln |v|, over |v|².
+    growth: [f64; SIZE],
+}
+
+impl Surplus {
+    fn of(block: &Block, law: &Law<'_>, stretch: f64, motion: &Vector3<f64>) -> Self {
+        let Block { x, y, share, .. } = block;
+        let (mut weight, mut growth) = ([0.0; SIZE], [0.0; SIZE]);
+        for k in 0..SIZE {
+            let place = stretch * Vector2::new(x[k], y[k]);
+            let velocity = motion.xy() + motion.z * Vector2::new(-place.y, place.x);
+            let square = velocity.norm_squared();
+            if share[k] == 0.0 || square == 0.0 {
+                continue;
+            }
+            let (surplus, grows) = law(&place, &velocity);
+            weight[k] = share[k] * surplus;
+            growth[k] = share[k] * grows / square;
+        }
+        Self { weight, growth }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Point, Points};
+    use nalgebra::{Matrix2, Vector2, Vector3};
+
+    fn points() -> Points {
+        let point = |k: usize| {
+            let at = k as f64;
+            let place = 0.04 * Vector2::new((1.7 * at).sin(), (2.3 * at).cos());
+            Point { place, share: 0.02 + 0.001 * at, spin: 1e-4 }
+        };
+        Points::new(&(0..21).map(point).collect::<Vec<_>>())
+    }
+
+    const TENSOR: Matrix2<f64> = Matrix2::new(1.2, 0.1, 0.1, 0.9);
+    const STRETCH: f64 = 1.1;
+
+    /// A law of place and speed.
+    fn law(place: &Vector2<f64>, velocity: &Vector2<f64>) -> (f64, f64) {
+        let ratio = velocity.norm() / 0.02;
+        ((1.0 + 9.0 * place.x) * ratio.ln_1p(), (1.0 + 9.0 * place.x) * ratio / (1.0 + ratio))
+    }
+
+    #[test]
+    fn a_surplus_of_one_everywhere_is_the_load_of_points_without_spin() {
+        let still: Vec<_> = (0..21)
+            .map(|k| {
+                let at = f64::from(k);
+                let place = 0.04 * Vector2::new((1.7 * at).sin(), (2.3 * at).cos());
+                Point { place, share: 0.02 + 0.001 * at, spin: 0.0 }
+            })
+            .collect();
+        let motion = Vector3::new(0.01, -0.02, 0.7);
+        let (load, slope) = points().local_load(&|_, _| (1.0, 0.0), &TENSOR, STRETCH, &motion);
+        let (same, same_slope) = Points::new(&still).load(&TENSOR, STRETCH, &motion);
+        assert!((load - same).norm() < 1e-14 * same.norm());
+        assert!((slope - same_slope).norm() < 1e-13 * same_slope.norm());
+    }
+
+    #[test]
+    fn the_slope_is_that_of_the_load() {
+        let (points, motion) = (points(), Vector3::new(0.01, -0.02, 0.7));
+        let load = |motion: &Vector3<f64>| points.local_load(&law, &TENSOR, STRETCH, motion);
+        let (_, slope) = load(&motion);
+        for (axis, step) in [1e-7, 1e-7, 1e-5].into_iter().enumerate() {
+            let mut ends = [motion; 2];
+            ends[0][axis] += step;
+            ends[1][axis] -= step;
+            let secant = (load(&ends[0]).0 - load(&ends[1]).0) / (2.0 * step);
+            assert!((secant - slope.column(axis)).norm() < 1e-6 * slope.column(axis).norm());
+        }
+    }
+
+    #[test]
+    fn what_rests_adds_nothing() {
+        let (load, slope) = points().local_load(&law, &TENSOR, STRETCH, &Vector3::zeros());
+        assert!(load.iter().chain(slope.iter()).all(|number| *number == 0.0));
+    }
+}
