@@ -203,19 +203,23 @@ impl RandomFeatures {
         let amplitude = self.amplitude();
         let n_frequencies = self.phases.len();
         let mut sine = [0.0; ROWS];
+        let largest: Vec<f64> = (0..x.ncols())
+            .map(|d| x.col(d).iter().fold(0.0_f64, |most, x| most.max(x.abs())))
+            .collect();
         let frequencies = self.frequencies.chunks_exact(self.n_inputs());
         for (j, (frequency, phase)) in frequencies.zip(&self.phases).enumerate() {
+            let scales = || frequency.iter().zip(&self.lengthscales).map(|(f, l)| f / l);
+            let reach = |(scale, largest): (f64, &f64)| scale.abs() * largest;
+            let bound = phase.abs() + scales().zip(&largest).map(reach).sum::<f64>();
             for start in (0..x.nrows()).step_by(ROWS) {
                 let n = ROWS.min(x.nrows() - start);
                 let cosine = &mut column_of(values.as_mut(), j)[start..start + n];
                 let sine = &mut sine[..n];
                 cosine.fill(*phase);
-                for (d, (frequency, lengthscale)) in
-                    frequency.iter().zip(&self.lengthscales).enumerate()
-                {
-                    add_multiple(cosine, frequency / lengthscale, x, start, d);
+                for (d, scale) in scales().enumerate() {
+                    add_multiple(cosine, scale, x, start, d);
                 }
-                turn(cosine, sine, amplitude);
+                turn(cosine, sine, amplitude, bound);
                 if self.form == Form::Paired {
                     let column = column_of(values.as_mut(), n_frequencies + j);
                     column[start..start + n].copy_from_slice(sine);
@@ -260,8 +264,10 @@ fn add_multiple(sums: &mut [f64], factor: f64, x: MatRef<'_, f64>, start: usize,
 }
 
 /// Replaces angles by a·cos, and writes a·sin.
-fn turn(angles: &mut [f64], sines: &mut [f64], amplitude: f64) {
-    if angles.iter().all(|angle| angle.abs() <= SIN_COS_LIMIT) {
+///
+/// - `bound`: no angle is beyond it.
+fn turn(angles: &mut [f64], sines: &mut [f64], amplitude: f64, bound: f64) {
+    if bound <= SIN_COS_LIMIT {
         return vector::turn(angles, sines, amplitude);
     }
     for (angle, sine) in angles.iter_mut().zip(sines) {

@@ -72,14 +72,14 @@ impl SufficientStatistics {
         check_outputs("outputs", y, x.nrows())?;
         self.check_features(features)?;
         let per_part = rows_of_part(y.len());
-        let part = |(part, y): (usize, &[f64])| {
+        let part = |memory: &mut FeatureRows, (part, y): (usize, &[f64])| {
             let mut statistics = Self::new(features, self.origin)?;
-            let rows = x.subrows(part * per_part, y.len());
-            statistics.add_rows(features, rows, y, &mut FeatureRows::new(features, false));
+            statistics.add_rows(features, x.subrows(part * per_part, y.len()), y, memory);
             Ok(statistics)
         };
+        let memory = || FeatureRows::new(features, false);
         let parts: Vec<Result<Self, GpError>> =
-            y.par_chunks(per_part).enumerate().map(part).collect();
+            y.par_chunks(per_part).enumerate().map_init(memory, part).collect();
         for part in parts {
             self.merge(&part?)?;
         }
@@ -287,7 +287,7 @@ impl FeatureRows {
 
 /// Rows of a part: parts run in parallel, and what they are follows from the number of rows alone.
 pub(crate) fn rows_of_part(n_rows: usize) -> usize {
-    n_rows.div_ceil(MOST_PARTS).next_multiple_of(GROUP)
+    n_rows.div_ceil(MOST_PARTS).next_multiple_of(4 * GROUP)
 }
 
 /// Rows that one matrix product takes: with two hundred features they stay in the second cache. No

@@ -205,6 +205,35 @@ proptest! {
     }
 
     #[test]
+    fn the_order_of_rows_does_not_matter(case in case()) {
+        let n = case.y.len();
+        let x = Mat::from_fn(n, case.x.ncols(), |i, j| case.x[(n - 1 - i, j)]);
+        let y: Vec<f64> = case.y.iter().rev().copied().collect();
+        let (features, x) = (case.features(20), x.as_ref());
+        let reversed = RffGp::fit(features, x, &y, SIGNAL_VARIANCE, NOISE_VARIANCE).unwrap();
+        let (mean, variance) = case.gp().predict(case.x_star.as_ref()).unwrap();
+        let (other_mean, other_variance) = reversed.predict(case.x_star.as_ref()).unwrap();
+        prop_assert!(close(&other_mean, &mean, 1e-10));
+        prop_assert!(close(&other_variance, &variance, 1e-10));
+    }
+
+    #[test]
+    fn a_repeated_row_counts_as_half_its_noise(case in case()) {
+        let n = case.y.len();
+        let x = Mat::from_fn(2 * n, case.x.ncols(), |i, j| case.x[(i % n, j)]);
+        let y = case.y.repeat(2);
+        let fit = |x, y: &[f64], noise_variance| {
+            RffGp::fit(case.features(20), x, y, SIGNAL_VARIANCE, noise_variance).unwrap()
+        };
+        let twice = fit(x.as_ref(), &y, NOISE_VARIANCE);
+        let once = fit(case.x.as_ref(), &case.y, 0.5 * NOISE_VARIANCE);
+        let (mean, variance) = twice.predict(case.x_star.as_ref()).unwrap();
+        let (once_mean, once_variance) = once.predict(case.x_star.as_ref()).unwrap();
+        prop_assert!(close(&mean, &once_mean, 1e-10));
+        prop_assert!(close(&variance, &once_variance, 1e-10));
+    }
+
+    #[test]
     fn an_update_equals_a_fit_to_all_rows(case in case()) {
         let mut gp = case.gp();
         let y_star = [1.0, -1.0, 0.5, 2.0, 0.0];

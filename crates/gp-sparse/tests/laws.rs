@@ -289,6 +289,25 @@ fn equal_outputs_are_predicted_everywhere() {
     }
 }
 
+/// One row, one pseudo-input on it: the exact process on that row, whose mean is its output.
+#[test]
+fn a_single_row_is_remembered_there_and_forgotten_far_away() {
+    let x = Mat::from_fn(1, 2, |_, d| d as f64);
+    let x_star = Mat::from_fn(2, 2, |i, d| (100 * i + d) as f64);
+    for approximation in ALL {
+        let kernel = SquaredExponential::new(&[1.0; 2], SIGNAL_VARIANCE).unwrap();
+        let settings = settings(approximation);
+        let noise = NOISE_VARIANCE;
+        let gp = SparseGp::fit(kernel, x.as_ref(), &[3.0], x.as_ref(), noise, settings).unwrap();
+        let (mean, variance) = gp.predict(x_star.as_ref()).unwrap();
+        let posterior = SIGNAL_VARIANCE * noise / (SIGNAL_VARIANCE + noise);
+        assert!(close(&mean, &[3.0; 2], 1e-12), "{mean:?}");
+        assert!(close(&variance, &[posterior, SIGNAL_VARIANCE], 1e-6), "{variance:?}");
+        let (value, gradient) = gp.objective_and_gradient(x.as_ref(), &[3.0]).unwrap();
+        assert!(value.is_finite() && gradient.iter().all(|slope| slope.is_finite()));
+    }
+}
+
 #[test]
 fn far_offsets_of_the_outputs_cost_no_digits() {
     let x = Mat::from_fn(60, 1, |i, _| 0.1 * i as f64);

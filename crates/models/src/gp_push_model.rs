@@ -12,7 +12,8 @@ use crate::{
 /// way.
 ///
 /// The object is not an input: the model is of the outlines that it was trained on and refuses
-/// others. Use it at step lengths near those of the training.
+/// others, unless it sees the contact as several outlines have it ([`crate::StepFeatures::contact`]).
+/// Use it at step lengths near those of the training.
 #[derive(Clone, Debug)]
 pub struct GpPushModel {
     processes: StepProcesses,

@@ -6,6 +6,7 @@ mod analytical_fit;
 mod beside_physics;
 mod channel_model;
 mod channel_steps;
+mod contact_place;
 mod description;
 mod error;
 mod estimate;

@@ -2,11 +2,19 @@
 
 use faer::Mat;
 
+use crate::contact_place::ContactPlaces;
 use crate::{ModelError, StepInput};
 
-/// The inputs of the processes: (p, β), and what is chosen beside them.
+/// The inputs of the processes: (p, β), and what is chosen beside them or in place of p.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StepFeatures {
+    /// The contact as the friction of the support sees it, in place of p: the lever of its normal
+    /// about the centroid and the depth of the centroid behind it, over the mean distance ρ of the
+    /// outline's area from its centroid, and the outline's curvature times ρ. These do not change
+    /// when a body frame is turned, moved, or scaled with its object, and the outputs are learnt of
+    /// the centroid, Δθ times ρ: steps of several outlines can be learnt from together, and others
+    /// asked about.
+    pub contact: bool,
     /// The pusher's mean speed, in m/s: for pushes that are not quasi-static.
     pub speed: bool,
     /// The contact normal in the body's frame: edges are told apart, and on a curved outline the
@@ -16,26 +24,32 @@ pub struct StepFeatures {
 
 impl StepFeatures {
     const PLACE: [&str; 2] = ["p", "beta_rad"];
+    const CONTACT: [&str; 4] = ["lever", "depth", "curvature", "beta_rad"];
     const SPEED: [&str; 1] = ["speed_m_s"];
     const NORMAL: [&str; 2] = ["normal_x", "normal_y"];
 
     /// The most inputs that there can be.
-    const MOST: usize = Self::PLACE.len() + Self::SPEED.len() + Self::NORMAL.len();
+    const MOST: usize = Self::CONTACT.len() + Self::SPEED.len() + Self::NORMAL.len();
 
     /// Every choice.
-    pub const ALL: [Self; 4] = [
-        Self { speed: false, normal: false },
-        Self { speed: true, normal: false },
-        Self { speed: false, normal: true },
-        Self { speed: true, normal: true },
+    pub const ALL: [Self; 8] = [
+        Self { contact: false, speed: false, normal: false },
+        Self { contact: false, speed: true, normal: false },
+        Self { contact: false, speed: false, normal: true },
+        Self { contact: false, speed: true, normal: true },
+        Self { contact: true, speed: false, normal: false },
+        Self { contact: true, speed: true, normal: false },
+        Self { contact: true, speed: false, normal: true },
+        Self { contact: true, speed: true, normal: true },
     ];
 
     /// Names of the inputs in order, as in `model.toml`.
     pub fn names(self) -> Vec<&'static str> {
+        let place: &[&str] = if self.contact { &Self::CONTACT } else { &Self::PLACE };
         let chosen = |is_chosen: bool, names: &'static [&str]| {
             if is_chosen { names } else { &[] }.iter().copied()
         };
-        let places = chosen(true, &Self::PLACE);
+        let places = place.iter().copied();
         places
             .chain(chosen(self.speed, &Self::SPEED))
             .chain(chosen(self.normal, &Self::NORMAL))
@@ -45,7 +59,7 @@ impl StepFeatures {
     /// How many inputs there are.
     pub(crate) fn n_inputs(self) -> usize {
         let chosen = |is_chosen: bool, n: usize| if is_chosen { n } else { 0 };
-        let place = Self::PLACE.len();
+        let place = if self.contact { Self::CONTACT.len() } else { Self::PLACE.len() };
         place + chosen(self.speed, Self::SPEED.len()) + chosen(self.normal, Self::NORMAL.len())
     }
 
@@ -82,9 +96,10 @@ impl StepFeatures {
         self,
         steps: impl ExactSizeIterator<Item = &'a StepInput>,
     ) -> Result<Mat<f64>, ModelError> {
+        let mut places = ContactPlaces::default();
         let mut rows = Mat::zeros(steps.len(), self.n_inputs());
         for (i, step) in steps.enumerate() {
-            let row = self.row(step)?;
+            let row = self.row(step, &mut places)?;
             (0..self.n_inputs()).for_each(|d| rows[(i, d)] = row[d]);
         }
         Ok(rows)
@@ -94,16 +109,27 @@ impl StepFeatures {
     ///
     /// # Errors
     /// As [`Self::rows`].
-    pub(crate) fn row(self, step: &StepInput) -> Result<[f64; Self::MOST], ModelError> {
-        let mut row = [step.p(), step.beta(), 0.0, 0.0, 0.0];
-        let mut next = Self::PLACE.len();
+    pub(crate) fn row(
+        self,
+        step: &StepInput,
+        places: &mut ContactPlaces,
+    ) -> Result<[f64; Self::MOST], ModelError> {
+        let mut row = [0.0; Self::MOST];
+        let mut next = 0;
+        let mut add = |values: &[f64]| {
+            row[next..next + values.len()].copy_from_slice(values);
+            next += values.len();
+        };
+        match self.contact {
+            true => add(&places.of(step).inputs()),
+            false => add(&[step.p()]),
+        }
+        add(&[step.beta()]);
         if self.speed {
-            row[next] = step.speed().ok_or(ModelError::NoSpeed)?;
-            next += 1;
+            add(&[step.speed().ok_or(ModelError::NoSpeed)?]);
         }
         if self.normal {
-            let normal = step.shape().inward_normal_at(step.edge(), step.p());
-            row[next..next + 2].copy_from_slice(normal.as_slice());
+            add(step.shape().inward_normal_at(step.edge(), step.p()).as_slice());
         }
         Ok(row)
     }

@@ -7,6 +7,7 @@ use gp_core::GpError;
 use nalgebra::{Matrix3, Vector3};
 use planar::Shape;
 
+use crate::contact_place::ContactPlaces;
 use crate::process::{Process, ProcessReport};
 use crate::step_table::{Belief, StepTable};
 use crate::{
@@ -36,9 +37,14 @@ impl StepProcesses {
         training: &Training,
     ) -> Result<(Self, [ProcessReport; 3]), ModelError> {
         let x = training.features.training_rows(steps)?;
+        let mut places = ContactPlaces::default();
+        let per_meter = targets.iter().zip(steps).map(|(target, step)| match training.features {
+            StepFeatures { contact: true, .. } => places.of(step).to_common(target),
+            _ => *target,
+        } / step.distance());
+        let per_meter: Vec<Vector3<f64>> = per_meter.collect();
         let learn = |k: usize| {
-            let rows = targets.iter().zip(steps);
-            let y: Vec<f64> = rows.map(|(target, step)| target[k] / step.distance()).collect();
+            let y: Vec<f64> = per_meter.iter().map(|target| target[k]).collect();
             Process::learn(x.as_ref(), &y, training).map_err(of_output(k))
         };
         let [(dx, report_x), (dy, report_y), (dtheta, report_theta)] =
@@ -94,6 +100,12 @@ impl StepProcesses {
                 prediction.covariance[(k, k)] = variance * distance * distance;
             }
         }
+        if self.features.contact {
+            let mut places = ContactPlaces::default();
+            for (prediction, step) in predictions.iter_mut().zip(steps) {
+                *prediction = places.of(step).prediction_of(prediction);
+            }
+        }
         Ok(predictions)
     }
 
@@ -137,6 +149,12 @@ impl StepProcesses {
                 mean[k] = found * step.distance();
             }
         }
+        if self.features.contact {
+            let mut places = ContactPlaces::default();
+            for (mean, step) in means.iter_mut().zip(steps) {
+                *mean = places.of(step).mean_of(mean);
+            }
+        }
         Ok(means)
     }
 
@@ -148,7 +166,11 @@ impl StepProcesses {
     /// Whether each step is within that span.
     pub(crate) fn has_seen(&self, steps: &[StepInput]) -> Result<Vec<bool>, ModelError> {
         let Some(seen) = &self.seen else { return Ok(vec![true; steps.len()]) };
-        let holds = |step| Ok(seen.holds(&self.features.row(step)?[..self.features.n_inputs()]));
+        let mut places = ContactPlaces::default();
+        let holds = |step| {
+            let row = self.features.row(step, &mut places)?;
+            Ok(seen.holds(&row[..self.features.n_inputs()]))
+        };
         steps.iter().map(holds).collect()
     }
 
@@ -185,11 +207,15 @@ impl StepProcesses {
         Ok(Self { outputs, features, outlines: weights.outlines.clone(), seen, table: None })
     }
 
-    /// Refuses steps of objects that nothing was learnt about.
+    /// Refuses steps of objects that nothing was learnt about, unless the inputs are what outlines
+    /// have in common.
     fn check_outlines<'a>(
         &self,
         steps: impl IntoIterator<Item = &'a StepInput>,
     ) -> Result<(), ModelError> {
+        if self.features.contact {
+            return Ok(());
+        }
         let mut last: Option<&Arc<Shape>> = None;
         for shape in steps.into_iter().map(StepInput::shared_shape) {
             if last.is_some_and(|last| Arc::ptr_eq(last, shape)) {

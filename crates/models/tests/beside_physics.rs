@@ -303,7 +303,7 @@ fn speed_and_normal_are_inputs_where_they_are_asked_for() {
     let steps: Vec<_> = (0..240).map(step).collect();
     let (train, test) = steps.split_at(160);
     let error = |speed: bool, normal: bool| {
-        let features = StepFeatures { speed, normal };
+        let features = StepFeatures { contact: false, speed, normal };
         let training = Training { features, ..Training::default() };
         let (model, _) = GpPushModel::train(train, &training).unwrap();
         let found = model.predict(&inputs(test), Noise::Excluded).unwrap();
@@ -313,7 +313,7 @@ fn speed_and_normal_are_inputs_where_they_are_asked_for() {
     let (neither, speed, normal, both) =
         (error(false, false), error(true, false), error(false, true), error(true, true));
     assert!(both < 0.3 * speed.min(normal) && speed.max(normal) < neither);
-    let features = StepFeatures { speed: true, normal: false };
+    let features = StepFeatures { speed: true, ..StepFeatures::default() };
     let bare = self::steps(20, 0.0);
     let untimed = GpPushModel::train(&bare, &Training { features, ..Training::default() });
     assert!(matches!(untimed, Err(ModelError::NoSpeed)));
@@ -327,8 +327,8 @@ fn inputs_that_never_change_are_refused() {
     let mut steps = steps(60, 1.0);
     steps.iter_mut().for_each(|step| step.input = step.input.clone().lasting(0.2).unwrap());
     for (features, expected) in [
-        (StepFeatures { speed: true, normal: false }, "speed_m_s"),
-        (StepFeatures { speed: false, normal: true }, "normal_x"),
+        (StepFeatures { speed: true, ..StepFeatures::default() }, "speed_m_s"),
+        (StepFeatures { normal: true, ..StepFeatures::default() }, "normal_x"),
     ] {
         let model = GpPushModel::train(&steps, &Training { features, ..Training::default() });
         let Err(ModelError::ConstantInput { input, n_steps: 60 }) = model else { panic!() };

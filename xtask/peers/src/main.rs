@@ -1,11 +1,12 @@
 //! Gaussian processes of other crates on a file that `cargo xtask bench gp --peers` wrote.
 //!
-//! `peers FILE` prints one JSON object a line: peer, task, size, seconds of the median of some runs,
-//! and the mean negative log density of the file's test rows.
+//! `peers FILE egobox-sparse|egobox|friedrich` prints JSON objects, one a line: peer, task, size,
+//! seconds of the median of some runs, and the mean negative log density of the file's test rows;
+//! first with null seconds when it begins.
 
 use std::time::Instant;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use egobox_gp::correlation_models::SquaredExponentialCorr;
 use egobox_gp::mean_models::ConstantMean;
 use egobox_gp::{GaussianProcess, Inducings, ParamTuning, SparseGaussianProcess, SparseMethod};
@@ -25,13 +26,14 @@ const VERSIONS: [(&str, &str); 2] = [("egobox-gp", "0.37.1"), ("friedrich", "0.6
 
 fn main() -> Result<()> {
     let path = std::env::args().nth(1).context("give the file of the data")?;
+    let task = std::env::args().nth(2).context("give the task")?;
     let (train, test) = read(&path)?;
-    for pseudo_inputs in [20, 50] {
-        sparse(&train, &test, pseudo_inputs)?;
+    match task.as_str() {
+        "egobox-sparse" => [20, 50].into_iter().try_for_each(|count| sparse(&train, &test, count)),
+        "egobox" => exact(&train, &test),
+        "friedrich" => gradient_descent(&train, &test),
+        other => bail!("no task `{other}`"),
     }
-    exact(&train, &test)?;
-    gradient_descent(&train, &test);
-    Ok(())
 }
 
 struct Rows {
@@ -67,11 +69,12 @@ fn sparse(train: &Rows, test: &Rows, pseudo_inputs: usize) -> Result<()> {
         .seed(Some(7))
         .fit(&data)
     };
+    let task = format!("sparse fit, M = {pseudo_inputs}");
+    begin(VERSIONS[0], &task, train);
     let (seconds, gp) = median(5, fit);
     let gp = gp?;
     let mean = gp.predict(&test.x)?;
     let variance = gp.predict_var(&test.x)?;
-    let task = format!("sparse fit, M = {pseudo_inputs}");
     print(VERSIONS[0], &task, train, seconds, nlpd(&test.y, &mean, &variance));
     Ok(())
 }
@@ -87,16 +90,18 @@ fn exact(train: &Rows, test: &Rows) -> Result<()> {
         .nugget(NOISE_VARIANCE / SIGNAL_VARIANCE)
         .fit(&data)
     };
+    let task = "full fit, noise given";
+    begin(VERSIONS[0], task, train);
     let (seconds, gp) = median(1, fit);
     let gp = gp?;
     let mean = gp.predict(&test.x)?;
     let variance = gp.predict_var(&test.x)? + NOISE_VARIANCE;
-    print(VERSIONS[0], "full fit, noise given", train, seconds, nlpd(&test.y, &mean, &variance));
+    print(VERSIONS[0], task, train, seconds, nlpd(&test.y, &mean, &variance));
     Ok(())
 }
 
 /// One lengthscale for all inputs, at most a hundred steps of gradient descent.
-fn gradient_descent(train: &Rows, test: &Rows) {
+fn gradient_descent(train: &Rows, test: &Rows) -> Result<()> {
     let rows =
         |x: &Array2<f64>| -> Vec<Vec<f64>> { x.rows().into_iter().map(|r| r.to_vec()).collect() };
     let (x, x_test) = (rows(&train.x), rows(&test.x));
@@ -109,12 +114,14 @@ fn gradient_descent(train: &Rows, test: &Rows) {
             .fit_prior()
             .train()
     };
+    begin(VERSIONS[1], "full fit", train);
     let (seconds, gp) = median(1, fit);
     let (mean, variance) = gp.predict_mean_variance(&x_test);
     let noise = gp.noise * gp.noise;
     let variance: Array1<f64> = variance.iter().map(|variance| variance + noise).collect();
     let loss = nlpd(&test.y, &Array1::from_vec(mean), &variance);
     print(VERSIONS[1], "full fit", train, seconds, loss);
+    Ok(())
 }
 
 /// The median time of some runs in s, and what the last one made.
@@ -143,7 +150,21 @@ fn nlpd(y: &Array1<f64>, mean: &Array1<f64>, variance: &Array1<f64>) -> f64 {
     y.iter().zip(mean).zip(variance).map(loss).sum::<f64>() / y.len() as f64
 }
 
-fn print((name, version): (&str, &str), task: &str, train: &Rows, seconds: f64, nlpd: f64) {
+fn print(of: (&str, &str), task: &str, train: &Rows, seconds: f64, nlpd: f64) {
+    print_row(of, task, train, Some(seconds), Some(nlpd));
+}
+
+fn begin(of: (&str, &str), task: &str, train: &Rows) {
+    print_row(of, task, train, None, None);
+}
+
+fn print_row(
+    (name, version): (&str, &str),
+    task: &str,
+    train: &Rows,
+    seconds: Option<f64>,
+    nlpd: Option<f64>,
+) {
     let peer = format!("{name} {version}");
     let size = train.y.len();
     println!(

@@ -3,6 +3,7 @@
 use anyhow::{Context, Result};
 use gp_core::{Gp, LearnOptions, Posterior, SquaredExponential};
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use serde::Serialize;
 
 use super::Benchmark;
 use super::floor::Floor;
@@ -70,10 +71,16 @@ fn predictions(pool: &ThreadPool, n: usize) -> Result<Row> {
     let (x_star, _) = surface(N_PREDICTIONS, SEED + 1);
     gp.predict(x_star.as_ref())?;
     let threads = pool.current_num_threads();
-    let name = "10⁴ predictions with variance";
-    let case = Case { name, size: n, threads, rounds: 5, calls: 1 };
+    let name = predictions_name(&gp.to_model()?)?;
+    let case = Case { name: &name, size: n, threads, rounds: 5, calls: 1 };
     let mut floor = Floor::new((n as f64).powi(2) * N_PREDICTIONS as f64, threads);
     Ok(pool.install(|| case.compare(|| gp.predict(x_star.as_ref()), || floor.multiply(1))))
+}
+
+/// Tells the size of the model that predicts, saved as JSON.
+pub(super) fn predictions_name(model: &impl Serialize) -> Result<String> {
+    let bytes = serde_json::to_vec(model).context("a model cannot be written")?.len();
+    Ok(format!("10⁴ predictions with variance, model of {} kB", bytes.div_ceil(1000)))
 }
 
 fn process(n: usize) -> Result<Gp> {

@@ -8,6 +8,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::Benchmark;
 use super::floor::Floor;
+use super::gp::predictions_name;
 use super::surface::{NOISE_SD, surface};
 use super::timing::{Case, Row};
 
@@ -64,12 +65,12 @@ fn fit(pool: &ThreadPool) -> Result<Row> {
 fn evidence(pool: &ThreadPool) -> Result<Row> {
     let (x, y) = surface(N_ROWS, SEED);
     let gp = process(&x, &y)?;
-    gp.log_evidence_gradient(x.as_ref(), &y)?;
+    let mut evaluator = gp.evaluator(x.as_ref(), &y)?;
+    evaluator.evaluate()?;
     let threads = pool.current_num_threads();
     let mut floor = floor(3.0, N_ROWS, threads);
     let case = Case { name: "evidence with gradient", size: N_ROWS, threads, rounds: 7, calls: 1 };
-    let gradient = || gp.log_evidence_gradient(x.as_ref(), &y);
-    Ok(pool.install(|| case.compare(gradient, || floor.multiply(1))))
+    Ok(pool.install(|| case.compare(|| evaluator.evaluate(), || floor.multiply(1))))
 }
 
 fn predictions(pool: &ThreadPool) -> Result<Row> {
@@ -78,8 +79,8 @@ fn predictions(pool: &ThreadPool) -> Result<Row> {
     let (x_star, _) = surface(N_PREDICTIONS, SEED + 1);
     let threads = pool.current_num_threads();
     let mut floor = floor(1.0, N_PREDICTIONS, threads);
-    let name = "10⁴ predictions with variance";
-    let case = Case { name, size: N_ROWS, threads, rounds: 7, calls: 1 };
+    let name = predictions_name(&gp.to_model())?;
+    let case = Case { name: &name, size: N_ROWS, threads, rounds: 7, calls: 1 };
     Ok(pool.install(|| case.compare(|| gp.predict(x_star.as_ref()), || floor.multiply(1))))
 }
 

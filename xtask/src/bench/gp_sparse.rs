@@ -7,6 +7,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::Benchmark;
 use super::floor::Floor;
+use super::gp::predictions_name;
 use super::surface::{NOISE_SD, surface};
 use super::timing::{Case, Row};
 
@@ -69,8 +70,8 @@ fn predictions(pool: &ThreadPool) -> Result<Row> {
     let threads = pool.current_num_threads();
     let operations = 2.0 * N_PREDICTIONS as f64 * (N_PSEUDO_INPUTS as f64).powi(2);
     let mut floor = Floor::new(operations, threads);
-    let name = "10⁴ predictions with variance, M = 100";
-    let case = Case { name, size: FIT_ROWS, threads, rounds: 7, calls: 1 };
+    let name = format!("{}, M = 100", predictions_name(&gp.to_model()?)?);
+    let case = Case { name: &name, size: FIT_ROWS, threads, rounds: 7, calls: 1 };
     Ok(pool.install(|| case.compare(|| gp.predict(x_star.as_ref()), || floor.multiply(1))))
 }
 

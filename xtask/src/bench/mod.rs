@@ -15,7 +15,7 @@ mod peers;
 mod plant;
 mod push;
 mod report;
-mod surface;
+pub(crate) mod surface;
 mod timing;
 
 use anyhow::{Context, Result};

@@ -2,11 +2,14 @@
 
 use std::fmt::Write as _;
 use std::fs;
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::process::Command;
-use std::time::Instant;
+use std::process::{Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread;
+use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use faer::Mat;
 use gp_core::scores::nlpd;
 use gp_core::{Gp, LearnOptions, Posterior, SquaredExponential};
@@ -36,15 +39,22 @@ pub(super) fn run(folder: &Path) -> Result<()> {
         let data = Data::new(n);
         let path = data.write(folder)?;
         rows.push(pool.install(|| data.likelihood(runs))?);
-        rows.extend(python(&path, "likelihood"));
+        for library in ["lapack", "sklearn", "gpy"] {
+            rows.extend(python(&path, library, "likelihood"));
+        }
         if n == FIT_ROWS {
             rows.extend(pool.install(|| data.fits())?);
             rows.extend(rust_peers(&path)?);
-            rows.extend(python(&path, "fit"));
+            for (library, task) in
+                [("lapack", "fit"), ("sklearn", "fit"), ("gpy", "fit"), ("gpy", "sparse")]
+            {
+                rows.extend(python(&path, library, task));
+            }
         }
     }
+    let seconds = |row: &Measured| row.seconds.unwrap_or(f64::INFINITY);
     rows.sort_by(|a, b| {
-        (&a.task, a.size).cmp(&(&b.task, b.size)).then(a.seconds.total_cmp(&b.seconds))
+        (&a.task, a.size).cmp(&(&b.task, b.size)).then(seconds(a).total_cmp(&seconds(b)))
     });
     print!("{}", table(&rows));
     let path = folder.join("gp-peers.json");
@@ -60,8 +70,8 @@ struct Measured {
     task: String,
     /// Training rows.
     size: usize,
-    /// Median time, in s.
-    seconds: f64,
+    /// Median time, in s; none while it runs, and if it was stopped after [`BUDGET`].
+    seconds: Option<f64>,
     /// Mean negative log density of the test rows, in nats; none where nothing is predicted.
     nlpd: Option<f64>,
 }
@@ -69,7 +79,7 @@ struct Measured {
 impl Measured {
     fn ours(name: &str, task: &str, size: usize, seconds: f64, nlpd: Option<f64>) -> Self {
         let peer = format!("{name} {} (ours)", env!("CARGO_PKG_VERSION"));
-        Self { peer, task: task.to_owned(), size, seconds, nlpd }
+        Self { peer, task: task.to_owned(), size, seconds: Some(seconds), nlpd }
     }
 }
 
@@ -150,45 +160,91 @@ fn timed<T>(runs: usize, mut run: impl FnMut() -> Result<T>) -> Result<(f64, T)>
 
 /// The crate of the peers is built here, and nowhere else.
 fn rust_peers(path: &Path) -> Result<Vec<Measured>> {
-    let manifest = workspace_root().join("xtask/peers/Cargo.toml");
+    let folder = workspace_root().join("xtask/peers");
     let mut cargo = Command::new("cargo");
-    cargo
-        .args(["run", "--release", "--quiet", "--manifest-path"])
-        .arg(manifest)
-        .arg("--")
-        .arg(path);
-    match answer(cargo)? {
-        Ok(rows) => Ok(rows),
-        Err(problem) => bail!("the Rust peers failed: {problem}"),
+    cargo.args(["build", "--quiet", "--manifest-path"]).arg(folder.join("Cargo.toml"));
+    cargo.arg("--target-dir").arg(folder.join("target"));
+    let status = cargo.status().context("cannot run cargo")?;
+    ensure!(status.success(), "the Rust peers cannot be built");
+    let mut rows = Vec::new();
+    for task in ["egobox-sparse", "egobox", "friedrich"] {
+        let mut peers = Command::new(folder.join("target/debug/peers"));
+        peers.arg(path).arg(task);
+        match answer(peers, BUDGET)? {
+            Ok(found) => rows.extend(found),
+            Err(problem) => bail!("the Rust peer {task} failed: {problem}"),
+        }
     }
+    Ok(rows)
 }
 
-/// Nothing where Python or its libraries are not there, which is said.
-fn python(path: &Path, task: &str) -> Vec<Measured> {
+/// Nothing where Python or the library is not there, which is said.
+fn python(path: &Path, library: &str, task: &str) -> Vec<Measured> {
     let mut python = Command::new("python3");
-    python.arg(workspace_root().join("xtask/peers/peers.py")).arg(path).arg(task);
-    let problem = match answer(python) {
+    python.arg(workspace_root().join("xtask/peers/peers.py")).arg(path).args([library, task]);
+    let problem = match answer(python, BUDGET) {
         Ok(Ok(rows)) => return rows,
         Ok(Err(problem)) => problem,
         Err(error) => format!("{error:#}"),
     };
-    println!("no peers of Python: {problem}");
+    println!("no {task} of {library}: {problem}");
     Vec::new()
 }
 
+/// How long a peer may take for one row.
+const BUDGET: Duration = Duration::from_mins(2);
+
 /// The rows that a program prints, or the last line of what it complains of.
-fn answer(mut program: Command) -> Result<Result<Vec<Measured>, String>> {
+///
+/// Each row comes twice, first without a time when it begins; a program that takes longer than the
+/// budget for one is stopped, and that row stays without a time.
+fn answer(mut program: Command, budget: Duration) -> Result<Result<Vec<Measured>, String>> {
     for library in ["RAYON", "OMP", "OPENBLAS", "MKL"] {
         program.env(format!("{library}_NUM_THREADS"), "1");
     }
-    let output = program.output().with_context(|| format!("cannot run {program:?}"))?;
-    if !output.status.success() {
-        let text = String::from_utf8_lossy(&output.stderr);
-        return Ok(Err(text.lines().last().unwrap_or("it says nothing").to_owned()));
+    program.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = program.spawn().with_context(|| format!("cannot run {program:?}"))?;
+    let lines = lines_of(child.stdout.take().context("no output")?);
+    let complaints = lines_of(child.stderr.take().context("no error output")?);
+    let (mut rows, mut begun) = (Vec::new(), None);
+    loop {
+        match lines.recv_timeout(budget) {
+            Ok(line) => {
+                let row: Measured =
+                    serde_json::from_str(&line).with_context(|| format!("bad row `{line}`"))?;
+                match row.seconds {
+                    Some(_) => {
+                        begun = None;
+                        rows.push(row);
+                    }
+                    None => begun = Some(row),
+                }
+            }
+            Err(RecvTimeoutError::Timeout) => {
+                child.kill().context("cannot stop a peer")?;
+                child.wait().context("cannot wait for a peer")?;
+                rows.extend(begun);
+                return Ok(Ok(rows));
+            }
+            Err(RecvTimeoutError::Disconnected) => break,
+        }
     }
-    let text = String::from_utf8(output.stdout).context("a peer prints no UTF-8")?;
-    let row = |line: &str| serde_json::from_str(line).with_context(|| format!("bad row `{line}`"));
-    Ok(Ok(text.lines().map(row).collect::<Result<_>>()?))
+    let status = child.wait().context("cannot wait for a peer")?;
+    let last = || complaints.iter().last().unwrap_or_else(|| "it says nothing".to_owned());
+    Ok(if status.success() { Ok(rows) } else { Err(last()) })
+}
+
+/// What is printed, line by line, read by a thread of its own so that nobody waits for a full pipe.
+fn lines_of(output: impl Read + Send + 'static) -> Receiver<String> {
+    let (sender, lines) = channel();
+    thread::spawn(move || {
+        for line in BufReader::new(output).lines().map_while(Result::ok) {
+            if sender.send(line).is_err() {
+                break;
+            }
+        }
+    });
+    lines
 }
 
 fn table(rows: &[Measured]) -> String {
@@ -200,7 +256,11 @@ fn table(rows: &[Measured]) -> String {
         format!("{:tasks$} {:>6} {:peers$} {:>10} {:>7}\n", "task", "size", "by", "time", "NLPD");
     for Measured { peer, task, size, seconds, nlpd } in rows {
         let nlpd = nlpd.map_or(String::new(), |nlpd| format!(" {nlpd:>7.3}"));
-        writeln!(text, "{task:tasks$} {size:>6} {peer:peers$} {seconds:>8.4} s{nlpd}")
+        let time = match seconds {
+            Some(seconds) => format!("{seconds:.4} s"),
+            None => format!("> {} s", BUDGET.as_secs()),
+        };
+        writeln!(text, "{task:tasks$} {size:>6} {peer:peers$} {time:>10}{nlpd}")
             .expect("a String takes any text");
     }
     text
@@ -209,19 +269,25 @@ fn table(rows: &[Measured]) -> String {
 #[cfg(test)]
 mod tests {
     use std::process::Command;
+    use std::time::Duration;
 
-    use super::{Data, Measured, answer, table};
+    use super::{BUDGET, Data, Measured, answer, table};
+
+    const BEGUN: &str =
+        r#"{"peer": "a 1.0", "task": "fit", "size": 3, "seconds": null, "nlpd": null}"#;
+    const DONE: &str =
+        r#"{"peer": "a 1.0", "task": "fit", "size": 3, "seconds": 0.5, "nlpd": -2.0}"#;
 
     #[test]
     fn rows_are_read_and_told() {
-        let mut program = Command::new("echo");
-        program.arg(r#"{"peer": "a 1.0", "task": "fit", "size": 3, "seconds": 0.5, "nlpd": -2.0}"#);
-        let rows = answer(program).unwrap().unwrap();
+        let mut program = Command::new("printf");
+        program.args(["%s\n%s\n", BEGUN, DONE]);
+        let rows = answer(program, BUDGET).unwrap().unwrap();
         let expected = Measured {
             peer: "a 1.0".into(),
             task: "fit".into(),
             size: 3,
-            seconds: 0.5,
+            seconds: Some(0.5),
             nlpd: Some(-2.0),
         };
         assert_eq!(rows, [expected]);
@@ -230,7 +296,15 @@ mod tests {
             "{}",
             table(&rows)
         );
-        assert!(answer(Command::new("false")).unwrap().is_err());
+        assert!(answer(Command::new("false"), BUDGET).unwrap().is_err());
+    }
+
+    #[test]
+    fn a_peer_that_takes_too_long_is_stopped_and_told() {
+        let mut program = Command::new("sh");
+        program.args(["-c", "echo \"$0\"; exec sleep 600", BEGUN]);
+        let rows = answer(program, Duration::from_millis(200)).unwrap().unwrap();
+        assert!(table(&rows).ends_with("fit       3 a 1.0    > 120 s\n"), "{}", table(&rows));
     }
 
     #[test]

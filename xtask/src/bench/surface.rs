@@ -6,13 +6,13 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 /// Standard deviation of the noise.
-pub(super) const NOISE_SD: f64 = 0.02;
+pub(crate) const NOISE_SD: f64 = 0.02;
 
 /// Points in [−1, 1]² and a surface shaped like the turn of a pushed slider, with noise.
 ///
 /// x₀ is the contact's place on the edge, x₁ the direction of the push in rad; the lever arm of the
 /// push about the center is bounded by the friction limit.
-pub(super) fn surface(n: usize, seed: u64) -> (Mat<f64>, Vec<f64>) {
+pub(crate) fn surface(n: usize, seed: u64) -> (Mat<f64>, Vec<f64>) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let x: Mat<f64> = Mat::from_fn(n, 2, |_, _| rng.random_range(-1.0..1.0));
     let y = (0..n).map(|i| {

@@ -152,5 +152,8 @@ pub(crate) const ALL: &[Entry] = &[
         missing::error_falls::draw,
     ),
     entry("M.4", Chapter::Motion, "what the uncertainty covers", motion::calibration::draw),
-    entry("M.5", Chapter::Motion, "pushes without particles", motion::without_particles::draw),
+    entry("M.5", Chapter::Learning, "what is taken for noise", learning::known_noise::draw),
+    entry("M.6", Chapter::Learning, "noise that changes", learning::changing_noise::draw),
+    entry("M.7", Chapter::Models, "several shapes in one model", models::shapes::draw),
+    entry("M.8", Chapter::Motion, "pushes without particles", motion::without_particles::draw),
 ];

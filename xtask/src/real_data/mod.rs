@@ -2,6 +2,7 @@
 
 mod end_points;
 mod limit_surface_fits;
+mod motorcycle;
 mod one_step;
 mod raw_pushes;
 mod recordings;
@@ -50,6 +51,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         end_points::run(&end_points.join("plywood.csv"), &fits)?,
         raw_pushes::run(&args.data.join("mit-push-raw"))?,
         recordings::run(&args.data.join("mit-recordings"))?,
+        motorcycle::run(&args.data.join("gp/mcycle/mcycle.csv"))?,
         samples::run(&args.data.join("../samples"))?,
     ] {
         json.extend(section.json);

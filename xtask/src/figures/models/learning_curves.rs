@@ -6,10 +6,10 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use report::{Axis, Claim, Color, Figure, Guide, LegendPlace, Panel, Table};
 
 use super::joint_outputs::JointOutputs;
-use super::quartiles::Quartiles;
 use super::steps::Steps;
 use crate::figures::claims::judged;
 use crate::figures::inputs::{Inputs, SEED};
+use crate::figures::quartiles::Quartiles;
 use crate::figures::sketch::Sketch;
 use crate::held_out::{HeldOut, LEVEL_95, Score, Scores, quantile, shuffled};
 use crate::learned_kinds::KINDS;

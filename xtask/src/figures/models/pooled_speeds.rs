@@ -6,10 +6,10 @@ use models::{Analytical, GpPushModel, Hybrid, StepObservation, learn_options};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use report::{Axis, Claim, Color, Figure, LegendPlace, Panel, Table};
 
-use super::quartiles::Quartiles;
 use super::steps::Steps;
 use crate::figures::claims::judged;
 use crate::figures::inputs::{Inputs, SEED, STEP_WAY};
+use crate::figures::quartiles::Quartiles;
 use crate::figures::sketch::Sketch;
 use crate::held_out::{HeldOut, shuffled};
 

@@ -9,11 +9,11 @@ use models::{StepObservation, learn_options};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use report::{Axis, Claim, Color, Figure, LegendPlace, Panel, Table};
 
-use super::quartiles::Quartiles;
 use super::rows::{LearntGp, Rows};
 use super::steps::Steps;
 use crate::figures::claims::judged;
 use crate::figures::inputs::{Inputs, SEED};
+use crate::figures::quartiles::Quartiles;
 use crate::figures::sketch::Sketch;
 use crate::held_out::{LEVEL_95, Scores, shuffled};
 

@@ -7,10 +7,10 @@ use models::{GpPushModel, learn_options};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use report::{Axis, Claim, Color, Figure, LegendPlace, Panel, Table, Verdict};
 
-use super::quartiles::Quartiles;
 use super::steps::Steps;
 use crate::figures::claims::judged;
 use crate::figures::inputs::{Inputs, SEED};
+use crate::figures::quartiles::Quartiles;
 use crate::figures::sketch::Sketch;
 use crate::held_out::{HeldOut, Scores, shuffled};
 
@@ -59,7 +59,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
          steps not used for training; medians and quartiles of {n_splits} random splits, as many \
          training steps at every time step of a speed ({}). Left the mean of the three outputs, right \
          Δθ alone as in the thesis. Short steps move the object by little more than the noise of the \
-         cameras; the positions are splines through the samples, 10 ms apart.",
+         measured poses, through which splines are laid.",
         counts.join(", ")
     );
     let alt = "Two panels over the time step with a curve for each speed of the pusher: errors fall \

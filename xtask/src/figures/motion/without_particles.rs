@@ -1,4 +1,4 @@
-//! Figure M.5: whole pushes without particles, beside very many of them.
+//! Figure M.8: whole pushes without particles, beside very many of them.
 
 use anyhow::{Context, Result};
 use filter::{GaussHermite, Gaussian, Mixture, Rule, Unscented};

@@ -31,13 +31,16 @@ pub(super) enum Residual {
     Vhgp,
 }
 
-/// An input beside p and β.
+/// An input beside p and β, or in place of p.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Extra {
     /// The pusher's mean speed
     Speed,
     /// The contact normal in the body's frame
     Edge,
+    /// In place of p: the contact seen from the centroid, and the outline's curvature, by which
+    /// several shapes are learnt from together
+    Contact,
 }
 
 /// The kind with its process.

@@ -45,7 +45,8 @@ pub(crate) struct Args {
     /// Of a hybrid: the model file whose physics come first; else model.toml
     #[arg(long, value_name = "FILE", value_parser = file_ending::model)]
     model: Option<PathBuf>,
-    /// Inputs beside p and beta: the pusher's speed, the edge by its normal
+    /// Inputs beside p and beta: the pusher's speed, the edge by its normal; or, in place of p, the
+    /// contact as shapes have it in common
     #[arg(long, value_name = "INPUTS", value_delimiter = ',')]
     with: Vec<Extra>,
     /// Most steps to learn from, a random part; else 1000 of gp, 300 of vhgp, and all of the others
@@ -67,6 +68,7 @@ Examples:
   pushlab train pushes --kind gp -o gp.toml
   pushlab train pushes --kind hybrid --residual-kind rff --model better.toml -o hybrid.toml
   pushlab train pushes --kind spgp --with speed,edge -o spgp.toml
+  pushlab train shapes --kind gp --with contact -o shapes.toml
   pushlab train table.csv --preset mit-table --kind gp -n 500 -o gp.toml
 then:
   pushlab compare pushes --model hybrid.toml --against better.toml";
@@ -246,7 +248,11 @@ impl Args {
 
     fn features(&self) -> StepFeatures {
         let has = |extra| self.with.contains(&extra);
-        StepFeatures { speed: has(Extra::Speed), normal: has(Extra::Edge) }
+        StepFeatures {
+            contact: has(Extra::Contact),
+            speed: has(Extra::Speed),
+            normal: has(Extra::Edge),
+        }
     }
 
     fn origin(&self) -> Origin {
