@@ -101,7 +101,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
             let ends = Ends::of(case, push, &correlation)?;
             divergences.iter_mut().zip(ends.divergences()?).for_each(|(all, own)| all.push(own));
             if index == 0 {
-                figure = figure.with(ends.panel(case.name, push)?);
+                figure = figure.with(ends.panel(case.name)?);
             }
         }
         all.push(Found { name: case.name, divergences });
@@ -109,10 +109,11 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let told: Vec<String> = all.iter().map(Found::in_words).collect();
     let caption = format!(
         "Ends of held-out pushes by {n_particles} particles (of a mixture {n_fewer}), and by Gaussians that are carried through the \
-         push (95 % ellipses of the place; the Gaussian fitted to the particles is drawn in black). By \
+         push (95 % ellipses of the place, of the push from {}; the Gaussian fitted to the particles is drawn in black). By \
          how many nats a particle is less likely than under that fitted Gaussian (for one Gaussian its \
          Kullback–Leibler divergence; below 0 the mixture is nearer than any Gaussian), median and \
          worst of {} pushes, all widened by 10 µm and 0.1 mrad: {}.",
+        tested.first().map_or(String::new(), |push| place_of(push)),
         tested.len(),
         told.join("; ")
     );
@@ -196,13 +197,13 @@ impl Ends {
         all.map(|log| Ok(best - log?)).collect()
     }
 
-    fn panel(&self, name: &str, push: &RecordedPush) -> Result<Panel> {
+    fn panel(&self, name: &str) -> Result<Panel> {
         let every = self.particles.len().div_ceil(N_DRAWN);
         let drawn: Vec<[f64; 2]> =
             self.particles.iter().step_by(every).map(|at| [MM * at[0], MM * at[1]]).collect();
         let panel = Panel::new(Axis::new("world x / mm"), Axis::new("world y / mm"))
             .equal_aspect()
-            .title(&format!("{name}: {}", place_of(push)))
+            .title(name)
             .legend(LegendPlace::Below)
             .with(Points::at(&drawn).color(Color::GRAY).radius(1.0).label("particles"))
             .with(ellipse(&self.fitted).color(Color::INK));
