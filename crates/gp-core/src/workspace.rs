@@ -1,5 +1,7 @@
 //! Memory of predictions, and predictions in blocks of rows.
 
+use std::cell::Cell;
+
 use faer::{Mat, MatMut, MatRef};
 use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
 
@@ -21,7 +23,7 @@ impl Default for Workspace {
 
 impl Workspace {
     /// Nothing yet: the first prediction takes what it needs.
-    pub fn new() -> Self {
+    pub const fn new() -> Self {
         Self { first: Mat::new(), second: Mat::new() }
     }
 
@@ -52,14 +54,20 @@ pub fn predict_in_blocks(
     let mut mean = vec![0.0; x_star.nrows()];
     let mut variance = vec![0.0; x_star.nrows()];
     let means = mean.par_chunks_mut(rows_of_block);
-    means.zip(variance.par_chunks_mut(rows_of_block)).enumerate().for_each_init(
-        Workspace::new,
-        |workspace, (block, (mean, variance))| {
-            let rows = x_star.subrows(block * rows_of_block, mean.len());
-            predict(rows, workspace, mean, variance);
-        },
-    );
+    let blocks = means.zip(variance.par_chunks_mut(rows_of_block)).enumerate();
+    blocks.for_each(|(block, (mean, variance))| {
+        // Taken and put back: while a product waits for its halves, this thread may take another block.
+        let mut workspace = KEPT.take();
+        let rows = x_star.subrows(block * rows_of_block, mean.len());
+        predict(rows, &mut workspace, mean, variance);
+        KEPT.set(workspace);
+    });
     (mean, variance)
+}
+
+thread_local! {
+    /// Of the last block of this thread.
+    static KEPT: Cell<Workspace> = const { Cell::new(Workspace::new()) };
 }
 
 /// As [`predict_in_blocks`] on the calling thread, into memory that is there.

@@ -14,6 +14,7 @@ use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut
 
 use crate::SparseSettings;
 use crate::objective::Objective;
+use crate::reduction::reduction;
 
 /// A Gaussian process seen through its values u at M pseudo-inputs Z; it keeps none of the data.
 ///
@@ -35,6 +36,8 @@ pub struct SparseGp {
     pub(crate) root: Mat<f64>,
     /// R⁻¹, with zeros above the diagonal.
     pub(crate) root_inverse: Mat<f64>,
+    /// T with TᵀT = K_uu⁻¹ − Σ, and zeros above the diagonal.
+    pub(crate) reduction: Mat<f64>,
     pub(crate) objective: f64,
 }
 
@@ -104,6 +107,7 @@ impl SparseGp {
         let mut objective = Objective::new(x, y, m, n_parameters, settings);
         let value = objective.value(&*kernel, noise_variance, z)?;
         check_outputs("objective", &[value], 1)?;
+        let root_inverse = inverse(objective.root.as_ref());
         Ok(Self {
             kernel,
             settings,
@@ -111,8 +115,9 @@ impl SparseGp {
             z: Mat::from_fn(m, d, |a, j| z[a * d + j]),
             constant: objective.mean(),
             weights: objective.weights,
+            reduction: reduction(objective.factor_inverse.as_ref(), root_inverse.as_ref())?,
             factor_inverse: objective.factor_inverse,
-            root_inverse: inverse(objective.root.as_ref()),
+            root_inverse,
             root: objective.root,
             objective: value,
         })
@@ -195,18 +200,12 @@ impl SparseGp {
             add_multiple(mean, *weight, column_of(cross.as_mut(), a));
         }
         self.kernel.diagonal(x_star, variance);
-        let factor_inverse = self.factor_inverse.as_ref();
-        multiply_rows_transposed(whitened.as_mut(), cross.as_ref(), factor_inverse);
+        multiply_rows_transposed(whitened.as_mut(), cross.as_ref(), self.reduction.as_ref());
         for a in 0..m {
             add_square(variance, -1.0, column_of(whitened.as_mut(), a));
         }
         // Rounding alone can make the difference of two nearly equal variances negative.
         variance.iter_mut().for_each(|variance| *variance = variance.max(0.0));
-        let root_inverse = self.root_inverse.as_ref();
-        multiply_rows_transposed(cross.as_mut(), whitened.as_ref(), root_inverse);
-        for a in 0..m {
-            add_square(variance, 1.0, column_of(cross.as_mut(), a));
-        }
     }
 }
 

@@ -134,10 +134,8 @@ impl EdgePush {
         let moved = center - held;
         let position = moved.x * normal_b + moved.y * perpendicular(normal_b);
         let center_b = self.center_b;
-        let turned = Vector2::new(
-            cos * center_b.x - sin * center_b.y,
-            sin * center_b.x + cos * center_b.y,
-        );
+        let turned =
+            Vector2::new(cos * center_b.x - sin * center_b.y, sin * center_b.x + cos * center_b.y);
         Pose { position: position + center_b - turned, angle: last.y }
     }
 }

@@ -131,8 +131,7 @@ impl Analytical {
     /// `Mechanics` for what the mechanics refuse.
     pub fn motion(&self, step: &StepInput) -> Result<Pose, ModelError> {
         let support = self.surface.under(step.shape(), self.characteristic_length(step))?;
-        let pusher =
-            Pusher { radius: step.pusher_radius(), friction: self.pusher_friction.value };
+        let pusher = Pusher { radius: step.pusher_radius(), friction: self.pusher_friction.value };
         match &support.at_edge {
             Some(at_edge) => at_edge.push(&pusher, &straight(step)),
             None => None,
@@ -178,9 +177,8 @@ impl Analytical {
     ) -> Result<Vec<Vec<Vector3<f64>>>, ModelError> {
         let mut supports = Supports::default();
         let mut secant = |se: f64, [low, high]: [(f64, Place); 2], width: f64| {
-            let mut at = |(friction, place)| {
-                self.outputs_with(friction, place, steps, &mut supports)
-            };
+            let mut at =
+                |(friction, place)| self.outputs_with(friction, place, steps, &mut supports);
             let (low, high) = (at(low)?, at(high)?);
             let change = |(high, low): (Vector3<f64>, Vector3<f64>)| se / width * (high - low);
             Ok::<_, ModelError>(high.into_iter().zip(low).map(change).collect())
@@ -212,7 +210,8 @@ impl Analytical {
     ) -> Result<Vec<Vector3<f64>>, ModelError> {
         let mut outputs = Vec::with_capacity(steps.len());
         let is_alike = |a: &&StepInput, b: &&StepInput| {
-            Arc::ptr_eq(a.shared_shape(), b.shared_shape()) && a.pusher_radius() == b.pusher_radius()
+            Arc::ptr_eq(a.shared_shape(), b.shared_shape())
+                && a.pusher_radius() == b.pusher_radius()
         };
         for alike in steps.chunk_by(is_alike) {
             let support = supports.of(self, alike[0])?.at(place);
@@ -238,7 +237,9 @@ fn moved_on(
     steps: &[&StepInput],
 ) -> Result<Vec<Vector3<f64>>, ModelError> {
     let fast = match &support.at_edge {
-        Some(at_edge) => at_edge.push_all(pusher, &steps.iter().map(|step| straight(step)).collect::<Vec<_>>()),
+        Some(at_edge) => {
+            at_edge.push_all(pusher, &steps.iter().map(|step| straight(step)).collect::<Vec<_>>())
+        }
         None => vec![None; steps.len()],
     };
     let output = |(step, fast): (&&StepInput, Option<Pose>)| {

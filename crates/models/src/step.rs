@@ -116,7 +116,18 @@ impl StepInput {
         };
         let beta = beta(&normal, &direction_b);
         let (duration, whole) = (Some(duration), None);
-        Self { shape, pusher_radius, edge, p, beta, start_b, direction_b, distance, duration, whole }
+        Self {
+            shape,
+            pusher_radius,
+            edge,
+            p,
+            beta,
+            start_b,
+            direction_b,
+            distance,
+            duration,
+            whole,
+        }
     }
 
     /// A step whose numbers have been checked.

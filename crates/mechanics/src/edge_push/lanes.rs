@@ -139,41 +139,32 @@ impl Together {
     fn step(&mut self, here: &Looks) -> Looks {
         let mut looks = [*here; 7];
         let (mut place, mut turn) = (self.place, self.turn);
-        let mut h = [0.0; LANES];
-        for k in 0..LANES {
-            h[k] = if self.left[k] < MAX_TRAVEL { self.left[k] } else { MAX_TRAVEL };
-        }
+        let h = self.left.map(|left| if left < MAX_TRAVEL { left } else { MAX_TRAVEL });
         for stage in 1..7 {
-            let mut sums = [[0.0; LANES]; 2];
+            let (mut places, mut turns) = ([0.0; LANES], [0.0; LANES]);
             for (weight, look) in STAGES[stage].iter().zip(&looks[..stage]) {
-                for k in 0..LANES {
-                    sums[0][k] += weight * look.place[k];
-                    sums[1][k] += weight * look.turn[k];
-                }
+                add(&mut places, *weight, &look.place);
+                add(&mut turns, *weight, &look.turn);
             }
             for k in 0..LANES {
-                place[k] = self.place[k] + h[k] * sums[0][k];
-                turn[k] = self.turn[k] + h[k] * sums[1][k];
+                place[k] = self.place[k] + h[k] * places[k];
+                turn[k] = self.turn[k] + h[k] * turns[k];
             }
             looks[stage] = self.look(&place, &turn);
         }
-        let mut errors = [[0.0; LANES]; 2];
+        let (mut of_place, mut of_turn, mut slides) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for (weight, look) in ERROR.iter().zip(&looks) {
-            for k in 0..LANES {
-                errors[0][k] += h[k] * weight * look.place[k];
-                errors[1][k] += h[k] * weight * look.turn[k];
-            }
+            let weights = h.map(|h| h * weight);
+            add_each(&mut of_place, &weights, &look.place);
+            add_each(&mut of_turn, &weights, &look.turn);
+            add(&mut slides, 1.0, &look.slides);
         }
         let there = looks[6];
         for k in 0..LANES {
             let arm = (self.center_x[k] * self.center_x[k] + place[k] * place[k]).sqrt();
-            let is_good = errors[0][k].abs() + arm * errors[1][k].abs() <= TOLERANCE;
-            // A lane that no stage left has numbers all along.
-            let mut sum = 0.0;
-            for look in &looks {
-                sum += look.slides[k];
-            }
-            let taken = is_good && sum == sum && there.slides[k] == here.slides[k];
+            let is_good = of_place[k].abs() + arm * of_turn[k].abs() <= TOLERANCE;
+            // The sum is a number where all stages are.
+            let taken = is_good && !slides[k].is_nan() && there.slides[k] == here.slides[k];
             let left = if taken { self.left[k] - h[k] } else { f64::NAN };
             let moves = self.left[k] > 0.0;
             self.left[k] = if moves { left } else { self.left[k] };
@@ -184,3 +175,16 @@ impl Together {
     }
 }
 
+/// sum ← sum + weight·values.
+#[inline(always)]
+fn add(sum: &mut Lanes, weight: f64, values: &Lanes) {
+    add_each(sum, &[weight; LANES], values);
+}
+
+/// sum ← sum + weights·values, lane by lane.
+#[inline(always)]
+fn add_each(sum: &mut Lanes, weights: &Lanes, values: &Lanes) {
+    for k in 0..LANES {
+        sum[k] += weights[k] * values[k];
+    }
+}

@@ -171,7 +171,8 @@ impl PushMotion<'_> {
         let Pushed { shape, pusher_radius, object } = self.pushed;
         let Begun { free, contact, start_b, direction_b, .. } = begin;
         let Some(object) = object else {
-            let way = (*direction_b, distance - free, positive("the step's duration", duration, "s")?);
+            let way =
+                (*direction_b, distance - free, positive("the step's duration", duration, "s")?);
             // A gap while they touch is an error of measurement: the model is asked without it.
             let touching_b = start_b + contact.gap * contact.normal;
             let shape = shape.clone();
