@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
-use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
 
 use crate::checks::{
     check_count, check_distinct_rows, check_inputs, check_outputs, check_positive,
@@ -15,7 +14,7 @@ use crate::likelihood::{COVARIANCE, Evaluator, Likelihood};
 use crate::mean::{Residual, Trend};
 use crate::noise::Noise;
 use crate::vector::{add_multiple, add_square};
-use crate::workspace::{PredictBlock, predict_blocks_into, predict_in_blocks};
+use crate::workspace::{PredictBlock, mean_in_blocks, predict_blocks_into, predict_in_blocks};
 use crate::{GpError, JointGaussian, Kernel, LeaveOneOut, Mean, Posterior, Workspace};
 
 /// A Gaussian process conditioned on data: y = f(x) + noise, f ~ GP(m, k), noise ~ N(0, σₙ²).
@@ -290,19 +289,8 @@ impl Posterior for Gp {
     }
 
     fn predict_mean(&self, x_star: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {
-        check_inputs("inputs", x_star, self.n_inputs())?;
-        let mut mean = vec![0.0; x_star.nrows()];
-        mean.par_chunks_mut(Self::ROWS).enumerate().for_each(|(block, mean)| {
-            let rows = x_star.subrows(block * Self::ROWS, mean.len());
-            let (mut values, mut b) = (vec![0.0; mean.len()], vec![0.0; x_star.ncols()]);
-            self.trend.fill(rows, mean);
-            for (j, weight) in self.weights.iter().enumerate() {
-                copy_row(self.inputs(), j, &mut b);
-                self.kernel.column(rows, &b, &mut values);
-                add_multiple(mean, *weight, &values);
-            }
-        });
-        Ok(mean)
+        let known = (self.inputs(), &*self.weights);
+        mean_in_blocks(&*self.kernel, x_star, known, |rows, mean| self.trend.fill(rows, mean))
     }
 
     fn predict(&self, x_star: MatRef<'_, f64>) -> Result<(Vec<f64>, Vec<f64>), GpError> {

@@ -6,7 +6,9 @@ use faer::{Mat, MatMut, MatRef};
 use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
 
 use crate::checks::{check_count, check_inputs};
-use crate::{GpError, Posterior};
+use crate::kernel::copy_row;
+use crate::vector::add_multiple;
+use crate::{GpError, Kernel, Posterior};
 
 /// Matrices that predictions write their steps in, kept from one call to the next.
 #[derive(Clone, Debug)]
@@ -107,3 +109,31 @@ pub fn predict_blocks_into<P: PredictBlock>(
     }
     Ok(())
 }
+
+/// What `start` writes for each row x, plus Σⱼ wⱼ k(x, cⱼ) over the rows c of `centers`.
+///
+/// # Errors
+/// As [`Posterior::predict_mean`].
+pub fn mean_in_blocks(
+    kernel: &dyn Kernel,
+    x_star: MatRef<'_, f64>,
+    (centers, weights): (MatRef<'_, f64>, &[f64]),
+    start: impl Fn(MatRef<'_, f64>, &mut [f64]) + Sync,
+) -> Result<Vec<f64>, GpError> {
+    check_inputs("inputs", x_star, kernel.n_inputs())?;
+    let mut mean = vec![0.0; x_star.nrows()];
+    mean.par_chunks_mut(MEANS).enumerate().for_each(|(block, mean)| {
+        let rows = x_star.subrows(block * MEANS, mean.len());
+        let (mut values, mut center) = (vec![0.0; mean.len()], vec![0.0; x_star.ncols()]);
+        start(rows, mean);
+        for (j, weight) in weights.iter().enumerate() {
+            copy_row(centers, j, &mut center);
+            kernel.column(rows, &center, &mut values);
+            add_multiple(mean, *weight, &values);
+        }
+    });
+    Ok(mean)
+}
+
+/// Rows of which the means alone are predicted together.
+const MEANS: usize = 128;

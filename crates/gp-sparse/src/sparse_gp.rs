@@ -5,12 +5,11 @@ use std::sync::Arc;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use gp_core::checks::{check_inputs, check_outputs, check_positive};
-use gp_core::kernel::{column_of, copy_row, fill_cross, fill_lower_gram, mirror_lower};
+use gp_core::kernel::{column_of, fill_cross, fill_lower_gram, mirror_lower};
 use gp_core::triangle::{inverse, multiply_rows_transposed};
 use gp_core::vector::{add_multiple, add_square};
-use gp_core::workspace::{PredictBlock, predict_blocks_into, predict_in_blocks};
+use gp_core::workspace::{PredictBlock, mean_in_blocks, predict_blocks_into, predict_in_blocks};
 use gp_core::{GpError, JointGaussian, Kernel, Posterior, Workspace};
-use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
 
 use crate::SparseSettings;
 use crate::objective::Objective;
@@ -191,20 +190,8 @@ impl Posterior for SparseGp {
     }
 
     fn predict_mean(&self, x_star: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {
-        check_inputs("inputs", x_star, self.n_inputs())?;
-        let mut mean = vec![0.0; x_star.nrows()];
-        mean.par_chunks_mut(Self::ROWS).enumerate().for_each(|(block, mean)| {
-            let rows = x_star.subrows(block * Self::ROWS, mean.len());
-            let mut values = vec![0.0; mean.len()];
-            let mut z = vec![0.0; x_star.ncols()];
-            mean.fill(self.constant);
-            for (a, weight) in self.weights.iter().enumerate() {
-                copy_row(self.z.as_ref(), a, &mut z);
-                self.kernel.column(rows, &z, &mut values);
-                add_multiple(mean, *weight, &values);
-            }
-        });
-        Ok(mean)
+        let known = (self.z.as_ref(), &*self.weights);
+        mean_in_blocks(&*self.kernel, x_star, known, |_, mean| mean.fill(self.constant))
     }
 
     fn predict(&self, x_star: MatRef<'_, f64>) -> Result<(Vec<f64>, Vec<f64>), GpError> {
