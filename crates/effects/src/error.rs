@@ -62,9 +62,19 @@ pub enum EffectError {
         /// All ids.
         known: String,
     },
-    /// A parameter is missing or not one of the effect's.
-    #[error("{effect} has no parameter `{name}` or lacks it; it has {parameters}")]
-    WrongParameter {
+    /// A parameter is not one of the effect's.
+    #[error("{effect} has no parameter `{name}`; it has {parameters}")]
+    UnknownParameter {
+        /// Id of the effect.
+        effect: String,
+        /// What was given.
+        name: String,
+        /// Names of its parameters.
+        parameters: String,
+    },
+    /// A parameter has no value.
+    #[error("{effect} has no value of its parameter `{name}`; give one of each of {parameters}")]
+    MissingParameter {
         /// Id of the effect.
         effect: String,
         /// The name.

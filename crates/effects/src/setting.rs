@@ -27,18 +27,20 @@ impl Setting {
     /// The values in the order of the effect's parameters.
     ///
     /// # Errors
-    /// `WrongParameter` for one that is missing or that the effect does not have.
+    /// `UnknownParameter` for one that the effect does not have, `MissingParameter` for one without value.
     pub fn values(&self, about: &About) -> Result<Vec<f64>, EffectError> {
-        let wrong = |name: &str| EffectError::WrongParameter {
-            effect: self.id.clone(),
-            name: name.to_owned(),
-            parameters: about.names(),
-        };
+        let (effect, parameters) = (&self.id, about.names());
         let is_known = |name: &str| about.parameters.iter().any(|known| known.name == name);
-        if let Some(unknown) = self.parameters.keys().find(|name| !is_known(name)) {
-            return Err(wrong(unknown));
+        if let Some(name) = self.parameters.keys().find(|name| !is_known(name)) {
+            let (effect, name) = (effect.clone(), name.clone());
+            return Err(EffectError::UnknownParameter { effect, name, parameters });
         }
-        let value = |name| self.parameters.get(name).copied().ok_or_else(|| wrong(name));
+        let missing = |name: &str| EffectError::MissingParameter {
+            effect: effect.clone(),
+            name: name.to_owned(),
+            parameters: parameters.clone(),
+        };
+        let value = |name| self.parameters.get(name).copied().ok_or_else(|| missing(name));
         about.parameters.iter().map(|parameter| value(parameter.name)).collect()
     }
 }
