@@ -1,11 +1,13 @@
 //! A Gaussian, and what becomes of it in a nonlinear motion.
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 
+use crate::slab::Slab;
 use crate::{FilterError, Rule};
 
 /// A Gaussian over vectors.
@@ -20,6 +22,8 @@ pub struct Gaussian {
 
 /// Eigenvalues above −tolerance times the largest are rounding.
 const ROUNDING: f64 = 1e-10;
+/// Ways whose numbers change less than this with a standard deviation have no direction.
+const STRAIGHT: f64 = 1e-9;
 
 impl Gaussian {
     /// A Gaussian of a mean and a covariance.
@@ -108,8 +112,51 @@ impl Gaussian {
         Ok(Self::of_mixture(&moved)?)
     }
 
-    /// The rule's points in the state's own coordinates.
-    pub(crate) fn points(&self, rule: &dyn Rule) -> Vec<(DVector<f64>, f64)> {
+    /// The parts of this Gaussian that go different ways, in the order of the ways' numbers, with their
+    /// probabilities: slabs between parallel planes, each as the Gaussian of its moments.
+    ///
+    /// The points of a rule tell how probable each way is and across which direction the ways change;
+    /// ways that are next to each other have neighboring numbers. All parts together have the mean and
+    /// the covariance of the whole.
+    ///
+    /// # Errors
+    /// What `way` says; `NotPositiveSemiDefinite` if rounding left no covariance.
+    pub fn split<E: From<FilterError>>(
+        &self,
+        rule: &dyn Rule,
+        mut way: impl FnMut(&DVector<f64>) -> Result<i64, E>,
+    ) -> Result<Vec<(i64, f64, Self)>, E> {
+        let mut shares: BTreeMap<i64, f64> = BTreeMap::new();
+        let mut direction = DVector::zeros(self.root.ncols());
+        for (point, weight) in rule.points(self.root.ncols()) {
+            if weight > 0.0 {
+                let own = way(&(&self.mean + &self.root * &point))?;
+                *shares.entry(own).or_default() += weight;
+                // The covariance of the way's number with the standard coordinates, whose mean is 0.
+                direction.axpy(weight * own as f64, &point, 1.0);
+            }
+        }
+        let Some(direction) = direction.try_normalize(STRAIGHT) else {
+            // One way, or ways that no plane tells apart: the most probable has it all.
+            let most = shares.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+            return Ok(vec![(most.map_or(0, |(way, _)| way), 1.0, self.clone())]);
+        };
+        let across = &self.root * direction;
+        let mut parts = Vec::with_capacity(shares.len());
+        let mut below = 0.0;
+        for (way, share) in shares {
+            let slab = Slab::between(below, below + share);
+            below += share;
+            let mean = &self.mean + slab.mean * &across;
+            let covariance =
+                &self.covariance + (slab.variance - 1.0) * &across * across.transpose();
+            parts.push((way, share, Self::new(mean, covariance)?));
+        }
+        Ok(parts)
+    }
+
+    /// The rule's points in the state's own coordinates, with their weights.
+    pub fn points(&self, rule: &dyn Rule) -> Vec<(DVector<f64>, f64)> {
         let points = rule.points(self.root.ncols()).into_iter();
         points.map(|(point, weight)| (&self.mean + &self.root * point, weight)).collect()
     }
