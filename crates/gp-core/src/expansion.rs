@@ -69,6 +69,8 @@ pub struct Expansion<B> {
 pub struct UncertainOutputs {
     /// E f, of each function.
     pub mean: Vec<f64>,
+    /// E v, of each function: how sure it would be if the input were known.
+    pub variance: Vec<f64>,
     /// cov(f, f), E×E: the expected variances on the diagonal, and what the common input does.
     pub covariance: Mat<f64>,
     /// E ∂m/∂x, D×E: the covariance of input and output is S times it, and that of the output with
@@ -135,20 +137,21 @@ impl<B: Basis> Expansion<B> {
         let mean = all.iter().zip(&known).map(|(one, known)| one.mean(known.as_ref(), input));
         let mut outputs = UncertainOutputs {
             mean: mean.collect(),
+            variance: vec![0.0; n],
             covariance: Mat::zeros(n, n),
             slopes: Mat::from_fn(d, n, |i, a| sums[a][i]),
         };
         for a in 0..n {
             for b in 0..=a {
-                let (of_sums, beyond) = if a == b {
-                    all[a].own_covariance(&known[a], input)
-                } else {
-                    (all[a].covariance(&known[a], all[b], &known[b], input), 0.0)
-                };
                 let trends = all[a].with_trends(all[b], [&sums[a], &sums[b]], input);
-                let covariance = of_sums + trends;
-                // Rounding alone can make a variance negative.
-                let value = if a == b { covariance.max(0.0) + beyond } else { covariance };
+                let value = if a == b {
+                    let (of_mean, of_variance) = all[a].own_covariance(&known[a], input);
+                    outputs.variance[a] = of_variance;
+                    // Rounding alone can make a variance negative.
+                    (of_mean + trends).max(0.0) + of_variance
+                } else {
+                    all[a].covariance(&known[a], all[b], &known[b], input) + trends
+                };
                 outputs.covariance[(a, b)] = value;
                 outputs.covariance[(b, a)] = value;
             }

@@ -78,10 +78,10 @@ impl Basis for Bumps {
         let shifts = times(&pulls, &product);
         let mut slopes = Mat::from_fn(n, d, |i, k| pulls[(i, k)] - precisions[k] * shifts[(i, k)]);
         let mut log_averages = vec![self.signal_variance.ln() - 0.5 * log_determinant; n];
-        for k in 0..d {
+        for (k, mean) in mean.iter().enumerate() {
             let (center, slope) = (column(&self.centers, k), column(&slopes, k));
             for ((log, center), slope) in log_averages.iter_mut().zip(center).zip(slope) {
-                *log -= 0.5 * (center - mean[k]) * slope;
+                *log -= 0.5 * (center - mean) * slope;
             }
         }
         let values: Vec<f64> = log_averages.iter().map(|log| exp(*log)).collect();

@@ -3,8 +3,8 @@
 use anyhow::{Context, Result};
 use filter::{GaussHermite, Gaussian, Mixture, Rule, Unscented};
 use models::{
-    GpPushModel, ProcessKind, PushModel, PushParticle, RecordedPush, RollOut, RollOutSettings,
-    SlipMixture, StepCorrelation, StepErrors, Training, learn_options,
+    GpPushModel, Matching, ProcessKind, PushModel, PushParticle, RecordedPush, RollOut,
+    RollOutSettings, SlipMixture, StepCorrelation, StepErrors, Training, learn_options,
 };
 use nalgebra::{DMatrix, DVector};
 use report::{Axis, Color, Ellipse, Figure, LegendPlace, Panel, Points};
@@ -164,8 +164,8 @@ impl Ends {
         let few = RollOutSettings { n_particles: FEW, seed: SEED + 1, ..settings.clone() };
         let roll_out = RollOut { model: case.model, pushed: &push.pushed, settings: &settings };
         let matched = METHODS.iter().map(|method| {
-            let moments =
-                roll_out.matched(start_wb, &push.path, method.rule, method.n_components)?;
+            let matching = Matching::Points(method.rule);
+            let moments = roll_out.matched(start_wb, &push.path, matching, method.n_components)?;
             moments.into_iter().next_back().context("a push has an end")
         });
         let matched = matched.collect::<Result<_>>()?;
