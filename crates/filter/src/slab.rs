@@ -24,7 +24,7 @@ impl Slab {
 
 /// The z below which a share of a standard normal lies, by bisection to the last digit; of no share and
 /// of all of it ∓40, where the density is 0.
-fn quantile(share: f64) -> f64 {
+pub(crate) fn quantile(share: f64) -> f64 {
     let (mut low, mut high) = (-40.0, 40.0);
     for _ in 0..64 {
         let middle = 0.5 * (low + high);
