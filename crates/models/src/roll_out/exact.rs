@@ -12,7 +12,7 @@ use super::matched::{N_POSE, N_STATES};
 use super::settle::Holding;
 use super::{PushMotion, PushParticle, StepErrors};
 use crate::closed_form::ClosedForm;
-use crate::{ModelError, Noise, PushModel, Slip, StepInput, StepObservation};
+use crate::{ModelError, Noise, PushModel, StepInput};
 
 /// What carries the Gaussians of one push: see [`super::Matching::Exact`].
 pub(super) struct Exact<'a> {
@@ -20,8 +20,6 @@ pub(super) struct Exact<'a> {
     forms: Vec<Arc<ClosedForm>>,
     first: PushParticle,
     rule: &'a dyn Rule,
-    /// Whether sticking and slipping are told apart: one Gaussian has no use of it.
-    splits: bool,
 }
 
 /// A state that is pushed from the start of a step.
@@ -54,7 +52,6 @@ impl<'a> Exact<'a> {
         model: &dyn PushModel,
         first: PushParticle,
         rule: &'a dyn Rule,
-        splits: bool,
     ) -> Result<Self, ModelError> {
         let forms = match (model.as_mixture(), model.as_processes()) {
             (Some(mixture), _) => mixture.modes.iter().map(|(_, one)| one.closed_form()).collect(),
@@ -64,7 +61,7 @@ impl<'a> Exact<'a> {
                 Err(ModelError::NoClosedForm { of })
             }
         };
-        Ok(Self { forms: forms?, first, rule, splits })
+        Ok(Self { forms: forms?, first, rule })
     }
 
     /// A mixture after a step.
@@ -120,22 +117,27 @@ impl<'a> Exact<'a> {
         Ok(Some(Touched { all, kept }))
     }
 
-    /// The parts of a Gaussian by edge, and by how the contact goes; none if it may not touch.
+    /// The parts of a Gaussian by edge, and by the ways of a mixture; none if it may not touch.
+    ///
+    /// A process is smooth where the contact begins to slip: there is nothing to tell apart.
     fn parts(
         &self,
         motion: &PushMotion<'_>,
         gaussian: &Gaussian,
     ) -> Result<Option<Vec<Part>>, ModelError> {
         let Some(Touched { all, .. }) = self.touching(motion, gaussian)? else { return Ok(None) };
-        let ways = self.ways(motion, &all)?;
         let n_edges = motion.pushed.shape.n_edges() as i64;
         let base = all[0].input.edge() as i64;
-        let mut next = ways.iter();
+        let ahead = |one: &Touching| {
+            let ahead = (one.input.edge() as i64 - base).rem_euclid(n_edges);
+            if 2 * ahead > n_edges { ahead - n_edges } else { ahead }
+        };
         // The points come in the same order again.
-        let way = |_: &DVector<f64>| Ok::<_, ModelError>(next.next().copied().unwrap_or(0));
+        let mut next = all.iter().map(ahead);
+        let edge = |_: &DVector<f64>| Ok::<_, ModelError>(next.next().unwrap_or(0));
         let mut parts = Vec::new();
-        for (way, share, gaussian) in gaussian.split(self.rule, N_POSE, way)? {
-            let edge = (base + edge_step(way)).rem_euclid(n_edges) as usize;
+        for (ahead, share, gaussian) in gaussian.split(self.rule, N_POSE, edge)? {
+            let edge = (base + ahead).rem_euclid(n_edges) as usize;
             let part = Part { share, gaussian, edge, form: 0 };
             if motion.model.as_mixture().is_none() {
                 parts.push(part);
@@ -145,30 +147,6 @@ impl<'a> Exact<'a> {
             parts.extend(self.modes(motion, &touched, &part)?);
         }
         Ok(Some(parts))
-    }
-
-    /// Numbers of the ways of points, growing along the outline: three for every edge, on which the
-    /// contact goes back, stays, or goes on.
-    fn ways(&self, motion: &PushMotion<'_>, all: &[Touching]) -> Result<Vec<i64>, ModelError> {
-        let n_edges = motion.pushed.shape.n_edges() as i64;
-        let base = all[0].input.edge() as i64;
-        let edges = all.iter().map(|one| {
-            let ahead = (one.input.edge() as i64 - base).rem_euclid(n_edges);
-            3 * if 2 * ahead > n_edges { ahead - n_edges } else { ahead }
-        });
-        if !self.splits || motion.model.as_mixture().is_some() {
-            return Ok(edges.collect());
-        }
-        let inputs: Vec<StepInput> = all.iter().map(|one| one.input.clone()).collect();
-        let means = motion.model.parts(&inputs)?.into_iter();
-        let means = means.map(|parts| parts.physics + parts.unexplained);
-        let slip = |(input, outputs)| match Slip::of(&StepObservation { input, outputs }) {
-            Slip::Left => -1,
-            Slip::Stick => 0,
-            Slip::Right => 1,
-        };
-        let slips = inputs.into_iter().zip(means).map(slip);
-        Ok(edges.zip(slips).map(|(edge, slip)| edge + slip).collect())
     }
 
     /// A part once more by the ways of a mixture.
@@ -218,11 +196,6 @@ impl<'a> Exact<'a> {
         let outputs = form.at(&inputs.gaussian()?)?;
         motion.pushed_on(&self.first, part, (&inputs, &outputs, form.noise), self.rule)
     }
-}
-
-/// How many edges ahead a way is.
-fn edge_step(way: i64) -> i64 {
-    (way + 1).div_euclid(3)
 }
 
 /// Less probable ways are left out.

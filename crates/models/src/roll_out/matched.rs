@@ -37,10 +37,10 @@ impl RollOut<'_> {
     /// `n_components` Gaussians over x, y in m and the angle in rad.
     ///
     /// Every component is carried through a step, with the contact that holds at its end; it splits
-    /// where it sticks and slips, where a [`crate::SlipMixture`] goes several ways and, in closed form,
-    /// at an end of an edge; the nearest components are joined again. With one component these are
-    /// matched moments. A state touches where its gap is within the tolerance; what steps share is taken
-    /// for a Gaussian of the variance that it has.
+    /// where a [`crate::SlipMixture`] goes several ways and, by points, where they stick and slip, in
+    /// closed form at an end of an edge; the nearest components are joined again. With one component
+    /// these are matched moments. A state touches where its gap is within the tolerance. What the steps
+    /// of a push share, a Student t, begins as so many Gaussians of different widths.
     ///
     /// # Errors
     /// As [`RollOut::run`]; `NoClosedForm` for a model that has none; `Filter` for no components.
@@ -55,11 +55,11 @@ impl RollOut<'_> {
         self.check()?;
         self.check_steps(&steps)?;
         let first = self.first(start_wb, path)?;
-        let mut state = Mixture::new(vec![(self.start_gaussian(start_wb)?, 1.0)])?;
+        let mut state = self.start_mixture(start_wb, n_components)?;
         let mut poses = vec![pose_of(&state)?];
         let exact = match matching {
             Matching::Points(_) => None,
-            Matching::Exact(rule) => Some(Exact::of(self.model, first, rule, n_components > 1)?),
+            Matching::Exact(rule) => Some(Exact::of(self.model, first, rule)?),
         };
         for step in &steps {
             let motion = self.motion(step);
@@ -75,16 +75,17 @@ impl RollOut<'_> {
         Ok(poses)
     }
 
-    fn start_gaussian(&self, start_wb: &Pose) -> Result<Gaussian, FilterError> {
-        let [place_sd, angle_sd] = self.settings.start_sd;
-        let held_variance = match &self.settings.errors {
-            // Of a t with more than two degrees of freedom, as all have that were measured.
-            StepErrors::Held(correlation) if correlation.freedom > 2.0 => {
-                correlation.freedom / (correlation.freedom - 2.0)
-            }
-            StepErrors::Held(_) => 1.0,
-            StepErrors::None | StepErrors::Independent => 0.0,
+    fn start_mixture(&self, start_wb: &Pose, n: usize) -> Result<Mixture, FilterError> {
+        let held = match &self.settings.errors {
+            StepErrors::Held(correlation) => scales(correlation.freedom, n),
+            StepErrors::None | StepErrors::Independent => vec![(0.0, 1.0)],
         };
+        let part = |(variance, share)| Ok((self.start_gaussian(start_wb, variance)?, share));
+        Mixture::new(held.into_iter().map(part).collect::<Result<_, FilterError>>()?)
+    }
+
+    fn start_gaussian(&self, start_wb: &Pose, held_variance: f64) -> Result<Gaussian, FilterError> {
+        let [place_sd, angle_sd] = self.settings.start_sd;
         let gap_sd = self.settings.gap_sd;
         let Pose { position, angle } = start_wb;
         let mean = DVector::from_vec(vec![position.x, position.y, *angle, 0.0, 0.0, 0.0, 0.0]);
@@ -94,6 +95,40 @@ impl RollOut<'_> {
         Gaussian::new(mean, DMatrix::from_diagonal(&DVector::from_vec(variances)))
     }
 }
+
+/// A Student t of scale 1 as at most `n` Gaussians: their variances and shares. Half of the t, half of
+/// the rest and so on are together, from the narrow ones to the tail.
+///
+/// A t is a Gaussian of variance ν/c with c from a χ² of ν degrees of freedom; each Gaussian has the mean
+/// variance of its share, by sums over a fine grid of ln c.
+fn scales(freedom: f64, n: usize) -> Vec<(f64, f64)> {
+    let density = |c: f64| (0.5 * (freedom * (c / freedom).ln() - (c - freedom))).exp();
+    // As far as the density falls on either side, from wide to narrow Gaussians and back.
+    let grid = (0..=N_GRID).rev().map(|k| {
+        let c = freedom * (GRID_REACH * (2.0 * k as f64 / N_GRID as f64 - 1.0)).exp();
+        (freedom / c, density(c))
+    });
+    let grid: Vec<(f64, f64)> = grid.collect();
+    let total: f64 = grid.iter().map(|(_, weight)| weight).sum();
+    let mut parts = vec![(0.0, 0.0); n.max(1)];
+    let mut below = 0.0;
+    for (variance, weight) in grid {
+        let share = weight / total;
+        let middle = below + 0.5 * share;
+        let part = (-(1.0 - middle).max(f64::MIN_POSITIVE).log2()) as usize;
+        let (sum, own) = &mut parts[part.min(n.max(1) - 1)];
+        *sum += share * variance;
+        *own += share;
+        below += share;
+    }
+    // Of many degrees of freedom the variance is 1 for all.
+    let sound = parts.into_iter().filter(|(_, share)| *share > 0.0);
+    sound.map(|(sum, share)| (sum / share, share)).collect()
+}
+
+const N_GRID: usize = 4000;
+/// Of ln c about ln ν: of a t of three degrees of freedom all but 10⁻⁴ of the variance.
+const GRID_REACH: f64 = 18.0;
 
 impl PushMotion<'_> {
     /// One point of a rule as a particle; `first` is the push's start.
@@ -201,6 +236,7 @@ mod tests {
     use nalgebra::{Matrix3, Vector2, Vector3};
     use planar::{Pose, Shape};
 
+    use super::scales;
     use crate::{
         Analytical, CharacteristicLength, Estimate, Matching, PushPath, Pushed, RollOut,
         RollOutSettings,
@@ -261,6 +297,27 @@ mod tests {
             let ratio = covariances[1].diagonal().component_div(&covariances[0].diagonal());
             assert!(ratio.iter().all(|ratio| (ratio - 1.0).abs() < 0.1), "{ratio}");
         }
+    }
+
+    #[test]
+    fn gaussians_of_different_widths_are_together_as_a_student_t_is() {
+        for freedom in [3.0, 6.0, 40.0] {
+            for n in [1, 2, 4, 8] {
+                let parts = scales(freedom, n);
+                let total: f64 = parts.iter().map(|(_, share)| share).sum();
+                let variance: f64 = parts.iter().map(|(variance, share)| variance * share).sum();
+                assert!((total - 1.0).abs() < 1e-12 && parts.len() == n);
+                assert!((variance / (freedom / (freedom - 2.0)) - 1.0).abs() < 1e-3, "{variance}");
+            }
+        }
+        // What a t of three degrees of freedom has beyond 3: 0.0577.
+        let beyond = |n| -> f64 {
+            let tail =
+                |(variance, share): (f64, f64)| share * libm::erfc(3.0 / (2.0 * variance).sqrt());
+            scales(3.0, n).into_iter().map(tail).sum()
+        };
+        assert!((beyond(8) - 0.0577).abs() < 0.003, "{}", beyond(8));
+        assert!((beyond(1) - 0.0577).abs() > 0.02, "{}", beyond(1));
     }
 
     #[test]
