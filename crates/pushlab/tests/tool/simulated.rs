@@ -75,13 +75,13 @@ fn tables_and_moments_end_where_particles_do() {
         let text = set.read(&format!("{out}/poses.csv"));
         text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect::<Vec<_>>()
     };
-    // The means of 4000 particles are known to 0.016 standard deviations; a few points see less of the
-    // geometry's curvature than a grid.
+    // The means of 4000 particles are known to 0.016 standard deviations, and a Gaussian knows nothing of
+    // the skewness that a bent way makes.
     for (out, more, within) in [
         ("fast", &["--fast", "--particles", "4000"][..], 0.08),
         ("unscented", &["--matched", "unscented"], 0.2),
-        ("gauss-hermite", &["--matched", "gauss-hermite"], 0.08),
-        ("exact", &["--matched", "exact"], 0.08),
+        ("gauss-hermite", &["--matched", "gauss-hermite"], 0.2),
+        ("exact", &["--matched", "exact"], 0.2),
     ] {
         let json = run(out, more);
         let (found, found_sd) = end(&json);

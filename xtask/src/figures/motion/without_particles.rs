@@ -1,5 +1,7 @@
 //! Figure M.8: whole pushes without particles, beside very many of them.
 
+mod found;
+
 use anyhow::{Context, Result};
 use filter::{GaussHermite, Gaussian, Mixture, Unscented};
 use models::{
@@ -7,9 +9,11 @@ use models::{
     RollOutSettings, Slip, SlipMixture, StepCorrelation, StepErrors, Training, learn_options,
 };
 use nalgebra::{DMatrix, DVector, Vector3};
-use report::{Axis, Color, Ellipse, Figure, Guide, LegendPlace, Panel, Points};
-use serde_json::json;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use report::{Axis, Color, Ellipse, Figure, LegendPlace, Panel, Points};
 
+use self::found::{Found, PushFound};
 use super::divergence::{Cloud, Density, moments};
 use super::ends::recorded_settings;
 use super::pushes::{pushes, steps_of, turns};
@@ -30,8 +34,6 @@ const N_DRAWN: usize = 1500;
 const REACH_95: f64 = 2.447_746_830_680_816;
 /// Of all particles, the shares by which the estimate's own error is shown.
 const SHARES: [usize; 3] = [100, 10, 1];
-/// Divergences below are drawn here, in nats: the estimate knows no less.
-const LEAST_DRAWN: f64 = 1e-3;
 const MM: f64 = 1e3;
 
 /// A way to do without particles, and the most Gaussians that it keeps.
@@ -76,24 +78,6 @@ struct Case<'a> {
     n_particles: usize,
 }
 
-/// The divergences of a case.
-struct Found {
-    name: &'static str,
-    n_particles: usize,
-    pushes: Vec<PushFound>,
-    /// Between two sets of as many particles, by [`SHARES`] of them.
-    floor: [f64; SHARES.len()],
-}
-
-/// Those of a push, in nats.
-struct PushFound {
-    changes: bool,
-    /// One a method, then of [`FITTED`].
-    divergences: Vec<f64>,
-    /// Of the exact one, by [`SHARES`] of the particles.
-    by_share: [f64; SHARES.len()],
-}
-
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let pushes = pushes(inputs)?;
     let setting = Setting { friction: inputs.pusher()?.friction, support: inputs.support()? };
@@ -123,7 +107,9 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let mut figure = Figure::new(2, cases.len()).panel_size(320.0, 300.0);
     let mut all = Vec::new();
     for case in &cases {
-        let mut found = Found::empty(case);
+        let (name, n_particles) = (case.name, case.n_particles);
+        let mut found =
+            Found { name, n_particles, pushes: Vec::new(), floor: [[0.0; SHARES.len()]; 2] };
         for (index, push) in tested.iter().enumerate() {
             let ends = Ends::of(case, push, &correlation)?;
             found.pushes.push(ends.divergences()?);
@@ -142,7 +128,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
          to the particles is drawn in black. Below: the Kullback–Leibler divergence of each method from the \
          particles, in nats, by the distances of particles to their tenth neighbors, all widened by 10 µm and \
          0.1 mrad: of pushes that stick or slip all along (discs) and of pushes that change (rings); the line \
-         is the estimate between two sets of as many particles, the best that any method can show. U: \
+         is what the estimate makes of as many draws of a Gaussian and that Gaussian. U: \
          unscented; GH: Gauss–Hermite of order 3; E: through the process in closed form; 4: at most four \
          Gaussians; fit: the Gaussian fitted to the particles, the best that one Gaussian can be; 1000: fitted \
          to so many others. {}.",
@@ -238,13 +224,19 @@ impl Ends {
         Ok(PushFound { changes: self.changes, divergences: divergences.collect(), by_share })
     }
 
-    /// How far others that come from the same are by the estimate.
-    fn floor(&self, others: &[Vector3<f64>]) -> Result<[f64; SHARES.len()]> {
-        let mut floor = [0.0; SHARES.len()];
-        for (divergence, share) in floor.iter_mut().zip(SHARES) {
+    /// What the estimates make of draws of the fitted Gaussian, and of others that come from the same.
+    fn floor(&self, others: &[Vector3<f64>]) -> Result<[[f64; SHARES.len()]; 2]> {
+        let mut random = ChaCha8Rng::seed_from_u64(SEED);
+        let draw = |_| Vector3::from_iterator(self.fitted.sample(&mut random).iter().copied());
+        let draws: Vec<Vector3<f64>> = (0..others.len()).map(draw).collect();
+        let itself = Density::of(&Mixture::new(vec![(self.fitted.clone(), 1.0)])?)?;
+        let mut floor = [[0.0; SHARES.len()]; 2];
+        for (k, share) in SHARES.into_iter().enumerate() {
+            let n = others.len() / share;
+            floor[0][k] = Cloud::of(&Cloud::thinned(&draws, n), SEED)?.divergence_of(&itself);
             let own = self.thinned(share)?;
-            let others = Cloud::thinned(others, others.len() / share);
-            *divergence = own.divergence_of_cloud(&own.beside(&others, SEED + 3));
+            let others = own.beside(&Cloud::thinned(others, n), SEED + 3);
+            floor[1][k] = own.divergence_of_cloud(&others);
         }
         Ok(floor)
     }
@@ -304,86 +296,4 @@ fn ellipse(gaussian: &Gaussian) -> Ellipse {
     let (mean, of) = (gaussian.mean(), |i, j| MM * MM * gaussian.covariance()[(i, j)]);
     let covariance = [of(0, 0), of(0, 1), of(1, 1)];
     Ellipse::of_covariance([MM * mean[0], MM * mean[1]], covariance, REACH_95)
-}
-
-impl Found {
-    fn empty(case: &Case<'_>) -> Self {
-        let (name, n_particles) = (case.name, case.n_particles);
-        Self { name, n_particles, pushes: Vec::new(), floor: [0.0; SHARES.len()] }
-    }
-
-    fn names() -> impl Iterator<Item = &'static str> {
-        METHODS.iter().map(|method| method.name).chain(FITTED.map(|(name, _)| name))
-    }
-
-    fn panel(&self) -> Panel {
-        let shorts = METHODS.iter().map(|method| method.short).chain(FITTED.map(|(_, name)| name));
-        let names: Vec<(f64, &str)> =
-            shorts.enumerate().map(|(index, name)| (index as f64, name)).collect();
-        let ends = (-0.5, names.len() as f64 - 0.5);
-        let x = Axis::new("method").names(&names).range(ends.0, ends.1);
-        let panel = Panel::new(x, Axis::new("divergence / nats").log())
-            .legend(LegendPlace::Below)
-            .with(Guide::horizontal(self.floor[SHARES.len() - 1].max(LEAST_DRAWN)));
-        [(false, "one way all along"), (true, "sticks and slips")].into_iter().fold(
-            panel,
-            |panel, (changes, label)| {
-                let own = self.pushes.iter().filter(|push| push.changes == changes);
-                let points: Vec<[f64; 2]> = own
-                    .flat_map(|push| push.divergences.iter().enumerate())
-                    .map(|(index, value)| [index as f64, value.max(LEAST_DRAWN)])
-                    .collect();
-                if points.is_empty() {
-                    return panel;
-                }
-                let points = Points::at(&points).label(label);
-                panel.with(match changes {
-                    false => points.color(Color::BLUE),
-                    true => points.color(Color::VERMILION).hollow(),
-                })
-            },
-        )
-    }
-
-    fn in_words(&self) -> String {
-        let told: Vec<String> = Self::names()
-            .enumerate()
-            .map(|(index, name)| {
-                let own = self.pushes.iter().map(|push| format!("{:.3}", push.divergences[index]));
-                format!("{name} {}", own.collect::<Vec<_>>().join(" "))
-            })
-            .collect();
-        let counts = SHARES.map(|share| (self.n_particles / share).to_string()).join(", ");
-        let by = |values: [f64; 3]| values.map(|value| format!("{value:.3}")).join(", ");
-        let first = self.pushes.first().map_or([0.0; 3], |push| push.by_share);
-        format!(
-            "{} — {}; by {counts} particles the exact one's of the first push is {}, and between two sets \
-             {}",
-            self.name,
-            told.join(", "),
-            by(first),
-            by(self.floor)
-        )
-    }
-
-    fn numbers(&self) -> serde_json::Value {
-        let pushes = self.pushes.iter().map(|push| {
-            let methods: serde_json::Map<_, _> = Self::names()
-                .zip(&push.divergences)
-                .map(|(name, value)| (name.to_owned(), json!(value)))
-                .collect();
-            json!({
-                "changes": push.changes,
-                "divergence_nats": methods,
-                "exact_by_share": push.by_share,
-            })
-        });
-        json!({
-            "case": self.name,
-            "n_particles": self.n_particles,
-            "shares": SHARES.map(|share| 1.0 / share as f64),
-            "floor_nats": self.floor,
-            "pushes": pushes.collect::<Vec<_>>(),
-        })
-    }
 }
