@@ -120,7 +120,9 @@ impl PlanarSummary {
         }
         let reached = self.distance(measured, measured_sd);
         let is_nearer = |pose: &[f64; 3]| self.distance(*pose, [0.0; 2]) < reached;
-        Ok(poses.iter().filter(|(pose, _)| is_nearer(pose)).map(|(_, weight)| weight).sum())
+        let within = poses.iter().filter(|(pose, _)| is_nearer(pose)).map(|(_, weight)| weight);
+        // Weights sum to 1 but for rounding.
+        Ok(within.sum::<f64>().min(1.0))
     }
 
     /// The summary of a Gaussian over x and y in m and the angle in rad, of any turn.

@@ -80,7 +80,8 @@ fn a_pose_is_on_the_border_of_the_region_that_holds_what_is_nearer() {
     let one = [summary.mean.x, summary.mean.y, summary.mean.z + 0.05 - 2.0 * PI];
     assert!((level(one, [0.0; 2]) - 0.1987).abs() < 0.02, "{}", level(one, [0.0; 2]));
     assert!(level(one, [0.0, 0.05]) < 0.1, "half the square of the distance");
-    assert!(level([1.0, 0.0, 0.0], [0.0; 2]) > 1.0 - 1e-9, "beyond all of them");
+    let beyond = level([1.0, 0.0, 0.0], [0.0; 2]);
+    assert!((1.0 - 1e-9..=1.0).contains(&beyond), "beyond all of them: {beyond}");
     let single = PlanarSummary::of(&states[..1], &Weights::equal(1)).unwrap();
     assert_eq!(single.level(&states[..1], &Weights::equal(1), states[0], [0.0; 2]).unwrap(), 0.0);
     assert!(summary.level(&states, &weights, one, [-1.0, 0.0]).is_err());

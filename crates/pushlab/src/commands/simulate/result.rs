@@ -172,13 +172,16 @@ impl fmt::Display for Told<'_> {
         )?;
         if let Some(end) = &push.end {
             let [place, turn] = end.error;
-            writeln!(
+            write!(
                 f,
-                "    measured {:.2} mm and {:.2}° from there, within the {:.0} % region",
+                "    measured {:.2} mm and {:.2}° from there, ",
                 1e3 * place,
-                turn.to_degrees(),
-                (100.0 * end.level).ceil()
+                turn.to_degrees()
             )?;
+            match (100.0 * end.level).ceil() {
+                100.0.. => writeln!(f, "beyond the 99 % region")?,
+                level => writeln!(f, "within the {level:.0} % region")?,
+            }
         }
         if push.lost > 0 {
             let whose = if *by_particles { "of all particles" } else { "on the mean way" };
