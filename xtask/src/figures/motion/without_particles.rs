@@ -127,23 +127,26 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
         all.push(found);
     }
     let figure = all.iter().fold(figure, |figure, found| figure.with(found.panel()));
+    let place = tested.first().map_or(String::new(), |push| place_of(push));
+    let caption = caption(&place, n_particles, n_fewer, &all);
+    let alt = "Three clouds of particles with the ellipses of five methods, and how far each is from them.";
+    let numbers: Vec<_> = all.iter().map(Found::numbers).collect();
+    Ok(Sketch::new(figure, serde_json::Value::Array(numbers), &caption, alt))
+}
+
+fn caption(place: &str, n_particles: usize, n_fewer: usize, all: &[Found]) -> String {
     let told: Vec<String> = all.iter().map(Found::in_words).collect();
-    let caption = format!(
+    format!(
         "Ends of held-out pushes by {n_particles} particles (of the mixture {n_fewer}), and by Gaussians that are \
-         carried through the push. Above: 95 % ellipses of the place, of the push from {}; the Gaussian fitted \
+         carried through the push. Above: 95 % ellipses of the place, of the push from {place}; the Gaussian fitted \
          to the particles is drawn in black. Below: the Kullback–Leibler divergence of each method from the \
          particles, in nats, by the distances of particles to their tenth neighbors, all widened by 10 µm and \
          0.1 mrad: of pushes that stick or slip all along (discs) and of pushes that change (rings); the line \
          is what the estimate makes of as many draws of a Gaussian and that Gaussian. U: \
          unscented; GH: Gauss–Hermite of order 3; E: through the process in closed form; 4: at most four \
-         Gaussians; fit: the Gaussian fitted to the particles, the best that one Gaussian can be; 1000: fitted \
-         to so many others. {}.",
-        tested.first().map_or(String::new(), |push| place_of(push)),
+         Gaussians; fit: the Gaussian fitted to the particles; 1000: fitted to so many others. {}.",
         told.join("; ")
-    );
-    let alt = "Three clouds of particles with the ellipses of five methods, and how far each is from them.";
-    let numbers: Vec<_> = all.iter().map(Found::numbers).collect();
-    Ok(Sketch::new(figure, serde_json::Value::Array(numbers), &caption, alt))
+    )
 }
 
 /// Pushes that go one way all along, then pushes that change.
