@@ -10,9 +10,10 @@ use crate::step_correlation::root;
 use crate::{ModelError, PushPath, Slip, StepInput, StepObservation, StepPrediction};
 
 /// The state of a push: x and y in m, the angle in rad, the gap that contact holds beyond the nominal
-/// one in m, and three numbers of the whole push that its steps share.
+/// one in m, and three numbers that neighboring steps share, of pushes of every size.
 const N_STATES: usize = 7;
 const N_POSE: usize = 3;
+const N_SHARED: usize = 3;
 
 /// One way that a state may go: which, how probably, and the pose with its covariance in W.
 type Way = (usize, f64, Pose, Matrix3<f64>);
@@ -54,14 +55,10 @@ impl RollOut<'_> {
     fn start_gaussian(&self, start_wb: &Pose) -> Result<Gaussian, FilterError> {
         let [place_sd, angle_sd] = self.settings.start_sd;
         let held_variance = match &self.settings.errors {
-            // Of a t with more than two degrees of freedom, as all have that were measured.
-            StepErrors::Held(correlation) if correlation.freedom > 2.0 => {
-                correlation.freedom / (correlation.freedom - 2.0)
-            }
-            StepErrors::Held(_) => 1.0,
+            StepErrors::Held(correlation) => correlation.mean_square_size(),
             StepErrors::None | StepErrors::Independent => 0.0,
         };
-        let gap_sd = self.settings.gap_sd;
+        let gap_sd = self.settings.gap.sd;
         let Pose { position, angle } = start_wb;
         let mean = DVector::from_vec(vec![position.x, position.y, *angle, 0.0, 0.0, 0.0, 0.0]);
         let mut variances = vec![held_variance; N_STATES];
@@ -84,12 +81,23 @@ impl PushMotion<'_> {
         let mut state = first.moved(pose_wb, held, point[3]);
         let off = self.pushed.gap(&pose_wb, &self.step.start_w) - (nominal + point[3]);
         state.contact_gap = (off <= self.settings.tolerance).then_some(nominal + point[3]);
+        let (kept, renewed_variance) = match &self.settings.errors {
+            StepErrors::Held(correlation) => {
+                let kept = correlation.kept(self.step.distance());
+                (kept, correlation.mean_square_size() * (1.0 - kept * kept))
+            }
+            StepErrors::None | StepErrors::Independent => (1.0, 0.0),
+        };
         let ways = self.ways(&state)?.into_iter().map(|(way, share, pose_wb, covariance)| {
             let mut mean = point.clone();
             mean[0] = pose_wb.position.x;
             mean[1] = pose_wb.position.y;
             mean[2] = pose_wb.angle;
             let mut spread = DMatrix::zeros(N_STATES, N_STATES);
+            for shared in N_STATES - N_SHARED..N_STATES {
+                mean[shared] *= kept;
+                spread[(shared, shared)] = renewed_variance;
+            }
             spread.view_mut((0, 0), (N_POSE, N_POSE)).copy_from(&covariance);
             Ok((way, share, Gaussian::new(mean, spread)?))
         });
@@ -144,8 +152,8 @@ impl PushMotion<'_> {
             StepErrors::Independent => (said.mean, said.covariance),
             StepErrors::Held(correlation) => {
                 let root = root(&said.covariance);
-                let own =
-                    root * Matrix3::from_diagonal(&Vector3::from(correlation.own).map(f64::sqrt));
+                let own_variance = correlation.mean_square_size() * Vector3::from(correlation.own);
+                let own = root * Matrix3::from_diagonal(&own_variance.map(f64::sqrt));
                 let shared = correlation.drawn(&state.held, &Vector3::zeros());
                 (said.mean + root * shared, own * own.transpose())
             }
@@ -172,7 +180,8 @@ mod tests {
     use planar::{Pose, Shape};
 
     use crate::{
-        Analytical, CharacteristicLength, Estimate, PushPath, Pushed, RollOut, RollOutSettings,
+        Analytical, CharacteristicLength, ContactGap, Estimate, PushPath, Pushed, RollOut,
+        RollOutSettings,
     };
 
     fn push(
@@ -209,7 +218,7 @@ mod tests {
         RollOutSettings {
             n_particles: 40_000,
             touching: true,
-            gap_sd: 1e-4,
+            gap: ContactGap { sd: 1e-4, ..ContactGap::default() },
             start_sd: [2e-4, 5e-3],
             ..RollOutSettings::default()
         }

@@ -3,8 +3,8 @@
 use anyhow::{Context, Result};
 use filter::{GaussHermite, Gaussian, Mixture, Rule, Unscented};
 use models::{
-    GpPushModel, ProcessKind, PushModel, PushParticle, RecordedPush, RollOut, RollOutSettings,
-    SlipMixture, StepCorrelation, StepErrors, Training, learn_options,
+    ContactGap, GpPushModel, ProcessKind, PushModel, PushParticle, RecordedPush, RollOut,
+    RollOutSettings, SlipMixture, StepCorrelation, StepErrors, Training, learn_options,
 };
 use nalgebra::{DMatrix, DVector};
 use report::{Axis, Color, Ellipse, Figure, LegendPlace, Panel, Points};
@@ -140,9 +140,9 @@ impl Ends {
             seed: SEED,
             errors: case.errors.clone(),
             // Known exactly, places along the normal would have no density.
-            gap_sd: correlation.gap_sd.max(1e-5),
+            gap: ContactGap { sd: correlation.gap.sd.max(1e-5), ..correlation.gap },
             start_sd: push.pose_sd[0],
-            ..recorded_settings(0.0)
+            ..recorded_settings(ContactGap::default())
         };
         let start_wb = &push.poses_wb[0];
         let rolled = |settings: &RollOutSettings| -> Result<(Vec<DVector<f64>>, Gaussian)> {

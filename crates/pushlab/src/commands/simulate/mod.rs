@@ -12,7 +12,7 @@ mod tasks;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use models::{ModelFile, RollOutSettings, StepCorrelation, StepErrors};
+use models::{ContactGap, ModelFile, RollOutSettings, StepCorrelation, StepErrors};
 
 use self::place::Place;
 use self::result::Simulated;
@@ -127,7 +127,7 @@ impl Args {
             step: source.longest,
             errors: correlation
                 .map_or(StepErrors::Independent, |found| StepErrors::Held(found.clone())),
-            gap_sd: correlation.map_or(0.0, |found| found.gap_sd),
+            gap: correlation.map_or_else(ContactGap::default, |found| found.gap),
             touching: source.is_recorded,
             ..RollOutSettings::default()
         }
