@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::error_products::{ErrorProducts, Shares};
 use crate::push_errors::PushErrors;
 use crate::push_scatter::{PushScatter, PushSum};
-use crate::{ContactGap, ModelError, PushModel, RecordedPush};
+use crate::{ContactGap, EndCheck, ModelError, PushModel, RecordedPush};
 
 /// Which part of a model's variance the steps of a push share, and for how long, which is each step's
 /// own, and which is noise of the measured poses, that one step has in excess and the next one lacks.
@@ -41,6 +41,8 @@ pub struct StepCorrelation {
     pub n_pushes: usize,
     /// Their steps.
     pub n_steps: usize,
+    /// How many of their ends are within the regions of roll-outs, if that was checked.
+    pub ends: Option<EndCheck>,
 }
 
 /// Fewer pushes with three steps do not tell what they share.
@@ -74,6 +76,19 @@ impl StepCorrelation {
         Ok(Self { gap, ..Self::of_errors(&errors)? })
     }
 
+    /// The same with the ends of pushes counted that are within the regions of roll-outs: each push by a
+    /// model that has not seen it, as in [`StepCorrelation::measure_by`].
+    ///
+    /// # Errors
+    /// As [`crate::RollOut::run`].
+    pub fn checked<'a, 'm>(
+        self,
+        pushes: impl IntoIterator<Item = (&'m dyn PushModel, &'a RecordedPush)>,
+    ) -> Result<Self, ModelError> {
+        let ends = Some(EndCheck::of(&self, pushes)?);
+        Ok(Self { ends, ..self })
+    }
+
     /// Of whitened errors.
     pub(crate) fn of_errors(all: &[PushErrors]) -> Result<Self, ModelError> {
         let long: Vec<_> = all.iter().filter(|push| push.errors.len() >= 3).collect();
@@ -94,6 +109,7 @@ impl StepCorrelation {
             gap: ContactGap::default(),
             n_pushes: long.len(),
             n_steps: long.iter().map(|push| push.errors.len()).sum(),
+            ends: None,
         })
     }
 
@@ -157,7 +173,7 @@ mod tests {
 
     const STEPS: usize = 12;
     const WAY: f64 = 0.004;
-    const N_PUSHES: usize = 5000;
+    const N_PUSHES: usize = 8000;
 
     /// Known shares, and the size of pushes: all alike, or as a t of some degrees of freedom.
     struct Truth {

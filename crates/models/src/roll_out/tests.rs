@@ -222,6 +222,7 @@ fn held_errors_grow_with_the_way_and_independent_ones_with_its_root() {
             gap,
             n_pushes,
             n_steps,
+            ends: None,
         })
     };
     let spread = |errors: StepErrors, way: f64| {

@@ -32,7 +32,8 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
          which part goes on over which way, and how unevenly pushes err, was measured on the pushes \
          learnt from, each by a model that left it out (right). Share within 50, 90 and 95 % regions in \
          percent (±{chance} of {n} ends are chance), mean standard deviation of the place, and negative \
-         log density in nats, independent → held: {}.",
+         log density in nats, independent → held, and in brackets the shares of ends of the pushes learnt \
+         from, by models that left them out: {}.",
         told.join("; ")
     );
     let alt = "Coverage curves of seven models, far below the diagonal at the left and near it at the \
@@ -65,7 +66,14 @@ fn in_words(ends: &Ends) -> String {
         let nlpd = ends.iter().map(|end| end.nlpd).sum::<f64>() / n;
         format!("{percent} ({:.2} mm, {nlpd:.1})", 1e3 * sd)
     };
-    format!("{} {} → {}", ends.name, told(&ends.independent), told(&ends.held))
+    let left_out: Vec<_> = ends.correlations.iter().filter_map(|found| found.ends).collect();
+    let n: usize = left_out.iter().map(|ends| ends.n_pushes).sum();
+    let within = [0, 1, 2].map(|level| {
+        let within: usize = left_out.iter().map(|ends| ends.n_within[level]).sum();
+        format!("{:.0}", 100.0 * within as f64 / n.max(1) as f64)
+    });
+    let (independent, held) = (told(&ends.independent), told(&ends.held));
+    format!("{} {independent} → {held} [{} of {n}]", ends.name, within.join(", "))
 }
 
 /// Standard deviation of the share of n ends within a region that holds each with a probability.

@@ -20,7 +20,7 @@ const N_TURNS: usize = 4;
 const MOST_TESTED: usize = 100;
 
 /// How often the pushes to learn from are split, to measure on what a part has not seen.
-const N_FOLDS: usize = 3;
+const N_FOLDS: usize = 5;
 
 /// Pushes to learn from, and to be tested on.
 pub(crate) struct Turn<'a> {
