@@ -39,12 +39,10 @@ pub fn check_outputs(what: &'static str, y: &[f64], n_rows: usize) -> Result<(),
 /// # Errors
 /// `NotFinite` otherwise.
 pub fn check_finite(what: &'static str, x: MatRef<'_, f64>) -> Result<(), GpError> {
-    for column in 0..x.ncols() {
-        for row in 0..x.nrows() {
-            let value = x[(row, column)];
-            if !value.is_finite() {
-                return Err(GpError::NotFinite { what, row, column, value });
-            }
+    for (column, values) in x.col_iter().enumerate() {
+        if let Some((row, value)) = values.iter().enumerate().find(|(_, value)| !value.is_finite())
+        {
+            return Err(GpError::NotFinite { what, row, column, value: *value });
         }
     }
     Ok(())

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
-use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
 
 use crate::checks::{
     check_count, check_distinct_rows, check_inputs, check_outputs, check_positive,
@@ -15,7 +14,7 @@ use crate::likelihood::{COVARIANCE, Evaluator, Likelihood};
 use crate::mean::{Residual, Trend};
 use crate::noise::Noise;
 use crate::vector::{add_multiple, add_square};
-use crate::workspace::{predict_blocks_into, predict_in_blocks};
+use crate::workspace::{PredictBlock, mean_in_blocks, predict_blocks_into, predict_in_blocks};
 use crate::{GpError, JointGaussian, Kernel, LeaveOneOut, Mean, Posterior, Workspace};
 
 /// A Gaussian process conditioned on data: y = f(x) + noise, f ~ GP(m, k), noise ~ N(0, σₙ²).
@@ -282,30 +281,6 @@ impl Gp {
         }
         Ok(gradient)
     }
-
-    /// Mean and variance for the rows of a block, which share one triangular solve.
-    fn predict_block(
-        &self,
-        x_star: MatRef<'_, f64>,
-        workspace: &mut Workspace,
-        mean: &mut [f64],
-        variance: &mut [f64],
-    ) {
-        let n = self.y.len();
-        let (mut cross, _) = workspace.matrices(x_star.nrows(), n);
-        fill_cross(&*self.kernel, x_star, self.inputs(), cross.as_mut());
-        self.trend.fill(x_star, mean);
-        for (j, weight) in self.weights.iter().enumerate() {
-            add_multiple(mean, *weight, column_of(cross.as_mut(), j));
-        }
-        self.cholesky.solve_rows(cross.as_mut());
-        self.kernel.diagonal(x_star, variance);
-        for j in 0..n {
-            add_square(variance, -1.0, column_of(cross.as_mut(), j));
-        }
-        // Rounding alone can make the difference of two nearly equal variances negative.
-        variance.iter_mut().for_each(|variance| *variance = variance.max(0.0));
-    }
 }
 
 impl Posterior for Gp {
@@ -314,26 +289,12 @@ impl Posterior for Gp {
     }
 
     fn predict_mean(&self, x_star: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {
-        check_inputs("inputs", x_star, self.n_inputs())?;
-        let mut mean = vec![0.0; x_star.nrows()];
-        mean.par_chunks_mut(BLOCK).enumerate().for_each(|(block, mean)| {
-            let rows = x_star.subrows(block * BLOCK, mean.len());
-            let (mut values, mut b) = (vec![0.0; mean.len()], vec![0.0; x_star.ncols()]);
-            self.trend.fill(rows, mean);
-            for (j, weight) in self.weights.iter().enumerate() {
-                copy_row(self.inputs(), j, &mut b);
-                self.kernel.column(rows, &b, &mut values);
-                add_multiple(mean, *weight, &values);
-            }
-        });
-        Ok(mean)
+        let known = (self.inputs(), &*self.weights);
+        mean_in_blocks(&*self.kernel, x_star, known, |rows, mean| self.trend.fill(rows, mean))
     }
 
     fn predict(&self, x_star: MatRef<'_, f64>) -> Result<(Vec<f64>, Vec<f64>), GpError> {
-        check_inputs("inputs", x_star, self.n_inputs())?;
-        Ok(predict_in_blocks(x_star, BLOCK, |rows, workspace, mean, variance| {
-            self.predict_block(rows, workspace, mean, variance);
-        }))
+        predict_in_blocks(self, x_star)
     }
 
     fn predict_into(
@@ -343,10 +304,7 @@ impl Posterior for Gp {
         mean: &mut [f64],
         variance: &mut [f64],
     ) -> Result<(), GpError> {
-        check_inputs("inputs", x_star, self.n_inputs())?;
-        predict_blocks_into(x_star, BLOCK, workspace, mean, variance, |rows, w, mean, variance| {
-            self.predict_block(rows, w, mean, variance);
-        })
+        predict_blocks_into(self, x_star, workspace, mean, variance)
     }
 
     fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
@@ -371,5 +329,29 @@ impl Posterior for Gp {
     }
 }
 
-/// Inputs predicted together; the results do not depend on who computes which block.
-const BLOCK: usize = 128;
+impl PredictBlock for Gp {
+    const ROWS: usize = 128;
+
+    fn predict_block(
+        &self,
+        x_star: MatRef<'_, f64>,
+        workspace: &mut Workspace,
+        mean: &mut [f64],
+        variance: &mut [f64],
+    ) {
+        let n = self.y.len();
+        let (mut cross, _) = workspace.matrices(x_star.nrows(), n);
+        fill_cross(&*self.kernel, x_star, self.inputs(), cross.as_mut());
+        self.trend.fill(x_star, mean);
+        for (j, weight) in self.weights.iter().enumerate() {
+            add_multiple(mean, *weight, column_of(cross.as_mut(), j));
+        }
+        self.cholesky.solve_rows(cross.as_mut());
+        self.kernel.diagonal(x_star, variance);
+        for j in 0..n {
+            add_square(variance, -1.0, column_of(cross.as_mut(), j));
+        }
+        // Rounding alone can make the difference of two nearly equal variances negative.
+        variance.iter_mut().for_each(|variance| *variance = variance.max(0.0));
+    }
+}

@@ -150,12 +150,19 @@ fn scale(column: &mut [f64; TILE], factor: f64) {
 
 fn load(matrix: MatRef<'_, f64>, tile: &mut Tile) {
     for (values, column) in tile.iter_mut().zip(matrix.col_iter()) {
-        values.iter_mut().zip(column.iter()).for_each(|(value, entry)| *value = *entry);
+        match column.try_as_col_major() {
+            Some(column) => values[..column.nrows()].copy_from_slice(column.as_slice()),
+            None => values.iter_mut().zip(column.iter()).for_each(|(value, entry)| *value = *entry),
+        }
     }
 }
 
 fn store(tile: &Tile, matrix: MatMut<'_, f64>) {
-    for (column, values) in matrix.col_iter_mut().zip(tile) {
-        column.iter_mut().zip(values).for_each(|(entry, value)| *entry = *value);
+    for (mut column, values) in matrix.col_iter_mut().zip(tile) {
+        let n = column.nrows();
+        match column.as_mut().try_as_col_major_mut() {
+            Some(column) => column.as_slice_mut().copy_from_slice(&values[..n]),
+            None => column.iter_mut().zip(values).for_each(|(entry, value)| *entry = *value),
+        }
     }
 }

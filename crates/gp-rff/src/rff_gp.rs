@@ -6,7 +6,7 @@ use gp_core::checks::{check_inputs, check_outputs, check_positive};
 use gp_core::kernel::{column_of, mirror_lower};
 use gp_core::triangle::{inverse, multiply_rows_transposed};
 use gp_core::vector::{add_multiple, add_square};
-use gp_core::workspace::{predict_blocks_into, predict_in_blocks};
+use gp_core::workspace::{PredictBlock, predict_blocks_into, predict_in_blocks};
 use gp_core::{GpError, JointGaussian, Mean, Posterior, Workspace};
 use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
 
@@ -139,22 +139,6 @@ impl RffGp {
         self.log_evidence
     }
 
-    /// Means and variances for the rows of a block.
-    fn predict_block(
-        &self,
-        x_star: MatRef<'_, f64>,
-        workspace: &mut Workspace,
-        mean: &mut [f64],
-        variance: &mut [f64],
-    ) {
-        let mut whitened = self.whiten(x_star, workspace, mean);
-        let scale = self.noise_variance * self.signal_variance;
-        variance.fill(0.0);
-        for j in 0..whitened.ncols() {
-            add_square(variance, scale, column_of(whitened.as_mut(), j));
-        }
-    }
-
     /// Means, and φR⁻ᵀ by rows.
     fn whiten<'a>(
         &self,
@@ -197,10 +181,7 @@ impl Posterior for RffGp {
     }
 
     fn predict(&self, x_star: MatRef<'_, f64>) -> Result<(Vec<f64>, Vec<f64>), GpError> {
-        check_inputs("inputs", x_star, self.n_inputs())?;
-        Ok(predict_in_blocks(x_star, BLOCK, |rows, workspace, mean, variance| {
-            self.predict_block(rows, workspace, mean, variance);
-        }))
+        predict_in_blocks(self, x_star)
     }
 
     fn predict_into(
@@ -210,10 +191,7 @@ impl Posterior for RffGp {
         mean: &mut [f64],
         variance: &mut [f64],
     ) -> Result<(), GpError> {
-        check_inputs("inputs", x_star, self.n_inputs())?;
-        predict_blocks_into(x_star, BLOCK, workspace, mean, variance, |rows, w, mean, variance| {
-            self.predict_block(rows, w, mean, variance);
-        })
+        predict_blocks_into(self, x_star, workspace, mean, variance)
     }
 
     fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
@@ -234,5 +212,24 @@ impl Posterior for RffGp {
     fn predict_noise(&self, x_star: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {
         check_inputs("inputs", x_star, self.n_inputs())?;
         Ok(vec![self.noise_variance; x_star.nrows()])
+    }
+}
+
+impl PredictBlock for RffGp {
+    const ROWS: usize = BLOCK;
+
+    fn predict_block(
+        &self,
+        x_star: MatRef<'_, f64>,
+        workspace: &mut Workspace,
+        mean: &mut [f64],
+        variance: &mut [f64],
+    ) {
+        let mut whitened = self.whiten(x_star, workspace, mean);
+        let scale = self.noise_variance * self.signal_variance;
+        variance.fill(0.0);
+        for j in 0..whitened.ncols() {
+            add_square(variance, scale, column_of(whitened.as_mut(), j));
+        }
     }
 }

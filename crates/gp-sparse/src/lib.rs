@@ -9,6 +9,7 @@ mod model;
 mod objective;
 mod part;
 mod placement;
+mod reduction;
 mod sparse_gp;
 
 pub use approximation::{Approximation, SparseSettings};

@@ -11,6 +11,7 @@ use gp_core::{GpError, KernelSpec};
 use serde::{Deserialize, Serialize};
 
 use crate::objective::PSEUDO_COVARIANCE;
+use crate::reduction::reduction;
 use crate::{SparseGp, SparseSettings};
 
 /// Everything from which `SparseGp::from_model` rebuilds the same predictions, bit for bit.
@@ -102,6 +103,7 @@ impl SparseGp {
             factor[(a, a)] *= 1.0 + model.settings.jitter;
         }
         factorize(PSEUDO_COVARIANCE, factor.as_mut())?;
+        let (factor_inverse, root_inverse) = (inverse(factor.as_ref()), inverse(root.as_ref()));
         Ok(Self {
             kernel: Arc::from(kernel),
             settings: model.settings,
@@ -109,8 +111,9 @@ impl SparseGp {
             z,
             constant: model.mean,
             weights: model.weights.clone(),
-            factor_inverse: inverse(factor.as_ref()),
-            root_inverse: inverse(root.as_ref()),
+            reduction: reduction(factor_inverse.as_ref(), root_inverse.as_ref())?,
+            factor_inverse,
+            root_inverse,
             root,
             objective: model.objective,
         })

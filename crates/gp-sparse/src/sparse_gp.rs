@@ -5,15 +5,15 @@ use std::sync::Arc;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use gp_core::checks::{check_inputs, check_outputs, check_positive};
-use gp_core::kernel::{column_of, copy_row, fill_cross, fill_lower_gram, mirror_lower};
+use gp_core::kernel::{column_of, fill_cross, fill_lower_gram, mirror_lower};
 use gp_core::triangle::{inverse, multiply_rows_transposed};
 use gp_core::vector::{add_multiple, add_square};
-use gp_core::workspace::{predict_blocks_into, predict_in_blocks};
+use gp_core::workspace::{PredictBlock, mean_in_blocks, predict_blocks_into, predict_in_blocks};
 use gp_core::{GpError, JointGaussian, Kernel, Posterior, Workspace};
-use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
 
 use crate::SparseSettings;
 use crate::objective::Objective;
+use crate::reduction::reduction;
 
 /// A Gaussian process seen through its values u at M pseudo-inputs Z; it keeps none of the data.
 ///
@@ -35,6 +35,8 @@ pub struct SparseGp {
     pub(crate) root: Mat<f64>,
     /// R⁻¹, with zeros above the diagonal.
     pub(crate) root_inverse: Mat<f64>,
+    /// T with TᵀT = K_uu⁻¹ − Σ, and zeros above the diagonal.
+    pub(crate) reduction: Mat<f64>,
     pub(crate) objective: f64,
 }
 
@@ -104,6 +106,7 @@ impl SparseGp {
         let mut objective = Objective::new(x, y, m, n_parameters, settings);
         let value = objective.value(&*kernel, noise_variance, z)?;
         check_outputs("objective", &[value], 1)?;
+        let root_inverse = inverse(objective.root.as_ref());
         Ok(Self {
             kernel,
             settings,
@@ -111,8 +114,9 @@ impl SparseGp {
             z: Mat::from_fn(m, d, |a, j| z[a * d + j]),
             constant: objective.mean(),
             weights: objective.weights,
+            reduction: reduction(objective.factor_inverse.as_ref(), root_inverse.as_ref())?,
             factor_inverse: objective.factor_inverse,
-            root_inverse: inverse(objective.root.as_ref()),
+            root_inverse,
             root: objective.root,
             objective: value,
         })
@@ -178,36 +182,6 @@ impl SparseGp {
     pub fn objective(&self) -> f64 {
         self.objective
     }
-
-    /// Mean and variance for the rows of a block.
-    fn predict_block(
-        &self,
-        x_star: MatRef<'_, f64>,
-        workspace: &mut Workspace,
-        mean: &mut [f64],
-        variance: &mut [f64],
-    ) {
-        let m = self.weights.len();
-        let (mut cross, mut whitened) = workspace.matrices(x_star.nrows(), m);
-        fill_cross(&*self.kernel, x_star, self.z.as_ref(), cross.as_mut());
-        mean.fill(self.constant);
-        for (a, weight) in self.weights.iter().enumerate() {
-            add_multiple(mean, *weight, column_of(cross.as_mut(), a));
-        }
-        self.kernel.diagonal(x_star, variance);
-        let factor_inverse = self.factor_inverse.as_ref();
-        multiply_rows_transposed(whitened.as_mut(), cross.as_ref(), factor_inverse);
-        for a in 0..m {
-            add_square(variance, -1.0, column_of(whitened.as_mut(), a));
-        }
-        // Rounding alone can make the difference of two nearly equal variances negative.
-        variance.iter_mut().for_each(|variance| *variance = variance.max(0.0));
-        let root_inverse = self.root_inverse.as_ref();
-        multiply_rows_transposed(cross.as_mut(), whitened.as_ref(), root_inverse);
-        for a in 0..m {
-            add_square(variance, 1.0, column_of(cross.as_mut(), a));
-        }
-    }
 }
 
 impl Posterior for SparseGp {
@@ -216,27 +190,12 @@ impl Posterior for SparseGp {
     }
 
     fn predict_mean(&self, x_star: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {
-        check_inputs("inputs", x_star, self.n_inputs())?;
-        let mut mean = vec![0.0; x_star.nrows()];
-        mean.par_chunks_mut(BLOCK).enumerate().for_each(|(block, mean)| {
-            let rows = x_star.subrows(block * BLOCK, mean.len());
-            let mut values = vec![0.0; mean.len()];
-            let mut z = vec![0.0; x_star.ncols()];
-            mean.fill(self.constant);
-            for (a, weight) in self.weights.iter().enumerate() {
-                copy_row(self.z.as_ref(), a, &mut z);
-                self.kernel.column(rows, &z, &mut values);
-                add_multiple(mean, *weight, &values);
-            }
-        });
-        Ok(mean)
+        let known = (self.z.as_ref(), &*self.weights);
+        mean_in_blocks(&*self.kernel, x_star, known, |_, mean| mean.fill(self.constant))
     }
 
     fn predict(&self, x_star: MatRef<'_, f64>) -> Result<(Vec<f64>, Vec<f64>), GpError> {
-        check_inputs("inputs", x_star, self.n_inputs())?;
-        Ok(predict_in_blocks(x_star, BLOCK, |rows, workspace, mean, variance| {
-            self.predict_block(rows, workspace, mean, variance);
-        }))
+        predict_in_blocks(self, x_star)
     }
 
     fn predict_into(
@@ -246,10 +205,7 @@ impl Posterior for SparseGp {
         mean: &mut [f64],
         variance: &mut [f64],
     ) -> Result<(), GpError> {
-        check_inputs("inputs", x_star, self.n_inputs())?;
-        predict_blocks_into(x_star, BLOCK, workspace, mean, variance, |rows, w, mean, variance| {
-            self.predict_block(rows, w, mean, variance);
-        })
+        predict_blocks_into(self, x_star, workspace, mean, variance)
     }
 
     fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
@@ -278,8 +234,32 @@ impl Posterior for SparseGp {
     }
 }
 
-/// Inputs predicted together; the results do not depend on who computes which block.
-const BLOCK: usize = 240;
+impl PredictBlock for SparseGp {
+    const ROWS: usize = 240;
+
+    fn predict_block(
+        &self,
+        x_star: MatRef<'_, f64>,
+        workspace: &mut Workspace,
+        mean: &mut [f64],
+        variance: &mut [f64],
+    ) {
+        let m = self.weights.len();
+        let (mut cross, mut whitened) = workspace.matrices(x_star.nrows(), m);
+        fill_cross(&*self.kernel, x_star, self.z.as_ref(), cross.as_mut());
+        mean.fill(self.constant);
+        for (a, weight) in self.weights.iter().enumerate() {
+            add_multiple(mean, *weight, column_of(cross.as_mut(), a));
+        }
+        self.kernel.diagonal(x_star, variance);
+        multiply_rows_transposed(whitened.as_mut(), cross.as_ref(), self.reduction.as_ref());
+        for a in 0..m {
+            add_square(variance, -1.0, column_of(whitened.as_mut(), a));
+        }
+        // Rounding alone can make the difference of two nearly equal variances negative.
+        variance.iter_mut().for_each(|variance| *variance = variance.max(0.0));
+    }
+}
 
 pub(crate) fn check_data(
     kernel: &dyn Kernel,

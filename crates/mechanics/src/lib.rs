@@ -28,7 +28,7 @@ mod runge_kutta;
 mod single_point;
 mod slider;
 
-pub use edge_push::EdgePush;
+pub use edge_push::{EdgePush, StraightPush};
 pub use ellipsoid::Ellipsoid;
 pub use error::MechanicsError;
 pub use fit::{Fit, WrenchTwist, fit_ellipsoid, fit_patch, fit_quartic, scored};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mechanics::{PathSettings, Pusher, Slider, StraightPath, push_along};
+use mechanics::{PathSettings, Pusher, Slider, StraightPath, StraightPush, push_along};
 use nalgebra::{Matrix3, Vector3};
 use planar::{Pose, Shape};
 use serde::{Deserialize, Serialize};
@@ -130,7 +130,13 @@ impl Analytical {
     /// # Errors
     /// `Mechanics` for what the mechanics refuse.
     pub fn motion(&self, step: &StepInput) -> Result<Pose, ModelError> {
-        self.motion_on(&self.support(step)?, step)
+        let support = self.surface.under(step.shape(), self.characteristic_length(step))?;
+        let pusher = Pusher { radius: step.pusher_radius(), friction: self.pusher_friction.value };
+        match &support.at_edge {
+            Some(at_edge) => at_edge.push(&pusher, &straight(step)),
+            None => None,
+        }
+        .map_or_else(|| moved_generally(&support, &pusher, step), Ok)
     }
 
     /// (Δx, Δy, Δθ) of each step, on surfaces that steps of one shape share.
@@ -138,11 +144,9 @@ impl Analytical {
         &self,
         steps: impl IntoIterator<Item = &'a StepInput>,
     ) -> Result<Vec<Vector3<f64>>, ModelError> {
+        let steps: Vec<&StepInput> = steps.into_iter().collect();
         let mut supports = Supports::default();
-        steps
-            .into_iter()
-            .map(|step| self.outputs_on(&supports.of(self, step)?.mean, step))
-            .collect()
+        self.outputs_with(self.pusher_friction.value, Place::Mean, &steps, &mut supports)
     }
 
     /// The covariance of each step.
@@ -151,87 +155,124 @@ impl Analytical {
         steps: &[StepInput],
         noise: Noise,
     ) -> Result<Vec<Matrix3<f64>>, ModelError> {
-        let mut supports = Supports::default();
-        let mut covariance = |step: &StepInput| {
-            let mut covariance = self.parameter_covariance(supports.of(self, step)?, step)?;
-            if noise == Noise::Included {
-                covariance += self.scatter * step.distance().powi(2);
-            }
-            Ok(covariance)
+        let scatter = match noise {
+            Noise::Included => self.scatter,
+            Noise::Excluded => Matrix3::zeros(),
         };
-        steps.iter().map(&mut covariance).collect()
+        let own = |step: &StepInput| scatter * step.distance().powi(2);
+        let mut covariances: Vec<Matrix3<f64>> = steps.iter().map(own).collect();
+        for changes in self.parameter_changes(&steps.iter().collect::<Vec<_>>())? {
+            for (covariance, change) in covariances.iter_mut().zip(changes) {
+                *covariance += change * change.transpose();
+            }
+        }
+        Ok(covariances)
     }
 
-    fn support(&self, step: &StepInput) -> Result<Support, ModelError> {
-        self.surface.under(step.shape(), self.characteristic_length(step))
+    /// ∂f/∂θₖ seₖ of each step, a list for each parameter that has a standard error: by secants over
+    /// ± one of it, since the derivative jumps where sticking turns into sliding.
+    fn parameter_changes(
+        &self,
+        steps: &[&StepInput],
+    ) -> Result<Vec<Vec<Vector3<f64>>>, ModelError> {
+        let mut supports = Supports::default();
+        let mut secant = |se: f64, [low, high]: [(f64, Place); 2], width: f64| {
+            let mut at =
+                |(friction, place)| self.outputs_with(friction, place, steps, &mut supports);
+            let (low, high) = (at(low)?, at(high)?);
+            let change = |(high, low): (Vector3<f64>, Vector3<f64>)| se / width * (high - low);
+            Ok::<_, ModelError>(high.into_iter().zip(low).map(change).collect())
+        };
+        let mut changes = Vec::new();
+        let Estimate { value: friction, se, .. } = self.pusher_friction;
+        if se > 0.0 {
+            let ends = [(friction - se).max(0.0), friction + se];
+            let width = ends[1] - ends[0];
+            changes.push(secant(se, ends.map(|friction| (friction, Place::Mean)), width)?);
+        }
+        if let CharacteristicLength::Given(length) = &self.length
+            && length.se > 0.0
+        {
+            let [shorter, longer] = length_ends(length);
+            let ends = [Place::Shorter, Place::Longer].map(|place| (friction, place));
+            changes.push(secant(length.se, ends, longer - shorter)?);
+        }
+        Ok(changes)
     }
 
-    fn motion_on(&self, support: &Support, step: &StepInput) -> Result<Pose, ModelError> {
-        self.motion_with(self.pusher_friction.value, support, step)
-    }
-
-    fn motion_with(
+    /// (Δx, Δy, Δθ) of each step with a friction, and c at a place of its interval.
+    fn outputs_with(
         &self,
         friction: f64,
-        support: &Support,
-        step: &StepInput,
-    ) -> Result<Pose, ModelError> {
-        let Support { surface, pose_bs, at_edge } = support;
-        let pusher = Pusher { radius: step.pusher_radius(), friction };
-        let (start_b, direction_b) = (step.start_b(), step.direction_b());
-        let fast = at_edge.as_ref();
-        let fast = fast
-            .and_then(|at| at.push(&pusher, step.edge(), &start_b, &direction_b, step.distance()));
-        if let Some(pose_bb) = fast {
-            return Ok(pose_bb);
-        }
-        let slider = Slider { shape: step.shape(), surface: &**surface, pose_bs: *pose_bs };
-        // Quasi-static motion does not know time: the pusher moves at 1 m/s.
-        let path = StraightPath {
-            start_w: step.start_b(),
-            velocity_w: step.direction_b(),
-            duration: step.distance(),
+        place: Place,
+        steps: &[&StepInput],
+        supports: &mut Supports,
+    ) -> Result<Vec<Vector3<f64>>, ModelError> {
+        let mut outputs = Vec::with_capacity(steps.len());
+        let is_alike = |a: &&StepInput, b: &&StepInput| {
+            Arc::ptr_eq(a.shared_shape(), b.shared_shape())
+                && a.pusher_radius() == b.pusher_radius()
         };
-        let origin = Pose::default();
-        Ok(push_along(&slider, &pusher, &path, &origin, &PathSettings::default())?.pose_wb)
-    }
-
-    fn outputs_on(&self, support: &Support, step: &StepInput) -> Result<Vector3<f64>, ModelError> {
-        Ok(step.outputs(&self.motion_on(support, step)?))
-    }
-
-    /// Σₖ (∂f/∂θₖ seₖ)(∂f/∂θₖ seₖ)ᵀ by secants over ± one standard error, since the derivative
-    /// jumps where sticking turns into sliding.
-    fn parameter_covariance(
-        &self,
-        supports: &SupportsOfShape,
-        step: &StepInput,
-    ) -> Result<Matrix3<f64>, ModelError> {
-        let mut covariance = Matrix3::zeros();
-        let mut add = |se: f64, [low, high]: [f64; 2], change: Vector3<f64>| {
-            let influence = se / (high - low) * change;
-            covariance += influence * influence.transpose();
-        };
-        let Estimate { value, se, .. } = self.pusher_friction;
-        if se > 0.0 {
-            let ends = [(value - se).max(0.0), value + se];
-            let [low, high] = ends.map(|friction| {
-                Ok::<_, ModelError>(step.outputs(&self.motion_with(
-                    friction,
-                    &supports.mean,
-                    step,
-                )?))
-            });
-            add(se, ends, high? - low?);
+        for alike in steps.chunk_by(is_alike) {
+            let support = supports.of(self, alike[0])?.at(place);
+            let pusher = Pusher { radius: alike[0].pusher_radius(), friction };
+            outputs.extend(moved_on(support, &pusher, alike)?);
         }
-        if let (CharacteristicLength::Given(length), Some([shorter, longer])) =
-            (&self.length, &supports.ends)
-        {
-            let change = self.outputs_on(longer, step)? - self.outputs_on(shorter, step)?;
-            add(length.se, length_ends(length), change);
-        }
-        Ok(covariance)
+        Ok(outputs)
     }
+}
+
+/// Which c of what its standard error leaves open.
+#[derive(Clone, Copy)]
+enum Place {
+    Mean,
+    Shorter,
+    Longer,
+}
+
+/// (Δx, Δy, Δθ) of steps on one surface: most at once, the others by the general push.
+fn moved_on(
+    support: &Support,
+    pusher: &Pusher,
+    steps: &[&StepInput],
+) -> Result<Vec<Vector3<f64>>, ModelError> {
+    let fast = match &support.at_edge {
+        Some(at_edge) => {
+            at_edge.push_all(pusher, &steps.iter().map(|step| straight(step)).collect::<Vec<_>>())
+        }
+        None => vec![None; steps.len()],
+    };
+    let output = |(step, fast): (&&StepInput, Option<Pose>)| {
+        let pose_bb = fast.map_or_else(|| moved_generally(support, pusher, step), Ok)?;
+        Ok(step.outputs(&pose_bb))
+    };
+    steps.iter().zip(fast).map(output).collect()
+}
+
+fn straight(step: &StepInput) -> StraightPush {
+    StraightPush {
+        edge: step.edge(),
+        start_b: step.start_b(),
+        direction_b: step.direction_b(),
+        distance: step.distance(),
+    }
+}
+
+fn moved_generally(
+    support: &Support,
+    pusher: &Pusher,
+    step: &StepInput,
+) -> Result<Pose, ModelError> {
+    let Support { surface, pose_bs, .. } = support;
+    let slider = Slider { shape: step.shape(), surface: &**surface, pose_bs: *pose_bs };
+    // Quasi-static motion does not know time: the pusher moves at 1 m/s.
+    let path = StraightPath {
+        start_w: step.start_b(),
+        velocity_w: step.direction_b(),
+        duration: step.distance(),
+    };
+    let origin = Pose::default();
+    Ok(push_along(&slider, pusher, &path, &origin, &PathSettings::default())?.pose_wb)
 }
 
 /// The ends of a secant over ± one standard error of c, in m.
@@ -260,7 +301,17 @@ impl SupportsOfShape {
             }
             _ => None,
         };
-        Ok(Self { mean: model.support(step)?, ends })
+        let mean = model.surface.under(step.shape(), model.characteristic_length(step))?;
+        Ok(Self { mean, ends })
+    }
+
+    /// The mean's where c is known.
+    fn at(&self, place: Place) -> &Support {
+        match (place, &self.ends) {
+            (Place::Shorter, Some([shorter, _])) => shorter,
+            (Place::Longer, Some([_, longer])) => longer,
+            _ => &self.mean,
+        }
     }
 }
 

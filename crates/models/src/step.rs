@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Vector2, Vector3};
-use planar::{Contact, Pose, Shape, cross, perpendicular};
+use planar::{Contact, Feature, Pose, Shape, cross, perpendicular};
 
 use crate::ModelError;
 use crate::error::{not_negative, positive};
@@ -98,16 +98,36 @@ impl StepInput {
         Ok(Self::new(shape, pusher_radius, place, start_b, direction_b, distance))
     }
 
-    /// The step of a pusher whose nearest point of the outline is known, all in B at its start.
+    /// The step of a pusher whose nearest point of the outline is known, all in B at its start; it
+    /// takes a duration in s.
+    #[inline]
     pub(crate) fn at_contact(
         shape: Arc<Shape>,
         pusher_radius: f64,
         contact: &Contact,
         start_b: Vector2<f64>,
-        (direction_b, distance): (Vector2<f64>, f64),
+        (direction_b, distance, duration): (Vector2<f64>, f64, f64),
     ) -> Self {
-        let place = (contact.edge, contact.p);
-        Self::new(shape, pusher_radius, place, start_b, direction_b, distance)
+        let &Contact { edge, p, normal, feature, .. } = contact;
+        // At a vertex the contact has a normal of its own.
+        let normal = match feature {
+            Feature::Edge => normal,
+            Feature::Vertex => shape.inward_normal_at(edge, p),
+        };
+        let beta = beta(&normal, &direction_b);
+        let (duration, whole) = (Some(duration), None);
+        Self {
+            shape,
+            pusher_radius,
+            edge,
+            p,
+            beta,
+            start_b,
+            direction_b,
+            distance,
+            duration,
+            whole,
+        }
     }
 
     /// A step whose numbers have been checked.
@@ -119,8 +139,7 @@ impl StepInput {
         direction_b: Vector2<f64>,
         distance: f64,
     ) -> Self {
-        let normal = shape.inward_normal_at(edge, p);
-        let beta = cross(&normal, &direction_b).atan2(normal.dot(&direction_b));
+        let beta = beta(&shape.inward_normal_at(edge, p), &direction_b);
         let (duration, whole) = (None, None);
         Self {
             shape,
@@ -239,6 +258,11 @@ impl StepInput {
         let moved = &pose_bb.position;
         Vector3::new(self.direction_b.dot(moved), left.dot(moved), pose_bb.angle)
     }
+}
+
+/// The angle from an inward normal to a direction, in rad.
+fn beta(normal: &Vector2<f64>, direction_b: &Vector2<f64>) -> f64 {
+    cross(normal, direction_b).atan2(normal.dot(direction_b))
 }
 
 /// A step with what the object did.

@@ -142,9 +142,9 @@ impl Panel {
         budget: usize,
     ) -> Result<(), ReportError> {
         let [x, y] = self.rulers()?;
-        let width = area.width;
-        let area = self.data_area(area, &x, &y);
-        draw_title(scene, title, &area, width);
+        let room = area;
+        let area = self.data_area(room, &x, &y);
+        draw_title(scene, title, &area, room.width);
         draw_grid(scene, &area, &x, &y);
         scene.shapes.push(Shape::ClipStart(area));
         let first = scene.shapes.len();
@@ -162,7 +162,7 @@ impl Panel {
         if place == LegendPlace::Below {
             let foot = axis_margins(&x, &y, title, [area.width, area.height]).bottom;
             let at = [area.center()[0], area.bottom() + foot];
-            draw_below(scene, at, area.right() + 8.0, &keys, width + OVERHANG);
+            draw_below(scene, at, room.right() + 8.0, &keys, room.width + OVERHANG);
         } else if !keys.is_empty() && place != LegendPlace::Hidden {
             draw_legend(scene, &spot, &keys);
         }

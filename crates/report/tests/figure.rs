@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use report::{
-    Axis, Bars, Color, Data, Figure, Grid, HeatMap, Line, Panel, Points, ReportError, Space,
-    Surface, Table,
+    Axis, Bars, Color, Data, Figure, Grid, HeatMap, LegendPlace, Line, Panel, Points, ReportError,
+    Space, Surface, Table,
 };
 
 fn line() -> Panel {
@@ -42,6 +42,29 @@ fn one_legend_says_each_thing_once() {
     let two = || Figure::new(1, 2).with(line()).with(line());
     let count = |figure: Figure| figure.svg().unwrap().matches("a &amp; &lt;b&gt;").count();
     assert_eq!((count(two()), count(two().one_legend())), (2, 1));
+}
+
+#[test]
+fn a_legend_below_a_narrow_panel_stays_in_the_picture() {
+    let panel = ["object at the start", "at the end, measured", "pusher's center", "object"]
+        .into_iter()
+        .fold(
+            Panel::new("x in m", "y in m").legend(LegendPlace::Below).equal_aspect(),
+            |panel, name| panel.with(Line::new(&[0.0, 1.0], &[0.0, 20.0]).label(name)),
+        );
+    let svg = Figure::single(panel).svg().unwrap();
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let texts = document.descendants().filter(|node| node.has_tag_name("text"));
+    let left: Vec<f64> = texts.filter_map(|text| text.attribute("x")?.parse().ok()).collect();
+    // A swatch of 24 px and its distance are before each name.
+    assert!(left.len() > 4 && left.iter().all(|x| *x > 0.0), "{left:?}");
+    let lines = document.descendants().filter(|node| node.has_tag_name("path"));
+    let starts = lines.filter_map(|line| {
+        let (x, _) = line.attribute("d")?.strip_prefix('M')?.split_once([' ', ','])?;
+        x.parse::<f64>().ok()
+    });
+    let starts: Vec<f64> = starts.collect();
+    assert!(!starts.is_empty() && starts.iter().all(|x| *x >= 0.0), "{starts:?}");
 }
 
 #[test]

@@ -40,7 +40,7 @@ pub(super) fn sections(page: &str) -> &str {
 /// # Errors
 /// If the page has none.
 pub(super) fn with(page: &str, section: &str) -> Result<String> {
-    let heading = section.trim_start().lines().next().unwrap_or_default();
+    let heading = section.trim_start().lines().next().context("a section has a heading")?;
     let start = page.find(&format!("\n{heading}\n"));
     let start = start.with_context(|| {
         format!("the page has no section `{heading}`; write all of it, without --only")
@@ -152,10 +152,10 @@ fn fitted(fitted: Option<&Fitted>) -> String {
         .iter()
         .map(|error| {
             let (per, unit) = people(error.unit);
-            let nmse = error.nmse.unwrap_or_default();
+            let nmse = error.nmse.map_or("none".to_owned(), |nmse| format!("{nmse:.3}"));
             let space = if unit == "°" { "" } else { " " };
             let size = format!("{:.3}{space}{unit}", per * error.rms);
-            format!("{} {size} (error²/variance {nmse:.3})", error.name)
+            format!("{} {size} (error²/variance {nmse})", error.name)
         })
         .collect();
     format!(

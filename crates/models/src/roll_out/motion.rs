@@ -11,6 +11,7 @@ use rand_distr::StandardNormal;
 use super::settle::{Holding, moved_by};
 use super::touch::first_touch;
 use super::{PushEvents, PushParticle, Pushed, RollOutSettings, StepErrors};
+use crate::error::positive;
 use crate::step_correlation::root;
 use crate::{
     ModelError, Noise, PathStep, PushModel, SlipMixture, SlipPrediction, StepInput, StepPrediction,
@@ -175,12 +176,13 @@ impl PushMotion<'_> {
         let Pushed { shape, pusher_radius, object } = self.pushed;
         let Begun { free, contact, start_b, direction_b, .. } = begin;
         let Some(object) = object else {
-            let way = (*direction_b, distance - free);
+            let way =
+                (*direction_b, distance - free, positive("the step's duration", duration, "s")?);
             // A gap while they touch is an error of measurement: the model is asked without it.
             let touching_b = start_b + contact.gap * contact.normal;
             let shape = shape.clone();
-            let bare = StepInput::at_contact(shape, *pusher_radius, contact, touching_b, way);
-            return bare.lasting(duration).map(Some);
+            let input = StepInput::at_contact(shape, *pusher_radius, contact, touching_b, way);
+            return Ok(Some(input));
         };
         let touch_w = self.step.start_w + *free * direction_w;
         let is_new = begin.free > 0.0;

@@ -7,6 +7,12 @@ use super::Pushed;
 
 /// Linearisations: the second leaves less than a micrometer of a millimeter.
 const ROUNDS: usize = 2;
+/// The gap is not known better than this, in m: a covariance that has less along the normal hardly moves.
+const GAP_SD: f64 = 1e-6;
+/// A draw moves by no more standard deviations than this. What would need more is not what the
+/// covariance is about, and following it would send an object whose covariance is nearly flat along the
+/// normal far away.
+const FARTHEST: f64 = 10.0;
 
 /// The pose after a motion along a direction and its left normal, in m, and a turn, in rad.
 pub(super) fn moved_by(
@@ -36,8 +42,8 @@ impl Pushed {
         self.shape.contact(&pose_wb.inverse_transform_point(center_w), self.pusher_radius).gap
     }
 
-    /// A draw given that the gap is known: x + C Hᵀ (HCHᵀ)⁻¹ (gap − g(x)), H the slope of the gap g;
-    /// none where the draw leaves more than the tolerance between pusher and outline.
+    /// A draw given that the gap is known to a micrometer: x + C Hᵀ (HCHᵀ + r)⁻¹ (gap − g(x)), H the slope
+    /// of the gap g and r its variance; none where the draw leaves more than the tolerance between pusher and outline.
     ///
     /// Exact for a Gaussian draw and a gap that is linear in it; a draw without variance stays.
     ///
@@ -59,7 +65,9 @@ impl Pushed {
             if variance <= 0.0 {
                 break;
             }
-            let by = spread * ((held.gap - now) / variance);
+            let known = variance + GAP_SD * GAP_SD;
+            let farthest = FARTHEST * known.sqrt();
+            let by = spread * ((held.gap - now).clamp(-farthest, farthest) / known);
             pose_wb = moved_by(&pose_wb, &held.along_w, by.into());
         }
         Some(pose_wb)
@@ -68,8 +76,8 @@ impl Pushed {
     /// The Gaussian of a draw given that the gap is known, its covariance in W; none where the mean
     /// leaves more than the tolerance.
     ///
-    /// (I − K H) C (I − K H)ᵀ keeps what is left of the covariance positive although it has no variance
-    /// along the normal.
+    /// (I − K H) C (I − K H)ᵀ + r K Kᵀ, r the variance of the gap, keeps what is left of the covariance
+    /// positive although it has next to none along the normal.
     ///
     /// - `mean_wb`, `covariance`: of the draw before; the latter as of [`Pushed::settled`].
     /// - `axes`: turns (along, left, turn) into W.
@@ -88,8 +96,10 @@ impl Pushed {
         if variance <= 0.0 {
             return Some((mean_wb, covariance_w));
         }
-        let keeps = Matrix3::identity() - spread * slope_w / variance;
-        let left = keeps * covariance_w * keeps.transpose();
+        let known = GAP_SD * GAP_SD;
+        let gain = spread / (variance + known);
+        let keeps = Matrix3::identity() - gain * slope_w;
+        let left = keeps * covariance_w * keeps.transpose() + known * gain * gain.transpose();
         Some((mean_wb, 0.5 * (left + left.transpose())))
     }
 
@@ -145,8 +155,24 @@ mod tests {
         let axes = Matrix3::identity();
         let (mean, left) = pushed.settled_gaussian(&drawn, &held(0.0001), &stiff, &axes).unwrap();
         assert_eq!(Some(mean), pushed.settled(&drawn, &held(0.0001), &stiff));
-        // Along the normal nothing is left, across it all.
-        assert!((left[(1, 1)] / 1e-8 - 1.0).abs() < 1e-4 && left[(0, 0)] < 1e-12, "{left}");
+        // Along the normal the micrometer is left to which the gap is known, across it all.
+        assert!((left[(1, 1)] / 1e-8 - 1.0).abs() < 1e-4 && left[(0, 0)] < 1.2e-12, "{left}");
         assert_eq!(pushed.settled(&drawn, &held(-0.002), &stiff), None);
+    }
+
+    #[test]
+    fn a_covariance_that_is_all_but_flat_along_the_normal_sends_no_object_away() {
+        let shape = Arc::new(Shape::square(0.09).unwrap());
+        let pushed = Pushed { shape, pusher_radius: 0.005, object: None };
+        let (center, along) = (Vector2::new(-0.05, 0.02), Vector2::x());
+        let held = Holding { center_w: center, along_w: along, gap: 0.0, tolerance: 1e-3 };
+        let drawn = Pose::new(-0.0005, 0.0, 0.0);
+        // What one parameter leaves open: a direction along the surface, but for rounding.
+        for off in [0.0, 1e-12, 1e-9, 1e-7, 1e-5] {
+            let open = Vector3::new(off, 2e-4, -1e-6);
+            let settled = pushed.settled(&drawn, &held, &(open * open.transpose())).unwrap();
+            let moved = (settled.position - drawn.position).norm();
+            assert!(moved <= 2.0 * 10.0 * open.norm(), "{off}: {moved}");
+        }
     }
 }

@@ -106,5 +106,6 @@ impl Rolled {
 /// Where and how a push begins, in words.
 pub(super) fn place_of(push: &RecordedPush) -> String {
     let input = &push.steps[0].input;
-    format!("p = {:.2}, β = {:.0}°", input.p(), input.beta().to_degrees())
+    // Adding 0 leaves no "-0".
+    format!("p = {:.2}, β = {:.0}°", input.p(), input.beta().to_degrees().round() + 0.0)
 }

@@ -1,0 +1,202 @@
+//! The way of a pusher along an edge, one push at a time.
+
+use nalgebra::Vector2;
+
+use crate::runge_kutta::{Step, step};
+
+/// An edge in axes along its inward normal n and its left t, from the center of friction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Edge {
+    pub(super) normal_b: Vector2<f64>,
+    /// Place of its line along n, in m.
+    pub(super) x: f64,
+    /// Its ends along t, in m.
+    pub(super) ends: [f64; 2],
+}
+
+/// How the pusher moves; the state is the contact's place s along t, in m, and the turn φ, in rad.
+#[derive(Clone, Copy)]
+pub(super) struct Way {
+    pub(super) edge: Edge,
+    /// Of c = Mmax/Fmax, in m².
+    pub(super) length_squared: f64,
+    pub(super) friction: f64,
+    /// The pusher's motion at the start, a unit vector in the axes of the edge.
+    pub(super) direction: Vector2<f64>,
+    /// Where its center starts, in m, axes of the edge.
+    pub(super) start: Vector2<f64>,
+    /// Where its center is along n while it touches, in m.
+    pub(super) center_x: f64,
+    /// The first place s, in m; the object has not turned.
+    pub(super) first: f64,
+    /// How far it pushes, in m.
+    pub(super) length: f64,
+}
+
+/// Which way the pusher slides: to the left, to the right, or it sticks.
+#[derive(Clone, Copy, PartialEq)]
+enum Slides {
+    Left,
+    Right,
+    Not,
+}
+
+/// What the contact does.
+#[derive(Clone, Copy)]
+struct Look {
+    slides: Slides,
+    /// By how much the force that would stick is beyond the left and the right edge of the friction
+    /// cone.
+    beyond: [f64; 2],
+    /// Of the state, at unit speed of the pusher.
+    slope: Vector2<f64>,
+}
+
+/// The pusher left the edge.
+struct Left;
+
+/// Error of a step, in m.
+pub(super) const TOLERANCE: f64 = 1e-8;
+/// Longest travel of the pusher in a step, in m.
+pub(super) const MAX_TRAVEL: f64 = 5e-3;
+/// Travel within which a change between sticking and sliding is located, in m.
+const SWITCH: f64 = 1e-8;
+/// Most steps, and most looks for a change.
+pub(super) const MOST_STEPS: usize = 64;
+
+impl Way {
+    /// The state at its end; none if the pusher leaves the edge.
+    pub(super) fn along(&self) -> Option<Vector2<f64>> {
+        let mut state = Vector2::new(self.first, 0.0);
+        let (mut left, mut longest) = (self.length, MAX_TRAVEL);
+        for _ in 0..MOST_STEPS {
+            let here = self.look(&state)?;
+            let mut h = left.min(longest);
+            let Step { mut end, error } = self.step(h, &state, &here)?;
+            let arm = Vector2::new(self.center_x, end.x).norm();
+            if error.x.abs() + arm * error.y.abs() > TOLERANCE {
+                longest = 0.5 * h;
+                continue;
+            }
+            let there = self.look(&end)?;
+            if there.slides != here.slides {
+                (h, end) = self.switch(h, &state, &here, &there)?;
+            }
+            if h >= left {
+                return Some(end);
+            }
+            (state, left) = (end, left - h);
+        }
+        None
+    }
+
+    #[inline]
+    fn step(&self, h: f64, state: &Vector2<f64>, here: &Look) -> Option<Step<2>> {
+        let slope =
+            |_: f64, state: &Vector2<f64>| self.look(state).map(|look| look.slope).ok_or(Left);
+        step(0.0, state, &here.slope, h, slope).ok()
+    }
+
+    /// The way and the state just after a change between sticking and sliding, by secants from both
+    /// sides; none for a change from side to side at once.
+    fn switch(
+        &self,
+        h: f64,
+        state: &Vector2<f64>,
+        here: &Look,
+        there: &Look,
+    ) -> Option<(f64, Vector2<f64>)> {
+        let side = match (here.slides, there.slides) {
+            (Slides::Not, Slides::Left) | (Slides::Left, Slides::Not) => 0,
+            (Slides::Not, Slides::Right) | (Slides::Right, Slides::Not) => 1,
+            _ => return None,
+        };
+        let (mut low, mut high) = ((0.0, here.beyond[side]), (h, there.beyond[side]));
+        let mut end = self.step(h, state, here)?.end;
+        for k in 0..MOST_STEPS {
+            if high.0 - low.0 <= SWITCH {
+                return Some((high.0, end));
+            }
+            let root = low.0 + (high.0 - low.0) * low.1 / (low.1 - high.1);
+            // A little after and a little before in turn, to have it between them.
+            let off = if k.is_multiple_of(2) { 0.4 * SWITCH } else { -0.4 * SWITCH };
+            let at = (root + off).clamp(low.0 + 0.1 * SWITCH, high.0 - 0.1 * SWITCH);
+            let tried = self.step(at, state, here)?.end;
+            let look = self.look(&tried)?;
+            if look.slides == here.slides {
+                low = (at, look.beyond[side]);
+            } else {
+                (high, end) = ((at, look.beyond[side]), tried);
+            }
+        }
+        None
+    }
+
+    /// What the contact does; none where the pusher is beside the edge or does not press.
+    #[inline]
+    fn look(&self, state: &Vector2<f64>) -> Option<Look> {
+        let (s, x, c2) = (state.x, self.edge.x, self.length_squared);
+        if !(s > self.edge.ends[0] && s < self.edge.ends[1]) {
+            return None;
+        }
+        let (sin, cos) = sin_cos(state.y);
+        let v_n = cos * self.direction.x + sin * self.direction.y;
+        let v_t = cos * self.direction.y - sin * self.direction.x;
+        if v_n <= 0.0 {
+            return None;
+        }
+        let size = 1.0 / (c2 + x * x + s * s);
+        let f_n = ((c2 + x * x) * v_n + x * s * v_t) * size;
+        let f_t = ((c2 + s * s) * v_t + x * s * v_n) * size;
+        let beyond = [f_t - self.friction * f_n, -f_t - self.friction * f_n];
+        let (slides, f_t, turn) = if f_t.abs() <= self.friction * f_n {
+            (Slides::Not, f_t, (x * v_t - s * v_n) * size)
+        } else {
+            let (slides, slope) = if f_t > 0.0 {
+                (Slides::Left, self.friction)
+            } else {
+                (Slides::Right, -self.friction)
+            };
+            let f_n = c2 * v_n / (c2 + s * s - slope * x * s);
+            (slides, slope * f_n, (slope * x - s) * f_n / c2)
+        };
+        let slope = Vector2::new(v_t - f_t - turn * self.center_x, turn);
+        Some(Look { slides, beyond, slope })
+    }
+}
+
+/// Sine and cosine, to rounding by their series for the small turns of a step.
+#[inline]
+pub(super) fn sin_cos(angle: f64) -> (f64, f64) {
+    if angle.abs() > SMALL_TURN {
+        return angle.sin_cos();
+    }
+    small_sin_cos(angle)
+}
+
+/// Up to this the series are as good as the functions, in rad.
+pub(super) const SMALL_TURN: f64 = 0.3;
+
+/// Sine and cosine of a small turn.
+#[inline(always)]
+pub(super) fn small_sin_cos(angle: f64) -> (f64, f64) {
+    let x = angle * angle;
+    let term = |k: f64, rest: f64| 1.0 - x * (1.0 / ((k - 1.0) * k)) * rest;
+    let sin = term(3.0, term(5.0, term(7.0, term(9.0, term(11.0, 1.0)))));
+    let cos = term(2.0, term(4.0, term(6.0, term(8.0, term(10.0, term(12.0, 1.0))))));
+    (angle * sin, cos)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sin_cos;
+
+    #[test]
+    fn the_series_are_the_functions() {
+        for k in -300..=300 {
+            let angle = 1e-3 * f64::from(k);
+            let (sin, cos) = sin_cos(angle);
+            assert!((sin - angle.sin()).abs() < 1e-16 && (cos - angle.cos()).abs() < 2e-16);
+        }
+    }
+}
