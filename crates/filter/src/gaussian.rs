@@ -1,11 +1,13 @@
 //! A Gaussian, and what becomes of it in a nonlinear motion.
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 
+use crate::slab::Slab;
 use crate::{FilterError, Rule};
 
 /// A Gaussian over vectors.
@@ -20,6 +22,8 @@ pub struct Gaussian {
 
 /// Eigenvalues above −tolerance times the largest are rounding.
 const ROUNDING: f64 = 1e-10;
+/// Ways whose numbers change less than this with a standard deviation have no direction.
+const STRAIGHT: f64 = 1e-9;
 
 impl Gaussian {
     /// A Gaussian of a mean and a covariance.
@@ -106,6 +110,120 @@ impl Gaussian {
         let moved = self.points(rule).into_iter().map(|(point, w)| Ok((motion(&point)?, w)));
         let moved = moved.collect::<Result<Vec<_>, E>>()?;
         Ok(Self::of_mixture(&moved)?)
+    }
+
+    /// The parts of this Gaussian that go different ways, in the order of the ways' numbers, with their
+    /// probabilities: slabs between parallel planes, each as the Gaussian of its moments.
+    ///
+    /// Points over the first `n` coordinates tell how probable each way is and across which direction
+    /// the ways change; ways that are next to each other have neighboring numbers. All parts together
+    /// have the mean and the covariance of the whole.
+    ///
+    /// # Errors
+    /// What `way` says; `NotPositiveSemiDefinite` if rounding left no covariance.
+    pub fn split<E: From<FilterError>>(
+        &self,
+        rule: &dyn Rule,
+        n: usize,
+        mut way: impl FnMut(&DVector<f64>) -> Result<i64, E>,
+    ) -> Result<Vec<(i64, f64, Self)>, E> {
+        let root = self.root_of_first(n);
+        let mut shares: BTreeMap<i64, f64> = BTreeMap::new();
+        let mut direction = DVector::zeros(root.ncols());
+        for (point, weight) in rule.points(root.ncols()) {
+            if weight > 0.0 {
+                let own = way(&(&self.mean + &root * &point))?;
+                *shares.entry(own).or_default() += weight;
+                // The covariance of the way's number with the standard coordinates, whose mean is 0.
+                direction.axpy(weight * own as f64, &point, 1.0);
+            }
+        }
+        let straight = direction.try_normalize(STRAIGHT).filter(|_| shares.len() > 1);
+        let Some(direction) = straight else {
+            // One way, or ways that no plane tells apart: the most probable has it all.
+            let most = shares.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+            return Ok(vec![(most.map_or(0, |(way, _)| way), 1.0, self.clone())]);
+        };
+        let across = root * direction;
+        let mut parts = Vec::with_capacity(shares.len());
+        let mut below = 0.0;
+        for (way, share) in shares {
+            let slab = Slab::between(below, below + share);
+            below += share;
+            let mean = &self.mean + slab.mean * &across;
+            let covariance =
+                &self.covariance + (slab.variance - 1.0) * &across * across.transpose();
+            parts.push((way, share, Self::new(mean, covariance)?));
+        }
+        Ok(parts)
+    }
+
+    /// A rule's points over the first `n` coordinates, with the others at their conditional means; and
+    /// the covariance that the others keep, which is zero for the first.
+    ///
+    /// What depends on the first coordinates alone needs no points over the others.
+    pub fn points_of_first(
+        &self,
+        rule: &dyn Rule,
+        n: usize,
+    ) -> (Vec<(DVector<f64>, f64)>, DMatrix<f64>) {
+        let root = self.root_of_first(n);
+        let points = rule.points(root.ncols()).into_iter().filter(|(_, weight)| *weight > 0.0);
+        let points = points.map(|(point, weight)| (&self.mean + &root * point, weight)).collect();
+        let mut rest = &self.covariance - &root * root.transpose();
+        (0..n.min(rest.nrows())).for_each(|i| {
+            rest.row_mut(i).fill(0.0);
+            rest.column_mut(i).fill(0.0);
+        });
+        (points, rest)
+    }
+
+    /// R with R Rᵀ = C for the first `n` coordinates and for them with the others: what the others have
+    /// in common with them.
+    fn root_of_first(&self, n: usize) -> DMatrix<f64> {
+        let d = self.mean.len();
+        if n >= d {
+            return self.root.clone();
+        }
+        let units = self.covariance.diagonal().map(|variance| variance.max(0.0).sqrt());
+        let unit = |i: usize| if units[i] > 0.0 { units[i] } else { 1.0 };
+        let scaled = DMatrix::from_fn(n, n, |i, j| self.covariance[(i, j)] / (unit(i) * unit(j)));
+        let eigen = scaled.symmetric_eigen();
+        let wide: Vec<usize> =
+            (0..n).filter(|k| eigen.eigenvalues[*k] > ROUNDING * d as f64).collect();
+        // C of all with the first, times the inverse root of the first.
+        DMatrix::from_fn(d, wide.len(), |i, k| {
+            let along = eigen.eigenvectors.column(wide[k]);
+            let with = (0..n).map(|j| self.covariance[(i, j)] / unit(j) * along[j]);
+            with.sum::<f64>() / eigen.eigenvalues[wide[k]].sqrt()
+        })
+    }
+
+    /// The Gaussian with the moments of weighted points, of any sum of weights, and a covariance that
+    /// each of them keeps.
+    ///
+    /// # Errors
+    /// `Empty`; `ShapeMismatch` for points or a covariance of another dimension;
+    /// `NotPositiveSemiDefinite`.
+    pub fn of_points(
+        points: &[(DVector<f64>, f64)],
+        kept: &DMatrix<f64>,
+    ) -> Result<Self, FilterError> {
+        let first = points.first().ok_or(FilterError::Empty { what: "points" })?;
+        let expected = first.0.len();
+        let sizes = points.iter().map(|(point, _)| point.len()).chain([kept.nrows(), kept.ncols()]);
+        if let Some(actual) = sizes.into_iter().find(|size| *size != expected) {
+            return Err(FilterError::ShapeMismatch { what: "point", expected, actual });
+        }
+        let total: f64 = points.iter().map(|(_, weight)| weight).sum();
+        let mut mean = DVector::zeros(expected);
+        points.iter().for_each(|(point, weight)| mean.axpy(weight / total, point, 1.0));
+        let mut covariance = kept.clone();
+        for (point, weight) in points {
+            let off = point - &mean;
+            covariance.ger(weight / total, &off, &off, 1.0);
+        }
+        Self::new(mean, covariance)
     }
 
     /// The rule's points in the state's own coordinates.

@@ -13,6 +13,7 @@ mod random_stream;
 mod resampler;
 mod rule;
 mod settings;
+mod slab;
 mod weights;
 
 pub use density_grid::{DensityGrid, Mode};

@@ -5,7 +5,8 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::{FilterError, Weights};
+use crate::slab::quantile as normal_quantile;
+use crate::{FilterError, Gaussian, Weights};
 
 /// A state of which a planar pose is a part.
 pub trait PlanarState {
@@ -120,6 +121,55 @@ impl PlanarSummary {
         let reached = self.distance(measured, measured_sd);
         let is_nearer = |pose: &[f64; 3]| self.distance(*pose, [0.0; 2]) < reached;
         Ok(poses.iter().filter(|(pose, _)| is_nearer(pose)).map(|(_, weight)| weight).sum())
+    }
+
+    /// The summary of a Gaussian over x and y in m and the angle in rad, of any turn.
+    ///
+    /// # Errors
+    /// `ShapeMismatch` for a Gaussian of other than three coordinates.
+    pub fn of_gaussian(gaussian: &Gaussian) -> Result<Self, FilterError> {
+        let (mean, expected) = (gaussian.mean(), 3);
+        if mean.len() != expected {
+            let (what, actual) = ("coordinates of a pose", mean.len());
+            return Err(FilterError::ShapeMismatch { what, expected, actual });
+        }
+        let covariance = Matrix3::from_iterator(gaussian.covariance().iter().copied());
+        Ok(Self {
+            mean: Vector3::new(mean[0], mean[1], wrapped(mean[2])),
+            covariance,
+            // Of a Gaussian that is wrapped about the circle.
+            concentration: (-0.5 * covariance[(2, 2)]).exp(),
+        })
+    }
+
+    /// As [`PlanarSummary::quantiles`], of a Gaussian with this mean and covariance.
+    ///
+    /// # Errors
+    /// `OutOfRange` for a probability that is not between 0 and 1.
+    pub fn gaussian_quantiles(
+        &self,
+        probabilities: &[f64],
+    ) -> Result<Vec<Vector3<f64>>, FilterError> {
+        let sds = self.covariance.diagonal().map(|variance| variance.max(0.0).sqrt());
+        let quantiles = |probability: &f64| {
+            if !(*probability > 0.0 && *probability < 1.0) {
+                let (name, expected) = ("probability", "between 0 and 1");
+                return Err(FilterError::OutOfRange { name, expected, value: *probability });
+            }
+            Ok(self.mean + normal_quantile(*probability) * sds)
+        };
+        probabilities.iter().map(quantiles).collect()
+    }
+
+    /// As [`PlanarSummary::level`], of a Gaussian with this mean and covariance.
+    pub fn gaussian_level(&self, measured: [f64; 3], measured_sd: [f64; 2]) -> f64 {
+        // The probability that a χ² of three degrees of freedom is below the square.
+        let reach = self.distance(measured, measured_sd).sqrt();
+        if reach == f64::INFINITY {
+            return 1.0;
+        }
+        let density = (2.0 / PI).sqrt() * reach * (-0.5 * reach * reach).exp();
+        libm::erf(reach / std::f64::consts::SQRT_2) - density
     }
 
     /// The squared distance of Mahalanobis of a pose with a variance of its own.

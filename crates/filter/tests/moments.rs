@@ -151,3 +151,89 @@ fn what_is_no_covariance_is_refused() {
     assert!(matches!(bad, Err(FilterError::ShapeMismatch { expected: 1, actual: 2, .. })));
     assert!(matches!(Mixture::new(Vec::new()), Err(FilterError::Empty { .. })));
 }
+
+#[test]
+fn parts_of_a_split_have_the_moments_of_the_whole() {
+    let whole = gaussian();
+    for rule in [&GaussHermite { order: 7 } as &dyn Rule, &Unscented] {
+        let way = |x: &DVector<f64>| Ok::<_, FilterError>((1.4 * x[0] + x[1]).round() as i64);
+        let parts = whole.split(rule, 2, way).unwrap();
+        assert!(parts.len() >= 3, "{parts:?}");
+        let ordered = |(a, b): (&(i64, f64, Gaussian), &(i64, f64, Gaussian))| {
+            let along = |part: &Gaussian| 1.4 * part.mean()[0] + part.mean()[1];
+            a.0 < b.0 && along(&a.2) < along(&b.2)
+        };
+        assert!(parts.iter().zip(&parts[1..]).all(ordered));
+        let mixture = parts.into_iter().map(|(_, share, part)| (part, share)).collect();
+        let moments = Mixture::new(mixture).unwrap().moments().unwrap();
+        assert!((moments.mean() - whole.mean()).amax() < 1e-13);
+        assert!((moments.covariance() - whole.covariance()).amax() < 1e-13);
+    }
+}
+
+/// A rule of many equal points, which sees a sharp edge as it is.
+struct Draws;
+
+impl Rule for Draws {
+    fn points(&self, dimension: usize) -> Vec<(DVector<f64>, f64)> {
+        let unit = DMatrix::identity(dimension, dimension);
+        let standard = Gaussian::new(DVector::zeros(dimension), unit).unwrap();
+        let mut random = ChaCha8Rng::seed_from_u64(8);
+        let n = 200_000;
+        (0..n).map(|_| (standard.sample(&mut random), 1.0 / f64::from(n))).collect()
+    }
+}
+
+#[test]
+fn a_split_by_a_plane_has_the_moments_of_the_draws_on_its_sides() {
+    let whole = gaussian();
+    let side = |x: &DVector<f64>| i64::from(x[0] + 2.0 * x[1] > 0.3);
+    let parts = whole.split(&Draws, 2, |x| Ok::<_, FilterError>(side(x))).unwrap();
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let draws: Vec<DVector<f64>> = (0..400_000).map(|_| whole.sample(&mut random)).collect();
+    for (way, share, part) in parts {
+        let own: Vec<&DVector<f64>> = draws.iter().filter(|x| side(x) == way).collect();
+        let n = own.len() as f64;
+        assert!((n / draws.len() as f64 - share).abs() < 0.004, "{share}");
+        let mean = own.iter().fold(DVector::zeros(2), |sum, x| sum + *x) / n;
+        let off = own.iter().map(|x| *x - &mean);
+        let covariance = off.fold(DMatrix::zeros(2, 2), |sum, x| sum + &x * x.transpose()) / n;
+        assert!((part.mean() - mean).amax() < 0.01, "{part:?}");
+        assert!((part.covariance() - covariance).amax() < 0.01, "{part:?}");
+    }
+}
+
+#[test]
+fn one_way_is_no_split() {
+    let whole = gaussian();
+    let parts = whole.split(&Unscented, 2, |_| Ok::<_, FilterError>(3)).unwrap();
+    assert_eq!(parts.len(), 1);
+    assert_eq!((parts[0].0, parts[0].1), (3, 1.0));
+    assert_eq!(parts[0].2, whole);
+}
+
+#[test]
+fn points_over_some_coordinates_are_enough_for_what_depends_on_them() {
+    let covariance = dmatrix![0.5, 0.2, -0.1; 0.2, 0.3, 0.05; -0.1, 0.05, 0.4];
+    let whole = Gaussian::new(dvector![1.0, -0.5, 2.0], covariance).unwrap();
+    let rule = GaussHermite { order: 9 };
+    let bent = |x: &DVector<f64>| dvector![x[0] + x[1] * x[0], x[1] * x[1], x[2] + x[0]];
+    let known = |x: &DVector<f64>| Gaussian::new(bent(x), DMatrix::zeros(3, 3));
+    let by_all: Gaussian = whole.propagated(&rule, known).unwrap();
+    let (points, rest) = whole.points_of_first(&rule, 2);
+    assert_eq!(points.len(), 81);
+    let moved: Vec<_> = points.iter().map(|(x, weight)| (bent(x), *weight)).collect();
+    let by_first = Gaussian::of_points(&moved, &rest).unwrap();
+    assert!((by_all.mean() - by_first.mean()).amax() < 1e-12);
+    assert!((by_all.covariance() - by_first.covariance()).amax() < 1e-12);
+    // A direction without variance takes no point.
+    let flat = dmatrix![0.0, 0.0, 0.0; 0.0, 0.3, 0.05; 0.0, 0.05, 0.4];
+    let flat = Gaussian::new(dvector![1.0, -0.5, 2.0], flat).unwrap();
+    let (points, rest) = flat.points_of_first(&rule, 2);
+    assert_eq!(points.len(), 9);
+    let again = Gaussian::of_points(&points, &rest).unwrap();
+    assert!((again.mean() - flat.mean()).amax() < 1e-13);
+    assert!((again.covariance() - flat.covariance()).amax() < 1e-13);
+    let error = Gaussian::of_points(&points, &DMatrix::zeros(2, 2)).unwrap_err();
+    assert!(matches!(error, FilterError::ShapeMismatch { .. }), "{error}");
+}

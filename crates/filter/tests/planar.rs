@@ -4,7 +4,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use filter::{DensityGrid, PlanarSummary, Weights};
+use filter::{DensityGrid, FilterError, Gaussian, PlanarSummary, Weights};
+use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -83,4 +84,38 @@ fn a_pose_is_on_the_border_of_the_region_that_holds_what_is_nearer() {
     let single = PlanarSummary::of(&states[..1], &Weights::equal(1)).unwrap();
     assert_eq!(single.level(&states[..1], &Weights::equal(1), states[0], [0.0; 2]).unwrap(), 0.0);
     assert!(summary.level(&states, &weights, one, [-1.0, 0.0]).is_err());
+}
+
+#[test]
+fn a_gaussian_is_summed_up_as_its_draws_are() {
+    let mean = DVector::from_vec(vec![1.0, -2.0, PI + 0.4]);
+    let root = DMatrix::from_row_slice(3, 3, &[0.1, 0.0, 0.0, 0.1, 0.2, 0.0, -0.2, 0.1, 0.15]);
+    let gaussian = Gaussian::new(mean, &root * root.transpose()).unwrap();
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let draw = |_| {
+        let at = gaussian.sample(&mut random);
+        [at[0], at[1], at[2]]
+    };
+    let draws: Vec<[f64; 3]> = (0..100_000).map(draw).collect();
+    let weights = Weights::equal(draws.len());
+    let by_draws = PlanarSummary::of(&draws, &weights).unwrap();
+    let summary = PlanarSummary::of_gaussian(&gaussian).unwrap();
+    assert!((summary.mean - by_draws.mean).amax() < 0.004);
+    assert!((summary.covariance - by_draws.covariance).amax() < 0.002);
+    assert!((summary.concentration - by_draws.concentration).abs() < 0.001);
+    let probabilities = [0.025, 0.5, 0.9];
+    let found = summary.gaussian_quantiles(&probabilities).unwrap();
+    for (a, b) in found.iter().zip(by_draws.quantiles(&draws, &weights, &probabilities).unwrap()) {
+        assert!((a - b).amax() < 0.006, "{a} {b}");
+    }
+    for measured in [[1.05, -1.8, PI + 0.4], [1.3, -2.3, 0.6 - PI]] {
+        let level = by_draws.level(&draws, &weights, measured, [0.02, 0.01]).unwrap();
+        let found = summary.gaussian_level(measured, [0.02, 0.01]);
+        assert!((found - level).abs() < 0.01, "{found} {level}");
+    }
+    let error = summary.gaussian_quantiles(&[1.0]).unwrap_err();
+    assert!(matches!(error, FilterError::OutOfRange { .. }), "{error}");
+    let plane = Gaussian::new(DVector::zeros(2), DMatrix::identity(2, 2)).unwrap();
+    let error = PlanarSummary::of_gaussian(&plane).unwrap_err();
+    assert!(matches!(error, FilterError::ShapeMismatch { expected: 3, actual: 2, .. }), "{error}");
 }

@@ -133,6 +133,21 @@ pub enum GpError {
         /// Version that can be read.
         supported: u32,
     },
+    /// A matrix that is no covariance.
+    #[error("the {what} is not symmetric, or negative along some direction")]
+    NotACovariance {
+        /// Which matrix.
+        what: &'static str,
+    },
+    /// Moments at an uncertain input were asked of a kernel for which none are known.
+    #[error(
+        "moments at an uncertain input are known for the squared exponential of all inputs alone; \
+         take the points of a rule for {kernel}"
+    )]
+    NoClosedForm {
+        /// The kernel's debug form.
+        kernel: String,
+    },
     /// Two things that were not made for each other.
     #[error("{what} differ, so the two do not go together; make both from the same settings")]
     Incompatible {

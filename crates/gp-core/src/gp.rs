@@ -38,7 +38,7 @@ pub struct Gp {
     mean: Mean,
     trend: Trend,
     pub(crate) cholesky: Arc<Cholesky>,
-    weights: Vec<f64>,
+    pub(crate) weights: Vec<f64>,
     log_marginal_likelihood: f64,
 }
 

@@ -10,6 +10,7 @@ mod likelihood;
 mod model;
 mod rff_gp;
 mod statistics;
+mod waves;
 
 pub use evaluator::Evaluator;
 pub use features::{FeatureOptions, Form, RandomFeatures, Sampling, Spectrum};
@@ -17,3 +18,4 @@ pub use learn::{Hyperparameters, RffOptions, RffReport};
 pub use model::RffGpModel;
 pub use rff_gp::RffGp;
 pub use statistics::SufficientStatistics;
+pub use waves::{AveragedWaves, Waves};

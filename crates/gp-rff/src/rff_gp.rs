@@ -29,9 +29,9 @@ pub struct RffGp {
     pub(crate) noise_variance: f64,
     pub(crate) mean: Mean,
     constant: f64,
-    weights: Vec<f64>,
+    pub(crate) weights: Vec<f64>,
     /// R⁻¹ with B = R Rᵀ, and zeros above the diagonal.
-    root_inverse: Mat<f64>,
+    pub(crate) root_inverse: Mat<f64>,
     log_evidence: f64,
 }
 

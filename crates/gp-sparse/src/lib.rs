@@ -4,6 +4,7 @@
 mod approximation;
 mod block;
 mod choose_size;
+mod expansion;
 mod learn;
 mod model;
 mod objective;

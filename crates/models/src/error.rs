@@ -261,6 +261,15 @@ pub enum ModelError {
         /// Over the variance of an observation.
         variance_error: f64,
     },
+    /// Moments at uncertain steps that are not known in closed form.
+    #[error(
+        "what {of} says of an uncertain step is not known in closed form; take the points of a rule, or \
+         train kind gp, spgp or rff on p and beta_rad"
+    )]
+    NoClosedForm {
+        /// The model.
+        of: String,
+    },
     /// A Gaussian process could not be learnt or asked.
     #[error("Gaussian process of {output}")]
     Gp {

@@ -1,7 +1,10 @@
 //! The model that knows no mechanics: processes learnt from observed steps.
 
+use std::sync::Arc;
+
 use gp_core::LearnOptions;
 
+use crate::closed_form::ClosedForm;
 use crate::step_processes::StepProcesses;
 use crate::{
     Base, Description, ModelError, Noise, Parts, ProcessReport, PushModel, SeenSteps, StepInput,
@@ -61,6 +64,11 @@ impl GpPushModel {
         Ok((Self { processes }, report))
     }
 
+    /// What the processes say of steps that are uncertain themselves; O(N³) when first asked.
+    pub(crate) fn closed_form(&self) -> Result<Arc<ClosedForm>, ModelError> {
+        self.processes.closed_form()
+    }
+
     pub(crate) fn from_weights(weights: &Weights) -> Result<Self, ModelError> {
         Ok(Self { processes: StepProcesses::from_weights(weights)? })
     }
@@ -94,6 +102,10 @@ impl PushModel for GpPushModel {
 
     fn has_seen(&self, steps: &[StepInput]) -> Result<Vec<bool>, ModelError> {
         self.processes.has_seen(steps)
+    }
+
+    fn as_processes(&self) -> Option<&GpPushModel> {
+        Some(self)
     }
 
     fn describe(&self) -> Result<Description, ModelError> {

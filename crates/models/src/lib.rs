@@ -6,6 +6,7 @@ mod analytical_fit;
 mod beside_physics;
 mod channel_model;
 mod channel_steps;
+mod closed_form;
 mod contact_gap;
 mod contact_place;
 mod description;
@@ -67,7 +68,8 @@ pub use push_model::{Noise, OUTPUTS, Parts, PushModel, StepPrediction};
 pub use push_path::{PathStep, PushPath};
 pub use recorded_push::RecordedPush;
 pub use roll_out::{
-    Moment, PushEvents, PushMotion, PushParticle, Pushed, RollOut, RollOutSettings, StepErrors,
+    Matching, Moment, PushEvents, PushMotion, PushParticle, Pushed, RollOut, RollOutSettings,
+    StepErrors,
 };
 pub use seen_steps::SeenSteps;
 pub use set_aside::{SetAside, SetAsideReason};

@@ -124,6 +124,16 @@ impl Process {
         }
     }
 
+    /// The variance of an observation's noise, where it is the same for all.
+    pub(crate) fn common_noise(&self) -> Option<f64> {
+        match self {
+            Self::Gp(process) => Some(process.noise_variance()),
+            Self::Spgp(process) => Some(process.noise_variance()),
+            Self::Rff(process) => Some(process.noise_variance()),
+            Self::Vhgp(_) => None,
+        }
+    }
+
     pub(crate) fn kind(&self) -> ProcessKind {
         match self {
             Self::Gp(_) => ProcessKind::Gp,

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::{Description, ModelError, SeenSteps, SlipMixture, StepInput, Unexplained};
+use crate::{Description, GpPushModel, ModelError, SeenSteps, SlipMixture, StepInput, Unexplained};
 
 /// A model of what a step of a push does to the object.
 pub trait PushModel: Debug + Send + Sync {
@@ -45,6 +45,12 @@ pub trait PushModel: Debug + Send + Sync {
 
     /// The model's ways to go, if it has several: then a roll-out draws one of them for each particle.
     fn as_mixture(&self) -> Option<&SlipMixture> {
+        None
+    }
+
+    /// The model's processes, if it is nothing else: then what it says of uncertain steps may be known in
+    /// closed form ([`crate::Matching::Exact`]).
+    fn as_processes(&self) -> Option<&GpPushModel> {
         None
     }
 

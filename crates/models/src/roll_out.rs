@@ -1,5 +1,6 @@
 //! A whole push by a model of its steps, with its uncertainty.
 
+mod exact;
 mod matched;
 mod motion;
 mod particle;
@@ -17,6 +18,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use serde::Serialize;
 
+pub use self::matched::Matching;
 pub use self::motion::PushMotion;
 pub use self::particle::{PushEvents, PushParticle};
 use crate::error::{finite, not_negative, positive};

@@ -39,7 +39,7 @@ impl Slip {
 #[derive(Debug)]
 pub struct SlipMixture {
     /// The ways that were seen often enough, each with its process.
-    modes: Vec<(Slip, GpPushModel)>,
+    pub(crate) modes: Vec<(Slip, GpPushModel)>,
     gate: Gate,
     seen: Option<SeenSteps>,
 }

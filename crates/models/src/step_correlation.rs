@@ -119,11 +119,6 @@ impl StepCorrelation {
         ChiSquared::new(self.freedom).map_or(1.0, |chi| (self.freedom / chi.sample(random)).sqrt())
     }
 
-    /// The mean of s²: of a t with more than two degrees of freedom, as all have that were measured.
-    pub(crate) fn mean_square_size(&self) -> f64 {
-        if self.freedom > 2.0 { self.freedom / (self.freedom - 2.0) } else { 1.0 }
-    }
-
     /// What is kept of g over a way of the pusher, in m.
     pub(crate) fn kept(&self, way: f64) -> f64 {
         (-way / self.length).exp()
@@ -267,11 +262,12 @@ mod tests {
                 |push: &PushErrors| push.errors.iter().sum::<Vector3<f64>>().norm_squared();
             let real = pushes.iter().map(square).sum::<f64>() / N_PUSHES as f64;
             let parts = |parts: [f64; 3]| Vector3::from(parts);
+            let mean_square_size = shares.freedom / (shares.freedom - 2.0);
             let mut forecast = 2.0 * parts(shares.measured);
             for (k, l) in (0..STEPS).flat_map(|k| (0..STEPS).map(move |l| (k, l))) {
                 let kept = shares.kept(WAY * k.abs_diff(l) as f64);
                 let own = if k == l { parts(shares.own) } else { Vector3::zeros() };
-                forecast += shares.mean_square_size() * (kept * parts(shares.held) + own);
+                forecast += mean_square_size * (kept * parts(shares.held) + own);
             }
             let free = |k| truth.free(k).diagonal().dot(&forecast);
             let forecast = (0..N_PUSHES).map(free).sum::<f64>() / N_PUSHES as f64;

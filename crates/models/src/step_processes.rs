@@ -1,12 +1,13 @@
 //! Three independent processes over what a learnt model sees of a step.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use faer::MatRef;
 use gp_core::GpError;
 use nalgebra::{Matrix3, Vector3};
 use planar::Shape;
 
+use crate::closed_form::ClosedForm;
 use crate::contact_place::ContactPlaces;
 use crate::process::{Process, ProcessReport};
 use crate::step_table::{Belief, StepTable};
@@ -27,6 +28,8 @@ pub(crate) struct StepProcesses {
     seen: Option<SeenSteps>,
     /// What is read instead of the processes, where it reaches.
     table: Option<Arc<StepTable>>,
+    /// Worked out when it is asked for.
+    closed_form: OnceLock<Arc<ClosedForm>>,
 }
 
 impl StepProcesses {
@@ -59,7 +62,8 @@ impl StepProcesses {
         let outlines = shapes.into_iter().map(|shape| Outline::of(shape)).collect();
         let seen = SeenSteps::of(training.features, steps)?;
         let features = training.features;
-        let processes = Self { outputs, features, outlines, seen, table: None };
+        let closed_form = OnceLock::new();
+        let processes = Self { outputs, features, outlines, seen, table: None, closed_form };
         Ok((processes, [report_x, report_y, report_theta]))
     }
 
@@ -158,6 +162,18 @@ impl StepProcesses {
         Ok(means)
     }
 
+    /// What the processes say of steps that are uncertain themselves.
+    ///
+    /// # Errors
+    /// `NoClosedForm` for processes or inputs of which no moments are known.
+    pub(crate) fn closed_form(&self) -> Result<Arc<ClosedForm>, ModelError> {
+        if let Some(known) = self.closed_form.get() {
+            return Ok(known.clone());
+        }
+        let found = Arc::new(ClosedForm::of(&self.outputs, self.features)?);
+        Ok(self.closed_form.get_or_init(|| found).clone())
+    }
+
     /// The span of the training steps; none for weights that do not tell it.
     pub(crate) fn seen(&self) -> Option<&SeenSteps> {
         self.seen.as_ref()
@@ -204,7 +220,9 @@ impl StepProcesses {
         if seen.as_ref().is_some_and(|seen| !seen.is_sound(features.names().len())) {
             return Err(ModelError::UnsoundWeights { what: "seen" });
         }
-        Ok(Self { outputs, features, outlines: weights.outlines.clone(), seen, table: None })
+        let outlines = weights.outlines.clone();
+        let closed_form = OnceLock::new();
+        Ok(Self { outputs, features, outlines, seen, table: None, closed_form })
     }
 
     /// Refuses steps of objects that nothing was learnt about, unless the inputs are what outlines
@@ -231,6 +249,6 @@ impl StepProcesses {
     }
 }
 
-fn of_output(k: usize) -> impl Fn(GpError) -> ModelError {
+pub(crate) fn of_output(k: usize) -> impl Fn(GpError) -> ModelError {
     move |source| ModelError::Gp { output: OUTPUTS[k], source }
 }

@@ -47,8 +47,7 @@ const KINDS: [(&str, ProcessKind, usize); 3] = [
 ];
 
 fn rows() -> Result<Vec<Row>> {
-    let pushed =
-        Pushed { shape: Arc::new(Shape::square(SIDE)?), pusher_radius: RADIUS, object: None };
+    let pushed = square()?;
     let steps = observations(&pushed)?;
     let mut rows = Vec::new();
     for threads in [1, 2] {
@@ -66,8 +65,13 @@ fn rows() -> Result<Vec<Row>> {
     Ok(rows)
 }
 
+/// What is pushed.
+pub(super) fn square() -> Result<Pushed> {
+    Ok(Pushed { shape: Arc::new(Shape::square(SIDE)?), pusher_radius: RADIUS, object: None })
+}
+
 /// Steps of one face as the analytical model has them.
-fn observations(pushed: &Pushed) -> Result<Vec<StepObservation>> {
+pub(super) fn observations(pushed: &Pushed) -> Result<Vec<StepObservation>> {
     let model = Analytical::nominal(0.25)?;
     let step = |k: usize| {
         let (p, beta) = ((k as f64 * 0.618).fract(), -0.7 + 1.4 * (k as f64 * 0.414).fract());
@@ -81,7 +85,7 @@ fn observations(pushed: &Pushed) -> Result<Vec<StepObservation>> {
 }
 
 /// Steps of one push, all as long as those that were learnt from.
-fn push() -> Result<(PushPath, Vec<PathStep>)> {
+pub(super) fn push() -> Result<(PushPath, Vec<PathStep>)> {
     let start = Vector2::new(-0.5 * SIDE - RADIUS, 0.01);
     let path = PushPath::straight(start, start + Vector2::new(0.016, 0.004), 0.02)?;
     let steps = path.steps(WAY)?;

@@ -11,6 +11,7 @@ mod gp;
 mod gp_rff;
 mod gp_sparse;
 mod ingest;
+mod matching;
 mod peers;
 mod plant;
 mod push;
@@ -83,6 +84,7 @@ const BENCHMARKS: &[Benchmark] = &[
     gp_rff::BENCHMARK,
     gp_sparse::BENCHMARK,
     ingest::BENCHMARK,
+    matching::BENCHMARK,
     plant::BENCHMARK,
     push::BENCHMARK,
 ];

@@ -35,12 +35,20 @@ fn table(rows: &[Row]) -> String {
         let memory = row.peak_memory_mb.map_or(String::new(), |mb| format!(" {mb:>7.0} MB"));
         writeln!(
             text,
-            "{:width$} {:>9} {:>7} {median:>12} {reference:>12} {:>7.2}{memory}",
-            row.name, row.size, row.threads, row.ratio
+            "{:width$} {:>9} {:>7} {median:>12} {reference:>12} {:>7}{memory}",
+            row.name,
+            row.size,
+            row.threads,
+            ratio(row.ratio)
         )
         .expect("a String takes any text");
     }
     text
+}
+
+/// Two digits after the point, or of a small one.
+fn ratio(ratio: f64) -> String {
+    if ratio < 0.1 { format!("{ratio:.1e}") } else { format!("{ratio:.2}") }
 }
 
 /// The time in the unit that leaves one to three digits before the point.
@@ -69,7 +77,7 @@ mod tests {
 
     use serde_json::{Value, json};
 
-    use super::{Row, duration, publish, table};
+    use super::{Row, duration, publish, ratio, table};
 
     fn rows() -> [Row; 2] {
         [("ellip1", 3e-7, 0.5), ("hex", 1e-7, 1.5)].map(|(name, reference_seconds, ratio)| Row {
@@ -103,6 +111,11 @@ mod tests {
              ellip1         1       2    150.00 ns    300.00 ns    0.50     123 MB\n\
              hex            1       2    150.00 ns    100.00 ns    1.50\n"
         );
+    }
+
+    #[test]
+    fn a_small_ratio_keeps_its_digits() {
+        assert_eq!([1.5, 0.104, 0.001_25].map(ratio), ["1.50", "0.10", "1.2e-3"]);
     }
 
     #[test]

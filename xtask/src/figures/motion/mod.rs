@@ -3,8 +3,10 @@
 pub(crate) mod beside;
 pub(crate) mod calibration;
 pub(crate) mod clouds;
+mod divergence;
 mod ends;
 pub(crate) mod errors;
+mod neighbors;
 pub(crate) mod new_paths;
 mod pushes;
 mod scene;

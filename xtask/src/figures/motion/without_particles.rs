@@ -1,56 +1,73 @@
 //! Figure M.8: whole pushes without particles, beside very many of them.
 
-use anyhow::{Context, Result};
-use filter::{GaussHermite, Gaussian, Mixture, Rule, Unscented};
-use models::{
-    ContactGap, GpPushModel, ProcessKind, PushModel, PushParticle, RecordedPush, RollOut,
-    RollOutSettings, SlipMixture, StepCorrelation, StepErrors, Training, learn_options,
-};
-use nalgebra::{DMatrix, DVector};
-use report::{Axis, Color, Ellipse, Figure, LegendPlace, Panel, Points};
-use serde_json::json;
+mod found;
 
+use anyhow::{Context, Result};
+use filter::{GaussHermite, Gaussian, Mixture, Unscented};
+use models::{
+    ContactGap, GpPushModel, Matching, ProcessKind, PushModel, PushParticle, RecordedPush, RollOut,
+    RollOutSettings, Slip, SlipMixture, StepCorrelation, StepErrors, Training, learn_options,
+};
+use nalgebra::{DMatrix, DVector, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use report::{Axis, Color, Ellipse, Figure, LegendPlace, Panel, Points};
+
+use self::found::{Found, PushFound};
+use super::divergence::{Cloud, Density, moments};
 use super::ends::recorded_settings;
 use super::pushes::{pushes, steps_of, turns};
 use super::scene::place_of;
 use super::trained::{Learnt, Setting, learn};
 use crate::figures::inputs::{Inputs, SEED};
 use crate::figures::sketch::Sketch;
-use crate::held_out::quantile;
 
 /// Particles that the others are held against.
 const MANY: usize = 1_000_000;
 const MANY_QUICK: usize = 40_000;
 const FEW: usize = 1000;
-const N_PUSHES: usize = 6;
+/// Pushes that go one way all along, and pushes whose contact changes between sticking and slipping.
+const N_OF_EACH: usize = 2;
 const MOST_LEARNT: usize = 300;
-/// Particles at which densities are compared, and drawn.
-const N_READ: usize = 20_000;
 const N_DRAWN: usize = 1500;
 /// Half axes of the ellipse that holds 95 % of a Gaussian in the plane, in standard deviations.
 const REACH_95: f64 = 2.447_746_830_680_816;
-/// Standard deviations by which all densities are widened, in m, m and rad: less than any sensor's.
-const WIDER_SD: [f64; 3] = [1e-5, 1e-5, 1e-4];
+/// Of all particles, the shares by which the estimate's own error is shown.
+const SHARES: [usize; 3] = [100, 10, 1];
 const MM: f64 = 1e3;
 
-/// A way to do without particles: its name, its rule and the most Gaussians that it keeps.
+/// A way to do without particles, and the most Gaussians that it keeps.
 struct Method {
     name: &'static str,
+    /// On an axis.
+    short: &'static str,
     color: Color,
-    rule: &'static dyn Rule,
+    matching: Matching<'static>,
     n_components: usize,
 }
 
-const METHODS: [Method; 3] = [
-    Method { name: "unscented", color: Color::ORANGE, rule: &Unscented, n_components: 1 },
-    Method {
-        name: "Gauss–Hermite",
-        color: Color::BLUE,
-        rule: &GaussHermite { order: 3 },
-        n_components: 1,
-    },
-    Method { name: "8 Gaussians", color: Color::VERMILION, rule: &Unscented, n_components: 8 },
+const GRID: GaussHermite = GaussHermite { order: 3 };
+
+const METHODS: [Method; 5] = [
+    method("unscented", "U", Color::ORANGE, Matching::Points(&Unscented), 1),
+    method("Gauss–Hermite", "GH", Color::BLUE, Matching::Points(&GRID), 1),
+    method("exact", "E", Color::GREEN, Matching::Exact(&GRID), 1),
+    method("4 unscented", "4 U", Color::PURPLE, Matching::Points(&Unscented), 4),
+    method("4 exact", "4 E", Color::VERMILION, Matching::Exact(&GRID), 4),
 ];
+
+const fn method(
+    name: &'static str,
+    short: &'static str,
+    color: Color,
+    matching: Matching<'static>,
+    n_components: usize,
+) -> Method {
+    Method { name, short, color, matching, n_components }
+}
+
+/// Beside the methods: the Gaussian fitted to all particles, and that of few others.
+const FITTED: [(&str, &str); 2] = [("fitted", "fit"), ("1000 particles", "1000")];
 
 /// A model with a way for its errors to go together.
 struct Case<'a> {
@@ -59,12 +76,6 @@ struct Case<'a> {
     errors: StepErrors,
     /// Particles that it is held against.
     n_particles: usize,
-}
-
-/// The divergences of a case, one list a method and one number a push; the last is of few particles.
-struct Found {
-    name: &'static str,
-    divergences: Vec<Vec<f64>>,
 }
 
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
@@ -92,39 +103,62 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
         gp("gp, errors held", held),
         Case { name: "mixture", model: &mixture, errors: independent, n_particles: n_fewer },
     ];
-    let tested: Vec<&RecordedPush> = turn.test.iter().take(N_PUSHES).copied().collect();
-    let mut figure = Figure::new(1, cases.len()).panel_size(320.0, 300.0);
+    let tested = chosen(&turn.test);
+    let mut figure = Figure::new(2, cases.len()).panel_size(320.0, 300.0);
     let mut all = Vec::new();
     for case in &cases {
-        let mut divergences = vec![Vec::new(); METHODS.len() + 1];
+        let (name, n_particles) = (case.name, case.n_particles);
+        let mut found =
+            Found { name, n_particles, pushes: Vec::new(), floor: [[0.0; SHARES.len()]; 2] };
         for (index, push) in tested.iter().enumerate() {
             let ends = Ends::of(case, push, &correlation)?;
-            divergences.iter_mut().zip(ends.divergences()?).for_each(|(all, own)| all.push(own));
+            found.pushes.push(ends.divergences()?);
             if index == 0 {
                 figure = figure.with(ends.panel(case.name)?);
+                found.floor = ends.floor(&Ends::particles(case, push, &correlation, SEED + 2)?)?;
             }
         }
-        all.push(Found { name: case.name, divergences });
+        all.push(found);
     }
+    let figure = all.iter().fold(figure, |figure, found| figure.with(found.panel()));
     let told: Vec<String> = all.iter().map(Found::in_words).collect();
     let caption = format!(
-        "Ends of held-out pushes by {n_particles} particles (of a mixture {n_fewer}), and by Gaussians that are carried through the \
-         push (95 % ellipses of the place, of the push from {}; the Gaussian fitted to the particles is drawn in black). By \
-         how many nats a particle is less likely than under that fitted Gaussian (for one Gaussian its \
-         Kullback–Leibler divergence; below 0 the mixture is nearer than any Gaussian), median and \
-         worst of {} pushes, all widened by 10 µm and 0.1 mrad: {}.",
+        "Ends of held-out pushes by {n_particles} particles (of the mixture {n_fewer}), and by Gaussians that are \
+         carried through the push. Above: 95 % ellipses of the place, of the push from {}; the Gaussian fitted \
+         to the particles is drawn in black. Below: the Kullback–Leibler divergence of each method from the \
+         particles, in nats, by the distances of particles to their tenth neighbors, all widened by 10 µm and \
+         0.1 mrad: of pushes that stick or slip all along (discs) and of pushes that change (rings); the line \
+         is what the estimate makes of as many draws of a Gaussian and that Gaussian. U: \
+         unscented; GH: Gauss–Hermite of order 3; E: through the process in closed form; 4: at most four \
+         Gaussians; fit: the Gaussian fitted to the particles, the best that one Gaussian can be; 1000: fitted \
+         to so many others. {}.",
         tested.first().map_or(String::new(), |push| place_of(push)),
-        tested.len(),
         told.join("; ")
     );
-    let alt = "Three clouds of particles with the ellipses of three methods.";
+    let alt = "Three clouds of particles with the ellipses of five methods, and how far each is from them.";
     let numbers: Vec<_> = all.iter().map(Found::numbers).collect();
     Ok(Sketch::new(figure, serde_json::Value::Array(numbers), &caption, alt))
 }
 
+/// Pushes that go one way all along, then pushes that change.
+fn chosen<'a>(test: &[&'a RecordedPush]) -> Vec<&'a RecordedPush> {
+    let of = |changing: bool| {
+        test.iter().filter(move |push| changes(push) == changing).take(N_OF_EACH).copied()
+    };
+    of(false).chain(of(true)).collect()
+}
+
+/// Whether the contact sticks and slips, or slips both ways.
+fn changes(push: &RecordedPush) -> bool {
+    let ways: Vec<Slip> = push.steps.iter().map(Slip::of).collect();
+    ways.iter().any(|way| *way != ways[0])
+}
+
 /// The end of one push: by particles, and without.
 struct Ends {
-    particles: Vec<DVector<f64>>,
+    changes: bool,
+    particles: Vec<Vector3<f64>>,
+    cloud: Cloud,
     /// With the moments of the particles.
     fitted: Gaussian,
     /// One a method.
@@ -135,72 +169,87 @@ struct Ends {
 
 impl Ends {
     fn of(case: &Case<'_>, push: &RecordedPush, correlation: &StepCorrelation) -> Result<Self> {
-        let settings = RollOutSettings {
-            n_particles: case.n_particles,
-            seed: SEED,
-            errors: case.errors.clone(),
-            // Known exactly, places along the normal would have no density.
-            gap: ContactGap { sd: correlation.gap.sd.max(1e-5), ..correlation.gap },
-            start_sd: push.pose_sd[0],
-            ..recorded_settings(ContactGap::default())
-        };
-        let start_wb = &push.poses_wb[0];
-        let rolled = |settings: &RollOutSettings| -> Result<(Vec<DVector<f64>>, Gaussian)> {
-            let roll_out = RollOut { model: case.model, pushed: &push.pushed, settings };
-            let mut last = Vec::new();
-            let n_steps = push.path.steps(settings.step)?.len();
-            let mut seen = 0;
-            let watch = |_: &_, now: &[PushParticle]| {
-                if seen == n_steps {
-                    last = now.iter().map(place).collect();
-                }
-                seen += 1;
-            };
-            roll_out.run(start_wb, &push.path, watch)?;
-            let fitted = fitted(&last)?;
-            Ok((last, fitted))
-        };
-        let (particles, all) = rolled(&settings)?;
-        let few = RollOutSettings { n_particles: FEW, seed: SEED + 1, ..settings.clone() };
+        let settings = settings(case, push, correlation);
         let roll_out = RollOut { model: case.model, pushed: &push.pushed, settings: &settings };
         let matched = METHODS.iter().map(|method| {
-            let moments =
-                roll_out.matched(start_wb, &push.path, method.rule, method.n_components)?;
+            let Method { matching, n_components, .. } = method;
+            let start_wb = &push.poses_wb[0];
+            let moments = roll_out.matched(start_wb, &push.path, *matching, *n_components)?;
             moments.into_iter().next_back().context("a push has an end")
         });
         let matched = matched.collect::<Result<_>>()?;
-        Ok(Self { particles, fitted: all, matched, of_few: rolled(&few)?.1 })
+        let particles = Self::particles(case, push, correlation, SEED)?;
+        let few = Case { n_particles: FEW, errors: case.errors.clone(), ..*case };
+        let of_few = fitted(&Self::particles(&few, push, correlation, SEED + 1)?)?;
+        Ok(Self {
+            changes: changes(push),
+            cloud: Cloud::of(&particles, SEED)?,
+            fitted: fitted(&particles)?,
+            particles,
+            matched,
+            of_few,
+        })
     }
 
-    /// Of every method, then of few particles: mean log density of the particles under the Gaussian
-    /// fitted to them, less that under the other.
-    fn divergences(&self) -> Result<Vec<f64>> {
-        let every = self.particles.len().div_ceil(N_READ);
-        let mean = |density: &dyn Fn(&DVector<f64>) -> Result<f64>| -> Result<f64> {
-            let read = self.particles.iter().step_by(every);
-            let logs = read.map(density).collect::<Result<Vec<_>>>()?;
-            Ok(logs.iter().sum::<f64>() / logs.len() as f64)
-        };
-        let of_one = |gaussian: &Gaussian| {
-            let wide = widened(gaussian)?;
-            mean(&|at| Ok(wide.log_density(at)?))
-        };
-        let of_mixture = |mixture: &Mixture| {
-            let parts = mixture.components().iter();
-            let wide = parts.map(|(part, weight)| Ok((widened(part)?, *weight)));
-            let wide = Mixture::new(wide.collect::<Result<_>>()?)?;
-            mean(&|at| Ok(wide.log_density(at)?))
-        };
-        let best = of_one(&self.fitted)?;
-        let of_few = std::iter::once_with(|| of_one(&self.of_few));
-        let all = self.matched.iter().map(of_mixture).chain(of_few);
-        all.map(|log| Ok(best - log?)).collect()
+    /// Where the particles of a seed end.
+    fn particles(
+        case: &Case<'_>,
+        push: &RecordedPush,
+        correlation: &StepCorrelation,
+        seed: u64,
+    ) -> Result<Vec<Vector3<f64>>> {
+        let settings = RollOutSettings { seed, ..settings(case, push, correlation) };
+        let roll_out = RollOut { model: case.model, pushed: &push.pushed, settings: &settings };
+        let start_wb = &push.poses_wb[0];
+        let mut filter = roll_out.start(start_wb, &push.path)?;
+        for step in push.path.steps(settings.step)? {
+            filter.predict(&roll_out.motion(&step))?;
+        }
+        Ok(filter.particles().iter().map(place).collect())
+    }
+
+    /// How far the methods are from the particles.
+    fn divergences(&self) -> Result<PushFound> {
+        let alone = |gaussian: &Gaussian| Mixture::new(vec![(gaussian.clone(), 1.0)]);
+        let fits = [alone(&self.fitted)?, alone(&self.of_few)?];
+        let densities = self.matched.iter().chain(&fits).map(Density::of);
+        let densities = densities.collect::<Result<Vec<_>>>()?;
+        let exact = METHODS.iter().position(|method| method.name == "exact");
+        let exact = &densities[exact.context("one method is exact")?];
+        let mut by_share = [0.0; SHARES.len()];
+        for (divergence, share) in by_share.iter_mut().zip(SHARES) {
+            *divergence = self.thinned(share)?.divergence_of(exact);
+        }
+        let divergences = densities.iter().map(|density| self.cloud.divergence_of(density));
+        Ok(PushFound { changes: self.changes, divergences: divergences.collect(), by_share })
+    }
+
+    /// What the estimates make of draws of the fitted Gaussian, and of others that come from the same.
+    fn floor(&self, others: &[Vector3<f64>]) -> Result<[[f64; SHARES.len()]; 2]> {
+        let mut random = ChaCha8Rng::seed_from_u64(SEED);
+        let draw = |_| Vector3::from_iterator(self.fitted.sample(&mut random).iter().copied());
+        let draws: Vec<Vector3<f64>> = (0..others.len()).map(draw).collect();
+        let itself = Density::of(&Mixture::new(vec![(self.fitted.clone(), 1.0)])?)?;
+        let mut floor = [[0.0; SHARES.len()]; 2];
+        for (k, share) in SHARES.into_iter().enumerate() {
+            let n = others.len() / share;
+            floor[0][k] = Cloud::of(&Cloud::thinned(&draws, n), SEED)?.divergence_of(&itself);
+            let own = self.thinned(share)?;
+            let others = own.beside(&Cloud::thinned(others, n), SEED + 3);
+            floor[1][k] = own.divergence_of_cloud(&others);
+        }
+        Ok(floor)
+    }
+
+    fn thinned(&self, share: usize) -> Result<Cloud> {
+        Cloud::of(&Cloud::thinned(&self.particles, self.particles.len() / share), SEED)
     }
 
     fn panel(&self, name: &str) -> Result<Panel> {
-        let every = self.particles.len().div_ceil(N_DRAWN);
-        let drawn: Vec<[f64; 2]> =
-            self.particles.iter().step_by(every).map(|at| [MM * at[0], MM * at[1]]).collect();
+        let drawn: Vec<[f64; 2]> = Cloud::thinned(&self.particles, N_DRAWN)
+            .iter()
+            .map(|at| [MM * at[0], MM * at[1]])
+            .collect();
         let panel = Panel::new(Axis::new("world x / mm"), Axis::new("world y / mm"))
             .equal_aspect()
             .title(name)
@@ -214,30 +263,32 @@ impl Ends {
     }
 }
 
-fn place(particle: &PushParticle) -> DVector<f64> {
+fn settings(
+    case: &Case<'_>,
+    push: &RecordedPush,
+    correlation: &StepCorrelation,
+) -> RollOutSettings {
+    RollOutSettings {
+        n_particles: case.n_particles,
+        seed: SEED,
+        errors: case.errors.clone(),
+        // Known exactly, places along the normal would have no density.
+        gap: ContactGap { sd: correlation.gap.sd.max(1e-5), ..correlation.gap },
+        start_sd: push.pose_sd[0],
+        ..recorded_settings(ContactGap::default())
+    }
+}
+
+fn place(particle: &PushParticle) -> Vector3<f64> {
     let pose = particle.pose_wb;
-    DVector::from_vec(vec![pose.position.x, pose.position.y, pose.angle])
+    Vector3::new(pose.position.x, pose.position.y, pose.angle)
 }
 
 /// The Gaussian with the moments of equal particles.
-fn fitted(particles: &[DVector<f64>]) -> Result<Gaussian> {
-    let n = particles.len() as f64;
-    let first = particles.first().context("there are particles")?;
-    let mean = particles.iter().fold(DVector::zeros(first.len()), |sum, at| sum + at) / n;
-    let mut covariance = DMatrix::zeros(first.len(), first.len());
-    for at in particles {
-        let off = at - &mean;
-        covariance.ger(1.0 / n, &off, &off, 1.0);
-    }
-    Ok(Gaussian::new(mean, covariance)?)
-}
-
-/// A little wider: a part of a mixture that came from a single point of a rule has no density along
-/// the normal of its contact.
-fn widened(gaussian: &Gaussian) -> Result<Gaussian> {
-    let variances = WIDER_SD.map(|sd| sd * sd);
-    let wider = DMatrix::from_diagonal(&DVector::from_row_slice(&variances));
-    Ok(Gaussian::new(gaussian.mean().clone(), gaussian.covariance() + wider)?)
+fn fitted(particles: &[Vector3<f64>]) -> Result<Gaussian> {
+    let (mean, covariance) = moments(particles);
+    let mean = DVector::from_iterator(3, mean.iter().copied());
+    Ok(Gaussian::new(mean, DMatrix::from_iterator(3, 3, covariance.iter().copied()))?)
 }
 
 /// Where 95 % of the places are.
@@ -245,30 +296,4 @@ fn ellipse(gaussian: &Gaussian) -> Ellipse {
     let (mean, of) = (gaussian.mean(), |i, j| MM * MM * gaussian.covariance()[(i, j)]);
     let covariance = [of(0, 0), of(0, 1), of(1, 1)];
     Ellipse::of_covariance([MM * mean[0], MM * mean[1]], covariance, REACH_95)
-}
-
-impl Found {
-    fn names() -> impl Iterator<Item = String> {
-        let methods = METHODS.iter().map(|method| method.name.to_owned());
-        methods.chain(std::iter::once(format!("{FEW} particles")))
-    }
-
-    fn in_words(&self) -> String {
-        let told: Vec<String> = Self::names()
-            .zip(&self.divergences)
-            .map(|(name, all)| {
-                let worst = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                format!("{name} {:.3} ({worst:.3})", quantile(all.clone(), 0.5))
-            })
-            .collect();
-        format!("{} — {}", self.name, told.join(", "))
-    }
-
-    fn numbers(&self) -> serde_json::Value {
-        let methods: Vec<_> = Self::names()
-            .zip(&self.divergences)
-            .map(|(name, all)| json!({ "method": name, "divergence_nats": all }))
-            .collect();
-        json!({ "case": self.name, "methods": methods })
-    }
 }

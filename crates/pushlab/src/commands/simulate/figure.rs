@@ -43,13 +43,15 @@ fn top_view(rolled: &Rolled) -> Panel {
             .iter()
             .map(|corner| (MM * pose.transform_point(corner)).into())
             .collect();
-        let places: Vec<[f64; 2]> =
-            rolled.snapshots[*index].iter().map(|pose| (MM * pose.position).into()).collect();
         let outline = Polygon::new(&corners).color(shade).width(1.4);
         let label = k == shown.len() - 1;
         panel = panel.with(if label { outline.label("object, mean pose") } else { outline });
-        let cloud = Points::at(&places).color(shade).radius(1.3);
-        panel = panel.with(if label { cloud.label("particles") } else { cloud });
+        if let Some(snapshots) = &rolled.snapshots {
+            let poses = snapshots[*index].iter();
+            let places: Vec<[f64; 2]> = poses.map(|pose| (MM * pose.position).into()).collect();
+            let cloud = Points::at(&places).color(shade).radius(1.3);
+            panel = panel.with(if label { cloud.label("particles") } else { cloud });
+        }
     }
     if let Some(ellipse) = last_region(rolled) {
         panel = panel.with(ellipse);
@@ -84,9 +86,13 @@ fn angle(rolled: &Rolled) -> Panel {
         rolled.quantiles.iter().map(|quantiles| quantiles[k][2].to_degrees()).collect()
     };
     let (low, middle, high) = (quantile(0), quantile(1), quantile(2));
+    let band = match &rolled.snapshots {
+        Some(_) => "95 % of the particles",
+        None => "95 % of the Gaussian",
+    };
     let panel = Panel::new(Axis::new("time / s"), Axis::new("angle / °"))
         .legend(LegendPlace::Below)
-        .with(Band::new(&times, &low, &high).label("95 % of the particles"))
+        .with(Band::new(&times, &low, &high).label(band))
         .with(Line::new(&times, &middle).color(Color::BLUE).label("median"));
     match &rolled.measured_wb {
         Some(measured) => {

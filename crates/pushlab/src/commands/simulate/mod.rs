@@ -1,6 +1,7 @@
 //! `pushlab simulate`: pushes rolled out by a model, with their uncertainty.
 
 mod figure;
+mod method;
 mod motion_log;
 mod path_file;
 mod place;
@@ -12,10 +13,11 @@ mod tasks;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use models::{ContactGap, ModelFile, RollOutSettings, StepCorrelation, StepErrors};
+use models::{ContactGap, ModelFile, PushModel, RollOutSettings, StepCorrelation, StepErrors};
 
+use self::method::{Method, tabulated};
 use self::place::Place;
-use self::result::Simulated;
+use self::result::{How, Simulated};
 use self::rolled::Rolled;
 use self::tasks::Source;
 use crate::destination::FolderDestination;
@@ -29,7 +31,7 @@ use crate::terminal::Terminal;
 ///
 /// Particles go along the pusher's path, each with a contact of its own at every step, and draw their
 /// motion from the model. Pushes are those of a recording set, which are compared with what was
-/// measured, or one along a path from a file.
+/// measured, or one along a path from a file. With --matched a Gaussian goes along the path instead.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
@@ -46,6 +48,12 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", default_value_t = 10_000,
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     particles: u32,
+    /// Read a learnt model from tables, for many particles; their errors are told
+    #[arg(long)]
+    fast: bool,
+    /// Do without particles: a mean and a covariance are carried along the path
+    #[arg(long, value_name = "METHOD", conflicts_with_all = ["particles", "fast"])]
+    matched: Option<Method>,
     /// Recorded pushes, as recording#number, with commas between; else an even choice of --pushes
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     push: Vec<String>,
@@ -77,6 +85,8 @@ const EXAMPLES: &str = "\
 Examples:
   pushlab simulate pushes --model gp.toml -o out
   pushlab simulate pushes --model gp.toml --correlation pushes --push push-007#0 -o out
+  pushlab simulate pushes --model gp.toml --fast --particles 1000000 -o out
+  pushlab simulate pushes --model gp.toml --matched exact --correlation pushes -o out
   pushlab simulate arc.toml --manifest pushes/dataset.toml --model gp.toml --particles 10000 -o out
 A path file: kind = \"spline\", speed_mm_s = 20, points_mm = [[-60, 0], [-20, 10], [40, 0]]";
 
@@ -91,16 +101,19 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let model = file.description.build_in(source.support, &[])?;
     let correlation = source.correlation(model.as_ref())?;
     let settings = args.settings(&source, correlation.as_ref());
+    let (table, tables) = args.fast.then(|| tabulated(model.as_ref())).transpose()?.unzip();
+    let model = table.as_ref().map_or(model.as_ref(), |table| table as &dyn PushModel);
     let mut rolled = Vec::new();
     let mut progress = terminal.progress("pushes rolled out:", source.tasks.len());
     for task in source.tasks {
         let name = task.name.clone();
-        let one = task.roll_out(model.as_ref(), &settings);
+        let one = task.roll_out(model, &settings, args.matched);
         rolled.push(one.with_context(|| format!("cannot roll out {name}"))?);
         progress.advance();
     }
     progress.finish();
-    let result = Simulated::new(&args.output, &file.name, &settings, correlation, &rolled);
+    let how = How { settings: &settings, tables, matched: args.matched, correlation };
+    let result = Simulated::new(&args.output, &file.name, how, &rolled);
     destination.write(|folder| write(folder, &rolled, &result, &origin))?;
     terminal.finish(&origin, &result, &result)
 }
@@ -140,7 +153,8 @@ impl Args {
             words.extend(value.into_iter().flat_map(|value| [format!("--{name}"), value]));
         };
         option("model", Some(path(&self.model)));
-        option("particles", Some(self.particles.to_string()));
+        option("matched", self.matched.map(|method| method.name().to_owned()));
+        option("particles", self.matched.is_none().then(|| self.particles.to_string()));
         option("push", (!self.push.is_empty()).then(|| self.push.join(",")));
         option("pushes", self.push.is_empty().then(|| self.pushes.to_string()));
         option("correlation", self.correlation.as_deref().map(path));
@@ -148,6 +162,7 @@ impl Args {
         option("manifest", self.manifest.as_deref().map(path));
         option("object", self.object.map(|place| place.to_string()));
         option("seed", Some(self.seed.to_string()));
+        words.extend(self.fast.then(|| "--fast".to_owned()));
         Origin::new(words)
     }
 }

@@ -37,7 +37,7 @@ const SCENE: Schema = Schema {
     text: include_str!("../../../schemas/foxglove/SceneUpdate.json"),
 };
 
-/// Topics with their schemas; the last is of recorded pushes alone.
+/// Topics with their schemas; particles and measured poses are there if the push has some.
 const TOPICS: [(&str, Schema); 5] = [
     ("/robot/tip_pose", POSE),
     ("/object/pose", POSE),
@@ -55,23 +55,20 @@ pub(super) fn motion_log(rolled: &Rolled, origin: &Origin) -> Result<Vec<u8>> {
     // Threads of the compressor would change the bytes from machine to machine.
     let options = WriteOptions::new().library("pushlab").compression_threads(0);
     let mut writer = options.create(Cursor::new(Vec::new()))?;
-    let n_topics = TOPICS.len() - usize::from(rolled.measured_wb.is_none());
+    let is_there = [true, true, rolled.snapshots.is_some(), true, rolled.measured_wb.is_some()];
     let mut channels = Vec::new();
-    for (topic, Schema { name, text }) in &TOPICS[..n_topics] {
+    for ((topic, Schema { name, text }), _) in TOPICS.iter().zip(is_there).filter(|(_, is)| *is) {
         let schema = writer.add_schema(name, "jsonschema", text.as_bytes())?;
         channels.push(writer.add_channel(schema, topic, "json", &BTreeMap::new())?);
     }
-    for (index, (moment, snapshot)) in rolled.moments.iter().zip(&rolled.snapshots).enumerate() {
+    for (index, moment) in rolled.moments.iter().enumerate() {
         let time = (1e9 * moment.time).round() as u64;
         let pusher = Pose::new(moment.pusher_w[0], moment.pusher_w[1], 0.0);
         let mean = moment.pose_wb.mean;
         let mean = Pose::new(mean.x, mean.y, mean.z);
-        let mut messages = vec![
-            pose_in_frame(time, &pusher),
-            pose_in_frame(time, &mean),
-            poses_in_frame(time, snapshot),
-            outlines(time, rolled, &pusher, &mean),
-        ];
+        let mut messages = vec![pose_in_frame(time, &pusher), pose_in_frame(time, &mean)];
+        messages.extend(rolled.snapshots.as_ref().map(|all| poses_in_frame(time, &all[index])));
+        messages.push(outlines(time, rolled, &pusher, &mean));
         if let Some(measured) = &rolled.measured_wb {
             messages.push(pose_in_frame(time, &measured[index]));
         }
@@ -158,11 +155,12 @@ mod tests {
     use serde_json::{Value, json};
 
     use super::{SCENE, motion_log};
+    use crate::commands::simulate::method::Method;
     use crate::commands::simulate::rolled::{Rolled, Task};
     use crate::origin::Origin;
 
     /// A push of 20 mm that turns the object, beside a measured one of as many poses.
-    fn rolled() -> Rolled {
+    fn rolled(matched: Option<Method>) -> Rolled {
         let pushed = Pushed {
             shape: Arc::new(Shape::square(0.09).unwrap()),
             pusher_radius: 0.005,
@@ -179,7 +177,7 @@ mod tests {
         };
         let settings =
             RollOutSettings { n_particles: 7, touching: true, ..RollOutSettings::default() };
-        task.roll_out(&Analytical::nominal(0.25).unwrap(), &settings).unwrap()
+        task.roll_out(&Analytical::nominal(0.25).unwrap(), &settings, matched).unwrap()
     }
 
     /// What is wrong with a value by a JSON Schema, of the words that Foxglove uses.
@@ -228,8 +226,12 @@ mod tests {
 
     #[test]
     fn every_message_is_what_foxglove_publishes_under_its_name() {
-        let rolled = rolled();
-        let log = motion_log(&rolled, &Origin::new(vec!["simulate".to_owned()])).unwrap();
+        check(&rolled(None), 5);
+        check(&rolled(Some(Method::Unscented)), 4);
+    }
+
+    fn check(rolled: &Rolled, n_topics: usize) {
+        let log = motion_log(rolled, &Origin::new(vec!["simulate".to_owned()])).unwrap();
         let mut topics = std::collections::BTreeMap::<String, usize>::new();
         for message in mcap::MessageStream::new(&log).unwrap() {
             let message = message.unwrap();
@@ -248,7 +250,7 @@ mod tests {
                 assert_eq!(message.log_time, (1e9 * rolled.moments[index].time).round() as u64);
             }
         }
-        assert_eq!(topics.len(), 5);
+        assert_eq!(topics.len(), n_topics);
         assert!(topics.values().all(|n| *n == rolled.moments.len()), "{topics:?}");
     }
 

@@ -6,7 +6,16 @@ use std::path::{Path, PathBuf};
 use models::{Moment, RollOutSettings, StepCorrelation};
 use serde::Serialize;
 
+use super::method::{Method, Tables};
 use super::rolled::{MeasuredEnd, PROBABILITIES, Rolled};
+
+/// How pushes were rolled out.
+pub(super) struct How<'a> {
+    pub(super) settings: &'a RollOutSettings,
+    pub(super) tables: Option<Tables>,
+    pub(super) matched: Option<Method>,
+    pub(super) correlation: Option<StepCorrelation>,
+}
 
 /// All pushes that were rolled out.
 #[derive(Serialize)]
@@ -14,7 +23,12 @@ pub(super) struct Simulated {
     folder: PathBuf,
     /// The model's name.
     model: String,
-    n_particles: usize,
+    /// None if the motion was carried without.
+    n_particles: Option<usize>,
+    /// How it was carried without particles.
+    matched: Option<Method>,
+    /// How near the tables are that the model was read from; none if it was asked itself.
+    tables: Option<Tables>,
     /// Longest step, in m.
     longest_step: f64,
     /// How errors of steps go together; none if they were taken for independent.
@@ -57,8 +71,7 @@ impl Simulated {
     pub(super) fn new(
         folder: &Path,
         model: &str,
-        settings: &RollOutSettings,
-        correlation: Option<StepCorrelation>,
+        How { settings, tables, matched, correlation }: How<'_>,
         rolled: &[Rolled],
     ) -> Self {
         let push = |one: &Rolled| Push {
@@ -79,7 +92,9 @@ impl Simulated {
         Self {
             folder: folder.to_owned(),
             model: model.to_owned(),
-            n_particles: settings.n_particles,
+            n_particles: matched.is_none().then_some(settings.n_particles),
+            matched,
+            tables,
             longest_step: settings.step,
             correlation,
             probabilities: PROBABILITIES,
@@ -91,9 +106,24 @@ impl Simulated {
 
 impl fmt::Display for Simulated {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { model, n_particles, pushes, .. } = self;
+        let Self { model, n_particles, matched, pushes, .. } = self;
         let (n, unit) = (pushes.len(), if pushes.len() == 1 { "push" } else { "pushes" });
-        writeln!(f, "{model}: {n} {unit}, {n_particles} particles each")?;
+        match (n_particles, matched) {
+            (Some(n_particles), _) => {
+                writeln!(f, "{model}: {n} {unit}, {n_particles} particles each")?;
+            }
+            (None, matched) => {
+                let method = matched.map_or("moments", Method::name);
+                writeln!(f, "{model}: {n} {unit}, without particles ({method})")?;
+            }
+        }
+        if let Some(Tables { mean_error, variance_error, .. }) = self.tables {
+            writeln!(
+                f,
+                "  read from tables: means within {mean_error:.1e} of a step's standard deviation, \
+                 variances within {variance_error:.1e} of its variance"
+            )?;
+        }
         match &self.correlation {
             Some(found) => writeln!(f, "  {}", Shares(found))?,
             None => writeln!(
@@ -103,7 +133,7 @@ impl fmt::Display for Simulated {
             )?,
         }
         for push in pushes {
-            write!(f, "{push}")?;
+            write!(f, "{}", Told { push, by_particles: n_particles.is_some() })?;
         }
         for Coverage { level, n_within, n_ends } in &self.coverage {
             writeln!(
@@ -116,15 +146,22 @@ impl fmt::Display for Simulated {
     }
 }
 
-impl fmt::Display for Push {
+/// A push in words.
+struct Told<'a> {
+    push: &'a Push,
+    by_particles: bool,
+}
+
+impl fmt::Display for Told<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(last) = self.moments.last() else { return Ok(()) };
+        let Self { push, by_particles } = self;
+        let Some(last) = push.moments.last() else { return Ok(()) };
         let (mean, covariance) = (last.pose_wb.mean, last.pose_wb.covariance);
         let sd = |axis: usize| covariance[(axis, axis)].max(0.0).sqrt();
         writeln!(
             f,
             "  {}: after {:.2} s at ({:.2} ± {:.2}, {:.2} ± {:.2}) mm, {:.2} ± {:.2}°",
-            self.name,
+            push.name,
             last.time,
             1e3 * mean.x,
             1e3 * sd(0),
@@ -133,7 +170,7 @@ impl fmt::Display for Push {
             mean.z.to_degrees(),
             sd(2).to_degrees(),
         )?;
-        if let Some(end) = &self.end {
+        if let Some(end) = &push.end {
             let [place, turn] = end.error;
             writeln!(
                 f,
@@ -143,11 +180,12 @@ impl fmt::Display for Push {
                 (100.0 * end.level).ceil()
             )?;
         }
-        if self.lost > 0 {
-            writeln!(f, "    contact was lost {} times, of all particles", self.lost)?;
+        if push.lost > 0 {
+            let whose = if *by_particles { "of all particles" } else { "on the mean way" };
+            writeln!(f, "    contact was lost {} times, {whose}", push.lost)?;
         }
-        if self.unseen > WORTH_A_WORD {
-            let share = 100.0 * self.unseen;
+        if push.unseen > WORTH_A_WORD {
+            let share = 100.0 * push.unseen;
             writeln!(f, "    {share:.0} % of the steps are beyond those that the model has seen")?;
         }
         Ok(())

@@ -1,11 +1,16 @@
 //! A push rolled out, with all that is written of it.
 
 use anyhow::Result;
-use filter::Weights;
-use models::{Moment, PushModel, PushParticle, PushPath, Pushed, RollOut, RollOutSettings};
+use filter::{PlanarSummary, Weights};
+use models::{
+    ContactGap, Moment, PushModel, PushParticle, PushPath, Pushed, RollOut, RollOutSettings,
+    StepErrors,
+};
 use nalgebra::Vector2;
 use planar::Pose;
 use serde::Serialize;
+
+use super::method::Method;
 
 /// Poses of some of the particles.
 pub(super) type Snapshot = Vec<Pose>;
@@ -36,7 +41,8 @@ pub(super) struct Rolled {
     pub(super) moments: Vec<Moment>,
     /// Of x, y in m and angle in rad at each moment, by [`PROBABILITIES`].
     pub(super) quantiles: Vec<Vec<[f64; 3]>>,
-    pub(super) snapshots: Vec<Snapshot>,
+    /// At each moment; none without particles.
+    pub(super) snapshots: Option<Vec<Snapshot>>,
     pub(super) measured_wb: Option<Vec<Pose>>,
     /// Of a recorded push.
     pub(super) end: Option<MeasuredEnd>,
@@ -53,8 +59,17 @@ pub(super) struct MeasuredEnd {
     pub(super) level: f64,
 }
 
+/// What is known of the object at every moment of a push.
+struct Motion {
+    moments: Vec<Moment>,
+    quantiles: Vec<Vec<[f64; 3]>>,
+    snapshots: Option<Vec<Snapshot>>,
+    /// Of the region on whose border the measured end is, if there is one.
+    level: f64,
+}
+
 impl Task {
-    /// Rolls out.
+    /// Rolls out by particles, or by a method without.
     ///
     /// # Errors
     /// What the model or the path does not allow.
@@ -62,33 +77,17 @@ impl Task {
         self,
         model: &dyn PushModel,
         settings: &RollOutSettings,
+        matched: Option<Method>,
     ) -> Result<Rolled> {
         let settings = RollOutSettings { start_sd: self.pose_sd[0], ..settings.clone() };
-        let weights = Weights::equal(settings.n_particles);
-        let every = settings.n_particles.div_ceil(MOST_SHOWN).max(1);
-        let (mut quantiles, mut snapshots) = (Vec::new(), Vec::new());
-        let (mut failed, mut level) = (Ok(()), 0.0);
-        let end = self.measured_wb.as_ref().and_then(|poses| poses.last()).copied();
-        let watch = |moment: &Moment, particles: &[PushParticle]| {
-            snapshots.push(particles.iter().step_by(every).map(|one| one.pose_wb).collect());
-            let summary = &moment.pose_wb;
-            match summary.quantiles(particles, &weights, &PROBABILITIES) {
-                Ok(found) => quantiles.push(found.into_iter().map(Into::into).collect()),
-                Err(error) => failed = Err(error),
-            }
-            let place = |end: Pose| [end.position.x, end.position.y, end.angle];
-            match end.map(|end| summary.level(particles, &weights, place(end), self.pose_sd[1])) {
-                Some(Ok(found)) => level = found,
-                Some(Err(error)) => failed = Err(error),
-                None => {}
-            }
-        };
         let roll_out = RollOut { model, pushed: &self.pushed, settings: &settings };
-        let moments = roll_out.run(&self.start_wb, &self.path, watch)?;
-        failed?;
+        let Motion { moments, quantiles, snapshots, level } = match matched {
+            Some(method) => self.matched(&roll_out, method)?,
+            None => self.by_particles(&roll_out)?,
+        };
         let mean = moments[moments.len() - 1].pose_wb.mean;
-        let end = end.map(|end| MeasuredEnd {
-            pose_wb: [end.position.x, end.position.y, end.angle],
+        let end = self.measured_end().map(|end| MeasuredEnd {
+            pose_wb: place(&end),
             error: [(end.position - mean.xy()).norm(), planar::wrap_angle(end.angle - mean.z)],
             level,
         });
@@ -104,6 +103,63 @@ impl Task {
             end,
         })
     }
+
+    fn measured_end(&self) -> Option<Pose> {
+        self.measured_wb.as_ref().and_then(|poses| poses.last()).copied()
+    }
+
+    fn by_particles(&self, roll_out: &RollOut<'_>) -> Result<Motion> {
+        let n_particles = roll_out.settings.n_particles;
+        let weights = Weights::equal(n_particles);
+        let every = n_particles.div_ceil(MOST_SHOWN).max(1);
+        let (mut quantiles, mut snapshots) = (Vec::new(), Vec::new());
+        let (mut failed, mut level) = (Ok(()), 0.0);
+        let end = self.measured_end();
+        let watch = |moment: &Moment, particles: &[PushParticle]| {
+            snapshots.push(particles.iter().step_by(every).map(|one| one.pose_wb).collect());
+            let summary = &moment.pose_wb;
+            match summary.quantiles(particles, &weights, &PROBABILITIES) {
+                Ok(found) => quantiles.push(found.into_iter().map(Into::into).collect()),
+                Err(error) => failed = Err(error),
+            }
+            match end.map(|end| summary.level(particles, &weights, place(&end), self.pose_sd[1])) {
+                Some(Ok(found)) => level = found,
+                Some(Err(error)) => failed = Err(error),
+                None => {}
+            }
+        };
+        let moments = roll_out.run(&self.start_wb, &self.path, watch)?;
+        failed?;
+        Ok(Motion { moments, quantiles, snapshots: Some(snapshots), level })
+    }
+
+    /// Events are those of the model's mean way.
+    fn matched(&self, roll_out: &RollOut<'_>, method: Method) -> Result<Motion> {
+        let mixtures = roll_out.matched(&self.start_wb, &self.path, method.matching(), 1)?;
+        let alone = RollOutSettings {
+            n_particles: 1,
+            errors: StepErrors::None,
+            start_sd: [0.0; 2],
+            gap: ContactGap { sd: 0.0, ..roll_out.settings.gap },
+            ..roll_out.settings.clone()
+        };
+        let alone = RollOut { settings: &alone, ..*roll_out };
+        let mut moments = alone.run(&self.start_wb, &self.path, |_, _| {})?;
+        let (mut quantiles, mut level) = (Vec::new(), 0.0);
+        for (moment, mixture) in moments.iter_mut().zip(mixtures) {
+            moment.pose_wb = PlanarSummary::of_gaussian(&mixture.moments()?)?;
+            let found = moment.pose_wb.gaussian_quantiles(&PROBABILITIES)?;
+            quantiles.push(found.into_iter().map(Into::into).collect());
+            if let Some(end) = self.measured_end() {
+                level = moment.pose_wb.gaussian_level(place(&end), self.pose_sd[1]);
+            }
+        }
+        Ok(Motion { moments, quantiles, snapshots: None, level })
+    }
+}
+
+fn place(pose: &Pose) -> [f64; 3] {
+    [pose.position.x, pose.position.y, pose.angle]
 }
 
 impl Rolled {
