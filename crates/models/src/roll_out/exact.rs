@@ -8,7 +8,7 @@ use gp_core::{GaussianInput, UncertainOutputs};
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation2, Vector3};
 use planar::{Pose, perpendicular};
 
-use super::matched::{N_POSE, N_STATES};
+use super::matched::{N_POSE, N_STATES, mean_square_size};
 use super::settle::Holding;
 use super::{PushMotion, PushParticle, StepErrors};
 use crate::closed_form::ClosedForm;
@@ -84,11 +84,8 @@ impl<'a> Exact<'a> {
                     }
                 }
                 None => {
-                    let alone = Mixture::new(vec![(component.clone(), 1.0)])?;
-                    let ways = |point: &DVector<f64>| motion.ways_of_point(&self.first, point);
-                    let ways = alone.propagated(self.rule, ways)?;
-                    let own = ways.components().iter().cloned();
-                    moved.extend(own.map(|(gaussian, share)| (gaussian, weight * share)));
+                    let ways = motion.moved_by_points(&self.first, component, self.rule)?;
+                    moved.extend(ways.into_iter().map(|(part, share)| (part, weight * share)));
                 }
             }
         }
@@ -311,7 +308,9 @@ impl PushMotion<'_> {
         let (held, own) = match &self.settings.errors {
             StepErrors::None => (Vector3::zeros(), Vector3::zeros()),
             StepErrors::Independent => (Vector3::zeros(), Vector3::repeat(1.0)),
-            StepErrors::Held(shares) => (Vector3::from(shares.held), Vector3::from(shares.own)),
+            StepErrors::Held(shares) => {
+                (Vector3::from(shares.held), mean_square_size(state) * Vector3::from(shares.own))
+            }
         };
         let axes = by_way / self.step.distance();
         let of_held = axes * Matrix3::from_diagonal(&variance.component_mul(&held).map(f64::sqrt));

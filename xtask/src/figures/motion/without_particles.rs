@@ -5,7 +5,7 @@ mod found;
 use anyhow::{Context, Result};
 use filter::{GaussHermite, Gaussian, Mixture, Unscented};
 use models::{
-    GpPushModel, Matching, ProcessKind, PushModel, PushParticle, RecordedPush, RollOut,
+    ContactGap, GpPushModel, Matching, ProcessKind, PushModel, PushParticle, RecordedPush, RollOut,
     RollOutSettings, Slip, SlipMixture, StepCorrelation, StepErrors, Training, learn_options,
 };
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -289,9 +289,9 @@ fn settings(
         seed: SEED,
         errors: case.errors.clone(),
         // Known exactly, places along the normal would have no density.
-        gap_sd: correlation.gap_sd.max(1e-5),
+        gap: ContactGap { sd: correlation.gap.sd.max(1e-5), ..correlation.gap },
         start_sd: push.pose_sd[0],
-        ..recorded_settings(0.0)
+        ..recorded_settings(ContactGap::default())
     }
 }
 
