@@ -293,6 +293,18 @@ pub(crate) fn positive(
     }
 }
 
+/// Refuses a value that is not finite.
+pub(crate) fn finite(
+    name: &'static str,
+    value: f64,
+    unit: &'static str,
+) -> Result<f64, ModelError> {
+    match value.is_finite() {
+        true => Ok(value),
+        false => Err(ModelError::InvalidValue { name, expected: "finite", value, unit }),
+    }
+}
+
 /// Refuses a value that is negative or not finite.
 pub(crate) fn not_negative(
     name: &'static str,

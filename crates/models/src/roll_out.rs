@@ -21,8 +21,8 @@ use serde::Serialize;
 pub use self::matched::Matching;
 pub use self::motion::PushMotion;
 pub use self::particle::{PushEvents, PushParticle};
-use crate::error::{not_negative, positive};
-use crate::{ModelError, PathStep, PushModel, PushPath, StepCorrelation};
+use crate::error::{finite, not_negative, positive};
+use crate::{ContactGap, ModelError, PathStep, PushModel, PushPath, StepCorrelation};
 
 /// What is pushed, and with what.
 #[derive(Clone, Debug)]
@@ -46,9 +46,9 @@ pub struct Pushed {
 ///   the object is still until then, and is pushed for the rest of the step.
 /// - A pusher that moves **away** from the surface that it touches, or along it, is free.
 /// - After a push, contact **holds**: the draw is conditioned on the gap that there was when contact
-///   began (0 after a free way; what was measured, at a start in contact; give or take `gap_sd`). So
-///   errors along the normal do not add up, as the pusher's place is known. Where the draw leaves more than `tolerance` between
-///   pusher and outline contact is **lost**, and the pusher is free.
+///   began (0 after a free way; at a start in contact what `gap` makes of the measured one; give or take
+///   its sd). So errors along the normal do not add up, as the pusher's place is known. Where the draw
+///   leaves more than `tolerance` between pusher and outline contact is **lost**, and the pusher is free.
 ///
 /// Each of these is counted at every step ([`Moment::events`]), and so is what a learnt model is
 /// asked beyond the span of its training steps.
@@ -75,11 +75,11 @@ pub struct RollOutSettings {
     pub errors: StepErrors,
     /// Standard deviations of the start pose: of the place along each axis, in m, and in rad.
     pub start_sd: [f64; 2],
-    /// Standard deviation of the gap that contact holds, drawn once a push, in m: an outline, a
-    /// pusher and tracked poses do not fit together exactly.
-    pub gap_sd: f64,
+    /// The gap that contact holds, drawn once a push: an outline, a pusher and tracked poses do not fit
+    /// together exactly.
+    pub gap: ContactGap,
     /// Whether the pusher is known to touch at the start, as in a recorded contact: then the measured
-    /// gap is an error of measurement, and is kept.
+    /// gap is an error of measurement.
     pub touching: bool,
     /// A gap that noise makes, in m.
     pub tolerance: f64,
@@ -92,7 +92,7 @@ pub enum StepErrors {
     None,
     /// Each step's is drawn anew, with the model's variance.
     Independent,
-    /// A part is drawn once a push, the rest anew, in shares that were measured.
+    /// A part goes on from step to step, the rest is drawn anew, in shares that were measured.
     Held(StepCorrelation),
 }
 
@@ -104,7 +104,7 @@ impl Default for RollOutSettings {
             step: 4e-3,
             errors: StepErrors::Independent,
             start_sd: [0.0; 2],
-            gap_sd: 0.0,
+            gap: ContactGap::default(),
             touching: false,
             tolerance: 1e-3,
         }
@@ -169,7 +169,7 @@ impl RollOut<'_> {
         path: &PushPath,
     ) -> Result<ParticleFilter<PushParticle>, ModelError> {
         self.check()?;
-        let RollOutSettings { n_particles, seed, start_sd, gap_sd, errors, .. } = self.settings;
+        let RollOutSettings { n_particles, seed, start_sd, gap, errors, .. } = self.settings;
         let [place_sd, angle_sd] = start_sd;
         let first = self.first(start_wb, path)?;
         let mut random = ChaCha8Rng::seed_from_u64(*seed);
@@ -181,12 +181,12 @@ impl RollOut<'_> {
             };
             let mut normal = || random.sample::<f64, _>(StandardNormal);
             let noise = [normal(), normal(), normal()];
-            let held = size * Vector3::new(normal(), normal(), normal());
+            let held = Vector3::new(normal(), normal(), normal());
             let mut pose_wb = *start_wb;
             pose_wb.position.x += place_sd * noise[0];
             pose_wb.position.y += place_sd * noise[1];
             pose_wb.angle += angle_sd * noise[2];
-            first.moved(pose_wb, held, gap_sd * normal())
+            PushParticle { size, ..first.moved(pose_wb, held, gap.sd * normal()) }
         };
         let settings = Settings { seed: *seed, ..Settings::default() };
         Ok(ParticleFilter::new((0..*n_particles).map(particle).collect(), settings)?)
@@ -199,14 +199,19 @@ impl RollOut<'_> {
     }
 
     fn check(&self) -> Result<(), ModelError> {
-        let RollOutSettings { step, start_sd, gap_sd, tolerance, .. } = self.settings;
+        let RollOutSettings { step, start_sd, gap, tolerance, .. } = self.settings;
         let [place_sd, angle_sd] = start_sd;
         not_negative("pusher radius", self.pushed.pusher_radius, "m")?;
         positive("longest step", *step, "m")?;
         positive("tolerance of contact", *tolerance, "m")?;
         not_negative("sd of the start's place", *place_sd, "m")?;
         not_negative("sd of the start's angle", *angle_sd, "rad")?;
-        not_negative("sd of the gap", *gap_sd, "m")?;
+        not_negative("sd of the gap", gap.sd, "m")?;
+        for (name, value) in
+            [("offset of the gap", gap.offset), ("kept share of the gap", gap.kept)]
+        {
+            finite(name, value, "m or 1")?;
+        }
         Ok(())
     }
 
@@ -222,10 +227,7 @@ impl RollOut<'_> {
             ("y of the start", start_wb.position.y),
             ("angle of the start", start_wb.angle),
         ] {
-            if !value.is_finite() {
-                let (expected, unit) = ("finite", "m or rad");
-                return Err(ModelError::InvalidValue { name, expected, value, unit });
-            }
+            finite(name, value, "m or rad")?;
         }
         let Pushed { shape, pusher_radius, .. } = self.pushed;
         let center_b = start_wb.inverse_transform_point(&path.start_w());
@@ -234,8 +236,9 @@ impl RollOut<'_> {
         if shape.contains(&center_b) || (!touching && gap < -tolerance) {
             return Err(ModelError::PusherInside { depth: -gap });
         }
-        let touches = *touching || gap <= 0.0;
-        Ok(PushParticle::at(*start_wb, touches.then_some(gap)))
+        let held =
+            if *touching { Some(self.settings.gap.held(gap)) } else { (gap <= 0.0).then_some(gap) };
+        Ok(PushParticle::at(*start_wb, held))
     }
 }
 

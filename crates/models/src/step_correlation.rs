@@ -5,42 +5,44 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution};
 use serde::{Deserialize, Serialize};
 
-use crate::held_scatter::{HeldScatter, PushMean};
-use crate::{ModelError, Noise, PushModel, RecordedPush, Slip, StepInput, StepObservation};
+use crate::error_products::{ErrorProducts, Shares};
+use crate::push_errors::PushErrors;
+use crate::push_scatter::{PushScatter, PushSum};
+use crate::{ContactGap, EndCheck, ModelError, PushModel, RecordedPush};
 
-/// Which part of a model's variance a whole push shares, which is each step's own, and which is
-/// noise of the measured poses, that one step has in excess and the next one lacks.
+/// Which part of a model's variance the steps of a push share, and for how long, which is each step's
+/// own, and which is noise of the measured poses, that one step has in excess and the next one lacks.
 ///
-/// z_k = √held · u + √own · w_k + √measured · (e_{k+1} − e_k), of errors z = L⁻¹(observed − mean) with
-/// L Lᵀ the model's covariance of a step, u of the push, w and e of the step, all with variance 1.
-/// held + own + 2 measured is 1 for a model whose steps are calibrated. By moments: `measured` is what
-/// the mean product of neighbors lacks to that of errors two or more steps apart, and `own` the rest of
-/// the mean square, each at least 0. A bias that all pushes share counts as held.
+/// z_k = A_k (s (√held · g_k + √own · w_k) + √measured · (e_{k+1} − e_k)), of errors
+/// z = A L⁻¹(observed − mean) with L Lᵀ the model's covariance of a step and A the directions that contact
+/// leaves free ([`RollOut`](crate::RollOut) conditions draws on the gap); g, w and e have variance 1, g_k and g_l the correlation
+/// exp(−way from k to l / length): where a model errs it errs near by, too, until the contact has moved
+/// on. s² is a push's own, ν/χ²_ν: some pushes go where the model is worse than it says.
 ///
-/// Pushes differ in how much they hold, for some begin where the model is worse than it says: u has a
-/// Student t distribution. Its scale `held` and its degrees of freedom are those of most likelihood; few
-/// pushes leave them open, which makes the tails heavier.
-///
-/// # Source
-/// Searle, Casella & McCulloch (1992), Variance Components, chapter 4 (analysis-of-variance
-/// estimators), here with a third component for the differences.
+/// The shares and the length come from the mean products of a push's errors, by least squares; the degrees of freedom ν, and how large held and own are together, from what the
+/// errors of whole pushes add up to, by maximum likelihood: the sum is what a roll-out ends with. Few
+/// pushes leave ν open, which makes the tails heavier. A bias that all pushes share counts as held.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StepCorrelation {
     /// Of Δx, Δy and Δθ, as shares of the model's variance: the scale squared of a t.
     pub held: [f64; 3],
-    /// The degrees of freedom of what a push holds: many for pushes that all hold alike.
-    pub freedom: f64,
-    /// Likewise.
+    /// The pusher's way, in m, over which the correlation of what is held falls to 1/e.
+    pub length: f64,
+    /// As `held`, of what each step has for itself.
     pub own: [f64; 3],
-    /// Likewise; it does not move the object.
+    /// The degrees of freedom of a push's size: many for pushes that are all alike.
+    pub freedom: f64,
+    /// Share of the model's variance that is noise of a measured pose; it does not move the object.
     pub measured: [f64; 3],
-    /// Root mean square change of the measured gap since the start of a push in contact, in m.
-    pub gap_sd: f64,
+    /// What contact holds of the gap that was measured at its start.
+    pub gap: ContactGap,
     /// Pushes that it was measured on.
     pub n_pushes: usize,
     /// Their steps.
     pub n_steps: usize,
+    /// How many of their ends are within the regions of roll-outs, if that was checked.
+    pub ends: Option<EndCheck>,
 }
 
 /// Fewer pushes with three steps do not tell what they share.
@@ -67,87 +69,65 @@ impl StepCorrelation {
     pub fn measure_by<'a, 'm>(
         pushes: impl IntoIterator<Item = (&'m dyn PushModel, &'a RecordedPush)>,
     ) -> Result<Self, ModelError> {
-        let (mut errors, mut squares, mut n_gaps) = (Vec::new(), 0.0, 0);
-        for (model, push) in pushes {
-            errors.push(whitened(model, &push.steps)?);
-            let gaps = push.gaps();
-            squares += gaps.iter().map(|gap| (gap - gaps[0]).powi(2)).sum::<f64>();
-            n_gaps += gaps.len() - 1;
-        }
-        let gap_sd = (squares / n_gaps.max(1) as f64).sqrt();
-        Ok(Self { gap_sd, ..Self::of_errors(&errors)? })
+        let pushes: Vec<_> = pushes.into_iter().collect();
+        let errors = pushes.iter().map(|(model, push)| PushErrors::of(*model, push));
+        let errors = errors.collect::<Result<Vec<_>, _>>()?;
+        let gap = ContactGap::of(pushes.iter().map(|(_, push)| *push));
+        Ok(Self { gap, ..Self::of_errors(&errors)? })
     }
 
-    /// Of whitened errors, one list a push.
-    pub(crate) fn of_errors(errors: &[Vec<Vector3<f64>>]) -> Result<Self, ModelError> {
-        let long: Vec<_> = errors.iter().filter(|errors| errors.len() >= 3).collect();
+    /// The same with the ends of pushes counted that are within the regions of roll-outs: each push by a
+    /// model that has not seen it, as in [`StepCorrelation::measure_by`].
+    ///
+    /// # Errors
+    /// As [`crate::RollOut::run`].
+    pub fn checked<'a, 'm>(
+        self,
+        pushes: impl IntoIterator<Item = (&'m dyn PushModel, &'a RecordedPush)>,
+    ) -> Result<Self, ModelError> {
+        let ends = Some(EndCheck::of(&self, pushes)?);
+        Ok(Self { ends, ..self })
+    }
+
+    /// Of whitened errors.
+    pub(crate) fn of_errors(all: &[PushErrors]) -> Result<Self, ModelError> {
+        let long: Vec<_> = all.iter().filter(|push| push.errors.len() >= 3).collect();
         if long.len() < FEWEST {
             return Err(ModelError::TooFewPushes { n_pushes: long.len(), needed: FEWEST });
         }
-        let mut sums = [Vector3::<f64>::zeros(); 3];
-        let mut counts = [0_usize; 3];
-        for errors in &long {
-            for (k, one) in errors.iter().enumerate() {
-                for (lag, other) in errors[k..].iter().enumerate() {
-                    sums[lag.min(2)] += one.component_mul(other);
-                    counts[lag.min(2)] += 1;
-                }
-            }
-        }
-        let [square, neighbors, apart] = std::array::from_fn(|lag| sums[lag] / counts[lag] as f64);
-        let products = apart.map(|product| product.max(0.0));
-        let measured = (products - neighbors).map(|lacking| lacking.max(0.0));
-        let own = (square - products - 2.0 * measured).map(|rest| rest.max(0.0));
-        let mean = |errors: &&Vec<Vector3<f64>>| {
-            let n = errors.len();
-            PushMean { mean: errors.iter().sum::<Vector3<f64>>() / n as f64, n }
-        };
-        let means: Vec<PushMean> = long.iter().map(mean).collect();
-        let HeldScatter { held, freedom } = HeldScatter::of(&means, &own);
+        let products: Vec<_> = long.iter().map(|push| ErrorProducts::of(push)).collect();
+        let shares = Shares::of(&products);
+        let sums: Vec<_> = long.iter().map(|push| PushSum::of(push, &shares)).collect();
+        let PushScatter { scale, freedom } = PushScatter::of(&sums);
+        let Shares { held, own, measured, length } = shares;
         Ok(Self {
-            held: held.into(),
+            held: (scale * held).into(),
+            length,
+            own: (scale * own).into(),
             freedom,
-            own: own.into(),
             measured: measured.into(),
-            gap_sd: 0.0,
+            gap: ContactGap::default(),
             n_pushes: long.len(),
-            n_steps: long.iter().map(|errors| errors.len()).sum(),
+            n_steps: long.iter().map(|push| push.errors.len()).sum(),
+            ends: None,
         })
     }
 
-    /// By how much what a push holds is larger than the scale: the root of ν/χ²_ν.
+    /// A push's size s: the root of ν/χ²_ν.
     pub(crate) fn size(&self, random: &mut ChaCha8Rng) -> f64 {
         // Degrees of freedom are positive; without them there is no scatter of the scatter.
         ChiSquared::new(self.freedom).map_or(1.0, |chi| (self.freedom / chi.sample(random)).sqrt())
     }
 
-    /// A whitened error of a step, of the push's numbers and the step's.
+    /// What is kept of g over a way of the pusher, in m.
+    pub(crate) fn kept(&self, way: f64) -> f64 {
+        (-way / self.length).exp()
+    }
+
+    /// A whitened error of a step, of the numbers g and w for a push of size 1.
     pub(crate) fn drawn(&self, held: &Vector3<f64>, own: &Vector3<f64>) -> Vector3<f64> {
         Vector3::from_fn(|k, _| self.held[k].sqrt() * held[k] + self.own[k].sqrt() * own[k])
     }
-}
-
-/// L⁻¹(observed − mean) of each step.
-fn whitened(
-    model: &dyn PushModel,
-    steps: &[StepObservation],
-) -> Result<Vec<Vector3<f64>>, ModelError> {
-    let inputs: Vec<StepInput> = steps.iter().map(|step| step.input.clone()).collect();
-    let said = match model.as_mixture() {
-        // A step is held against the way that it went: which one is drawn anew every time.
-        Some(mixture) => {
-            let ways = mixture.ways(&inputs, Noise::Included)?;
-            ways.iter().zip(steps).map(|(said, step)| said.of(Slip::of(step))).collect()
-        }
-        None => model.predict(&inputs, Noise::Included)?,
-    };
-    let error = |(step, said): (&StepObservation, &crate::StepPrediction)| {
-        let off = step.outputs - said.mean;
-        root(&said.covariance)
-            .solve_lower_triangular(&off)
-            .ok_or(ModelError::NoVariance { kind: model.kind() })
-    };
-    steps.iter().zip(&said).map(error).collect()
 }
 
 /// The lower triangular root of a covariance, which may be singular: then it has columns of zeros.
@@ -180,62 +160,128 @@ mod tests {
     use nalgebra::{Matrix3, Vector3};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
-    use rand_distr::StandardNormal;
+    use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
     use super::{StepCorrelation, root};
     use crate::ModelError;
+    use crate::push_errors::PushErrors;
 
     const STEPS: usize = 12;
+    const WAY: f64 = 0.004;
+    const N_PUSHES: usize = 8000;
 
-    /// Errors of pushes with known shares.
-    fn errors(n_pushes: usize, held: f64, own: f64, measured: f64) -> Vec<Vec<Vector3<f64>>> {
-        let mut random = ChaCha8Rng::seed_from_u64(7);
-        let mut normal =
-            || -> Vector3<f64> { Vector3::from_fn(|_, _| random.sample(StandardNormal)) };
-        let mut push = |_| {
-            let (shared, mut noise) = (normal(), normal());
+    /// Known shares, and the size of pushes: all alike, or as a t of some degrees of freedom.
+    struct Truth {
+        held: f64,
+        length: f64,
+        own: f64,
+        measured: f64,
+        freedom: f64,
+        /// Whether contact holds, at places that differ from push to push.
+        in_contact: bool,
+    }
+
+    const TRUTH: Truth = Truth {
+        held: 0.4,
+        length: 0.012,
+        own: 0.4,
+        measured: 0.1,
+        freedom: f64::INFINITY,
+        in_contact: false,
+    };
+
+    const IN_CONTACT: Truth = Truth { in_contact: true, ..TRUTH };
+
+    impl Truth {
+        /// The directions that contact leaves free in a push.
+        fn free(&self, push: usize) -> Matrix3<f64> {
+            let turn = 2.4 * push as f64;
+            let held = Vector3::new(0.6 * turn.cos(), 0.6 * turn.sin(), 0.8);
+            let part = if self.in_contact { 1.0 } else { 0.0 };
+            Matrix3::identity() - part * held * held.transpose()
+        }
+    }
+
+    fn errors(n_pushes: usize, truth: &Truth, seed: u64) -> Vec<PushErrors> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let Truth { held, length, own, measured, freedom, .. } = *truth;
+        let kept = (-WAY / length).exp();
+        let mut push = |k| {
+            let free = truth.free(k);
+            let size = match freedom.is_finite() {
+                true => (freedom / ChiSquared::new(freedom).unwrap().sample(&mut random)).sqrt(),
+                false => 1.0,
+            };
+            let mut normal =
+                || -> Vector3<f64> { Vector3::from_fn(|_, _| random.sample(StandardNormal)) };
+            let (mut shared, mut noise) = (normal(), normal());
             let mut step = |_| {
                 let before = std::mem::replace(&mut noise, normal());
-                let own = own.sqrt() * normal();
-                held.sqrt() * shared + own + measured.sqrt() * (noise - before)
+                let of_push = size * (held.sqrt() * shared + own.sqrt() * normal());
+                shared = kept * shared + (1.0 - kept * kept).sqrt() * normal();
+                of_push + measured.sqrt() * (noise - before)
             };
-            (0..STEPS).map(&mut step).collect()
+            let errors = (0..STEPS).map(&mut step).map(|error| free * error).collect();
+            PushErrors { errors, free: vec![free; STEPS], way: WAY }
         };
         (0..n_pushes).map(&mut push).collect()
     }
 
     #[test]
-    fn known_shares_are_found() {
-        for (held, own, measured) in [(0.4, 0.4, 0.1), (0.0, 1.0, 0.0), (0.0, 0.2, 0.4)] {
-            let found = StepCorrelation::of_errors(&errors(4000, held, own, measured)).unwrap();
+    fn known_shares_and_their_length_are_found() {
+        let heavy = Truth { freedom: 5.0, ..TRUTH };
+        let held = Truth { length: 1e3, ..TRUTH };
+        let noise = Truth { held: 0.0, own: 0.2, measured: 0.4, ..TRUTH };
+        for truth in [TRUTH, IN_CONTACT, heavy, held, noise] {
+            let found = StepCorrelation::of_errors(&errors(N_PUSHES, &truth, 7)).unwrap();
             for (values, truth) in
-                [(found.held, held), (found.own, own), (found.measured, measured)]
+                [(found.held, truth.held), (found.own, truth.own), (found.measured, truth.measured)]
             {
-                assert!(values.iter().all(|value| (value - truth).abs() < 0.03), "{found:?}");
+                assert!(values.iter().all(|value| (value - truth).abs() < 0.1), "{found:?}");
             }
-            assert_eq!((found.n_pushes, found.n_steps), (4000, 4000 * STEPS));
+            // Which of them it is shows at a few lags only; how much there is at all of them.
+            for k in 0..3 {
+                let whole = found.held[k] + found.own[k] + 2.0 * found.measured[k];
+                let truth = truth.held + truth.own + 2.0 * truth.measured;
+                assert!((whole / truth - 1.0).abs() < 0.05, "{found:?}");
+            }
+            assert!((1.0 / found.freedom - 1.0 / truth.freedom).abs() < 0.03, "{found:?}");
+            let is_long = found.length > 40.0 * WAY;
+            let is_near = (found.length / truth.length).ln().abs() < 0.3;
+            assert!(truth.held == 0.0 || is_near || (truth.length > 1.0 && is_long), "{found:?}");
+            assert_eq!((found.n_pushes, found.n_steps), (N_PUSHES, N_PUSHES * STEPS));
         }
     }
 
     #[test]
     fn a_push_ends_as_far_off_as_its_shares_say() {
-        let shares = StepCorrelation::of_errors(&errors(4000, 0.4, 0.4, 0.1)).unwrap();
-        let ends = |errors: &[Vec<Vector3<f64>>]| {
-            let square = |steps: &Vec<Vector3<f64>>| steps.iter().sum::<Vector3<f64>>().x.powi(2);
-            errors.iter().map(square).sum::<f64>() / errors.len() as f64
-        };
-        let n = STEPS as f64;
-        let forecast = n * n * shares.held[0] + n * shares.own[0] + 2.0 * shares.measured[0];
-        let real = ends(&errors(8000, 0.4, 0.4, 0.1));
-        assert!((forecast / real - 1.0).abs() < 0.06, "{forecast} {real}");
-        assert!(real / n > 4.0, "independent steps would say 1 a step, and be far too sure");
+        for truth in [TRUTH, IN_CONTACT, Truth { freedom: 5.0, ..TRUTH }] {
+            let shares = StepCorrelation::of_errors(&errors(N_PUSHES, &truth, 7)).unwrap();
+            let pushes = errors(N_PUSHES, &truth, 8);
+            let square =
+                |push: &PushErrors| push.errors.iter().sum::<Vector3<f64>>().norm_squared();
+            let real = pushes.iter().map(square).sum::<f64>() / N_PUSHES as f64;
+            let parts = |parts: [f64; 3]| Vector3::from(parts);
+            let mean_square_size = shares.freedom / (shares.freedom - 2.0);
+            let mut forecast = 2.0 * parts(shares.measured);
+            for (k, l) in (0..STEPS).flat_map(|k| (0..STEPS).map(move |l| (k, l))) {
+                let kept = shares.kept(WAY * k.abs_diff(l) as f64);
+                let own = if k == l { parts(shares.own) } else { Vector3::zeros() };
+                forecast += mean_square_size * (kept * parts(shares.held) + own);
+            }
+            let free = |k| truth.free(k).diagonal().dot(&forecast);
+            let forecast = (0..N_PUSHES).map(free).sum::<f64>() / N_PUSHES as f64;
+            assert!((forecast / real - 1.0).abs() < 0.1, "{forecast} {real}");
+            let alone = if truth.in_contact { 2.0 } else { 3.0 } * STEPS as f64;
+            assert!(real / alone > 2.0, "independent steps would say 1, and be far too sure");
+        }
     }
 
     #[test]
     fn few_or_short_pushes_are_refused() {
-        let mut few = errors(5, 0.1, 0.1, 0.1);
-        few[0].truncate(2);
-        few[1].truncate(1);
+        let mut few = errors(5, &TRUTH, 7);
+        few[0].errors.truncate(2);
+        few[1].errors.truncate(1);
         let error = StepCorrelation::of_errors(&few).unwrap_err();
         assert!(matches!(error, ModelError::TooFewPushes { n_pushes: 3, needed: 4 }), "{error}");
     }

@@ -43,7 +43,7 @@ fn rig() -> Rig {
         n_particles: 200,
         // Recorded steps, of 4 mm give or take the robot's, are not divided.
         step: 0.01,
-        gap_sd: correlation.gap_sd,
+        gap: correlation.gap,
         errors: StepErrors::Held(correlation),
         touching: true,
         ..RollOutSettings::default()

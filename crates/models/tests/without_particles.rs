@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use filter::{GaussHermite, Gaussian, Unscented};
 use models::{
-    Analytical, GpPushModel, Matching, ModelError, Noise, ProcessKind, PushModel, PushPath, Pushed,
-    RollOut, RollOutSettings, SlipMixture, StepCorrelation, StepErrors, StepFeatures, StepInput,
-    StepObservation, Training, learn_options,
+    Analytical, ContactGap, GpPushModel, Matching, ModelError, Noise, ProcessKind, PushModel,
+    PushPath, Pushed, RollOut, RollOutSettings, SlipMixture, StepCorrelation, StepErrors,
+    StepFeatures, StepInput, StepObservation, Training, learn_options,
 };
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 use planar::{Pose, Shape};
@@ -50,7 +50,7 @@ fn settings(errors: StepErrors) -> RollOutSettings {
         n_particles: 100_000,
         errors,
         touching: true,
-        gap_sd: 1e-4,
+        gap: ContactGap { sd: 1e-4, ..ContactGap::default() },
         start_sd: [5e-4, 2e-2],
         ..RollOutSettings::default()
     }
@@ -60,12 +60,14 @@ fn settings(errors: StepErrors) -> RollOutSettings {
 fn held() -> StepErrors {
     StepErrors::Held(StepCorrelation {
         held: [0.3, 0.3, 0.3],
+        length: 0.02,
         freedom: 1e6,
         own: [0.7, 0.7, 0.7],
         measured: [0.0; 3],
-        gap_sd: 1e-4,
+        gap: ContactGap { sd: 1e-4, ..ContactGap::default() },
         n_pushes: 20,
         n_steps: 200,
+        ends: None,
     })
 }
 
@@ -139,7 +141,7 @@ fn what_is_carried_in_closed_form_has_the_moments_of_many_particles() {
 fn without_errors_and_spread_the_one_way_is_that_of_a_particle() {
     let model = trained(ProcessKind::Gp);
     let settings = RollOutSettings { n_particles: 1, touching: true, ..settings(StepErrors::None) };
-    let settings = RollOutSettings { gap_sd: 0.0, start_sd: [0.0; 2], ..settings };
+    let settings = RollOutSettings { gap: ContactGap::default(), start_sd: [0.0; 2], ..settings };
     let path = path(0.01, [0.02, 0.004]);
     let pushed = square();
     let roll_out = RollOut { model: &model, pushed: &pushed, settings: &settings };

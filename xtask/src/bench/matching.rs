@@ -3,7 +3,8 @@
 use anyhow::{Context, Result};
 use filter::{GaussHermite, Unscented};
 use models::{
-    GpPushModel, Matching, ProcessKind, PushModel, RollOut, RollOutSettings, SlipMixture, Training,
+    ContactGap, GpPushModel, Matching, ProcessKind, PushModel, RollOut, RollOutSettings,
+    SlipMixture, Training,
 };
 use planar::Pose;
 use rayon::ThreadPoolBuilder;
@@ -64,7 +65,7 @@ fn row(
     let settings = RollOutSettings {
         n_particles,
         touching: true,
-        gap_sd: 3e-5,
+        gap: ContactGap { sd: 3e-5, ..ContactGap::default() },
         start_sd: [1e-4, 5e-3],
         ..RollOutSettings::default()
     };

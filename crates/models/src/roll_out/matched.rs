@@ -11,9 +11,10 @@ use crate::step_correlation::root;
 use crate::{ModelError, PushPath, Slip, StepInput, StepObservation, StepPrediction};
 
 /// The state of a push: x and y in m, the angle in rad, the gap that contact holds beyond the nominal
-/// one in m, and three numbers of the whole push that its steps share.
+/// one in m, and three numbers that neighboring steps share, times the push's size.
 pub(super) const N_STATES: usize = 7;
 pub(super) const N_POSE: usize = 3;
+const SHARED: std::ops::Range<usize> = N_POSE + 1..N_STATES;
 
 /// One way that a state may go: which, how probably, and the pose with its covariance in W.
 type Way = (usize, f64, Pose, Matrix3<f64>);
@@ -39,8 +40,8 @@ impl RollOut<'_> {
     /// Every component is carried through a step, with the contact that holds at its end; it splits
     /// where a [`crate::SlipMixture`] goes several ways and, by points, where they stick and slip, in
     /// closed form at an end of an edge; the nearest components are joined again. With one component
-    /// these are matched moments. A state touches where its gap is within the tolerance. What the steps
-    /// of a push share, a Student t, begins as so many Gaussians of different widths.
+    /// these are matched moments. A state touches where its gap is within the tolerance. The sizes of
+    /// pushes, a Student t, begin as so many Gaussians of different widths.
     ///
     /// # Errors
     /// As [`RollOut::run`]; `NoClosedForm` for a model that has none; `Filter` for no components.
@@ -66,10 +67,15 @@ impl RollOut<'_> {
             let moved = match (&exact, matching) {
                 (Some(exact), _) => exact.moved(&motion, &state)?,
                 (None, Matching::Points(rule) | Matching::Exact(rule)) => {
-                    state.propagated(rule, |point| motion.ways_of_point(&first, point))?
+                    let mut moved = Vec::new();
+                    for (part, weight) in state.components() {
+                        let ways = motion.moved_by_points(&first, part, rule)?;
+                        moved.extend(ways.into_iter().map(|(part, share)| (part, weight * share)));
+                    }
+                    Mixture::new(moved)?
                 }
             };
-            state = moved.reduced(n_components)?;
+            state = motion.renewed(&moved.reduced(n_components)?)?;
             poses.push(pose_of(&state)?);
         }
         Ok(poses)
@@ -86,7 +92,7 @@ impl RollOut<'_> {
 
     fn start_gaussian(&self, start_wb: &Pose, held_variance: f64) -> Result<Gaussian, FilterError> {
         let [place_sd, angle_sd] = self.settings.start_sd;
-        let gap_sd = self.settings.gap_sd;
+        let gap_sd = self.settings.gap.sd;
         let Pose { position, angle } = start_wb;
         let mean = DVector::from_vec(vec![position.x, position.y, *angle, 0.0, 0.0, 0.0, 0.0]);
         let mut variances = vec![held_variance; N_STATES];
@@ -142,8 +148,39 @@ impl PushMotion<'_> {
         state
     }
 
+    /// A Gaussian after the step, by the points of a rule: its parts, and their shares.
+    pub(super) fn moved_by_points(
+        &self,
+        first: &PushParticle,
+        part: &Gaussian,
+        rule: &dyn Rule,
+    ) -> Result<Vec<(Gaussian, f64)>, ModelError> {
+        let first = PushParticle { size: mean_square_size(part).sqrt(), ..*first };
+        let alone = Mixture::new(vec![(part.clone(), 1.0)])?;
+        let moved = alone.propagated(rule, |point| self.ways_of_point(&first, point))?;
+        Ok(moved.components().to_vec())
+    }
+
+    /// What goes on to the next step of the numbers that steps share; the rest is new, as large as they are.
+    fn renewed(&self, state: &Mixture) -> Result<Mixture, FilterError> {
+        let StepErrors::Held(correlation) = &self.settings.errors else { return Ok(state.clone()) };
+        let kept = correlation.kept(self.step.distance());
+        let part = |(part, weight): &(Gaussian, f64)| {
+            let (mut mean, mut covariance) = (part.mean().clone(), part.covariance().clone());
+            let new_variance = (1.0 - kept * kept) * mean_square_size(part);
+            for k in SHARED {
+                mean[k] *= kept;
+                covariance.row_mut(k).scale_mut(kept);
+                covariance.column_mut(k).scale_mut(kept);
+                covariance[(k, k)] += new_variance;
+            }
+            Ok((Gaussian::new(mean, covariance)?, *weight))
+        };
+        Mixture::new(state.components().iter().map(part).collect::<Result<_, FilterError>>()?)
+    }
+
     /// What becomes of one point of a rule.
-    pub(super) fn ways_of_point(
+    fn ways_of_point(
         &self,
         first: &PushParticle,
         point: &DVector<f64>,
@@ -209,13 +246,19 @@ impl PushMotion<'_> {
             StepErrors::Independent => (said.mean, said.covariance),
             StepErrors::Held(correlation) => {
                 let root = root(&said.covariance);
-                let own =
-                    root * Matrix3::from_diagonal(&Vector3::from(correlation.own).map(f64::sqrt));
+                let own = Vector3::from(correlation.own).map(f64::sqrt);
+                let own = root * Matrix3::from_diagonal(&(state.size * own));
                 let shared = correlation.drawn(&state.held, &Vector3::zeros());
                 (said.mean + root * shared, own * own.transpose())
             }
         }
     }
+}
+
+/// The mean square of a push's size, by the numbers that steps share.
+pub(super) fn mean_square_size(state: &Gaussian) -> f64 {
+    let (mean, covariance) = (state.mean(), state.covariance());
+    SHARED.map(|k| covariance[(k, k)] + mean[k] * mean[k]).sum::<f64>() / SHARED.len() as f64
 }
 
 /// The part of a mixture that is about the pose.
@@ -238,8 +281,8 @@ mod tests {
 
     use super::scales;
     use crate::{
-        Analytical, CharacteristicLength, Estimate, Matching, PushPath, Pushed, RollOut,
-        RollOutSettings,
+        Analytical, CharacteristicLength, ContactGap, Estimate, Matching, PushPath, Pushed,
+        RollOut, RollOutSettings, StepCorrelation, StepErrors,
     };
 
     fn push(
@@ -276,7 +319,7 @@ mod tests {
         RollOutSettings {
             n_particles: 40_000,
             touching: true,
-            gap_sd: 1e-4,
+            gap: ContactGap { sd: 1e-4, ..ContactGap::default() },
             start_sd: [2e-4, 5e-3],
             ..RollOutSettings::default()
         }
@@ -296,6 +339,29 @@ mod tests {
             assert!(off < within, "{off}");
             let ratio = covariances[1].diagonal().component_div(&covariances[0].diagonal());
             assert!(ratio.iter().all(|ratio| (ratio - 1.0).abs() < 0.1), "{ratio}");
+        }
+    }
+
+    #[test]
+    fn what_goes_on_from_step_to_step_widens_matched_moments_as_it_does_the_particles() {
+        for (length, freedom) in [(1e-3, 1e6), (8e-3, 1e6), (1e3, 1e6), (8e-3, 8.0)] {
+            let errors = StepErrors::Held(StepCorrelation {
+                held: [0.5; 3],
+                length,
+                own: [0.3; 3],
+                freedom,
+                measured: [0.0; 3],
+                gap: ContactGap::default(),
+                n_pushes: 1,
+                n_steps: 1,
+                ends: None,
+            });
+            let settings = RollOutSettings { errors, ..settings() };
+            for n in [1, 4] {
+                let (_, covariances) = push(&settings, Matching::Points(&Unscented), n);
+                let ratio = covariances[1].diagonal().component_div(&covariances[0].diagonal());
+                assert!(ratio.iter().all(|ratio| (ratio - 1.0).abs() < 0.15), "{length} {ratio}");
+            }
         }
     }
 

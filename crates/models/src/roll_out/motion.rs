@@ -107,6 +107,11 @@ impl PushMotion<'_> {
                 }
                 None => self.pass(state),
             }
+            if let StepErrors::Held(correlation) = &self.settings.errors {
+                let kept = correlation.kept(self.step.distance());
+                let anew = Vector3::from_fn(|_, _| random.sample::<f64, _>(StandardNormal));
+                state.held = kept * state.held + (1.0 - kept * kept).sqrt() * anew;
+            }
         }
         Ok(())
     }
@@ -245,7 +250,7 @@ impl PushMotion<'_> {
             StepErrors::None => (Vector3::zeros(), 0.0),
             StepErrors::Independent => (normal, log_density(&root, &normal)),
             StepErrors::Held(correlation) => {
-                let drawn = correlation.drawn(&state.held, &normal);
+                let drawn = state.size * correlation.drawn(&state.held, &normal);
                 (drawn, log_density(&root, &drawn))
             }
         };

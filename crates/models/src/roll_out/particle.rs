@@ -16,8 +16,10 @@ pub struct PushParticle {
     pub(super) contact_gap: Option<f64>,
     /// Since contact began, in s.
     pub(super) since_contact: f64,
-    /// Standard normal numbers of the whole push.
+    /// Standard normal numbers that neighboring steps share.
     pub(super) held: Vector3<f64>,
+    /// By how much more than usual the model errs in this push.
+    pub(super) size: f64,
     /// What contact holds beyond the nominal gap, in m.
     pub(super) gap_error: f64,
     pub(super) events: PushEvents,
@@ -47,6 +49,7 @@ impl PushParticle {
             contact_gap,
             since_contact: 0.0,
             held: Vector3::zeros(),
+            size: 1.0,
             gap_error: 0.0,
             events: PushEvents::default(),
         }

@@ -103,6 +103,17 @@ impl Pushed {
         Some((mean_wb, 0.5 * (left + left.transpose())))
     }
 
+    /// The slope of the gap along a motion of the pusher, its left normal, and over a turn.
+    pub(crate) fn gap_slope(
+        &self,
+        pose_wb: &Pose,
+        center_w: &Vector2<f64>,
+        along_w: &Vector2<f64>,
+    ) -> RowVector3<f64> {
+        let (center_w, along_w) = (*center_w, *along_w);
+        self.gap_and_slope(pose_wb, &Holding { center_w, along_w, gap: 0.0, tolerance: 0.0 }).1
+    }
+
     /// The gap, and its slope along the pusher's motion, its left normal, and over the turn.
     fn gap_and_slope(&self, pose_wb: &Pose, held: &Holding) -> (f64, RowVector3<f64>) {
         let Holding { center_w, along_w, .. } = held;

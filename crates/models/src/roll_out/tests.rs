@@ -9,8 +9,8 @@ use planar::{Pose, Shape};
 
 use super::{Moment, PushParticle, Pushed, RollOut, RollOutSettings, StepErrors};
 use crate::{
-    Analytical, CharacteristicLength, Estimate, GpPushModel, ModelError, Noise, PushModel,
-    PushPath, StepCorrelation, StepInput, StepObservation, learn_options,
+    Analytical, CharacteristicLength, ContactGap, Estimate, GpPushModel, ModelError, Noise,
+    PushModel, PushPath, StepCorrelation, StepInput, StepObservation, learn_options,
 };
 
 const RADIUS: f64 = 0.005;
@@ -157,9 +157,13 @@ fn contact_holds_its_gap_in_every_particle() {
 #[test]
 fn a_gap_that_is_not_known_spreads_along_the_normal() {
     let path = straight([FACE, 0.0], [FACE + 0.02, 0.0]);
-    let settings = RollOutSettings { touching: true, gap_sd: 2e-4, ..particles(2000) };
+    let settings = RollOutSettings {
+        touching: true,
+        gap: ContactGap { sd: 2e-4, ..Default::default() },
+        ..particles(2000)
+    };
     let end = ends(&scattering(), &settings, &path).0.pop().unwrap().pose_wb.covariance;
-    let exact = RollOutSettings { gap_sd: 0.0, ..settings };
+    let exact = RollOutSettings { gap: ContactGap::default(), ..settings };
     let without = ends(&scattering(), &exact, &path).0.pop().unwrap().pose_wb.covariance;
     let added = (end[(0, 0)] - without[(0, 0)]).sqrt();
     assert!((added / 2e-4 - 1.0).abs() < 0.1, "{added}");
@@ -207,16 +211,18 @@ fn held_errors_grow_with_the_way_and_independent_ones_with_its_root() {
     let shares = |held: f64, own: f64| {
         let (n_pushes, n_steps, measured) = (1, 1, [0.0; 3]);
         let (held, own) = ([held; 3], [own; 3]);
-        let gap_sd = 0.0;
+        let (length, gap) = (1e3, ContactGap::default());
         let freedom = 1e6;
         StepErrors::Held(StepCorrelation {
             held,
+            length,
             freedom,
             own,
             measured,
-            gap_sd,
+            gap,
             n_pushes,
             n_steps,
+            ends: None,
         })
     };
     let spread = |errors: StepErrors, way: f64| {
@@ -284,7 +290,10 @@ fn what_cannot_be_rolled_out_is_refused_with_the_reason() {
     for (settings, says) in [
         (RollOutSettings { step: 0.0, ..particles(1) }, "length of a step"),
         (RollOutSettings { start_sd: [-1.0, 0.0], ..particles(1) }, "sd of the start's place"),
-        (RollOutSettings { gap_sd: -1.0, ..particles(1) }, "sd of the gap"),
+        (
+            RollOutSettings { gap: ContactGap { sd: -1.0, ..Default::default() }, ..particles(1) },
+            "sd of the gap",
+        ),
         (RollOutSettings { tolerance: f64::NAN, ..particles(1) }, "tolerance of contact"),
     ] {
         let error = refused(&nominal, settings, &path, home).to_string();

@@ -4,7 +4,9 @@ use std::f64::consts::TAU;
 
 use anyhow::{Context, Result};
 use filter::{PlanarSummary, Weights};
-use models::{PushParticle, RecordedPush, RollOut, RollOutSettings, StepCorrelation, StepErrors};
+use models::{
+    ContactGap, PushParticle, RecordedPush, RollOut, RollOutSettings, StepCorrelation, StepErrors,
+};
 use nalgebra::{Matrix3, Vector3};
 use planar::{Pose, wrap_angle};
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
@@ -79,7 +81,7 @@ fn ends_of(learnt: Learnt, turn: &Turn<'_>, n_particles: usize) -> Result<Ends> 
             n_particles,
             seed: SEED,
             errors,
-            ..recorded_settings(correlation.gap_sd)
+            ..recorded_settings(correlation.gap)
         };
         let end = |push: &&RecordedPush| end_of(&trained, push, &settings);
         turn.test.par_iter().map(end).collect::<Result<Vec<_>>>()
@@ -98,8 +100,8 @@ fn ends_of(learnt: Learnt, turn: &Turn<'_>, n_particles: usize) -> Result<Ends> 
 }
 
 /// Settings for recorded pushes: in contact, with a gap that was measured.
-pub(crate) fn recorded_settings(gap_sd: f64) -> RollOutSettings {
-    RollOutSettings { touching: true, gap_sd, step: 0.02, ..RollOutSettings::default() }
+pub(crate) fn recorded_settings(gap: ContactGap) -> RollOutSettings {
+    RollOutSettings { touching: true, gap, step: 0.02, ..RollOutSettings::default() }
 }
 
 /// How a push ends, and the share of the particle steps beyond the training steps.

@@ -17,10 +17,10 @@ const FEWEST_STEPS: usize = 3;
 const TURNS_BELOW: usize = 100;
 const N_TURNS: usize = 4;
 /// Most pushes that are tested in all.
-const MOST_TESTED: usize = 64;
+const MOST_TESTED: usize = 100;
 
 /// How often the pushes to learn from are split, to measure on what a part has not seen.
-const N_FOLDS: usize = 3;
+const N_FOLDS: usize = 5;
 
 /// Pushes to learn from, and to be tested on.
 pub(crate) struct Turn<'a> {

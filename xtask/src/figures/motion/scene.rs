@@ -48,7 +48,7 @@ impl Scene {
     /// Settings for a recorded push whose errors are held as they were measured.
     pub(super) fn held(&self, n_particles: usize) -> RollOutSettings {
         let errors = StepErrors::Held(self.correlation.clone());
-        let settings = recorded_settings(self.correlation.gap_sd);
+        let settings = recorded_settings(self.correlation.gap);
         RollOutSettings { n_particles, seed: SEED, errors, ..settings }
     }
 

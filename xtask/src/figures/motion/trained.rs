@@ -60,6 +60,9 @@ const fn kind(name: &'static str, color: Color, most: usize, train: Train) -> Ki
     Kind { name, color, most, train }
 }
 
+/// Of the pushes that a model left out, each so many-th is rolled out by it.
+const CHECKED: usize = 3;
+
 /// A model, and how the errors of its steps go together in pushes that it has not seen.
 pub(crate) struct Learnt {
     pub(crate) trained: Trained,
@@ -81,7 +84,7 @@ pub(crate) fn learn(setting: &Setting, turn: &Turn<'_>, names: &[&str]) -> Resul
         let left_out = folds.iter().zip(&by_fold).flat_map(|(fold, models)| {
             fold.left_out.iter().map(move |push| (models[kind].model.as_ref(), *push))
         });
-        StepCorrelation::measure_by(left_out)
+        StepCorrelation::measure_by(left_out.clone())?.checked(left_out.step_by(CHECKED))
     };
     let all = train(setting, &steps_of(&turn.learn), names)?.into_iter().enumerate();
     all.map(|(kind, trained)| Ok(Learnt { trained, correlation: correlation(kind)? })).collect()

@@ -13,7 +13,7 @@ mod tasks;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use models::{ModelFile, PushModel, RollOutSettings, StepCorrelation, StepErrors};
+use models::{ContactGap, ModelFile, PushModel, RollOutSettings, StepCorrelation, StepErrors};
 
 use self::method::{Method, tabulated};
 use self::place::Place;
@@ -140,7 +140,7 @@ impl Args {
             step: source.longest,
             errors: correlation
                 .map_or(StepErrors::Independent, |found| StepErrors::Held(found.clone())),
-            gap_sd: correlation.map_or(0.0, |found| found.gap_sd),
+            gap: correlation.map_or_else(ContactGap::default, |found| found.gap),
             touching: source.is_recorded,
             ..RollOutSettings::default()
         }

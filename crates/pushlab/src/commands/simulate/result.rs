@@ -200,12 +200,13 @@ struct Shares<'a>(&'a StepCorrelation);
 
 impl fmt::Display for Shares<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let StepCorrelation { held, n_pushes, .. } = self.0;
+        let StepCorrelation { held, length, n_pushes, .. } = self.0;
         let [dx, dy, dtheta] = held.map(|share| format!("{share:.2}"));
         write!(
             f,
-            "of the model's variance of a step {dx} (dx), {dy} (dy), {dtheta} (dtheta) is held \
-             through a push, by {n_pushes} pushes"
+            "of the model's variance of a step {dx} (dx), {dy} (dy), {dtheta} (dtheta) goes on over \
+             {:.0} mm of a push, by {n_pushes} pushes",
+            1e3 * length
         )
     }
 }

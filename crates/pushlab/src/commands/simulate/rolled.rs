@@ -3,7 +3,8 @@
 use anyhow::Result;
 use filter::{PlanarSummary, Weights};
 use models::{
-    Moment, PushModel, PushParticle, PushPath, Pushed, RollOut, RollOutSettings, StepErrors,
+    ContactGap, Moment, PushModel, PushParticle, PushPath, Pushed, RollOut, RollOutSettings,
+    StepErrors,
 };
 use nalgebra::Vector2;
 use planar::Pose;
@@ -139,7 +140,7 @@ impl Task {
             n_particles: 1,
             errors: StepErrors::None,
             start_sd: [0.0; 2],
-            gap_sd: 0.0,
+            gap: ContactGap { sd: 0.0, ..roll_out.settings.gap },
             ..roll_out.settings.clone()
         };
         let alone = RollOut { settings: &alone, ..*roll_out };
