@@ -35,10 +35,11 @@ struct Touched {
     kept: DMatrix<f64>,
 }
 
-/// A part of a Gaussian that goes one way: its probability, and which process says how.
+/// A part of a Gaussian that goes one way: its probability, its points, and which process says how.
 struct Part {
     share: f64,
     gaussian: Gaussian,
+    touched: Touched,
     edge: usize,
     form: usize,
 }
@@ -135,26 +136,27 @@ impl<'a> Exact<'a> {
         let mut parts = Vec::new();
         for (ahead, share, gaussian) in gaussian.split(self.rule, N_POSE, edge)? {
             let edge = (base + ahead).rem_euclid(n_edges) as usize;
-            let part = Part { share, gaussian, edge, form: 0 };
+            let Some(touched) = self.touching(motion, &gaussian)? else { return Ok(None) };
+            let part = Part { share, gaussian, touched, edge, form: 0 };
             if motion.model.as_mixture().is_none() {
                 parts.push(part);
                 continue;
             }
-            let Some(touched) = self.touching(motion, &part.gaussian)? else { return Ok(None) };
-            parts.extend(self.modes(motion, &touched, &part)?);
+            let Some(modes) = self.modes(motion, &part)? else { return Ok(None) };
+            parts.extend(modes);
         }
         Ok(Some(parts))
     }
 
-    /// A part once more by the ways of a mixture.
+    /// A part once more by the ways of a mixture; none if one of them may not touch.
     fn modes(
         &self,
         motion: &PushMotion<'_>,
-        Touched { all, kept }: &Touched,
         whole: &Part,
-    ) -> Result<Vec<Part>, ModelError> {
+    ) -> Result<Option<Vec<Part>>, ModelError> {
+        let Touched { all, kept } = &whole.touched;
         let inputs: Vec<StepInput> = all.iter().map(|one| one.input.clone()).collect();
-        let Some(mixture) = motion.model.as_mixture() else { return Ok(Vec::new()) };
+        let Some(mixture) = motion.model.as_mixture() else { return Ok(None) };
         let said = mixture.ways(&inputs, Noise::Excluded)?;
         let mut parts = Vec::new();
         for form in 0..self.forms.len() {
@@ -170,19 +172,18 @@ impl<'a> Exact<'a> {
                 true => whole.gaussian.clone(),
                 false => Gaussian::of_points(&points, kept)?,
             };
-            parts.push(Part { share: whole.share * share, gaussian, edge: whole.edge, form });
+            let Some(touched) = self.touching(motion, &gaussian)? else { return Ok(None) };
+            let (share, edge) = (whole.share * share, whole.edge);
+            parts.push(Part { share, gaussian, touched, edge, form });
         }
-        Ok(parts)
+        Ok(Some(parts))
     }
 
     /// A part after the step.
     fn carried(&self, motion: &PushMotion<'_>, part: &Part) -> Result<Gaussian, ModelError> {
         let form = &self.forms[part.form];
         let mut points = Vec::new();
-        let Some(Touched { all, .. }) = self.touching(motion, &part.gaussian)? else {
-            // The split has moved it out of touch: it stays.
-            return Ok(part.gaussian.clone());
-        };
+        let all = &part.touched.all;
         let on_edge = |one: &&Touching| one.input.edge() == part.edge;
         // A part that is narrow about an end of the edge may have no point on it.
         let any = all.iter().any(|one| on_edge(&one));

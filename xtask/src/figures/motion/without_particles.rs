@@ -27,7 +27,7 @@ const MANY: usize = 1_000_000;
 const MANY_QUICK: usize = 40_000;
 const FEW: usize = 1000;
 /// Pushes that go one way all along, and pushes whose contact changes between sticking and slipping.
-const N_OF_EACH: usize = 2;
+const N_OF_EACH: [usize; 2] = [1, 2];
 const MOST_LEARNT: usize = 300;
 const N_DRAWN: usize = 1500;
 /// Half axes of the ellipse that holds 95 % of a Gaussian in the plane, in standard deviations.
@@ -108,44 +108,54 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let mut all = Vec::new();
     for case in &cases {
         let (name, n_particles) = (case.name, case.n_particles);
-        let mut found =
-            Found { name, n_particles, pushes: Vec::new(), floor: [[0.0; SHARES.len()]; 2] };
+        let mut found = Found {
+            name,
+            n_particles,
+            pushes: Vec::new(),
+            by_share: [0.0; SHARES.len()],
+            floor: [[0.0; SHARES.len()]; 2],
+        };
         for (index, push) in tested.iter().enumerate() {
             let ends = Ends::of(case, push, &correlation)?;
             found.pushes.push(ends.divergences()?);
             if index == 0 {
                 figure = figure.with(ends.panel(case.name)?);
+                found.by_share = ends.by_share()?;
                 found.floor = ends.floor(&Ends::particles(case, push, &correlation, SEED + 2)?)?;
             }
         }
         all.push(found);
     }
     let figure = all.iter().fold(figure, |figure, found| figure.with(found.panel()));
-    let told: Vec<String> = all.iter().map(Found::in_words).collect();
-    let caption = format!(
-        "Ends of held-out pushes by {n_particles} particles (of the mixture {n_fewer}), and by Gaussians that are \
-         carried through the push. Above: 95 % ellipses of the place, of the push from {}; the Gaussian fitted \
-         to the particles is drawn in black. Below: the Kullback–Leibler divergence of each method from the \
-         particles, in nats, by the distances of particles to their tenth neighbors, all widened by 10 µm and \
-         0.1 mrad: of pushes that stick or slip all along (discs) and of pushes that change (rings); the line \
-         is what the estimate makes of as many draws of a Gaussian and that Gaussian. U: \
-         unscented; GH: Gauss–Hermite of order 3; E: through the process in closed form; 4: at most four \
-         Gaussians; fit: the Gaussian fitted to the particles, the best that one Gaussian can be; 1000: fitted \
-         to so many others. {}.",
-        tested.first().map_or(String::new(), |push| place_of(push)),
-        told.join("; ")
-    );
+    let place = tested.first().map_or(String::new(), |push| place_of(push));
+    let caption = caption(&place, n_particles, n_fewer, &all);
     let alt = "Three clouds of particles with the ellipses of five methods, and how far each is from them.";
     let numbers: Vec<_> = all.iter().map(Found::numbers).collect();
     Ok(Sketch::new(figure, serde_json::Value::Array(numbers), &caption, alt))
 }
 
+fn caption(place: &str, n_particles: usize, n_fewer: usize, all: &[Found]) -> String {
+    let told: Vec<String> = all.iter().map(Found::in_words).collect();
+    format!(
+        "Ends of held-out pushes by {n_particles} particles (of the mixture {n_fewer}), and by Gaussians that are \
+         carried through the push. Above: 95 % ellipses of the place, of the push from {place}; the Gaussian fitted \
+         to the particles is drawn in black. Below: the Kullback–Leibler divergence of each method from the \
+         particles, in nats, by the distances of particles to their tenth neighbors, all widened by 10 µm and \
+         0.1 mrad: of pushes that stick or slip all along (discs) and of pushes that change (rings); the line \
+         is what the estimate makes of as many draws of a Gaussian and that Gaussian. U: \
+         unscented; GH: Gauss–Hermite of order 3; E: through the process in closed form; 4: at most four \
+         Gaussians; fit: the Gaussian fitted to the particles; 1000: fitted to so many others. {}.",
+        told.join("; ")
+    )
+}
+
 /// Pushes that go one way all along, then pushes that change.
 fn chosen<'a>(test: &[&'a RecordedPush]) -> Vec<&'a RecordedPush> {
-    let of = |changing: bool| {
-        test.iter().filter(move |push| changes(push) == changing).take(N_OF_EACH).copied()
+    let of = |changing: bool, n: usize| {
+        test.iter().filter(move |push| changes(push) == changing).take(n).copied()
     };
-    of(false).chain(of(true)).collect()
+    let [steady, changing] = N_OF_EACH;
+    of(false, steady).chain(of(true, changing)).collect()
 }
 
 /// Whether the contact sticks and slips, or slips both ways.
@@ -214,19 +224,25 @@ impl Ends {
         let fits = [alone(&self.fitted)?, alone(&self.of_few)?];
         let densities = self.matched.iter().chain(&fits).map(Density::of);
         let densities = densities.collect::<Result<Vec<_>>>()?;
-        let exact = METHODS.iter().position(|method| method.name == "exact");
-        let exact = &densities[exact.context("one method is exact")?];
-        let mut by_share = [0.0; SHARES.len()];
-        for (divergence, share) in by_share.iter_mut().zip(SHARES) {
-            *divergence = self.thinned(share)?.divergence_of(exact);
-        }
         let divergences = densities.iter().map(|density| self.cloud.divergence_of(density));
-        Ok(PushFound { changes: self.changes, divergences: divergences.collect(), by_share })
+        Ok(PushFound { changes: self.changes, divergences: divergences.collect() })
+    }
+
+    /// That of the exact method, by fewer of the particles.
+    fn by_share(&self) -> Result<[f64; SHARES.len()]> {
+        let exact = METHODS.iter().position(|method| method.name == "exact");
+        let exact = Density::of(&self.matched[exact.context("one method is exact")?])?;
+        let mut found = [0.0; SHARES.len()];
+        for (divergence, share) in found.iter_mut().zip(SHARES) {
+            *divergence = self.thinned(share)?.divergence_of(&exact);
+        }
+        Ok(found)
     }
 
     /// What the estimates make of draws of the fitted Gaussian, and of others that come from the same.
     fn floor(&self, others: &[Vector3<f64>]) -> Result<[[f64; SHARES.len()]; 2]> {
-        let mut random = ChaCha8Rng::seed_from_u64(SEED);
+        // Not the draws by which the cloud is widened.
+        let mut random = ChaCha8Rng::seed_from_u64(SEED + 4);
         let draw = |_| Vector3::from_iterator(self.fitted.sample(&mut random).iter().copied());
         let draws: Vec<Vector3<f64>> = (0..others.len()).map(draw).collect();
         let itself = Density::of(&Mixture::new(vec![(self.fitted.clone(), 1.0)])?)?;

@@ -251,6 +251,11 @@ mod tests {
             }
         }
         assert_eq!(topics.len(), n_topics);
+        // Viewers seek by the index at the end of a log.
+        let summary = mcap::Summary::read(&log).unwrap().unwrap();
+        let n_messages = summary.stats.unwrap().message_count;
+        assert_eq!(n_messages, topics.values().sum::<usize>() as u64);
+        assert!(!summary.chunk_indexes.is_empty() && summary.channels.len() == n_topics);
         assert!(topics.values().all(|n| *n == rolled.moments.len()), "{topics:?}");
     }
 

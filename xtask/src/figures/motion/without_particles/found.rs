@@ -13,6 +13,8 @@ pub(super) struct Found {
     pub(super) name: &'static str,
     pub(super) n_particles: usize,
     pub(super) pushes: Vec<PushFound>,
+    /// Of the exact method and the first push, by [`SHARES`] of the particles.
+    pub(super) by_share: [f64; SHARES.len()],
     /// Of draws of a Gaussian from that Gaussian, and between two sets of particles, by [`SHARES`] of as
     /// many: what the estimate makes of nothing.
     pub(super) floor: [[f64; SHARES.len()]; 2],
@@ -23,8 +25,6 @@ pub(super) struct PushFound {
     pub(super) changes: bool,
     /// One a method, then of [`FITTED`].
     pub(super) divergences: Vec<f64>,
-    /// Of the exact one, by [`SHARES`] of the particles.
-    pub(super) by_share: [f64; SHARES.len()],
 }
 
 impl Found {
@@ -71,13 +71,12 @@ impl Found {
             .collect();
         let counts = SHARES.map(|share| (self.n_particles / share).to_string()).join(", ");
         let by = |values: [f64; 3]| values.map(|value| format!("{value:.3}")).join(", ");
-        let first = self.pushes.first().map_or([0.0; 3], |push| push.by_share);
         format!(
             "{} — {} (by {counts} particles the exact one's of the first push is {}, of draws of a Gaussian \
              from itself {}, between two sets of particles {})",
             self.name,
             told.join(", "),
-            by(first),
+            by(self.by_share),
             by(self.floor[0]),
             by(self.floor[1])
         )
@@ -92,13 +91,13 @@ impl Found {
             json!({
                 "changes": push.changes,
                 "divergence_nats": methods,
-                "exact_by_share": push.by_share,
             })
         });
         json!({
             "case": self.name,
             "n_particles": self.n_particles,
             "shares": SHARES.map(|share| 1.0 / share as f64),
+            "exact_of_the_first_nats": self.by_share,
             "gaussian_from_itself_nats": self.floor[0],
             "between_two_sets_nats": self.floor[1],
             "pushes": pushes.collect::<Vec<_>>(),
