@@ -156,4 +156,5 @@ pub(crate) const ALL: &[Entry] = &[
     entry("M.6", Chapter::Learning, "noise that changes", learning::changing_noise::draw),
     entry("M.7", Chapter::Models, "several shapes in one model", models::shapes::draw),
     entry("M.8", Chapter::Motion, "pushes without particles", motion::without_particles::draw),
+    entry("M.9", Chapter::Motion, "repeats of a push at a vertex", motion::repeats::draw),
 ];

@@ -9,6 +9,7 @@ pub(crate) mod errors;
 mod neighbors;
 pub(crate) mod new_paths;
 mod pushes;
+pub(crate) mod repeats;
 mod scene;
 mod trained;
 pub(crate) mod vertex;
