@@ -26,6 +26,9 @@ pub struct PushMotion<'a> {
     pub(super) step: PathStep,
 }
 
+/// Particles of which a model is asked at once: many for its matrix products, and few enough for what is
+/// known of each to stay near the processor.
+const TOGETHER: usize = 240;
 /// Shorter pushes move nothing, in m.
 const NO_WAY: f64 = 1e-9;
 
@@ -72,6 +75,19 @@ impl DrawnMotion for PushMotion<'_> {
 
 impl PushMotion<'_> {
     fn advance_each(
+        &self,
+        states: &mut [PushParticle],
+        random: &mut ChaCha8Rng,
+        mut density: impl FnMut(usize, f64),
+    ) -> Result<(), ModelError> {
+        for (block, states) in states.chunks_mut(TOGETHER).enumerate() {
+            let first = block * TOGETHER;
+            self.advance_block(states, random, |index, value| density(first + index, value))?;
+        }
+        Ok(())
+    }
+
+    fn advance_block(
         &self,
         states: &mut [PushParticle],
         random: &mut ChaCha8Rng,

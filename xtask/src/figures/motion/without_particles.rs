@@ -11,7 +11,7 @@ use models::{
 use nalgebra::{DMatrix, DVector, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use report::{Axis, Color, Ellipse, Figure, LegendPlace, Panel, Points};
+use report::{Axis, Color, Ellipse, Figure, Panel, Points};
 
 use self::found::{Found, PushFound};
 use super::divergence::{Cloud, Density, moments};
@@ -104,7 +104,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
         Case { name: "mixture", model: &mixture, errors: independent, n_particles: n_fewer },
     ];
     let tested = chosen(&turn.test);
-    let mut figure = Figure::new(2, cases.len()).panel_size(320.0, 300.0);
+    let mut figure = Figure::new(2, cases.len()).panel_size(320.0, 300.0).one_legend();
     let mut all = Vec::new();
     for case in &cases {
         let (name, n_particles) = (case.name, case.n_particles);
@@ -144,7 +144,8 @@ fn caption(place: &str, n_particles: usize, n_fewer: usize, all: &[Found]) -> St
          0.1 mrad: of pushes that stick or slip all along (discs) and of pushes that change (rings); the line \
          is what the estimate makes of as many draws of a Gaussian and that Gaussian. U: \
          unscented; GH: Gauss–Hermite of order 3; E: through the process in closed form; 4: at most four \
-         Gaussians; fit: the Gaussian fitted to the particles; 1000: fitted to so many others. {}.",
+         Gaussians; fit: the Gaussian fitted to the particles; 1000: fitted to so many others. Medians over \
+         the pushes: {}.",
         told.join("; ")
     )
 }
@@ -267,9 +268,7 @@ impl Ends {
             .map(|at| [MM * at[0], MM * at[1]])
             .collect();
         let panel = Panel::new(Axis::new("world x / mm"), Axis::new("world y / mm"))
-            .equal_aspect()
             .title(name)
-            .legend(LegendPlace::Below)
             .with(Points::at(&drawn).color(Color::GRAY).radius(1.0).label("particles"))
             .with(ellipse(&self.fitted).color(Color::INK));
         METHODS.iter().zip(&self.matched).try_fold(panel, |panel, (method, mixture)| {

@@ -1,9 +1,10 @@
 //! The divergences that were found, as a panel, in words and in numbers.
 
-use report::{Axis, Color, Guide, LegendPlace, Panel, Points};
+use report::{Axis, Color, Guide, Panel, Points};
 use serde_json::json;
 
 use super::{FITTED, METHODS, SHARES};
+use crate::held_out::quantile;
 
 /// Divergences below are drawn here, in nats: the estimate knows no less.
 const LEAST_DRAWN: f64 = 1e-3;
@@ -39,7 +40,6 @@ impl Found {
         let ends = (-0.5, names.len() as f64 - 0.5);
         let x = Axis::new("method").names(&names).range(ends.0, ends.1);
         let panel = Panel::new(x, Axis::new("divergence / nats").log())
-            .legend(LegendPlace::Below)
             .with(Guide::horizontal(self.floor[0][SHARES.len() - 1].max(LEAST_DRAWN)));
         [(false, "one way all along"), (true, "sticks and slips")].into_iter().fold(
             panel,
@@ -61,25 +61,18 @@ impl Found {
         )
     }
 
+    /// The medians over the pushes.
     pub(super) fn in_words(&self) -> String {
+        let median = |index: usize| {
+            let own = self.pushes.iter().map(|push| push.divergences[index]).collect();
+            quantile(own, 0.5)
+        };
         let told: Vec<String> = Self::names()
             .enumerate()
-            .map(|(index, name)| {
-                let own = self.pushes.iter().map(|push| format!("{:.3}", push.divergences[index]));
-                format!("{name} {}", own.collect::<Vec<_>>().join(" "))
-            })
+            .map(|(index, name)| format!("{name} {:.3}", median(index)))
             .collect();
-        let counts = SHARES.map(|share| (self.n_particles / share).to_string()).join(", ");
-        let by = |values: [f64; 3]| values.map(|value| format!("{value:.3}")).join(", ");
-        format!(
-            "{} — {} (by {counts} particles the exact one's of the first push is {}, of draws of a Gaussian \
-             from itself {}, between two sets of particles {})",
-            self.name,
-            told.join(", "),
-            by(self.by_share),
-            by(self.floor[0]),
-            by(self.floor[1])
-        )
+        let between = self.floor[1][SHARES.len() - 1];
+        format!("{} – {} (two sets of particles {between:.3})", self.name, told.join(", "))
     }
 
     pub(super) fn numbers(&self) -> serde_json::Value {
