@@ -34,6 +34,7 @@ mod recorded_push;
 mod roll_out;
 mod seen_steps;
 mod set_aside;
+mod slip_gate;
 mod slip_mixture;
 mod split;
 mod step;

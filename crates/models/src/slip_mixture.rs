@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use planar::{Pose, perpendicular};
 
+use crate::slip_gate::SlipGate;
 use crate::step_correlation::root;
 use crate::{
     Description, GpPushModel, ModelError, Noise, Parts, PushModel, SeenSteps, StepFeatures,
@@ -31,7 +32,7 @@ impl Slip {
 /// Where steps that begin alike end in different ways, as at a vertex, one Gaussian has to cover both
 /// and what is between; a mixture does not. The probability of a way is its share among the training
 /// steps near by, with Gaussian weights whose widths leave-one-out chooses, and one step's worth of the
-/// overall shares.
+/// overall shares; a table has it, at one cost for any number of steps.
 ///
 /// # Source
 /// Jacobs, Jordan, Nowlan & Hinton (1991), Adaptive mixtures of local experts; here with observed
@@ -40,7 +41,7 @@ impl Slip {
 pub struct SlipMixture {
     /// The ways that were seen often enough, each with its process.
     pub(crate) modes: Vec<(Slip, GpPushModel)>,
-    gate: Gate,
+    gate: SlipGate,
     seen: Option<SeenSteps>,
 }
 
@@ -55,8 +56,6 @@ pub struct SlipPrediction {
 const STICKS: f64 = 0.1;
 /// Fewer steps of a way are counted with those that stick.
 const FEWEST: usize = 20;
-/// Widths that are tried: of p, and of β in rad.
-const WIDTHS: [f64; 4] = [0.02, 0.05, 0.1, 0.2];
 
 impl Slip {
     /// Which way the contact went in an observed step.
@@ -115,7 +114,7 @@ impl SlipMixture {
             let (what, actual) = ("a mixture of slipping and sticking", 0);
             return Err(ModelError::TooFewSteps { what, needed: FEWEST, actual });
         }
-        let gate = Gate::learn(known, modes.len());
+        let gate = SlipGate::learn(known, modes.len());
         let inputs: Vec<&StepInput> = steps.iter().map(|step| &step.input).collect();
         let seen = SeenSteps::of(StepFeatures::default(), &inputs)?;
         Ok(Self { modes, gate, seen })
@@ -143,7 +142,7 @@ impl SlipMixture {
         let said = self.modes.iter().map(|(_, model)| model.predict(steps, noise));
         let said = said.collect::<Result<Vec<_>, _>>()?;
         let prediction = |i: usize| {
-            let shares = self.gate.shares([steps[i].p(), steps[i].beta()], None);
+            let shares = self.gate.shares([steps[i].p(), steps[i].beta()]);
             let modes = self.modes.iter().zip(&said).zip(shares);
             let modes = modes.map(|(((way, _), said), share)| (*way, share, said[i]));
             SlipPrediction { modes: modes.collect() }
@@ -265,50 +264,6 @@ fn log_density(said: &StepPrediction, outputs: &Vector3<f64>) -> f64 {
             -0.5 * off.norm_squared() - size.ln() - 1.5 * std::f64::consts::TAU.ln()
         }
         _ => f64::NEG_INFINITY,
-    }
-}
-
-/// Shares of classes near a place.
-#[derive(Clone, Debug)]
-struct Gate {
-    /// (p, β) of each training step, and the index of its way.
-    known: Vec<([f64; 2], usize)>,
-    overall: Vec<f64>,
-    widths: [f64; 2],
-}
-
-impl Gate {
-    /// With the widths of the largest leave-one-out log probability. O(N²).
-    fn learn(known: Vec<([f64; 2], usize)>, n_classes: usize) -> Self {
-        let n = known.len() as f64;
-        let share = |class: usize| known.iter().filter(|(_, own)| *own == class).count() as f64 / n;
-        let overall = (0..n_classes).map(share).collect();
-        let mut gate = Self { known, overall, widths: [WIDTHS[0]; 2] };
-        let pairs = WIDTHS.iter().flat_map(|p| WIDTHS.iter().map(move |beta| [*p, 2.0 * beta]));
-        let score = |widths: [f64; 2]| {
-            let tried = Self { widths, ..gate.clone() };
-            let own = |(k, (place, class)): (usize, &([f64; 2], usize))| {
-                tried.shares(*place, Some(k))[*class].ln()
-            };
-            tried.known.iter().enumerate().map(own).sum::<f64>()
-        };
-        let best = pairs.map(|widths| (score(widths), widths)).max_by(|a, b| a.0.total_cmp(&b.0));
-        gate.widths = best.map_or(gate.widths, |(_, widths)| widths);
-        gate
-    }
-
-    /// The share of each class at a place, without one of the known.
-    fn shares(&self, [p, beta]: [f64; 2], without: Option<usize>) -> Vec<f64> {
-        let mut sums = self.overall.clone();
-        for (k, ([p_k, beta_k], class)) in self.known.iter().enumerate() {
-            let off =
-                ((p - p_k) / self.widths[0]).powi(2) + ((beta - beta_k) / self.widths[1]).powi(2);
-            if Some(k) != without {
-                sums[*class] += (-0.5 * off).exp();
-            }
-        }
-        let total: f64 = sums.iter().sum();
-        sums.iter().map(|sum| sum / total).collect()
     }
 }
 
