@@ -161,7 +161,7 @@ impl Analytical {
         };
         let own = |step: &StepInput| scatter * step.distance().powi(2);
         let mut covariances: Vec<Matrix3<f64>> = steps.iter().map(own).collect();
-        for changes in self.parameter_changes(&steps.iter().collect::<Vec<_>>())? {
+        for changes in self.parameter_changes(steps)? {
             for (covariance, change) in covariances.iter_mut().zip(changes) {
                 *covariance += change * change.transpose();
             }
@@ -171,28 +171,30 @@ impl Analytical {
 
     /// ∂f/∂θₖ seₖ of each step, a list for each parameter that has a standard error: by secants over
     /// ± one of it, since the derivative jumps where sticking turns into sliding.
-    fn parameter_changes(
-        &self,
-        steps: &[&StepInput],
-    ) -> Result<Vec<Vec<Vector3<f64>>>, ModelError> {
-        let mut supports = Supports::default();
+    fn parameter_changes(&self, steps: &[StepInput]) -> Result<Vec<Vec<Vector3<f64>>>, ModelError> {
+        let Estimate { value: friction, se, .. } = self.pusher_friction;
+        let length = match &self.length {
+            CharacteristicLength::Given(length) if length.se > 0.0 => Some(length),
+            _ => None,
+        };
+        if se <= 0.0 && length.is_none() {
+            return Ok(Vec::new());
+        }
+        let (steps, mut supports) = (steps.iter().collect::<Vec<_>>(), Supports::default());
         let mut secant = |se: f64, [low, high]: [(f64, Place); 2], width: f64| {
             let mut at =
-                |(friction, place)| self.outputs_with(friction, place, steps, &mut supports);
+                |(friction, place)| self.outputs_with(friction, place, &steps, &mut supports);
             let (low, high) = (at(low)?, at(high)?);
             let change = |(high, low): (Vector3<f64>, Vector3<f64>)| se / width * (high - low);
             Ok::<_, ModelError>(high.into_iter().zip(low).map(change).collect())
         };
         let mut changes = Vec::new();
-        let Estimate { value: friction, se, .. } = self.pusher_friction;
         if se > 0.0 {
             let ends = [(friction - se).max(0.0), friction + se];
             let width = ends[1] - ends[0];
             changes.push(secant(se, ends.map(|friction| (friction, Place::Mean)), width)?);
         }
-        if let CharacteristicLength::Given(length) = &self.length
-            && length.se > 0.0
-        {
+        if let Some(length) = length {
             let [shorter, longer] = length_ends(length);
             let ends = [Place::Shorter, Place::Longer].map(|place| (friction, place));
             changes.push(secant(length.se, ends, longer - shorter)?);

@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn a_small_ratio_keeps_its_digits() {
-        assert_eq!([1.5, 0.104, 0.001_25].map(ratio), ["1.50", "0.10", "1.2e-3"]);
+        assert_eq!([1.5, 0.104, 0.001_24].map(ratio), ["1.50", "0.10", "1.2e-3"]);
     }
 
     #[test]

@@ -28,7 +28,7 @@ pub struct PushMotion<'a> {
 
 /// Particles of which a model is asked at once: many for its matrix products, and few enough for what is
 /// known of each to stay near the processor.
-const TOGETHER: usize = 240;
+const TOGETHER: usize = 480;
 /// Shorter pushes move nothing, in m.
 const NO_WAY: f64 = 1e-9;
 
@@ -44,6 +44,13 @@ pub(super) struct Begun {
     start_b: Vector2<f64>,
     /// The pusher's motion, a unit vector in B.
     direction_b: Vector2<f64>,
+}
+
+/// The particles of a block that are pushed, and what the model is asked of them.
+struct Asked {
+    who: Vec<usize>,
+    inputs: Vec<StepInput>,
+    begun: Vec<Begun>,
 }
 
 impl MotionModel for PushMotion<'_> {
@@ -80,9 +87,16 @@ impl PushMotion<'_> {
         random: &mut ChaCha8Rng,
         mut density: impl FnMut(usize, f64),
     ) -> Result<(), ModelError> {
+        let room = TOGETHER.min(states.len());
+        let mut asked = Asked {
+            who: Vec::with_capacity(room),
+            inputs: Vec::with_capacity(room),
+            begun: Vec::with_capacity(room),
+        };
         for (block, states) in states.chunks_mut(TOGETHER).enumerate() {
             let first = block * TOGETHER;
-            self.advance_block(states, random, |index, value| density(first + index, value))?;
+            let density = |index, value| density(first + index, value);
+            self.advance_block(states, random, &mut asked, density)?;
         }
         Ok(())
     }
@@ -91,11 +105,12 @@ impl PushMotion<'_> {
         &self,
         states: &mut [PushParticle],
         random: &mut ChaCha8Rng,
+        Asked { who, inputs, begun }: &mut Asked,
         mut density: impl FnMut(usize, f64),
     ) -> Result<(), ModelError> {
-        let room = states.len();
-        let (mut who, mut inputs, mut begun) =
-            (Vec::with_capacity(room), Vec::with_capacity(room), Vec::with_capacity(room));
+        who.clear();
+        inputs.clear();
+        begun.clear();
         let direction_w = self.direction_w();
         for (index, state) in states.iter().enumerate() {
             if let Some(direction_w) = &direction_w
@@ -108,11 +123,11 @@ impl PushMotion<'_> {
             }
         }
         let predictions = match self.model.as_mixture() {
-            Some(mixture) => self.drawn_ways(mixture, &inputs, random)?,
-            None => self.model.predict(&inputs, self.noise())?,
+            Some(mixture) => self.drawn_ways(mixture, inputs, random)?,
+            None => self.model.predict(inputs, self.noise())?,
         };
-        let seen = self.model.has_seen(&inputs)?;
-        let mut pushes = who.iter().zip(&begun).zip(predictions).zip(seen).peekable();
+        let seen = self.model.has_seen(inputs)?;
+        let mut pushes = who.iter().zip(begun.iter()).zip(predictions).zip(seen).peekable();
         for (index, state) in states.iter_mut().enumerate() {
             // Each particle has its three numbers, whether it is pushed or not.
             let normal = Vector3::from_fn(|_, _| random.sample(StandardNormal));
