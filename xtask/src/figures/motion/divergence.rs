@@ -37,6 +37,14 @@ struct Units {
     root: Cholesky<f64, Const<3>>,
 }
 
+impl Units {
+    /// A place's difference from the mean, in units in which the covariance is 1.
+    fn scaled(&self, place: &Vector3<f64>) -> Vector3<f64> {
+        let off = self.root.l().solve_lower_triangular(&(place - self.mean));
+        off.expect("the diagonal of a Cholesky factor is positive")
+    }
+}
+
 impl Cloud {
     /// Of equal particles, each widened by draws of a seed.
     pub(super) fn of(places: &[Vector3<f64>], seed: u64) -> Result<Self> {
@@ -56,8 +64,7 @@ impl Cloud {
         let mut wide = |place: &Vector3<f64>| {
             let noise = WIDER_SD.map(|sd| sd * random.sample::<f64, _>(StandardNormal));
             let place = place + Vector3::from(noise);
-            let scaled = units.root.l().solve_lower_triangular(&(place - units.mean));
-            (place, scaled.unwrap_or_default().into())
+            (place, units.scaled(&place).into())
         };
         let all: Vec<(Vector3<f64>, [f64; 3])> = places.iter().map(&mut wide).collect();
         let tree = Neighbors::of(all.iter().map(|(_, scaled)| *scaled).collect());
@@ -126,10 +133,10 @@ impl Density {
     }
 
     fn log_at(&self, place: &Vector3<f64>) -> f64 {
-        let log = |(log_weight, Units { mean, root }): &(f64, Units)| {
-            let off = root.l().solve_lower_triangular(&(place - mean)).unwrap_or_default();
-            let size: f64 = root.l().diagonal().iter().map(|x| x.ln()).sum();
-            log_weight - 0.5 * (off.norm_squared() + DIMENSION * TAU.ln()) - size
+        let log = |(log_weight, units): &(f64, Units)| {
+            let square = units.scaled(place).norm_squared();
+            let size: f64 = units.root.l().diagonal().iter().map(|x| x.ln()).sum();
+            log_weight - 0.5 * (square + DIMENSION * TAU.ln()) - size
         };
         let logs = self.parts.iter().map(log);
         let largest = logs.clone().fold(f64::NEG_INFINITY, f64::max);
