@@ -32,8 +32,8 @@ pub(crate) struct Shares {
     pub(crate) length: f64,
 }
 
-/// Lengths that are tried: from a step, below which all is each step's own, to so many times the longest push, where what is held
-/// stays the same.
+/// Lengths that are tried: from a step, below which all is each step's own, to so many times the longest
+/// push, where what is held stays the same.
 const LONGEST: f64 = 100.0;
 const N_LENGTHS: usize = 161;
 

@@ -14,14 +14,16 @@ use crate::{ContactGap, EndCheck, ModelError, PushModel, RecordedPush};
 /// own, and which is noise of the measured poses, that one step has in excess and the next one lacks.
 ///
 /// z_k = A_k (s (√held · g_k + √own · w_k) + √measured · (e_{k+1} − e_k)), of errors
-/// z = A L⁻¹(observed − mean) with L Lᵀ the model's covariance of a step and A the directions that contact
-/// leaves free ([`RollOut`](crate::RollOut) conditions draws on the gap); g, w and e have variance 1, g_k and g_l the correlation
-/// exp(−way from k to l / length): where a model errs it errs near by, too, until the contact has moved
-/// on. s² is a push's own, ν/χ²_ν: some pushes go where the model is worse than it says.
+/// z = A L⁻¹(observed − mean) with L Lᵀ the model's covariance of a step and A the directions that
+/// contact leaves free ([`RollOut`](crate::RollOut) conditions draws on the gap); g, w and e have
+/// variance 1, g_k and g_l the correlation exp(−way from k to l / length): where a model errs it errs
+/// near by, too, until the contact has moved on. s² is a push's own, ν/χ²_ν: some pushes go where the
+/// model is worse than it says.
 ///
-/// The shares and the length come from the mean products of a push's errors, by least squares; the degrees of freedom ν, and how large held and own are together, from what the
-/// errors of whole pushes add up to, by maximum likelihood: the sum is what a roll-out ends with. Few
-/// pushes leave ν open, which makes the tails heavier. A bias that all pushes share counts as held.
+/// The shares and the length come from the mean products of a push's errors, by least squares; the
+/// degrees of freedom ν, and how large held and own are together, from what the errors of whole pushes
+/// add up to, by maximum likelihood: the sum is what a roll-out ends with. Few pushes leave ν open,
+/// which makes the tails heavier. A bias that all pushes share counts as held.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StepCorrelation {

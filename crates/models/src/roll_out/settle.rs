@@ -43,7 +43,8 @@ impl Pushed {
     }
 
     /// A draw given that the gap is known to a micrometer: x + C Hᵀ (HCHᵀ + r)⁻¹ (gap − g(x)), H the slope
-    /// of the gap g and r its variance; none where the draw leaves more than the tolerance between pusher and outline.
+    /// of the gap g and r its variance; none where the draw leaves more than the tolerance between
+    /// pusher and outline.
     ///
     /// Exact for a Gaussian draw and a gap that is linear in it; a draw without variance stays.
     ///
