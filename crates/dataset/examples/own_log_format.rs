@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use dataset::{
     DatasetError, IngestSettings, LogFormat, PoseStream, Recording, RecordingSet, Streams,
-    WrenchStream, find_files, ingest,
+    WrenchStream, find_files, ingest, recording_name,
 };
 
 /// One sample a line: `tip t x y`, `object t x y theta`, `force t fx fy`, in SI units and the world
@@ -17,8 +17,12 @@ impl LogFormat for TextLog {
         "text-log"
     }
 
+    fn endings(&self) -> &'static [&'static str] {
+        &["log"]
+    }
+
     fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError> {
-        find_files(dir, self.id(), &["log"])
+        find_files(dir, self.id(), self.endings())
     }
 
     fn read(&self, path: &Path, _: &Streams) -> Result<Recording, DatasetError> {
@@ -40,7 +44,7 @@ impl LogFormat for TextLog {
                 }
             }
         }
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let name = recording_name(path, self.endings());
         Recording::made(name, 0, robot, object, Some(force)).with_source(path)
     }
 }
@@ -54,7 +58,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::write(folder.join("dataset.toml"), manifest.replace("format = \"csv\"\n", ""))?;
     for path in known.recordings() {
         let recording = known.format().read(path, &known.manifest().streams)?;
-        let log = folder.join("pushes").join(&recording.name).with_extension("log");
+        let log = folder.join("pushes").join(format!("{}.log", recording.name));
         std::fs::write(log, text(&recording)?)?;
     }
     let own = RecordingSet::open_with_format(&folder, &TextLog)?;

@@ -8,6 +8,7 @@ use crate::{
     decode::N_VALUES,
     error::DatasetError,
     recording::{PoseStream, Recording, WrenchStream},
+    recording_name::{ENDINGS, recording_name},
     remark::{Remark, RemarkKind, StreamRole},
     settings::{ColumnMap, Quantity, StreamSettings, WrenchFrame},
     transform::unit_quaternion,
@@ -103,7 +104,7 @@ impl Assembly<'_> {
             stream.t = seconds_since(epoch_ns, stamps);
         }
         Ok(Recording {
-            name: self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            name: recording_name(self.path, &ENDINGS),
             path: self.path.into(),
             sha256: self.sha256,
             epoch_ns,
@@ -331,6 +332,29 @@ fn tilt(rotation: &UnitQuaternion<f64>) -> f64 {
 
 fn seconds_since(epoch_ns: i64, stamps: &[i64]) -> Vec<f64> {
     stamps.iter().map(|stamp| stamp.saturating_sub(epoch_ns) as f64 / 1e9).collect()
+}
+
+/// Times beyond this, in s, are in another unit: later than the year 2250, whatever their clock.
+const LATEST: f64 = 9e9;
+
+/// Why a number can be no time in s, and what to do; none if it can.
+///
+/// - `key`: where the manifest takes the scale of times, such as `columns`.
+pub(crate) fn wrong_time_unit(t: f64, role: StreamRole, key: &str) -> Option<String> {
+    if !t.is_finite() || t.abs() <= LATEST {
+        return None;
+    }
+    // Of a clock that counts from 1970; since the start of a machine they are smaller.
+    let (unit, scale) = match t.abs() {
+        size if size < 1e14 => ("milliseconds", "1e-3"),
+        size if size < 1e17 => ("microseconds", "1e-6"),
+        _ => ("nanoseconds", "1e-9"),
+    };
+    Some(format!(
+        "the time {t:e} s is {:.0} years, so times are not in s but perhaps in {unit}: set t with \
+         scale = {scale} under streams.{role}.{key}, or write them in s",
+        t.abs() / 31_557_600.0
+    ))
 }
 
 /// A time in s as ns; the fraction is rounded apart from the whole, so that nothing is lost.

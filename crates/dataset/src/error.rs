@@ -28,7 +28,33 @@ pub enum DatasetError {
         /// The format's name.
         format: &'static str,
         /// What a recording looks like.
-        expected: &'static str,
+        expected: String,
+    },
+    /// Two recordings of a set have the same name.
+    #[error(
+        "{first} and {second} are both recording `{name}`, so their pushes would be mixed; rename one of them"
+    )]
+    DuplicateRecording {
+        /// The name.
+        name: String,
+        /// The one.
+        first: PathBuf,
+        /// The other.
+        second: PathBuf,
+    },
+    /// `sessions.csv` names none of a set's recordings.
+    #[error(
+        "{path}: none of its {rows} rows names a recording of this set: it has `{row}`, the set has `{recording}`; give the recordings' names, without the ending of files"
+    )]
+    SessionsOfOthers {
+        /// The file.
+        path: PathBuf,
+        /// Rows in it.
+        rows: usize,
+        /// The first name in it.
+        row: String,
+        /// The first recording of the set.
+        recording: String,
     },
     /// The format's name is not known.
     #[error("unknown recording format `{id}`, expected one of {known}")]
@@ -93,6 +119,20 @@ pub enum DatasetError {
         n_candidates: usize,
         /// What is there, with types.
         available: String,
+    },
+    /// A topic carries messages of several types.
+    #[error(
+        "{path}: topic {topic} of the {stream} stream carries messages of several types, {types}, which are not one stream; record them on topics of their own, or name another topic with streams.{stream}.topic"
+    )]
+    TopicTypes {
+        /// The recording.
+        path: PathBuf,
+        /// The stream.
+        stream: StreamRole,
+        /// The topic.
+        topic: String,
+        /// Its types.
+        types: String,
     },
     /// A topic lacks the fields that its stream needs.
     #[error(

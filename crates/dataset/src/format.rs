@@ -24,11 +24,25 @@ pub trait LogFormat: Sync {
     /// The name used in `dataset.toml`.
     fn id(&self) -> &'static str;
 
+    /// Endings of its files without the dot, which are no part of a recording's name; none where a
+    /// recording is a folder.
+    fn endings(&self) -> &'static [&'static str] {
+        &[]
+    }
+
     /// The recordings below a folder, sorted by name; a recording given itself is returned alone.
     ///
     /// # Errors
     /// `Io` if the folder cannot be read, `NoRecordings` if it has none of this format.
     fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError>;
+
+    /// As [`LogFormat::find`], where the manifest names the files that make a recording.
+    ///
+    /// # Errors
+    /// As [`LogFormat::find`].
+    fn find_streams(&self, dir: &Path, _streams: &Streams) -> Result<Vec<PathBuf>, DatasetError> {
+        self.find(dir)
+    }
 
     /// Reads one recording; what can be saved from a damaged one is returned with remarks.
     ///
@@ -99,6 +113,10 @@ pub struct StreamInfo {
     /// The streams that it could be, by its type.
     pub fits: Vec<StreamRole>,
 }
+
+/// What recordings of some format look like.
+pub(crate) const ANY_FORMAT: &str =
+    "MCAP, CSV folders, MIT JSON or HDF5, or ROS 1 bags (features of this build)";
 
 /// Every log format of this build.
 #[must_use]

@@ -58,6 +58,7 @@ pub fn ingest_each(
         tool: TOOL,
         name: set.manifest().name.clone(),
         preset: set.preset().map(|preset| preset.name()),
+        remarks: set.remarks().to_vec(),
         settings: settings.clone(),
         summary: Summary::default(),
         recordings: Vec::with_capacity(set.recordings().len()),
@@ -103,7 +104,6 @@ fn one_recording(
     settings: &IngestSettings,
 ) -> (Vec<StepRow>, RecordingReport) {
     let manifest = set.manifest();
-    let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     let result = set.format().read(path, &manifest.streams).and_then(|recording| {
         let object = match manifest.object.of(&recording.name) {
             Ok(object) => object,
@@ -113,7 +113,7 @@ fn one_recording(
         let setup = Setup { settings, pusher_radius: manifest.pusher.radius, session };
         process(&recording, &object, &setup)
     });
-    result.unwrap_or_else(|error| (Vec::new(), unreadable(&name, path, error)))
+    result.unwrap_or_else(|error| (Vec::new(), unreadable(&set.name_of(path), path, error)))
 }
 
 fn nothing_usable(set: &RecordingSet, report: &IngestReport) -> DatasetError {

@@ -26,6 +26,8 @@ pub struct IngestReport {
     pub name: String,
     /// The preset that stood in for a manifest, if any.
     pub preset: Option<&'static str>,
+    /// What lies beside the recordings and was not read, and what `sessions.csv` does not say.
+    pub remarks: Vec<Remark>,
     /// How recordings became rows.
     pub settings: IngestSettings,
     /// Findings over the set.

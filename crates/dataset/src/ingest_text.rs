@@ -36,6 +36,9 @@ impl fmt::Display for SummaryText<'_> {
         let (report, summary) = (self.0, &self.0.summary);
         let set_aside: usize = summary.set_aside.values().sum();
         writeln!(f, "{} ({})", report.name, report.tool)?;
+        for remark in &report.remarks {
+            writeln!(f, "  {}", remark.text)?;
+        }
         writeln!(
             f,
             "  {} recordings, {} pushes used, {set_aside} set aside, {} rows, {} steps lost in gaps",

@@ -8,11 +8,12 @@ use std::{
 
 use crate::{
     error::DatasetError,
-    format::{Inspection, LogFormat, StreamInfo, all_formats},
+    format::{ANY_FORMAT, Inspection, LogFormat, StreamInfo, all_formats},
     manifest::MANIFEST_NAME,
     object::shape_in_name,
     preset::Preset,
-    remark::StreamRole,
+    remark::{Remark, StreamRole},
+    unread::{not_read, unread_formats},
 };
 
 /// Writes `dataset.toml` into a folder of recordings, by a preset or from what is there.
@@ -48,7 +49,7 @@ pub fn init(dir: &Path, preset: Option<Preset>) -> Result<PathBuf, DatasetError>
 /// As [`init`].
 pub fn draft_manifest(dir: &Path) -> Result<String, DatasetError> {
     let (format, folder, recordings) = find_recordings(dir)?;
-    let first = &recordings[0];
+    let Some(first) = recordings.first() else { return Err(none_found(dir)) };
     let inspection = format.inspect(first)?;
     let title = dir.file_name().unwrap_or(dir.as_os_str()).to_string_lossy();
     let example = first.file_name().unwrap_or(first.as_os_str()).to_string_lossy();
@@ -56,8 +57,8 @@ pub fn draft_manifest(dir: &Path) -> Result<String, DatasetError> {
     // Writing to a string cannot fail.
     let _ = write!(
         out,
-        "# Written from {} recordings; the streams below are those of {example}.\n\
-         name = {title:?}\n\n{}\n\
+        "# Written from {} recordings; the streams below are those of {}.\n\
+         name = {}\n\n{}\n\
          [pusher]\n\
          radius_m = \"TODO\"         # of the round tip, in m\n\
          friction = 0.25             # pusher-object, nominal: CHECK\n\n\
@@ -65,17 +66,23 @@ pub fn draft_manifest(dir: &Path) -> Result<String, DatasetError> {
          friction = 0.25             # object-table, nominal: CHECK\n\
          gravity_m_s2 = 9.81\n\n\
          [recordings]\n\
-         format = {:?}\n\
-         path = {folder:?}\n",
+         format = {}\n\
+         path = {}\n",
         recordings.len(),
+        one_line(&example),
+        quoted(&title),
         object_text(&example),
-        format.id(),
+        quoted(format.id()),
+        quoted(&folder),
     );
+    for remark in unread_recordings(dir, format, &folder) {
+        let _ = writeln!(out, "# {}", one_line(&remark.text));
+    }
     for role in StreamRole::ALL {
         out.push_str(&stream_text(role, &inspection));
     }
     for remark in &inspection.remarks {
-        let _ = write!(out, "\n# {}", remark.text);
+        let _ = write!(out, "\n# {}", one_line(&remark.text));
     }
     out.push('\n');
     Ok(out)
@@ -88,16 +95,7 @@ pub fn draft_manifest(dir: &Path) -> Result<String, DatasetError> {
 pub fn find_recordings(
     dir: &Path,
 ) -> Result<(&'static dyn LogFormat, String, Vec<PathBuf>), DatasetError> {
-    let entries = fs::read_dir(dir).map_err(|error| DatasetError::io("read", dir, error))?;
-    let mut folders = vec![".".to_owned()];
-    let mut below: Vec<_> = entries
-        .filter_map(|entry| entry.ok())
-        .filter(|entry| entry.path().is_dir())
-        .filter_map(|entry| entry.file_name().into_string().ok())
-        .collect();
-    below.sort();
-    folders.append(&mut below);
-    for folder in folders {
+    for folder in folders(dir)? {
         for &format in all_formats() {
             match format.find(&dir.join(&folder)) {
                 Ok(recordings) if !recordings.is_empty() => {
@@ -108,11 +106,66 @@ pub fn find_recordings(
             }
         }
     }
-    Err(DatasetError::NoRecordings {
-        path: dir.into(),
-        format: "any",
-        expected: "MCAP, CSV folders, MIT JSON or HDF5, or ROS 1 bags (features of this build)",
-    })
+    Err(none_found(dir))
+}
+
+/// What [`find_recordings`] passes over: other formats in the folder that it takes, and recordings
+/// in other folders.
+///
+/// - `format`, `folder`: what it gives.
+#[must_use]
+pub fn unread_recordings(dir: &Path, format: &dyn LogFormat, folder: &str) -> Vec<Remark> {
+    let mut remarks = unread_formats(&dir.join(folder), format);
+    for other in folders(dir).unwrap_or_default().iter().filter(|other| *other != folder) {
+        let place = dir.join(other);
+        let of_format =
+            |known: &&'static dyn LogFormat| Some((known.id(), known.find(&place).ok()?));
+        for (id, mut paths) in all_formats().iter().filter_map(of_format) {
+            // A folder that is itself a recording was found as one.
+            paths.retain(|path| *path != place);
+            if !paths.is_empty() {
+                let why = format!(
+                    "recordings of format {id} in {} are not read, those in {} are: set path = {} \
+                     in [recordings] to read them instead, or make a set of each folder",
+                    place.display(),
+                    dir.join(folder).display(),
+                    quoted(other)
+                );
+                remarks.push(not_read(&paths, &why));
+            }
+        }
+    }
+    remarks
+}
+
+/// The folder itself and those in it, by name.
+fn folders(dir: &Path) -> Result<Vec<String>, DatasetError> {
+    let entries = fs::read_dir(dir).map_err(|error| DatasetError::io("read", dir, error))?;
+    let mut below: Vec<_> = entries
+        .filter_map(|entry| entry.ok())
+        .filter(|entry| entry.path().is_dir())
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .collect();
+    below.sort();
+    below.insert(0, ".".to_owned());
+    Ok(below)
+}
+
+fn none_found(dir: &Path) -> DatasetError {
+    let (path, expected) = (dir.into(), ANY_FORMAT.to_owned());
+    DatasetError::NoRecordings { path, format: "any", expected }
+}
+
+/// A text as TOML writes it.
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
+/// A text on one line, as a comment needs it.
+fn one_line(text: &str) -> String {
+    let shown =
+        |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(shown).collect()
 }
 
 fn object_text(recording: &str) -> &'static str {
@@ -135,12 +188,12 @@ fn stream_text(role: StreamRole, inspection: &Inspection) -> String {
     let mut out = format!("\n[streams.{role}]\n");
     match fitting[..] {
         [only] => {
-            let _ = writeln!(out, "topic = {:?}  # {}", only.name, describe(only));
+            let _ = writeln!(out, "topic = {}  # {}", quoted(&only.name), describe(only));
         }
         [] => {
             out.push_str("# nothing fits by its type; the recording has:\n");
             for stream in &inspection.streams {
-                let _ = writeln!(out, "#   {:?}: {}", stream.name, describe(stream));
+                let _ = writeln!(out, "#   {}: {}", one_line(&stream.name), describe(stream));
             }
         }
         _ => {
@@ -148,7 +201,9 @@ fn stream_text(role: StreamRole, inspection: &Inspection) -> String {
                 "# several fit by type; without a topic the name decides, where it can:\n",
             );
             for stream in fitting {
-                let _ = writeln!(out, "# topic = {:?}  # {}", stream.name, describe(stream));
+                // As the key would be written, for which the comment sign alone has to go.
+                let topic = one_line(&quoted(&stream.name));
+                let _ = writeln!(out, "# topic = {topic}  # {}", describe(stream));
             }
         }
     }
@@ -158,7 +213,7 @@ fn stream_text(role: StreamRole, inspection: &Inspection) -> String {
             .iter()
             .map(|(parent, child)| format!("{parent} <- {child}"))
             .collect();
-        let _ = writeln!(out, "# frames in the log: {}", frames.join(", "));
+        let _ = writeln!(out, "# frames in the log: {}", one_line(&frames.join(", ")));
         out.push_str("# transform = { tf_parent = \"…\", tf_child = \"…\" }\n");
     }
     if role == StreamRole::Wrench {
@@ -178,7 +233,7 @@ fn describe(stream: &StreamInfo) -> String {
     }
     parts.push(format!("{} samples", stream.count));
     parts.extend(stream.rate_hz.map(|rate| format!("{rate:.0} Hz")));
-    parts.join(", ")
+    one_line(&parts.join(", "))
 }
 
 #[cfg(test)]

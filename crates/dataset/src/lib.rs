@@ -13,6 +13,7 @@ mod layout;
 mod log;
 mod map;
 mod recording;
+mod recording_name;
 mod remark;
 mod select;
 mod settings;
@@ -55,11 +56,13 @@ mod table_csv;
 mod table_parquet;
 mod table_writer;
 mod track;
+mod unread;
 
 pub use error::DatasetError;
 pub use format::{Inspection, LogFormat, StreamInfo, all_formats, format_by_id};
 pub use formats::find_files;
 pub use recording::{PoseStream, Recording, WrenchStream};
+pub use recording_name::recording_name;
 pub use remark::{Remark, RemarkKind, StreamRole};
 pub use settings::{ColumnMap, Quantity, StreamSettings, Streams, TimeSource, WrenchFrame};
 pub use transform::{AxisSigns, Transform};
@@ -77,7 +80,7 @@ pub use ingest_report::{
     Summary,
 };
 pub use ingest_settings::{ContactSettings, Curve, IngestSettings, RestSettings, StepLength};
-pub use init::{draft_manifest, find_recordings, init};
+pub use init::{draft_manifest, find_recordings, init, unread_recordings};
 pub use manifest::{MANIFEST_NAME, Manifest, PusherSpec, RecordingsSpec, SupportSpec};
 pub use object::{ObjectChoice, ObjectSpec};
 pub use preset::Preset;

@@ -5,7 +5,7 @@ use std::{ops::ControlFlow, path::Path};
 use nalgebra::{Isometry3, Translation3};
 
 use crate::{
-    assemble::{Assembly, RawStream, nanoseconds},
+    assemble::{Assembly, RawStream, nanoseconds, wrong_time_unit},
     decode::{Decoder, MessageError, Row, Schema},
     error::DatasetError,
     format::{Inspection, StreamInfo},
@@ -258,6 +258,8 @@ struct Taker<'a> {
     lateness: Lateness,
     n_misfits: u64,
     first_misfit: Option<(u64, MessageError)>,
+    /// What the first stamp in another unit than s says, with its byte.
+    wrong_unit: Option<(u64, String)>,
 }
 
 impl<'a> Taker<'a> {
@@ -278,6 +280,7 @@ impl<'a> Taker<'a> {
             lateness: Lateness::default(),
             n_misfits: 0,
             first_misfit: None,
+            wrong_unit: None,
         };
         for channel in channels.iter().filter(|channel| channel.info.topic == topic) {
             let missing = |what| DatasetError::FieldMissing {
@@ -303,7 +306,7 @@ impl<'a> Taker<'a> {
     }
 
     fn take(&mut self, message: &Message<'_>) {
-        let Self { settings, decoders, raw, children, lateness, .. } = self;
+        let Self { role, settings, decoders, raw, children, lateness, wrong_unit, .. } = self;
         let Some((_, decoder, stamped)) = decoders.iter().find(|(id, ..)| *id == message.channel)
         else {
             return;
@@ -314,6 +317,10 @@ impl<'a> Taker<'a> {
             }
             if settings.child_frame.as_ref().is_some_and(|child| child.as_bytes() != row.child) {
                 return;
+            }
+            if *stamped && wrong_unit.is_none() {
+                let what = wrong_time_unit(seconds(row, settings), *role, "fields");
+                *wrong_unit = what.map(|what| (message.byte, what));
             }
             let stamp = stamp(row, settings);
             let own = *stamped && stamp != 0;
@@ -331,7 +338,11 @@ impl<'a> Taker<'a> {
 
     fn finish(self, path: &Path, remarks: &mut Vec<Remark>) -> Result<RawStream, DatasetError> {
         let Self { role, settings, raw, is_list, children, .. } = self;
-        let Self { lateness, n_misfits, first_misfit, .. } = self;
+        let Self { lateness, n_misfits, first_misfit, wrong_unit, .. } = self;
+        if let Some((byte, what)) = wrong_unit {
+            let what = format!("{}: {what}", raw.source);
+            return Err(DatasetError::Damaged { path: path.into(), byte, what });
+        }
         if let Some((byte, error)) = first_misfit {
             let total = n_misfits + raw.rows.len() as u64;
             let what = format!("the message at byte {byte} does not fit its schema: {error}");
@@ -364,11 +375,14 @@ impl<'a> Taker<'a> {
     }
 }
 
+/// The seconds of a row's stamp.
+fn seconds(row: &Row<'_>, settings: &StreamSettings) -> f64 {
+    settings.fields.get(&Quantity::T).map_or(row.sec, |map| map.scale * row.sec + map.offset)
+}
+
 /// The stamp of a row in ns; 0 if it is not set.
 fn stamp(row: &Row<'_>, settings: &StreamSettings) -> i64 {
-    let map = settings.fields.get(&Quantity::T);
-    let sec = map.map_or(row.sec, |map| map.scale * row.sec + map.offset);
-    nanoseconds(sec).saturating_add(row.nanosec as i64)
+    nanoseconds(seconds(row, settings)).saturating_add(row.nanosec as i64)
 }
 
 /// Error for a log in which there is nothing to read at all.

@@ -4,10 +4,14 @@ use std::path::{Path, PathBuf};
 
 use crate::{
     error::DatasetError,
-    format::{LogFormat, all_formats, format_by_id},
+    format::{ANY_FORMAT, LogFormat, all_formats, format_by_id},
     manifest::{MANIFEST_NAME, Manifest},
     preset::Preset,
+    recording_name::{distinct_names, recording_name},
+    remark::Remark,
     session::{Session, Sessions, read_sessions},
+    settings::Streams,
+    unread::unread_formats,
 };
 
 /// The recordings of a set, found but not yet read.
@@ -18,6 +22,7 @@ pub struct RecordingSet {
     format: &'static dyn LogFormat,
     recordings: Vec<PathBuf>,
     sessions: Sessions,
+    remarks: Vec<Remark>,
 }
 
 impl RecordingSet {
@@ -84,15 +89,21 @@ impl RecordingSet {
     ) -> Result<Self, DatasetError> {
         let folder = dir.join(&manifest.recordings.path);
         let (format, recordings) = match (own_format, &manifest.recordings.format) {
-            (Some(format), _) => (format, format.find(&folder)?),
+            (Some(format), _) => (format, format.find_streams(&folder, &manifest.streams)?),
             (None, Some(id)) => {
                 let format = format_by_id(id)?;
-                (format, format.find(&folder)?)
+                (format, format.find_streams(&folder, &manifest.streams)?)
             }
-            (None, None) => find_any(&folder)?,
+            (None, None) => find_any(&folder, &manifest.streams)?,
         };
+        let names = distinct_names(&recordings, format.endings())?;
         let sessions = read_sessions(&dir)?;
-        Ok(Self { dir, manifest, preset, format, recordings, sessions })
+        let mut remarks = unread_formats(&folder, format);
+        // A format of a user's own may name its recordings otherwise.
+        if own_format.is_none_or(|format| !format.endings().is_empty()) {
+            remarks.extend(sessions.remarks(&names)?);
+        }
+        Ok(Self { dir, manifest, preset, format, recordings, sessions, remarks })
     }
 
     /// The same set with its recordings in another format, where they lie in more than one.
@@ -101,15 +112,9 @@ impl RecordingSet {
     /// `UnknownFormat`, `FeatureOff`, `Io` or `NoRecordings`.
     pub fn in_format(&self, id: &str) -> Result<Self, DatasetError> {
         let format = format_by_id(id)?;
-        let recordings = format.find(&self.dir.join(&self.manifest.recordings.path))?;
-        Ok(Self {
-            dir: self.dir.clone(),
-            manifest: self.manifest.clone(),
-            preset: self.preset,
-            format,
-            recordings,
-            sessions: self.sessions.clone(),
-        })
+        let mut manifest = self.manifest.clone();
+        manifest.recordings.format = Some(format.id().to_owned());
+        Self::with_manifest(self.dir.clone(), manifest, self.preset, None)
     }
 
     /// The set's folder.
@@ -142,6 +147,18 @@ impl RecordingSet {
         &self.recordings
     }
 
+    /// The name of one of its recordings.
+    #[must_use]
+    pub fn name_of(&self, recording: &Path) -> String {
+        recording_name(recording, self.format.endings())
+    }
+
+    /// What lies beside its recordings and is not read, and what `sessions.csv` does not say.
+    #[must_use]
+    pub fn remarks(&self) -> &[Remark] {
+        &self.remarks
+    }
+
     /// What `sessions.csv` says of a recording.
     #[must_use]
     pub fn session(&self, recording: &str) -> Option<&Session> {
@@ -150,9 +167,12 @@ impl RecordingSet {
 }
 
 /// The first format, in the order of the list, that finds recordings in a folder.
-fn find_any(dir: &Path) -> Result<(&'static dyn LogFormat, Vec<PathBuf>), DatasetError> {
+fn find_any(
+    dir: &Path,
+    streams: &Streams,
+) -> Result<(&'static dyn LogFormat, Vec<PathBuf>), DatasetError> {
     for &format in all_formats() {
-        match format.find(dir) {
+        match format.find_streams(dir, streams) {
             Ok(recordings) => return Ok((format, recordings)),
             Err(DatasetError::NoRecordings { .. }) => {}
             Err(error) => return Err(error),
@@ -161,6 +181,6 @@ fn find_any(dir: &Path) -> Result<(&'static dyn LogFormat, Vec<PathBuf>), Datase
     Err(DatasetError::NoRecordings {
         path: dir.into(),
         format: "any",
-        expected: "MCAP, CSV folders, MIT JSON or HDF5, or ROS 1 bags (features of this build)",
+        expected: ANY_FORMAT.to_owned(),
     })
 }

@@ -46,6 +46,12 @@ pub enum RemarkKind {
     Tilted,
     /// A transform that was read from the log as fixed varies within the log.
     TransformVaries,
+    /// Recordings of another format, or in another folder, are not read.
+    NotRead,
+    /// Rows of `sessions.csv` name no recording of the set.
+    SessionUnknown,
+    /// Recordings are not in `sessions.csv`, though others are.
+    SessionMissing,
 }
 
 /// The three streams of a recording.

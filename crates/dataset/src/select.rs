@@ -67,8 +67,37 @@ pub(crate) fn choose_topics(
         if chosen[role as usize].is_none() {
             chosen[role as usize] = choose_one(path, channels, streams, role, &chosen)?;
         }
+        if let Some(topic) = &chosen[role as usize] {
+            check_one_type(path, channels, streams, role, topic)?;
+        }
     }
     Ok(chosen)
+}
+
+/// Refuses a topic whose messages are of several types: they are several things.
+fn check_one_type(
+    path: &Path,
+    channels: &[ParsedChannel<'_>],
+    streams: &Streams,
+    stream: StreamRole,
+    topic: &str,
+) -> Result<(), DatasetError> {
+    let own = channels.iter().filter(|one| one.info.topic == topic && one.info.count > 0);
+    let of_one = |channel: &ParsedChannel<'_>| {
+        let layout = channel.schema.as_ref().ok();
+        let layout = layout.map(|schema| Layout::find(schema, stream, streams.of(stream)));
+        // ROS 2 writes `msg/` into the names that ROS 1 has.
+        let name = channel.info.type_name.replace("/msg/", "/");
+        (name, layout.and_then(Result::ok).map(|layout| layout.has))
+    };
+    let mut types: Vec<_> = own.map(of_one).collect();
+    types.sort();
+    types.dedup();
+    if types.len() < 2 {
+        return Ok(());
+    }
+    let types = types.into_iter().map(|(name, _)| name).collect::<Vec<_>>().join(" and ");
+    Err(DatasetError::TopicTypes { path: path.into(), stream, topic: topic.into(), types })
 }
 
 fn choose_one(

@@ -1,14 +1,78 @@
 //! `sessions.csv`: which recordings were measured together, and which repeat one another.
 
-use std::{collections::BTreeMap, path::Path};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::{Path, PathBuf},
+};
 
-use crate::error::DatasetError;
+use crate::{
+    error::DatasetError,
+    remark::{Remark, RemarkKind},
+};
 
 /// Name of the file within a recording set.
 pub(crate) const SESSIONS_NAME: &str = "sessions.csv";
 
+/// Names that a remark has room for.
+const MOST_NAMES: usize = 3;
+
 /// Session and repeat of each recording that the file names.
-pub(crate) type Sessions = BTreeMap<String, Session>;
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Sessions {
+    path: PathBuf,
+    of_recording: BTreeMap<String, Session>,
+}
+
+impl Sessions {
+    /// What the file says of a recording.
+    pub(crate) fn get(&self, recording: &str) -> Option<&Session> {
+        self.of_recording.get(recording)
+    }
+
+    /// Rows without a recording, and recordings without a row.
+    ///
+    /// # Errors
+    /// `SessionsOfOthers` if no row has a recording: the names are not those of the set.
+    pub(crate) fn remarks(&self, recordings: &[String]) -> Result<Vec<Remark>, DatasetError> {
+        let known: BTreeSet<&str> = recordings.iter().map(String::as_str).collect();
+        let rows = self.of_recording.keys().map(String::as_str);
+        let (with, without): (Vec<&str>, Vec<&str>) = rows.partition(|row| known.contains(row));
+        if let (true, Some(row)) = (with.is_empty(), without.first()) {
+            return Err(DatasetError::SessionsOfOthers {
+                path: self.path.clone(),
+                rows: without.len(),
+                row: (*row).to_owned(),
+                recording: recordings.first().cloned().unwrap_or_default(),
+            });
+        }
+        let missing = recordings.iter().map(String::as_str);
+        let missing =
+            missing.filter(|name| !self.of_recording.contains_key(*name) && !with.is_empty());
+        let missing: Vec<&str> = missing.collect();
+        let file = self.path.display();
+        let remark = |kind, names: &[&str], what: String| {
+            let more = if names.len() > MOST_NAMES { ", …" } else { "" };
+            let first = names[..names.len().min(MOST_NAMES)].join(", ");
+            let (count, text) = (names.len() as u64, format!("{what} ({first}{more})"));
+            (count > 0).then_some(Remark { kind, stream: None, count, text })
+        };
+        let unknown = format!(
+            "{} of {} rows of {file} name no recording of this set and are not used",
+            without.len(),
+            self.of_recording.len()
+        );
+        let of_none = format!(
+            "{} of {} recordings have no row in {file}, so they have no session",
+            missing.len(),
+            recordings.len()
+        );
+        let unknown = remark(RemarkKind::SessionUnknown, &without, unknown);
+        Ok(unknown
+            .into_iter()
+            .chain(remark(RemarkKind::SessionMissing, &missing, of_none))
+            .collect())
+    }
+}
 
 /// What is known of one recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -23,7 +87,7 @@ pub struct Session {
 pub(crate) fn read_sessions(dir: &Path) -> Result<Sessions, DatasetError> {
     let path = dir.join(SESSIONS_NAME);
     if !path.exists() {
-        return Ok(Sessions::new());
+        return Ok(Sessions::default());
     }
     let fail = |error: csv::Error| DatasetError::Parse {
         path: path.clone(),
@@ -41,7 +105,7 @@ pub(crate) fn read_sessions(dir: &Path) -> Result<Sessions, DatasetError> {
         })
     };
     let places = [place("recording")?, place("session")?, place("repeat")?];
-    let mut sessions = Sessions::new();
+    let mut sessions = BTreeMap::new();
     for record in reader.records() {
         let record = record.map_err(fail)?;
         let [recording, session, repeat] =
@@ -55,7 +119,7 @@ pub(crate) fn read_sessions(dir: &Path) -> Result<Sessions, DatasetError> {
             });
         }
     }
-    Ok(sessions)
+    Ok(Sessions { path, of_recording: sessions })
 }
 
 #[cfg(test)]
@@ -72,12 +136,12 @@ mod tests {
     #[test]
     fn recordings_are_grouped() {
         let dir = tempfile::tempdir().unwrap();
-        assert!(read_sessions(dir.path()).unwrap().is_empty());
+        assert!(read_sessions(dir.path()).unwrap().get("push-0").is_none());
         let text = "recording,session,repeat\npush-0, monday ,a\npush-1,monday,\n";
         std::fs::write(dir.path().join("sessions.csv"), text).unwrap();
         let sessions = read_sessions(dir.path()).unwrap();
-        assert_eq!(sessions["push-0"].session, "monday");
-        assert_eq!(sessions["push-1"].repeat, "");
+        assert_eq!(sessions.get("push-0").unwrap().session, "monday");
+        assert_eq!(sessions.get("push-1").unwrap().repeat, "");
     }
 
     #[test]

@@ -134,6 +134,7 @@ pub fn diagnose(
             steps: observations.n_steps() + second.map_or(0, Observations::n_steps),
         },
         split: parts,
+        suspicions: Vec::new(),
         made_by: None,
     };
     Ok(Diagnosed { diagnosis, description: found.description })

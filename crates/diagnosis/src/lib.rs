@@ -90,7 +90,7 @@ pub use steady_ingest::steady_ingest;
 pub use suggest::{
     Aim, Precision, Separation, SuggestSettings, SuggestedPush, Suggestion, suggest,
 };
-pub use suspicions::{SUSPECTED_RECORDINGS, Suspicion, step_suspicions, suspicions};
+pub use suspicions::{CHECKS, Check, SUSPECTED_RECORDINGS, Suspicion, step_suspicions, suspicions};
 pub use tolerances::Tolerances;
 pub use untestable::{NotTestable, Reason};
 pub use whitening::{PushCovariance, Whitening};

@@ -54,7 +54,11 @@ impl Origin {
     /// The arguments as one would type them.
     pub(crate) fn command_line(&self) -> String {
         let quoted = |word: &String| {
-            if word.contains(char::is_whitespace) { format!("{word:?}") } else { word.clone() }
+            if word.contains(|c: char| c.is_whitespace() || c.is_control()) {
+                format!("{word:?}")
+            } else {
+                word.clone()
+            }
         };
         self.arguments.iter().map(quoted).collect::<Vec<_>>().join(" ")
     }

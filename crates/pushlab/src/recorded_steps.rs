@@ -2,12 +2,12 @@
 
 use anyhow::Result;
 use dataset::{
-    IngestReport, IngestSettings, MANIFEST_NAME, Provenance, RecordingSet, Table, ingest_each,
-    provenance,
+    IngestReport, IngestSettings, MANIFEST_NAME, Provenance, RecordingReport, RecordingSet,
+    SetAside, Table, ingest_each, provenance,
 };
 
 use crate::origin::Input;
-use crate::terminal::Terminal;
+use crate::terminal::{Terminal, WARNING};
 
 /// Files of a set beside its recordings.
 pub(crate) const SET_FILES: [&str; 2] = [MANIFEST_NAME, "sessions.csv"];
@@ -30,6 +30,9 @@ impl RecordedSteps {
         settings: &IngestSettings,
         terminal: &Terminal,
     ) -> Result<Self> {
+        for remark in set.remarks() {
+            terminal.tell(format_args!("{WARNING}note:{WARNING:#} {}", remark.text));
+        }
         let mut rows = Vec::new();
         let mut progress = terminal.progress("recordings read:", set.recordings().len());
         let report = ingest_each(set, settings, |_, mut own| {
@@ -39,12 +42,47 @@ impl RecordedSteps {
         });
         progress.finish();
         let report = report?;
+        if let Some(sentence) = excluded(&report) {
+            terminal.tell(format_args!("{WARNING}note:{WARNING:#} {sentence}"));
+        }
         let n_pushes =
             report.summary.pushes_used + report.summary.set_aside.values().sum::<usize>();
         let mut provenance = provenance(set, &report);
         let inputs = recorded_inputs(set, &report, &mut provenance)?;
         Ok(Self { table: Table { rows, provenance }, inputs, n_pushes })
     }
+}
+
+/// How many pushes gave no steps, and why; nothing if all did.
+fn excluded(report: &IngestReport) -> Option<String> {
+    let reasons: Vec<_> =
+        report.summary.set_aside.iter().map(|(reason, n)| format!("{reason} in {n}")).collect();
+    let n: usize = report.summary.set_aside.values().sum();
+    if n == 0 {
+        return None;
+    }
+    let mut text = format!(
+        "{n} of {} pushes are excluded: {}",
+        n + report.summary.pushes_used,
+        reasons.join(", ")
+    );
+    // Where other pushes touch, these do so by the manifest alone not.
+    let nearest = |recording: &RecordingReport| match recording.set_aside {
+        Some(SetAside::NoContact { smallest_gap_m }) => smallest_gap_m,
+        _ => None,
+    };
+    let nearest = report.recordings.iter().filter_map(nearest);
+    if let Some(nearest) =
+        nearest.fold(None, |low: Option<f64>, gap| Some(low.map_or(gap, |low| low.min(gap))))
+    {
+        text += &format!(
+            "; where there is no contact, the pusher stays {:.1} mm or more from the outline: if the \
+             object moves there, the object's frame is off its outline, or [object], \
+             pusher.radius_m or a transform under streams is wrong",
+            1e3 * nearest
+        );
+    }
+    Some(text)
 }
 
 /// What was read of a set: its files, which the provenance gets too, and its recordings.

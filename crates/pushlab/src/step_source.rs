@@ -22,6 +22,13 @@ use crate::terminal::Terminal;
 pub(crate) struct StepSource {
     /// Recording set (a folder with dataset.toml), or a step table (.csv, .parquet)
     pub(crate) set: PathBuf,
+    #[command(flatten)]
+    known: Known,
+}
+
+/// What is known of a set or a table beside what it says itself.
+#[derive(Clone, Default, clap::Args)]
+pub(crate) struct Known {
     /// Manifest of the set that a step table is of; else dataset.toml beside it
     #[arg(long, value_name = "FILE")]
     manifest: Option<PathBuf>,
@@ -33,77 +40,8 @@ pub(crate) struct StepSource {
     mapping: Option<PathBuf>,
 }
 
-/// How recordings become steps; those of a table are made.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Reading {
-    /// All steps in contact, of a length.
-    Plain(Option<StepSize>),
-    /// Steps whose noise is known, for tests and fits.
-    Steady,
-}
-
-impl Reading {
-    /// Tells what contradicts the mechanics.
-    ///
-    /// # Errors
-    /// If that is certain, and tests or fits would follow.
-    fn heed(self, suspicions: &[Suspicion], terminal: &Terminal) -> Result<()> {
-        match self {
-            Self::Plain(_) => {
-                warn(suspicions, terminal);
-                Ok(())
-            }
-            Self::Steady => refuse(suspicions, terminal),
-        }
-    }
-}
-
-/// Observed steps, with what was read for them.
-pub(crate) struct Steps {
-    pub(crate) observations: Observations,
-    pub(crate) inputs: Vec<Input>,
-    /// Pushes of the recordings; none of a table.
-    pub(crate) n_pushes: Option<usize>,
-}
-
-impl StepSource {
-    /// Reads what is named.
-    ///
-    /// # Errors
-    /// If it cannot be read, a table lacks what says what was pushed, or recordings for tests and
-    /// fits contradict the mechanics; of others a warning tells that.
-    pub(crate) fn read(&self, reading: Reading, terminal: &Terminal) -> Result<Steps> {
-        let set = &self.set;
-        let is_folder = readable(set)?.is_dir();
-        if is_folder && self.preset != Some(Preset::MitTable) {
-            return self.recorded(reading, terminal);
-        }
-        if matches!(reading, Reading::Plain(Some(_))) {
-            bail!(WrongUsage("--step is for recordings; the steps of a table are made"));
-        }
-        let inside = set.join("table.csv");
-        let table = if is_folder { &inside } else { set };
-        let (steps, pusher) = match (&self.mapping, self.preset) {
-            (Some(mapping), _) => {
-                Steps::mapped(table, &TableMapping::read(mapping)?, Some(mapping))?
-            }
-            (None, Some(Preset::MitTable)) => {
-                Steps::mapped(table, &TableMapping::mit_table()?, None)?
-            }
-            (None, Some(_)) => bail!(WrongUsage("this preset is for recordings, not for a table")),
-            (None, None) => Steps::tabled(table, self.manifest.as_deref())?,
-        };
-        reading.heed(&step_suspicions(&steps.observations, pusher.friction)?, terminal)?;
-        Ok(steps)
-    }
-
-    /// Another set, of which the same is known.
-    pub(crate) fn of_same_kind(&self, set: &Path) -> Self {
-        let (manifest, mapping) = (self.manifest.clone(), self.mapping.clone());
-        Self { set: set.to_owned(), manifest, preset: self.preset, mapping }
-    }
-
-    /// The options that decide what is read, as typed.
+impl Known {
+    /// The options as typed.
     pub(crate) fn words(&self) -> Vec<String> {
         let path = |path: &Path| path.display().to_string();
         let mut words = Vec::new();
@@ -116,15 +54,123 @@ impl StepSource {
         words
     }
 
+    /// What is known, or what was known when a command with these words read the same.
+    pub(crate) fn or_of(self, words: &[String]) -> Self {
+        let after = |name: &str| {
+            let pair = words.windows(2).find(|pair| pair[0] == format!("--{name}"))?;
+            Some(pair[1].clone())
+        };
+        if self.manifest.is_some() || self.preset.is_some() || self.mapping.is_some() {
+            return self;
+        }
+        Self {
+            manifest: after("manifest").map(PathBuf::from),
+            preset: after("preset").and_then(|name| Preset::by_name(&name)),
+            mapping: after("mapping").map(PathBuf::from),
+        }
+    }
+}
+
+/// How recordings become steps; those of a table are made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Reading {
+    /// All steps in contact, of a length.
+    Plain(Option<StepSize>),
+    /// Steps whose noise is known, for tests and fits.
+    Steady,
+}
+
+impl Reading {
+    /// Tells what contradicts the mechanics, and hands it on.
+    ///
+    /// # Errors
+    /// If that is certain, and tests or fits would follow.
+    fn heed(self, suspicions: Vec<Suspicion>, terminal: &Terminal) -> Result<Vec<Suspicion>> {
+        match self {
+            Self::Plain(_) => warn(&suspicions, terminal),
+            Self::Steady => refuse(&suspicions, terminal)?,
+        }
+        Ok(suspicions)
+    }
+}
+
+/// Observed steps, with what was read for them.
+pub(crate) struct Steps {
+    pub(crate) observations: Observations,
+    pub(crate) inputs: Vec<Input>,
+    /// Pushes of the recordings; none of a table.
+    pub(crate) n_pushes: Option<usize>,
+    /// What of them may be wrong.
+    pub(crate) suspicions: Vec<Suspicion>,
+}
+
+impl StepSource {
+    /// Reads what is named.
+    ///
+    /// # Errors
+    /// If it cannot be read, a table lacks what says what was pushed, or recordings for tests and
+    /// fits contradict the mechanics; of others a warning tells that.
+    pub(crate) fn read(&self, reading: Reading, terminal: &Terminal) -> Result<Steps> {
+        let set = &self.set;
+        let is_folder = readable(set)?.is_dir();
+        if is_folder && self.known.preset != Some(Preset::MitTable) {
+            return self.recorded(reading, terminal);
+        }
+        if matches!(reading, Reading::Plain(Some(_))) {
+            bail!(WrongUsage("--step is for recordings; the steps of a table are made"));
+        }
+        let inside = set.join("table.csv");
+        let table = if is_folder { &inside } else { set };
+        let (mut steps, pusher) = match (&self.known.mapping, self.known.preset) {
+            (Some(mapping), _) => {
+                Steps::mapped(table, &TableMapping::read(mapping)?, Some(mapping))?
+            }
+            (None, Some(Preset::MitTable)) => {
+                Steps::mapped(table, &TableMapping::mit_table()?, None)?
+            }
+            (None, Some(_)) => bail!(WrongUsage("this preset is for recordings, not for a table")),
+            (None, None) => Steps::tabled(table, self.known.manifest.as_deref())?,
+        };
+        let found = step_suspicions(&steps.observations, pusher.friction)?;
+        steps.suspicions = reading.heed(found, terminal)?;
+        Ok(steps)
+    }
+
+    /// A set or table of which this is known.
+    pub(crate) fn of(set: &Path, known: Known) -> Self {
+        Self { set: set.to_owned(), known }
+    }
+
+    /// Another set, of which the same is known.
+    pub(crate) fn of_same_kind(&self, set: &Path) -> Self {
+        Self::of(set, self.known.clone())
+    }
+
+    /// The options that decide what is read, as typed.
+    pub(crate) fn words(&self) -> Vec<String> {
+        self.known.words()
+    }
+
+    /// The manifest that tells the object and the rig, where there is one.
+    pub(crate) fn rig(&self) -> Option<PathBuf> {
+        let own = match self.set.is_dir() {
+            true => self.set.join(MANIFEST_NAME),
+            false if self.set.ends_with(MANIFEST_NAME) => self.set.clone(),
+            false => self.set.with_file_name(MANIFEST_NAME),
+        };
+        let path = self.known.manifest.clone().unwrap_or(own);
+        (self.known.preset.is_none() && Manifest::read(&path).is_ok()).then_some(path)
+    }
+
     fn recorded(&self, reading: Reading, terminal: &Terminal) -> Result<Steps> {
-        if self.manifest.is_some() || self.mapping.is_some() {
+        if self.known.manifest.is_some() || self.known.mapping.is_some() {
             bail!(WrongUsage("--manifest and --mapping are for tables; a set has its own"));
         }
-        let set = match self.preset {
+        let set = match self.known.preset {
             Some(preset) => RecordingSet::open_with_preset(&self.set, preset)?,
             None => RecordingSet::open(&self.set)?,
         };
-        reading.heed(&suspected(&set), terminal)?;
+        let suspicions = reading.heed(suspected(&set), terminal)?;
         let settings = match reading {
             Reading::Steady => steady_ingest(),
             Reading::Plain(step) => {
@@ -139,11 +185,15 @@ impl StepSource {
             Reading::Steady => Observations::steady(&table, set.manifest())?,
             Reading::Plain(_) => Observations::of(&table, set.manifest())?,
         };
-        Ok(Steps { observations, inputs, n_pushes: Some(n_pushes) })
+        Ok(Steps { observations, inputs, n_pushes: Some(n_pushes), suspicions })
     }
 }
 
 impl Steps {
+    fn of_table(observations: Observations, inputs: Vec<Input>) -> Self {
+        Self { observations, inputs, n_pushes: None, suspicions: Vec::new() }
+    }
+
     /// A table of others, and the pusher.
     fn mapped(
         path: &Path,
@@ -154,7 +204,7 @@ impl Steps {
         let files = std::iter::once(path).chain(from.map(PathBuf::as_path));
         let inputs = files.map(Input::file).collect::<Result<_>>()?;
         let observations = Observations::of_mapped(&table, mapping)?;
-        Ok((Self { observations, inputs, n_pushes: None }, mapping.pusher))
+        Ok((Self::of_table(observations, inputs), mapping.pusher))
     }
 
     /// A table of `pushlab ingest`, or one whose mapping lies beside it, and the pusher.
@@ -183,6 +233,6 @@ impl Steps {
         })?;
         let inputs = [path, manifest_path].into_iter().map(Input::file).collect::<Result<_>>()?;
         let observations = Observations::of(&table, &manifest)?;
-        Ok((Self { observations, inputs, n_pushes: None }, manifest.pusher))
+        Ok((Self::of_table(observations, inputs), manifest.pusher))
     }
 }

@@ -38,8 +38,12 @@ impl LogFormat for BagFormat {
         "ros1-bag"
     }
 
+    fn endings(&self) -> &'static [&'static str] {
+        &["bag"]
+    }
+
     fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError> {
-        let is_recording = |path: &Path| is_file_ending(path, &["bag"]);
+        let is_recording = |path: &Path| is_file_ending(path, self.endings());
         find_recordings(dir, self.id(), "files NAME.bag", &is_recording)
     }
 

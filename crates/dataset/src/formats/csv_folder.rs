@@ -9,7 +9,7 @@ use csv::{ErrorKind, Reader, ReaderBuilder, StringRecord};
 
 use super::find::find_recordings;
 use crate::{
-    assemble::{Assembly, RawStream, nanoseconds},
+    assemble::{Assembly, RawStream, nanoseconds, wrong_time_unit},
     decode::N_VALUES,
     error::DatasetError,
     format::{Inspection, LogFormat, StreamInfo},
@@ -30,19 +30,21 @@ impl LogFormat for CsvFormat {
     }
 
     fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError> {
+        self.find_streams(dir, &Streams::default())
+    }
+
+    fn find_streams(&self, dir: &Path, streams: &Streams) -> Result<Vec<PathBuf>, DatasetError> {
         let is_recording = |path: &Path| {
-            let mut names = StreamRole::ALL[..2].iter().map(|role| path.join(file_name(*role)));
-            names.any(|file| file.is_file())
+            let mut files = StreamRole::ALL[..2].iter().map(|role| file_of(path, *role, streams));
+            files.any(|file| file.is_file())
         };
-        let expected = "folders with robot.csv, object.csv and wrench.csv";
-        find_recordings(dir, self.id(), expected, &is_recording)
+        let [robot, object, wrench] = StreamRole::ALL.map(|role| file_name(role, streams));
+        let expected = format!("folders with {robot}, {object} and {wrench}");
+        find_recordings(dir, self.id(), &expected, &is_recording)
     }
 
     fn read(&self, path: &Path, streams: &Streams) -> Result<Recording, DatasetError> {
-        let file_of = |role| {
-            let topic = streams.of(role).topic.clone();
-            path.join(topic.unwrap_or_else(|| file_name(role)))
-        };
+        let file_of = |role| file_of(path, role, streams);
         let open = |role| FileBytes::open(&file_of(role));
         let has_wrench = streams.wrench.topic.is_some() || file_of(StreamRole::Wrench).exists();
         let files = [open(StreamRole::Robot)?, open(StreamRole::Object)?];
@@ -75,8 +77,16 @@ impl LogFormat for CsvFormat {
     }
 }
 
-fn file_name(role: StreamRole) -> String {
-    format!("{role}.csv")
+/// The name of a stream's file, as the manifest tells it.
+fn file_name(role: StreamRole, streams: &Streams) -> String {
+    streams.of(role).topic.clone().unwrap_or_else(|| format!("{role}.csv"))
+}
+
+/// A stream's file in a recording; the manifest may leave out its ending.
+fn file_of(recording: &Path, role: StreamRole, streams: &Streams) -> PathBuf {
+    let file = recording.join(file_name(role, streams));
+    let with_ending = file.with_added_extension("csv");
+    if !file.is_file() && with_ending.is_file() { with_ending } else { file }
 }
 
 /// The header of a quantity where the manifest names none.
@@ -140,7 +150,13 @@ fn read_rows(
     while reader.read_record(&mut record).map_err(|error| csv_error(file, &error))? {
         let line = record.position().map_or(0, csv::Position::line);
         let parse = |column: usize| number(file, line, &headers[column], &record[column]);
-        let stamp = stamp(&record[time], parse(time)?, time_map);
+        let seconds = parse(time)?;
+        let stamp = stamp(&record[time], seconds, time_map);
+        let seconds = time_map.map_or(seconds, |map| map.scale * seconds + map.offset);
+        if let Some(what) = wrong_time_unit(seconds, role, "columns") {
+            let what = format!("column {}: {what}", headers[time]);
+            return Err(DatasetError::Parse { path: file.into(), line, what });
+        }
         let mut values = [0.0; N_VALUES];
         for &(slot, column) in &columns {
             values[slot] = parse(column)?;

@@ -11,7 +11,7 @@ use crate::error::DatasetError;
 pub(super) fn find_recordings(
     dir: &Path,
     format: &'static str,
-    expected: &'static str,
+    expected: &str,
     is_recording: &dyn Fn(&Path) -> bool,
 ) -> Result<Vec<PathBuf>, DatasetError> {
     if is_recording(dir) {
@@ -26,7 +26,8 @@ pub(super) fn find_recordings(
         }
     }
     if found.is_empty() {
-        return Err(DatasetError::NoRecordings { path: dir.into(), format, expected });
+        let (path, expected) = (dir.into(), expected.to_owned());
+        return Err(DatasetError::NoRecordings { path, format, expected });
     }
     found.sort();
     Ok(found)

@@ -35,8 +35,12 @@ impl LogFormat for McapFormat {
         "mcap"
     }
 
+    fn endings(&self) -> &'static [&'static str] {
+        &["mcap"]
+    }
+
     fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError> {
-        let is_recording = |path: &Path| is_file_ending(path, &["mcap"]);
+        let is_recording = |path: &Path| is_file_ending(path, self.endings());
         find_recordings(dir, self.id(), "files NAME.mcap", &is_recording)
     }
 

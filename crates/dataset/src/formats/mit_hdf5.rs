@@ -24,8 +24,12 @@ impl LogFormat for MitHdf5Format {
         "mit-hdf5"
     }
 
+    fn endings(&self) -> &'static [&'static str] {
+        &["h5", "hdf5"]
+    }
+
     fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError> {
-        let is_recording = |path: &Path| is_file_ending(path, &["h5", "hdf5"]);
+        let is_recording = |path: &Path| is_file_ending(path, self.endings());
         find_recordings(dir, self.id(), "files NAME.h5", &is_recording)
     }
 

@@ -25,8 +25,12 @@ impl LogFormat for MitJsonFormat {
         "mit-json"
     }
 
+    fn endings(&self) -> &'static [&'static str] {
+        &["json"]
+    }
+
     fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError> {
-        let is_recording = |path: &Path| is_file_ending(path, &["json"]);
+        let is_recording = |path: &Path| is_file_ending(path, self.endings());
         find_recordings(dir, self.id(), "files NAME.json", &is_recording)
     }
 

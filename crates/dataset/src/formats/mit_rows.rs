@@ -5,7 +5,7 @@ use std::path::Path;
 use nalgebra::Isometry3;
 
 use crate::{
-    assemble::{Assembly, RawStream, nanoseconds},
+    assemble::{Assembly, RawStream, nanoseconds, wrong_time_unit},
     decode::N_VALUES,
     error::DatasetError,
     format::{Inspection, StreamInfo},
@@ -13,7 +13,7 @@ use crate::{
     log::fixed_transform,
     recording::Recording,
     remark::StreamRole,
-    settings::Streams,
+    settings::{ColumnMap, Quantity, StreamSettings, Streams},
 };
 
 /// The name of a stream's data set where the manifest names none.
@@ -56,7 +56,7 @@ pub(super) fn recording_of_rows(
         let frames = Frames::default();
         let transform = settings.transform.as_ref();
         let pose = fixed_transform(path, role, transform, &frames, &mut assembly.remarks)?;
-        parts[role as usize] = Some((raw_stream(role, name, &rows), pose));
+        parts[role as usize] = Some((raw_stream(path, role, name, settings, &rows)?, pose));
     }
     let [Some((robot, robot_pose)), Some((object, object_pose)), wrench] = &parts else {
         unreachable!("a file without one of the poses is refused above")
@@ -65,26 +65,64 @@ pub(super) fn recording_of_rows(
     assembly.finish((robot, *robot_pose), (object, *object_pose), wrench)
 }
 
-fn raw_stream(role: StreamRole, name: &str, rows: &[[f64; 4]]) -> RawStream {
+/// What the numbers of a row are.
+fn quantities(role: StreamRole) -> [Quantity; 4] {
+    match role {
+        StreamRole::Wrench => [Quantity::T, Quantity::Fx, Quantity::Fy, Quantity::Tz],
+        _ => [Quantity::T, Quantity::X, Quantity::Y, Quantity::Theta],
+    }
+}
+
+fn raw_stream(
+    path: &Path,
+    role: StreamRole,
+    name: &str,
+    settings: &StreamSettings,
+    rows: &[[f64; 4]],
+) -> Result<RawStream, DatasetError> {
+    let unusable = |what: String| DatasetError::FieldMissing {
+        path: path.into(),
+        stream: role,
+        topic: name.into(),
+        type_name: "rows".into(),
+        what,
+    };
+    let known = quantities(role);
+    let is_other = |(quantity, map): &(&Quantity, &ColumnMap)| {
+        !known.contains(quantity) || map.column != quantity.name()
+    };
+    if let Some((quantity, map)) = settings.columns.iter().find(is_other) {
+        let names = known.map(Quantity::name).join(", ");
+        return Err(unusable(format!(
+            "its columns are {names}; streams.{role}.columns.{} asks for `{}`",
+            quantity.name(),
+            map.column
+        )));
+    }
     // Places among the quantities of a pose and of a wrench.
     let slots = if role == StreamRole::Wrench { [0, 1, 5] } else { [0, 1, 7] };
-    let mut raw = RawStream::new(role, name, "row", []);
+    let mut raw = RawStream::new(role, name, "row", &settings.columns);
     for slot in slots {
         raw.has[slot] = true;
     }
+    let time = settings.columns.get(&Quantity::T);
     for (i, [t, numbers @ ..]) in rows.iter().enumerate() {
         let mut values = [0.0; N_VALUES];
         for (slot, number) in slots.into_iter().zip(numbers) {
             values[slot] = *number;
         }
+        let t = time.map_or(*t, |map| map.scale * t + map.offset);
+        if let Some(what) = wrong_time_unit(t, role, "columns") {
+            return Err(unusable(format!("row {i}: {what}")));
+        }
         if t.is_finite() {
-            raw.push(nanoseconds(*t), &values, i as u64);
+            raw.push(nanoseconds(t), &values, i as u64);
         } else {
             // A row without a time counts among those that are not finite.
             raw.push(0, &[f64::NAN; N_VALUES], i as u64);
         }
     }
-    raw
+    Ok(raw)
 }
 
 /// What the data sets of a file are.

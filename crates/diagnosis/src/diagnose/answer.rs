@@ -3,7 +3,7 @@
 use models::Split;
 use serde::{Deserialize, Serialize};
 
-use crate::{FloorSource, NoiseModel};
+use crate::{FloorSource, NoiseModel, Suspicion};
 
 /// What a diagnosis found; written and read as `diagnosis.json` (docs/diagnosis.schema.json).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,6 +31,10 @@ pub struct Diagnosis {
     pub noise: NoiseOrigin,
     /// What was used.
     pub data: DataUsed,
+    /// What of the recordings may be wrong, where a tool looked at them: the verdict holds only if
+    /// none of it is.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub suspicions: Vec<Suspicion>,
     /// What made it, where a tool did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub made_by: Option<MadeBy>,

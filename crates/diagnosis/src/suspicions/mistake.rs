@@ -50,6 +50,11 @@ impl View {
         }
     }
 
+    /// What the outline's lengths have to be multiplied by.
+    pub(super) fn outline_scale(&self) -> f64 {
+        self.outline
+    }
+
     /// A moment seen so; `radius` of the pusher in m as stated.
     pub(super) fn seen(&self, moment: &Moment, shape: &Shape, radius: f64) -> Seen {
         let pusher = moment.pusher.map(|position| self.robot * position);
@@ -167,6 +172,8 @@ fn units() -> Vec<View> {
     for (scale, how) in [
         (1e-3, "in mm, not m"),
         (1e-2, "in cm, not m"),
+        (0.0254, "in inches, not m"),
+        (0.3048, "in feet, not m"),
         (1e3, "1000 times too small"),
         (1e2, "100 times too small"),
     ] {

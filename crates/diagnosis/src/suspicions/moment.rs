@@ -1,9 +1,11 @@
 //! Moments of recordings in which the object moves, as recorded.
 
-use dataset::{PoseStream, Recording, WrenchStream};
+use dataset::{PoseStream, WrenchStream};
 use nalgebra::Vector2;
+use planar::Pose;
 
 use super::numbers::quantile;
+use super::track::Track;
 
 /// Pusher and object a little before, at, and a little after a time at which the object moves.
 #[derive(Clone, Debug)]
@@ -18,6 +20,16 @@ pub(super) struct Moment {
     pub(super) force: Option<Vector2<f64>>,
 }
 
+/// When and how an object moves, whatever the other streams have.
+#[derive(Clone, Debug)]
+pub(super) struct Motion {
+    moments: Vec<([f64; 3], [(Vector2<f64>, f64); 3])>,
+    /// When it moves, in s as recorded, in order.
+    pub(super) moving: Vec<[f64; 2]>,
+    /// First and last sample, in s as recorded.
+    pub(super) span: [f64; 2],
+}
+
 /// Moments taken of one recording at most.
 const MOST_MOMENTS: usize = 30;
 /// Fewest intervals that a recording is cut into.
@@ -29,37 +41,88 @@ const MOVING: f64 = 0.3;
 /// Motion that counts, in standard deviations of the noise.
 const FEWEST_SDS: f64 = 12.0;
 
-/// Moments within the motions of a recording; none where nothing moves.
-///
-/// No length or time is presumed, for these may be in other units.
-pub(super) fn moments(recording: &Recording) -> Vec<Moment> {
-    let (robot, object) = (&recording.robot, &recording.object);
-    let by_time = order(&object.t);
-    let robot_by_time = order(&robot.t);
-    let Some(marks) = marks(object, &by_time) else { return Vec::new() };
-    let position = |i: usize| Vector2::new(object.x[i], object.y[i]);
-    let ways: Vec<f64> =
-        marks.windows(2).map(|pair| (position(pair[1]) - position(pair[0])).norm()).collect();
-    let Some(longest) = quantile(ways.clone(), 0.95) else { return Vec::new() };
-    let moving: Vec<bool> = ways.iter().map(|way| *way > MOVING * longest).collect();
-    let inside: Vec<usize> = (1..moving.len()).filter(|k| moving[k - 1] && moving[*k]).collect();
-    let onset = moving.iter().position(|moves| *moves).map(|k| object.t[marks[k]]);
-    let zero = zero(recording.wrench.as_ref(), onset);
-    let stride = inside.len().div_ceil(MOST_MOMENTS).max(1);
-    let at = |k: &usize| {
-        let samples = [marks[k - 1], marks[*k], marks[k + 1]];
-        let t = samples.map(|i| object.t[i]);
-        let [before, now, after] = t.map(|t| pusher_at(robot, &robot_by_time, t));
-        let force = mean_force(recording.wrench.as_ref(), t[0], t[2]);
-        Some(Moment {
-            t,
-            pusher: [before?, now?, after?],
-            object: samples.map(|i| (position(i), object.theta[i])),
-            // What is read is the force on the pusher.
-            force: force.map(|force| zero - force),
+impl Motion {
+    /// The motions of a stream of poses; none where nothing moves.
+    ///
+    /// No length or time is presumed, for these may be in other units.
+    pub(super) fn of(object: &PoseStream) -> Option<Self> {
+        let by_time = order(&object.t);
+        let marks = marks(object, &by_time)?;
+        let position = |i: usize| Vector2::new(object.x[i], object.y[i]);
+        let ways: Vec<f64> =
+            marks.windows(2).map(|pair| (position(pair[1]) - position(pair[0])).norm()).collect();
+        let longest = quantile(ways.clone(), 0.95)?;
+        let is_moving: Vec<bool> = ways.iter().map(|way| *way > MOVING * longest).collect();
+        let inside: Vec<usize> =
+            (1..is_moving.len()).filter(|k| is_moving[k - 1] && is_moving[*k]).collect();
+        let mut moving: Vec<[f64; 2]> = Vec::new();
+        for (k, _) in is_moving.iter().enumerate().filter(|(_, moves)| **moves) {
+            let [from, to] = [marks[k], marks[k + 1]].map(|i| object.t[i]);
+            match moving.last_mut().filter(|last| last[1] >= from) {
+                Some(last) => last[1] = to,
+                None => moving.push([from, to]),
+            }
+        }
+        let stride = inside.len().div_ceil(MOST_MOMENTS).max(1);
+        let moment = |k: &usize| {
+            let samples = [marks[k - 1], marks[*k], marks[k + 1]];
+            (samples.map(|i| object.t[i]), samples.map(|i| (position(i), object.theta[i])))
+        };
+        Some(Self {
+            moments: inside.iter().step_by(stride).map(moment).collect(),
+            moving,
+            span: [object.t[*by_time.first()?], object.t[*by_time.last()?]],
         })
+    }
+
+    /// How many moments there are.
+    pub(super) fn len(&self) -> usize {
+        self.moments.len()
+    }
+
+    /// When the object rests before its first motion; after one a pusher may go on pressing.
+    pub(super) fn before(&self) -> Option<[f64; 2]> {
+        let onset = self.moving.first()?[0];
+        (onset > self.span[0]).then_some([self.span[0], onset])
+    }
+
+    /// When the moments are, in s, and where the object is then.
+    pub(super) fn places(&self) -> impl Iterator<Item = (f64, Pose)> {
+        self.moments.iter().map(|(t, object)| {
+            let (position, angle) = object[1];
+            (t[1], Pose { position, angle })
+        })
+    }
+
+    /// Speeds of the object's frame in its moments, in m/s.
+    pub(super) fn speeds(&self) -> impl Iterator<Item = f64> {
+        self.moments.iter().map(|(t, object)| (object[2].0 - object[0].0).norm() / (t[2] - t[0]))
+    }
+
+    /// Its moments with the pusher so many seconds later, where it is known.
+    pub(super) fn with(&self, robot: &Track, later: f64) -> impl Iterator<Item = Moment> {
+        self.moments.iter().filter_map(move |(t, object)| {
+            let [before, now, after] = t.map(|t| robot.at(t + later));
+            Some(Moment { t: *t, pusher: [before?, now?, after?], object: *object, force: None })
+        })
+    }
+}
+
+/// Moments within the motions of a recording.
+///
+/// - `zero`: of the force, as [`zero`] finds it.
+pub(super) fn moments(
+    motion: &Motion,
+    robot: &Track,
+    wrench: &Track,
+    zero: Vector2<f64>,
+) -> Vec<Moment> {
+    let with_force = |moment: Moment| {
+        let force = wrench.mean([[moment.t[0], moment.t[2]]].into_iter());
+        // What is read is the force on the pusher.
+        Moment { force: force.map(|force| zero - force), ..moment }
     };
-    inside.iter().step_by(stride).filter_map(at).collect()
+    motion.with(robot, 0.0).map(with_force).collect()
 }
 
 /// Samples of a stream in the order of their times.
@@ -100,17 +163,9 @@ fn noise(object: &PoseStream, by_time: &[usize]) -> Option<f64> {
     Some(second(&object.x)?.max(second(&object.y)?))
 }
 
-/// Pusher's center by a line between the neighbours of a time.
-fn pusher_at(robot: &PoseStream, by_time: &[usize], t: f64) -> Option<Vector2<f64>> {
-    let after = by_time.partition_point(|i| robot.t[*i] <= t);
-    let (a, b) = (*by_time.get(after.checked_sub(1)?)?, *by_time.get(after)?);
-    let share = (t - robot.t[a]) / (robot.t[b] - robot.t[a]);
-    let position = |i: usize| Vector2::new(robot.x[i], robot.y[i]);
-    Some(position(a).lerp(&position(b), share))
-}
-
 /// Median force on the pusher well before the object moves; zero where there is none.
-fn zero(wrench: Option<&WrenchStream>, onset: Option<f64>) -> Vector2<f64> {
+pub(super) fn zero(wrench: Option<&WrenchStream>, motion: &Motion) -> Vector2<f64> {
+    let onset = motion.moving.first().map(|moving| moving[0]);
     let Some((wrench, onset)) = wrench.zip(onset) else { return Vector2::zeros() };
     let first = wrench.t.iter().copied().fold(f64::INFINITY, f64::min);
     let last = first + 0.8 * (onset - first);
@@ -119,15 +174,4 @@ fn zero(wrench: Option<&WrenchStream>, onset: Option<f64>) -> Vector2<f64> {
         quantile(early.map(|(_, value)| *value).collect(), 0.5).unwrap_or(0.0)
     };
     Vector2::new(of(&wrench.fx), of(&wrench.fy))
-}
-
-fn mean_force(wrench: Option<&WrenchStream>, from: f64, to: f64) -> Option<Vector2<f64>> {
-    let wrench = wrench?;
-    let inside = |i: &usize| (from..=to).contains(&wrench.t[*i]);
-    let (mut sum, mut n) = (Vector2::zeros(), 0_u32);
-    for i in (0..wrench.len()).filter(inside) {
-        sum += Vector2::new(wrench.fx[i], wrench.fy[i]);
-        n += 1;
-    }
-    (n > 0).then(|| sum / f64::from(n))
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use dataset::{MANIFEST_NAME, Preset, draft_manifest, find_recordings};
+use dataset::{MANIFEST_NAME, Preset, Remark, draft_manifest, find_recordings, unread_recordings};
 use serde::Serialize;
 
 use crate::command_line::preset_parser;
@@ -40,6 +40,8 @@ struct Initialized<'a> {
     /// The file written; none with `--print`.
     path: Option<&'a Path>,
     text: &'a str,
+    /// Recordings that the file does not speak of.
+    remarks: Vec<Remark>,
     /// Lines of the file that are still to be filled in, from 1.
     open_lines: Vec<usize>,
 }
@@ -49,13 +51,15 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let path = plain(&args.dir.join(MANIFEST_NAME));
     let destination = if args.print { None } else { Some(Destination::unused(&path)?) };
     let mut origin = Origin::new(["init".to_owned(), args.dir.display().to_string()]);
+    let mut remarks = Vec::new();
     let text = match args.preset {
         Some(preset) => {
             origin.arguments.extend(["--preset".to_owned(), preset.name().to_owned()]);
             preset.text().to_owned()
         }
         None => {
-            let (_, _, recordings) = find_recordings(&args.dir)?;
+            let (format, folder, recordings) = find_recordings(&args.dir)?;
+            remarks = unread_recordings(&args.dir, format, &folder);
             origin.inputs = Input::all(&recordings[0])?;
             draft_manifest(&args.dir)?
         }
@@ -68,6 +72,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let result = Initialized {
         path: destination.as_ref().map(Destination::path),
         text: &text,
+        remarks,
         open_lines: open_lines.map(|(index, _)| index + 1).collect(),
     };
     let words = match result.path {
@@ -86,6 +91,9 @@ fn next_steps(args: &Args, path: &Path, result: &Initialized<'_>) -> String {
     }
     for &line in &result.open_lines {
         let _ = writeln!(out, "  {}:{line}: {}", path.display(), lines[line - 1]);
+    }
+    for remark in &result.remarks {
+        let _ = writeln!(out, "{WARNING}note:{WARNING:#} {}", remark.text);
     }
     let set = args.dir.display();
     let _ = match (args.preset, Preset::of_recordings(&args.dir)) {

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use dataset::{
-    DatasetError, Inspection, LogFormat, MANIFEST_NAME, RecordingSet, StreamInfo, all_formats,
-    find_recordings,
+    DatasetError, Inspection, LogFormat, MANIFEST_NAME, RecordingSet, Remark, StreamInfo,
+    all_formats, find_recordings, unread_recordings,
 };
 use serde::Serialize;
 
@@ -38,6 +38,8 @@ struct Inspected {
     format: &'static str,
     /// How many recordings there are.
     n_recordings: usize,
+    /// What lies beside them and is not read.
+    remarks: Vec<Remark>,
     /// Those that were looked into.
     recordings: Vec<InspectedRecording>,
 }
@@ -50,13 +52,13 @@ struct InspectedRecording {
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    let (format, paths) = recordings(&args.set)?;
+    let Found { format, paths, remarks } = recordings(&args.set)?;
     let mut arguments = vec!["inspect".to_owned(), args.set.display().to_string()];
     arguments.extend(args.all.then(|| "--all".to_owned()));
     let mut origin = Origin::new(arguments);
     let wanted = if args.all { &paths[..] } else { &paths[..1] };
-    let mut result =
-        Inspected { format: format.id(), n_recordings: paths.len(), recordings: Vec::new() };
+    let (format_id, n_recordings) = (format.id(), paths.len());
+    let mut result = Inspected { format: format_id, n_recordings, remarks, recordings: Vec::new() };
     let mut progress = terminal.progress("inspected", wanted.len());
     for path in wanted {
         let inspection = format.inspect(path)?;
@@ -68,23 +70,34 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     terminal.finish(&origin, &result, &result)
 }
 
+/// Recordings, and what lies beside them.
+struct Found {
+    format: &'static dyn LogFormat,
+    paths: Vec<PathBuf>,
+    remarks: Vec<Remark>,
+}
+
 /// The recordings of a set; of a folder that has no manifest, or one still to be filled in; or one.
-fn recordings(path: &Path) -> Result<(&'static dyn LogFormat, Vec<PathBuf>)> {
+fn recordings(path: &Path) -> Result<Found> {
     let is_dir = readable(path)?.is_dir();
     if path.join(MANIFEST_NAME).exists() || path.ends_with(MANIFEST_NAME) {
         match RecordingSet::open(path) {
-            Ok(set) => return Ok((set.format(), set.recordings().to_vec())),
+            Ok(set) => {
+                let (paths, remarks) = (set.recordings().to_vec(), set.remarks().to_vec());
+                return Ok(Found { format: set.format(), paths, remarks });
+            }
             Err(DatasetError::Parse { .. } | DatasetError::Manifest { .. }) if is_dir => {}
             Err(error) => return Err(error.into()),
         }
     }
     if is_dir {
-        let (format, _, paths) = find_recordings(path)?;
-        return Ok((format, paths));
+        let (format, folder, paths) = find_recordings(path)?;
+        let remarks = unread_recordings(path, format, &folder);
+        return Ok(Found { format, paths, remarks });
     }
     for &format in all_formats() {
         if let Ok(paths) = format.find(path) {
-            return Ok((format, paths));
+            return Ok(Found { format, paths, remarks: Vec::new() });
         }
     }
     let known: Vec<_> = all_formats().iter().map(|format| format.id()).collect();
@@ -99,6 +112,9 @@ impl fmt::Display for Inspected {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for recording in &self.recordings {
             write!(f, "{recording}")?;
+        }
+        for remark in &self.remarks {
+            writeln!(f, "{WARNING}note:{WARNING:#} {}", remark.text)?;
         }
         let more = self.n_recordings - self.recordings.len();
         if more > 0 {

@@ -22,6 +22,7 @@ use crate::failure::WrongUsage;
 use crate::file_ending;
 use crate::fitting::{Fitting, model_for};
 use crate::origin::{Origin, TOOL};
+use crate::suspected::warn;
 use crate::terminal::{TITLE, Terminal, WARNING};
 
 /// Add effects to a model: what a diagnosis names, or one with values by hand or fitted
@@ -132,6 +133,7 @@ fn from_file(
         );
     }
     let added = chosen(&found, args.effect.as_deref())?;
+    warn(&found.suspicions, terminal);
     for effect in &added {
         refuse_twice(&model, &effect.id)?;
         model.name += &format!(" + {}", effect.id);

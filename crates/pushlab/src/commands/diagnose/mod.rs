@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use diagnosis::{DiagnoseSettings, Diagnosis, MadeBy, MadeFrom, Observations, diagnose};
+use diagnosis::{DiagnoseSettings, Diagnosis, MadeBy, MadeFrom, Observations, Suspicion, diagnose};
 use models::ModelFile;
 
 use crate::destination::Destination;
@@ -62,11 +62,12 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     readable(&args.model)?;
     origin.inputs.push(Input::file(&args.model)?);
     let model = ModelFile::read(&args.model)?;
-    let Steps { observations, inputs, n_pushes } = args.source.read(Reading::Steady, terminal)?;
+    let Steps { observations, inputs, n_pushes, mut suspicions } =
+        args.source.read(Reading::Steady, terminal)?;
     origin.inputs.extend(inputs);
     warn_of_narrowness(&observations, terminal);
     let confirm = match &args.confirm {
-        Some(second) => Some(args.second(second, &mut origin, terminal)?),
+        Some(second) => Some(args.second(second, &mut origin, &mut suspicions, terminal)?),
         None => None,
     };
     let split = model.split.clone().filter(|split| observations.are_of(split));
@@ -87,6 +88,11 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         ..DiagnoseSettings::default()
     };
     let mut found = diagnose(&observations, &model.description, &settings)?.diagnosis;
+    if !suspicions.is_empty() {
+        found.sentence =
+            format!("Only if what may be wrong with these recordings is not: {}", found.sentence);
+    }
+    found.suspicions = suspicions;
     found.made_by = Some(made_by(&origin));
     if let Some(output) = output {
         output.write(to_json(&found)?.as_bytes())?;
@@ -113,9 +119,16 @@ fn made_by(origin: &Origin) -> MadeBy {
 
 impl Args {
     /// The set that confirms; none of its recordings may be one of those fitted to.
-    fn second(&self, set: &Path, origin: &mut Origin, terminal: &Terminal) -> Result<Observations> {
-        let Steps { observations, inputs, .. } =
+    fn second(
+        &self,
+        set: &Path,
+        origin: &mut Origin,
+        suspicions: &mut Vec<Suspicion>,
+        terminal: &Terminal,
+    ) -> Result<Observations> {
+        let Steps { observations, inputs, suspicions: of_second, .. } =
             self.source.of_same_kind(set).read(Reading::Steady, terminal)?;
+        suspicions.extend(of_second);
         let is_recording = |input: &&Input| {
             input.path.file_name().is_none_or(|name| !SET_FILES.iter().any(|file| *file == name))
         };

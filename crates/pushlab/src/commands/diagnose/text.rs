@@ -4,7 +4,7 @@ use std::fmt;
 
 use diagnosis::{Diagnosis, EffectFinding, ErrorFall, Gain, MotionError, ParameterFinding, Status};
 
-use crate::terminal::TITLE;
+use crate::terminal::{TITLE, WARNING};
 
 /// A diagnosis of a model.
 pub(super) struct Answer<'a> {
@@ -33,6 +33,11 @@ impl fmt::Display for Answer<'_> {
         match found.noise.source.as_str() {
             "repeats" => writeln!(f, "  noise from {cells} groups of repeated pushes")?,
             _ => writeln!(f, "  noise estimated from {cells} pairs of neighbours: no repeats")?,
+        }
+        for suspicion in &found.suspicions {
+            for line in wrapped(&format!("This holds only if it is not so: {suspicion}")) {
+                writeln!(f, "{WARNING}{line}{WARNING:#}")?;
+            }
         }
         for line in wrapped(&found.sentence) {
             writeln!(f, "{TITLE}{line}{TITLE:#}")?;

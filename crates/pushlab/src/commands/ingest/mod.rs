@@ -23,6 +23,7 @@ use crate::file_ending;
 use crate::origin::{Input, Origin};
 use crate::recorded_steps::recorded_inputs;
 use crate::step_size::StepSize;
+use crate::suspected::{suspected, warn};
 use crate::table_summary::TableSummary;
 use crate::terminal::{TITLE, Terminal};
 
@@ -139,6 +140,7 @@ impl Args {
         mut writer: Option<&mut TableWriter>,
         terminal: &Terminal,
     ) -> Result<(Provenance, Origin, Ingested)> {
+        warn(&suspected(set), terminal);
         let mut settings = IngestSettings::default();
         if let Some(StepSize(step)) = self.step {
             settings.step = step;

@@ -8,10 +8,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use clap::value_parser;
-use dataset::RecordingSet;
-use diagnosis::{
-    Aim, Diagnosis, Observations, SuggestSettings, Suggestion, steady_ingest, suggest,
-};
+use diagnosis::{Aim, Diagnosis, SuggestSettings, Suggestion, suggest};
 use effects::by_id;
 use models::ModelFile;
 use serde::Serialize;
@@ -21,9 +18,8 @@ use crate::destination::Destination;
 use crate::diagnosis_file;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
-use crate::recorded_steps::RecordedSteps;
 use crate::speed::Speed;
-use crate::suspected::{refuse, suspected};
+use crate::step_source::{Known, Reading, StepSource, Steps};
 use crate::terminal::{Terminal, WARNING};
 
 /// Tell which pushes to do next: those that decide between rivals, or measure a name
@@ -38,6 +34,8 @@ use crate::terminal::{Terminal, WARNING};
 pub(crate) struct Args {
     /// Recording set that was diagnosed; else the one that the diagnosis names
     set: Option<PathBuf>,
+    #[command(flatten)]
+    known: Known,
     /// Answer of `pushlab diagnose`
     #[arg(long, value_name = "DIAGNOSIS", value_parser = file_ending::json)]
     from: PathBuf,
@@ -83,6 +81,9 @@ then, to try them on the simulated rig:
 #[derive(Serialize)]
 struct Suggested {
     list: PathBuf,
+    /// The manifest of the rig that the pushes are for, where there is one.
+    #[serde(skip)]
+    rig: Option<PathBuf>,
     /// What the pushes are for: `rivals`, `precision` or `testable`.
     aim: &'static str,
     /// The groups of rivals, or the effects.
@@ -107,17 +108,16 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     for path in [&set, &model] {
         readable(path)?;
     }
-    let recordings = RecordingSet::open(&set)?;
-    let mut spared = vec![args.from.clone(), model.clone()];
-    spared.extend_from_slice(recordings.recordings());
-    destination.spare(&spared)?;
+    destination.spare(&[args.from.clone(), model.clone(), set.clone()])?;
     origin.inputs.push(Input::file(&model)?);
     told_if_other(&found, &origin, &model, terminal);
-    refuse(&suspected(&recordings), terminal)?;
     let model = ModelFile::read(&model)?;
-    let recorded = RecordedSteps::read(&recordings, &steady_ingest(), terminal)?;
-    origin.inputs.extend(recorded.inputs);
-    let all = Observations::steady(&recorded.table, recordings.manifest())?;
+    let words = found.made_by.as_ref().map_or(&[][..], |made| &made.arguments);
+    let source = StepSource::of(&set, args.known.clone().or_of(words));
+    let Steps { observations: all, inputs, .. } = source.read(Reading::Steady, terminal)?;
+    destination.spare(&inputs.iter().map(|input| input.path.clone()).collect::<Vec<_>>())?;
+    origin.arguments.extend(source.words().into_iter().filter(|_| args.known.words().is_empty()));
+    origin.inputs.extend(inputs);
     ensure!(
         all.are_of(&found.split),
         "{} is about other recordings than {}; name the set that was diagnosed",
@@ -134,7 +134,8 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         Aim::Testable(ids) => ("testable", vec![ids]),
     };
     let (list, n_feasible) = (args.output.clone(), suggestion.feasible.len());
-    let result = Suggested { list, aim: name, effects, n_feasible, suggestion };
+    let rig = source.rig();
+    let result = Suggested { list, rig, aim: name, effects, n_feasible, suggestion };
     terminal.finish(&origin, &result, &result)
 }
 
@@ -186,6 +187,7 @@ impl Args {
     fn origin(&self) -> Origin {
         let mut words = vec!["suggest".to_owned()];
         words.extend(self.set.iter().map(|set| set.display().to_string()));
+        words.extend(self.known.words());
         let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
         option("from", self.from.display().to_string());
         if let Some(model) = &self.model {

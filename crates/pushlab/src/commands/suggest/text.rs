@@ -13,7 +13,7 @@ const ENOUGH: f64 = 4.1;
 
 impl fmt::Display for Suggested {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { list, aim, effects, n_feasible, suggestion } = self;
+        let Self { list, rig, aim, effects, n_feasible, suggestion } = self;
         let pushes = &suggestion.pushes;
         let mut different: Vec<&SuggestedPush> = Vec::new();
         for push in pushes {
@@ -44,9 +44,11 @@ impl fmt::Display for Suggested {
             write_push(f, push, times)?;
         }
         let list = list.display();
+        let rig = rig.as_ref().map_or(String::new(), |rig| format!("--shape {} ", rig.display()));
         writeln!(
             f,
-            "{TITLE}wrote {list}{TITLE:#}, for `pushlab generate --design {list}` and robots"
+            "{TITLE}wrote {list}{TITLE:#}, for `pushlab generate twin {rig}--design {list}` and \
+             robots"
         )
     }
 }

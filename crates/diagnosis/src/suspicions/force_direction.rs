@@ -1,25 +1,33 @@
 //! Whether the force is one that a pusher can press with.
 
-use dataset::Manifest;
 use nalgebra::{Matrix2, Vector2};
 use planar::perpendicular;
 
 use super::mistake::{View, axes};
-use super::numbers::{quantile, share};
-use super::{Scene, Suspicion};
+use super::numbers::share;
+use super::scene::Scene;
+use super::{Check, Find, Suspicion};
+
+pub(super) const CHECK: Check = Check {
+    id: "force-direction",
+    looks_at: "the angle of the force to the outline's normal, and whether friction goes with the slip",
+    names: "the swap or sign of the force's axes that lets the pusher press",
+    find: Find::Forces(find),
+};
 
 /// Cosine of the steepest angle between force and normal that counts as possible: friction of 1.7.
 const CONE: f64 = 0.5;
 /// Of possible forces fewer are suspicious, and more are right.
 const TOO_FEW: f64 = 0.5;
 const ENOUGH: f64 = 0.85;
+/// By so much larger has the share of possible forces to be where less than half are impossible.
+const MORE: f64 = 0.2;
 /// Slip that says which way friction acts, over the pusher's way.
 const SLIPS: f64 = 0.5;
 /// Tangential force that does, over the normal one.
 const RUBS: f64 = 0.05;
-/// Median force over μmg that no object has: perhaps, and for sure.
-const ODD: (f64, f64) = (0.04, 15.0);
-const IMPOSSIBLE: (f64, f64) = (0.01, 60.0);
+/// Distance from the outline at which there is a contact, over the object's size.
+const TOUCHES: f64 = 0.15;
 
 /// What forces say, with their axes changed.
 struct Reading {
@@ -32,13 +40,17 @@ struct Reading {
 }
 
 impl Reading {
-    fn of(scene: &Scene, view: &View, axes: &Matrix2<f64>) -> Self {
+    fn of(scene: &Scene<'_>, view: &View, axes: &Matrix2<f64>) -> Self {
+        let touching = TOUCHES * scene.size() * view.outline_scale();
         let seen = scene.seen.iter().filter_map(|(object, moment)| {
             let force = axes * moment.force?;
-            let shape = &scene.objects[*object].shape;
-            Some((force, view.seen(moment, shape, scene.radius)))
+            let shape = &scene.object(*object).shape;
+            Some((force, view.seen(moment, shape, scene.radius())))
         });
-        let seen: Vec<_> = seen.filter(|(force, _)| force.norm() > 0.0).collect();
+        let tells = |(force, seen): &(Vector2<f64>, super::mistake::Seen)| {
+            force.norm() > 0.0 && seen.contact.gap.abs() <= touching
+        };
+        let seen: Vec<_> = seen.filter(tells).collect();
         let along = |force: &Vector2<f64>, normal: &Vector2<f64>| force.dot(normal) / force.norm();
         let slipping = seen.iter().filter_map(|(force, seen)| {
             let tangential = force.dot(&perpendicular(&seen.normal));
@@ -65,14 +77,22 @@ impl Reading {
 }
 
 /// The share of forces that are possible in a view; none without forces.
-pub(super) fn possible(scene: &Scene, view: &View) -> Option<f64> {
+pub(super) fn possible(scene: &Scene<'_>, view: &View) -> Option<f64> {
     Reading::of(scene, view, &Matrix2::identity()).possible
 }
 
-/// Whether the force's axes are those of the poses.
-pub(super) fn direction(scene: &Scene, view: &View) -> Option<Suspicion> {
+fn find(scene: &Scene<'_>, view: &View) -> Option<Suspicion> {
     let given = Reading::of(scene, view, &Matrix2::identity());
-    if !given.is_wrong() {
+    // The sign first: of two corrections that explain as much it is the simpler one.
+    let mut changes = axes();
+    changes.sort_by_key(|(_, change)| *change != -Matrix2::identity());
+    let right = |(name, change): &(&'static str, Matrix2<f64>)| {
+        let changed = Reading::of(scene, view, change);
+        let is_better = changed.possible > given.possible.map(|share| share + MORE);
+        (changed.is_right() && (given.is_wrong() || is_better)).then_some((*name, *change))
+    };
+    let corrected = changes.iter().find_map(right);
+    if !given.is_wrong() && corrected.is_none() {
         return None;
     }
     let percent = |share: Option<f64>| 100.0 * share.unwrap_or(0.0);
@@ -86,13 +106,7 @@ pub(super) fn direction(scene: &Scene, view: &View) -> Option<Suspicion> {
         evidence +=
             &format!("; friction goes with the pusher's slip in {:.0} %", 100.0 * with_slip);
     }
-    // The sign first: of two corrections that explain as much it is the simpler one.
-    let mut changes = axes();
-    changes.sort_by_key(|(_, change)| *change != -Matrix2::identity());
-    let right = |(name, change): &(&'static str, Matrix2<f64>)| {
-        Reading::of(scene, view, change).is_right().then_some((*name, *change))
-    };
-    Some(match changes.iter().find_map(right) {
+    Some(match corrected {
         Some((name, change)) => Suspicion {
             what: format!("{name} of the force"),
             evidence: evidence + "; with that corrected all is as it must be",
@@ -121,31 +135,4 @@ fn signs(axes: &Matrix2<f64>) -> String {
         _ => "-y",
     };
     format!("[\"{}\", \"{}\", \"+z\"]", name(0), name(1))
-}
-
-/// Whether the force is about that of sliding.
-pub(super) fn size(scene: &Scene, manifest: &Manifest, is_mass_known: bool) -> Option<Suspicion> {
-    let support = manifest.support;
-    let ratio = |(object, moment): &(usize, super::Moment)| {
-        let sliding = support.friction * scene.objects[*object].mass * support.gravity;
-        Some(moment.force?.norm() / sliding)
-    };
-    let ratio = quantile(scene.seen.iter().filter_map(ratio).collect(), 0.5)?;
-    let is_odd = ratio < ODD.0 || ratio > ODD.1;
-    if !is_mass_known || !is_odd {
-        return None;
-    }
-    let how = if ratio > 1.0 { ("large", "mN", "1e-3") } else { ("small", "kN", "1e3") };
-    Some(Suspicion {
-        what: format!("the force is too {} for the object: it may be in {}, not N", how.0, how.1),
-        evidence: format!(
-            "while the object moves, its median is {ratio:.1e} times that of sliding, μ m g"
-        ),
-        fix: format!(
-            "set fx and fy with scale = {} under streams.wrench.columns (or fields), or correct \
-             object.mass_kg, support.friction or support.gravity_m_s2",
-            how.2
-        ),
-        is_certain: ratio < IMPOSSIBLE.0 || ratio > IMPOSSIBLE.1,
-    })
 }
