@@ -27,6 +27,7 @@ mod rotation;
 mod runge_kutta;
 mod single_point;
 mod slider;
+mod travel;
 
 pub use edge_push::{EdgePush, StraightPush};
 pub use ellipsoid::Ellipsoid;
