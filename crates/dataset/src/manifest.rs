@@ -35,7 +35,7 @@ pub struct Manifest {
 /// The round pusher, nominally.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PusherSpec {
-    /// Radius, in m.
+    /// Radius, in m; 0 for a point.
     pub radius: f64,
     /// Coefficient of friction between pusher and object.
     pub friction: f64,
@@ -116,7 +116,7 @@ pub(crate) struct PusherTable {
 impl PusherTable {
     pub(crate) fn check(&self, source: &Source<'_>) -> Result<PusherSpec, DatasetError> {
         Ok(PusherSpec {
-            radius: source.positive("pusher.radius_m", &self.radius_m, " m")?,
+            radius: source.not_negative("pusher.radius_m", &self.radius_m, " m")?,
             friction: source.not_negative("pusher.friction", &self.friction, "")?,
         })
     }
@@ -289,8 +289,8 @@ topic = "/robot/tip_pose"
     fn impossible_values_name_file_line_key_value_unit_and_range() {
         assert_eq!(
             error("radius_m = 0.00475", "radius_m = -4.75"),
-            "set/dataset.toml:9: pusher.radius_m = -4.75 m is not allowed, expected a positive, \
-             finite number"
+            "set/dataset.toml:9: pusher.radius_m = -4.75 m is not allowed, expected a finite number, \
+             0 or more"
         );
         assert_eq!(
             error("friction = 0.25", "friction = nan"),
@@ -313,6 +313,13 @@ topic = "/robot/tip_pose"
             "set/dataset.toml:5: object.side_m = 90 m is not allowed, expected a length from \
              0.0001 to 10 m (lengths are in m, not mm)"
         );
+    }
+
+    #[test]
+    fn a_pusher_may_be_a_point() {
+        let text = GOOD.replacen("radius_m = 0.00475", "radius_m = 0.0", 1);
+        let manifest = Manifest::parse(&text, Path::new("dataset.toml")).unwrap();
+        assert_eq!(manifest.pusher.radius, 0.0);
     }
 
     #[test]

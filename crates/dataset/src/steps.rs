@@ -130,6 +130,7 @@ impl StepContext<'_> {
         let edge_normal = pose0.rotate(&scene.outline.shape.inward_normal_at(start.edge, start.p));
         let along = if at_rest { edge_normal } else { velocity / speed };
         let beta = if at_rest { 0.0 } else { angle_between(&edge_normal, &along) };
+        let moves_away = !at_rest && pose0.rotate(&start.normal).dot(&along) < 0.0;
         let moved = pose1.position - pose0.position;
         let curvature =
             if at_rest { 0.0 } else { planar::cross(&velocity, &acceleration) / speed.powi(3) };
@@ -163,7 +164,7 @@ impl StepContext<'_> {
             start_angle_sd: sd0.angle,
             end_position_sd: sd1.position,
             end_angle_sd: sd1.angle,
-            flags: self.flags(curves, (t0, t1), (start, end), beta, at_rest),
+            flags: self.flags(curves, (t0, t1), (start, end), moves_away, at_rest),
             ..self.template.clone()
         })
     }
@@ -173,7 +174,7 @@ impl StepContext<'_> {
         curves: &PhaseCurves,
         (t0, t1): (f64, f64),
         (start, end): (&Contact, &Contact),
-        beta: f64,
+        moves_away: bool,
         at_rest: bool,
     ) -> Flags {
         let (scene, settings) = (self.scene, self.settings);
@@ -208,7 +209,7 @@ impl StepContext<'_> {
         flags.set_if(Flags::EDGE_CHANGED, start.edge != end.edge);
         flags.set_if(Flags::SHORT, short);
         flags.set_if(Flags::PENETRATION, overlap);
-        flags.set_if(Flags::MOVING_AWAY, beta.abs() > std::f64::consts::FRAC_PI_2);
+        flags.set_if(Flags::MOVING_AWAY, moves_away);
         flags.set_if(Flags::PUSHER_AT_REST, at_rest);
         flags
     }
