@@ -38,7 +38,7 @@ pub use channels::{Channel, Channels};
 pub use contact_law::ContactLaw;
 pub use effect::{About, Effect, LookAlike, Moment, Sliding, Stage};
 pub use error::EffectError;
-pub use geometry::Geometry;
+pub use geometry::{Geometry, TrueOutline};
 pub use object::Object;
 pub use parameter::{Coordinate, Frame, Off, Parameter, Role};
 pub use push_physics::PushPhysics;

@@ -6,7 +6,8 @@ use crate::effect::{Effect, Moment, Sliding, Stage};
 use crate::forward::Forward;
 use crate::setting::Setting;
 use crate::{
-    Channels, ContactLaw, EffectError, Geometry, Reading, Rig, StepInput, Support, all, by_id,
+    Channels, ContactLaw, EffectError, Geometry, Reading, Rig, StepInput, Support, TrueOutline,
+    all, by_id,
 };
 
 /// The prediction of all channels of a step, by a rig with any set of effects.
@@ -120,6 +121,14 @@ impl PushPhysics {
     /// The first error of [`PushPhysics::predict`].
     pub fn predict_all(&self, steps: &[StepInput]) -> Result<Vec<Channels>, EffectError> {
         steps.iter().map(|step| self.predict(step)).collect()
+    }
+
+    /// Outline and pusher of a step, where the effects say that they are not as stated.
+    ///
+    /// # Errors
+    /// `TooRound` for corners that do not fit on the outline.
+    pub fn true_outline(&self, step: &StepInput) -> Result<TrueOutline, EffectError> {
+        TrueOutline::new(step, self.geometry(step), &self.reading(step))
     }
 
     pub(crate) fn acts_at(&self, stage: Stage) -> bool {

@@ -1,12 +1,12 @@
 //! An analytical model with its effects as one function of the parameters that a fit may move.
 
 use dataset::SupportSpec;
-use effects::{About, Effect, Rig, Role, by_id};
+use effects::{About, Effect, Rig, Role, TrueOutline, by_id};
 use nalgebra::Vector3;
 
 use crate::{
     Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelEffect,
-    ModelError, StepInput, SurfaceKind,
+    ModelError, Pushed, StepInput, SurfaceKind,
 };
 
 /// The physics of a hybrid: the motion of steps, and what moves it.
@@ -78,6 +78,15 @@ impl Physics {
         let wholes = steps.iter().map(whole).collect::<Result<Vec<_>, _>>()?;
         let found = self.channels()?.predict(&wholes)?;
         Ok(found.iter().map(|found| Vector3::new(found.dx, found.dy, found.dtheta)).collect())
+    }
+
+    /// Outline and pusher as the effects have them.
+    pub(crate) fn true_outline(&self, pushed: &Pushed) -> Result<TrueOutline, ModelError> {
+        if self.effects.is_empty() {
+            return Ok(pushed.stated());
+        }
+        let object = pushed.object.as_ref().ok_or_else(|| self.needs_more())?;
+        self.channels()?.true_outline(object, pushed.pusher_radius)
     }
 
     /// What a fit to such steps may move: μp, on an ellipsoid c, and the numbers of the effects.

@@ -172,7 +172,7 @@ impl Report {
                     name,
                     comparison: compare(&observations, &predictions, floor, &settings)?,
                     outlines: outline_maps(&observations, &predictions, &outlines::SETTINGS)?,
-                    ends: push_ends(&rollouts, &observations),
+                    ends: push_ends(&rollouts),
                     rollouts,
                     file,
                 })
