@@ -360,6 +360,16 @@ mod tests {
     }
 
     #[test]
+    fn a_path_there_and_back_has_the_steps_of_its_whole_way() {
+        let points = [(0.0, at(0.0, 0.0)), (1.0, at(0.02, 0.0)), (2.0, at(0.0, 0.0))];
+        let steps = PushPath::timed(&points).unwrap().steps(0.004).unwrap();
+        assert_eq!(steps.len(), 10);
+        assert!(steps.iter().all(|step| (step.distance() - 0.004).abs() < 1e-12));
+        let farthest = steps.iter().map(|step| step.end_w.x).fold(0.0, f64::max);
+        assert!((farthest - 0.02).abs() < 1e-12);
+    }
+
+    #[test]
     fn what_is_no_path_is_refused_with_the_point() {
         let problem = |result: Result<PushPath, ModelError>| result.unwrap_err().to_string();
         let nan = at(f64::NAN, 0.0);
