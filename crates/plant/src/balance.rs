@@ -53,12 +53,13 @@ struct Trial {
 const REST: f64 = 4.0;
 
 impl Balance<'_> {
-    /// Whether the object rests: the tip does not push it, friction bears all else, and it moves no
-    /// faster than it creeps under that.
+    /// Whether the object rests under a load: the tip does not push it, friction bears all else, and it
+    /// moves no faster than it creeps under that.
     ///
-    /// Rounded friction alone would let it creep on for ever.
+    /// Rounded friction alone would let it creep on for ever; without any load it stops it by itself.
     pub(crate) fn rests(&self) -> bool {
-        self.speed(&self.start) <= REST * self.creep
+        self.external != Vector3::zeros()
+            && self.speed(&self.start) <= REST * self.creep
             && self.contact.response(&Vector3::zeros()).load == Vector3::zeros()
             && self.external_is_borne()
     }
