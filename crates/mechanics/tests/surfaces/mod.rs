@@ -64,7 +64,11 @@ fn set_of_points(name: &'static str, at: &[(f64, f64, f64)]) -> Row {
 fn quartic(name: &'static str, coefficients: [f64; 15], length: f64) -> Row {
     // Across the mirror Fy and M change their signs.
     let sign = |k: usize| {
-        if (QUARTIC_EXPONENTS[k][1] + QUARTIC_EXPONENTS[k][2]) % 2 == 0 { 1.0 } else { -1.0 }
+        if (QUARTIC_EXPONENTS[k][1] + QUARTIC_EXPONENTS[k][2]).is_multiple_of(2) {
+            1.0
+        } else {
+            -1.0
+        }
     };
     let seen = std::array::from_fn(|k| sign(k) * coefficients[k]);
     Row {
