@@ -57,6 +57,9 @@ const TOUCH: f64 = 1e-10;
 const MOST_TRIES: usize = 60;
 const LEAST_SUBSTEPS: f64 = 4.0;
 const LEAST_DYNAMIC_SUBSTEPS: f64 = 6.0;
+const MOST_SUBSTEPS: f64 = 1e5;
+/// Share of a sub-step within which a change of the contact is found.
+const SHORTEST: f64 = 1e-6;
 
 impl<'a> Forward<'a> {
     pub(crate) fn new(physics: &'a PushPhysics, step: &'a StepInput) -> Result<Self, EffectError> {
@@ -106,16 +109,14 @@ impl<'a> Forward<'a> {
         let gap_start = self.measured_gap();
         self.finish_late_motion();
         let duration = self.step.track.duration();
-        let way = duration * self.step.track.mean_velocity().norm();
-        let least = if self.has_inertia { LEAST_DYNAMIC_SUBSTEPS } else { LEAST_SUBSTEPS };
-        // A way of a whole number of sub-steps must not gain one by rounding.
-        let n = (way / self.physics.rig().longest_substep() - 1e-6).ceil().max(least);
-        let longest = duration / n;
+        let longest = duration / self.n_substeps()?;
         let mut let_go = false;
         while duration - self.time > 1e-9 * longest {
             let length = longest.min(duration - self.time);
+            let shortest = (SHORTEST * longest).min(length);
+            let length = self.until_turn(length).max(shortest);
             if self.touching {
-                self.touching = self.press(length)?;
+                self.touching = self.press(length, shortest)?;
                 let_go = !self.touching;
             } else {
                 self.trail.clear();
@@ -139,6 +140,35 @@ impl<'a> Forward<'a> {
         })
     }
 
+    /// As many sub-steps of equal time as the path asks for, or the rule.
+    fn n_substeps(&self) -> Result<f64, EffectError> {
+        let longest = self.physics.rig().longest_substep();
+        let least = if self.has_inertia { LEAST_DYNAMIC_SUBSTEPS } else { LEAST_SUBSTEPS };
+        // A path of a whole number of sub-steps must not gain one by rounding.
+        let n = (self.step.track.length() / longest - 1e-6).ceil().max(least);
+        if n <= MOST_SUBSTEPS {
+            return Ok(n);
+        }
+        let (name, unit) = ("the pusher's path over the longest sub-step", "(count)");
+        Err(EffectError::InvalidValue { name, expected: "at most 100000", value: n, unit })
+    }
+
+    /// At most `length`, in s, up to where the pusher turns towards the contact or back from it.
+    fn until_turn(&self, length: f64) -> f64 {
+        let normal_w = self.pose_wo.rotate(&self.now.contact.normal);
+        let leaves = |after: f64| normal_w.dot(&self.pusher(self.time + after).1) <= 0.0;
+        let is_leaving = leaves(0.0);
+        if is_leaving == leaves(length) {
+            return length;
+        }
+        let (mut low, mut high) = (0.0, length);
+        while high - low > SHORTEST * length {
+            let middle = 0.5 * (low + high);
+            if leaves(middle) == is_leaving { low = middle } else { high = middle }
+        }
+        high
+    }
+
     /// Sets the object where it truly is at the start.
     fn start(&mut self) -> Result<(), EffectError> {
         let meeting = self.now;
@@ -151,7 +181,8 @@ impl<'a> Forward<'a> {
         }
         if self.step.touching {
             // What the pusher still goes before it moves the object: its spring is not wound up
-            // yet, or the object's stream lags behind.
+            // yet, or the object's stream lags behind. One that leaves has no such way before it.
+            let approach = approach.max(0.0);
             let ahead = self.deflection + approach * self.reading.latency.max(0.0);
             let lost = (ahead - approach * self.step.since_contact).max(0.0);
             self.close(lost);
@@ -179,7 +210,7 @@ impl<'a> Forward<'a> {
     ///
     /// The midpoint rule, whose way to the middle follows from the moments before: each further
     /// sub-step takes one solution of the push instead of two.
-    fn press(&mut self, length: f64) -> Result<bool, EffectError> {
+    fn press(&mut self, length: f64, shortest: f64) -> Result<bool, EffectError> {
         if self.has_inertia {
             return self.press_with_inertia(length);
         }
@@ -198,8 +229,12 @@ impl<'a> Forward<'a> {
         }
         self.trail = vec![(time, first.twist_w)];
         let middle = self.middle(&first.twist_w, length)?;
-        self.advance(&middle, length);
-        Ok(true)
+        if middle.rate.mode != ContactMode::Separated {
+            self.advance(&middle, length);
+            return Ok(true);
+        }
+        // It lets go on the way to the middle.
+        if length > shortest { self.press(0.5 * length, shortest) } else { Ok(false) }
     }
 
     /// The moment after half a sub-step with some velocity.
@@ -279,10 +314,15 @@ impl<'a> Forward<'a> {
 
     /// The true contact, its gap that to the yielding pusher.
     pub(crate) fn meet(&self, time: f64, pose_wo: &Pose) -> Meeting {
-        let (center_w, velocity_w) = self.step.track.at(time - self.reading.latency);
+        let (center_w, velocity_w) = self.pusher(time);
         let mut contact = self.outline.nearest(&pose_wo.inverse_transform_point(&center_w));
         contact.gap += self.deflection;
         Meeting { contact, velocity_w }
+    }
+
+    /// Where the pusher is, in m, and its velocity, in m/s, at a time of the object's stream.
+    fn pusher(&self, time: f64) -> (Vector2<f64>, Vector2<f64>) {
+        self.step.track.at(time - self.reading.latency)
     }
 
     /// The contact with its place and velocity, for a moment.
