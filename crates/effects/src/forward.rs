@@ -4,6 +4,7 @@ use mechanics::ContactMode;
 use nalgebra::Vector2;
 use planar::{Contact, Feature, Pose, Twist, perpendicular};
 
+use crate::effect::Stage;
 use crate::geometry::Outline;
 use crate::instant::{Instant, Memory, Rate};
 use crate::{Channels, ContactLaw, EffectError, PushPhysics, Reading, StepInput};
@@ -129,7 +130,7 @@ impl<'a> Forward<'a> {
         let along = self.step.direction_w();
         let moved = end_wb.position - start_wb.position;
         let force = self.impulse / duration;
-        Ok(Channels {
+        let channels = Channels {
             dx: along.dot(&moved),
             dy: perpendicular(&along).dot(&moved),
             dtheta: end_wb.angle - start_wb.angle,
@@ -137,7 +138,12 @@ impl<'a> Forward<'a> {
             force_tangential: force.y,
             gap_start,
             gap_end: self.measured_gap(),
-        })
+        };
+        let mut named = Channels::NAMES.into_iter().zip(channels.to_array());
+        match named.find(|(_, value)| !value.is_finite()) {
+            Some((channel, value)) => Err(EffectError::NotFinite { channel, value }),
+            None => Ok(channels),
+        }
     }
 
     /// As many sub-steps of equal time as the path asks for, or the rule.
@@ -265,7 +271,7 @@ impl<'a> Forward<'a> {
 
     /// Motion and force at a moment of the quasi-static push.
     fn rate(&mut self, time: f64, pose: &Pose, meeting: &Meeting) -> Result<Rate, EffectError> {
-        let instant = Instant::new(self.physics, self.step, pose, time);
+        let instant = Instant::new(self.physics, self.step, pose, time)?;
         let point = self.outline.acting_point(&meeting.contact);
         let touch = instant.touch(&meeting.contact, &point, &meeting.velocity_w);
         instant.pushed(&touch, &self.law, &mut self.memory)
@@ -273,6 +279,9 @@ impl<'a> Forward<'a> {
 
     /// Time without contact, up to the touch at most.
     fn go_free(&mut self, length: f64, let_go: bool) -> Result<(), EffectError> {
+        if !self.has_inertia && self.physics.acts_at(Stage::Load) {
+            self.rest(&self.pose_wo, &mut self.memory.clone())?;
+        }
         let start = self.now;
         let gap_at = |run: &Self, time: f64, pose: &Pose| run.meet(time, pose).contact.gap;
         let speed = self.closing_speed(&start, &self.pose_wo, &self.twist_w);
@@ -301,6 +310,11 @@ impl<'a> Forward<'a> {
             self.close(0.0);
         }
         Ok(())
+    }
+
+    /// Refuses an object that has to rest at a pose and cannot.
+    pub(crate) fn rest(&self, pose: &Pose, memory: &mut Memory) -> Result<(), EffectError> {
+        Instant::new(self.physics, self.step, pose, self.time)?.refuse_sliding_by_itself(memory)
     }
 
     /// Pose and velocity after some time without contact.

@@ -10,6 +10,7 @@ mod error;
 mod forward;
 mod friction;
 mod geometry;
+mod holding;
 mod inertia;
 mod instant;
 mod object;
