@@ -26,6 +26,7 @@ mod rig;
 mod setting;
 mod step_input;
 mod support;
+mod touch_time;
 mod track;
 
 pub use catalogue::{
