@@ -81,8 +81,7 @@ fn leaving(object: &Arc<Object>, center: &Vector2<f64>, beta: f64) -> Option<Ste
     })
 }
 
-const BETAS: [f64; 9] =
-    [FRAC_PI_2 + 1e-6, -FRAC_PI_2 - 1e-6, 1.7, -1.7, 2.1, -2.1, 2.8, -2.8, 3.14];
+const BETAS: [f64; 9] = [FRAC_PI_2 + 1e-6, -FRAC_PI_2 - 1e-6, 1.7, -1.7, 2.1, -2.1, 2.8, -2.8, 3.1];
 
 /// A moment before, the pusher left as well, though a vertex turns the normal.
 const CLEARLY: f64 = 1.65;
