@@ -10,6 +10,7 @@ mod error;
 mod forward;
 mod friction;
 mod geometry;
+mod holding;
 mod inertia;
 mod instant;
 mod object;
@@ -25,6 +26,7 @@ mod rig;
 mod setting;
 mod step_input;
 mod support;
+mod touch_time;
 mod track;
 
 pub use catalogue::{

@@ -52,6 +52,23 @@ pub(crate) const DIFFERENCE: f64 = 0.02;
 /// μp and c are not moved by more than a factor of e².
 const FARTHEST: f64 = 2.0;
 
+impl Free {
+    /// The number nearest to `u` whose value is within its range.
+    fn within(&self, u: f64) -> f64 {
+        match self.place {
+            Place::Effect { at, secant, range: (low, high), .. } => {
+                let moved = at + u * secant;
+                if (low..=high).contains(&moved) {
+                    u
+                } else {
+                    (moved.clamp(low, high) - at) / secant
+                }
+            }
+            Place::Friction(_) | Place::Length(_) => u,
+        }
+    }
+}
+
 impl Physics {
     /// The physics of a base with effects, which need a set-up.
     ///
@@ -157,10 +174,11 @@ impl Physics {
                 u[k] = size;
                 self.moved(free, &u)?.outputs(steps)
             };
-            let (above, below) = (at(DIFFERENCE)?, at(-DIFFERENCE)?);
-            let slope = |(above, below): (&Vector3<f64>, &Vector3<f64>)| {
-                (above - below) / (2.0 * DIFFERENCE)
-            };
+            // To one side where the range ends.
+            let (high, low) = (free[k].within(DIFFERENCE), free[k].within(-DIFFERENCE));
+            let (above, below) = (at(high)?, at(low)?);
+            let slope =
+                |(above, below): (&Vector3<f64>, &Vector3<f64>)| (above - below) / (high - low);
             Ok(above.iter().zip(&below).map(slope).collect())
         };
         (0..free.len()).map(column).collect()

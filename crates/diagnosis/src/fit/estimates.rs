@@ -299,7 +299,9 @@ fn value_slopes(member: &Member, x: &[f64]) -> DMatrix<f64> {
     let values = member.values(x);
     let mut slopes = DMatrix::zeros(values.len(), x.len());
     for (k, coordinate) in member.coordinates.iter().enumerate() {
-        let step = NUDGE * coordinate.secant;
+        let size = NUDGE * coordinate.secant;
+        // Values stay within their ranges: at the upper end a step leads back.
+        let step = if x[k] + size > coordinate.range.1 { -size } else { size };
         let mut moved = x.to_vec();
         moved[k] += step;
         let moved = member.values(&moved);

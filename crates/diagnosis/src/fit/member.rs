@@ -157,6 +157,11 @@ impl Member {
         self.switches().iter().zip(&self.prior_sd).map(|(on, sd)| *on || *sd == 0.0).collect()
     }
 
+    /// Which numbers are shares, whose ranges end where nothing more is.
+    pub(super) fn shares(&self) -> Vec<bool> {
+        self.parameters().iter().map(|parameter| parameter.role == Role::Share).collect()
+    }
+
     /// Which numbers are 0 or 1.
     pub(super) fn switches(&self) -> Vec<bool> {
         self.parameters().iter().map(|parameter| parameter.role == Role::Switch).collect()

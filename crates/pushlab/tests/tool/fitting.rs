@@ -27,6 +27,9 @@ fn a_fitted_effect_lowers_the_error_of_pushes_that_no_fit_has_seen() {
     let lambda = &fitted["effects"][0]["parameters"][0];
     let [value, se] = ["value", "se"].map(|key| lambda[key].as_f64().unwrap());
     assert!((value - 1.0).abs() < 3.0 * se && se < 0.05, "{lambda}");
+    // The pushes stand on the exact patch, where the mixture ends: so does the interval.
+    let [low, high] = ["low95", "high95"].map(|key| lambda["interval"][key].as_f64().unwrap());
+    assert!(value <= 1.0 && low > 1.0 - 6.0 * se && low < value && high == 1.0, "{lambda}");
     assert_eq!((&fitted["n_pushes"], &fitted["n_kept"]), (&45.into(), &15.into()));
     let written = set.read("better.toml");
     assert!(written.contains("[split]") && written.contains("fit to 45 pushes"), "{written}");
