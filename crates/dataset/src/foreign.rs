@@ -17,6 +17,7 @@ use crate::{
     error::DatasetError,
     ingest::TOOL,
     manifest::{PusherSpec, PusherTable, Source, SupportSpec, SupportTable},
+    map::read_text,
     object::{ObjectChoice, ObjectSpec, ObjectTable},
     preset::Preset,
     settings::ColumnMap,
@@ -52,9 +53,9 @@ impl TableMapping {
     /// Reads and checks a mapping.
     ///
     /// # Errors
-    /// `Io`, `Parse` and `Manifest` as for a manifest.
+    /// `Io`, `NotAFile`, `OverLimit`, `Parse` and `Manifest` as for a manifest.
     pub fn read(path: &Path) -> Result<Self, DatasetError> {
-        let text = std::fs::read_to_string(path).map_err(|e| DatasetError::io("read", path, e))?;
+        let text = read_text(path)?;
         Self::parse(&text, path)
     }
 

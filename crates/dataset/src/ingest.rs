@@ -104,7 +104,7 @@ fn one_recording(
 ) -> (Vec<StepRow>, RecordingReport) {
     let manifest = set.manifest();
     let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    let result = set.format().read(path, &manifest.streams).and_then(|recording| {
+    let result = set.read(path).and_then(|recording| {
         let object = match manifest.object.of(&recording.name) {
             Ok(object) => object,
             Err(error) => return Ok((Vec::new(), unreadable(&recording.name, path, error))),

@@ -8,6 +8,8 @@ use serde_spanned::Spanned;
 
 use crate::{
     error::DatasetError,
+    limits::ReadLimits,
+    map::read_text,
     object::{ObjectChoice, ObjectTable},
     settings::Streams,
 };
@@ -30,6 +32,8 @@ pub struct Manifest {
     pub recordings: RecordingsSpec,
     /// How their streams are found.
     pub streams: Streams,
+    /// What reading one of them may cost.
+    pub limits: ReadLimits,
 }
 
 /// The round pusher, nominally.
@@ -63,21 +67,21 @@ impl Manifest {
     /// Reads and checks a manifest.
     ///
     /// # Errors
-    /// `Io`; `Parse` with the line for TOML that is broken, keys that are not known or missing, and
+    /// `Io`; `NotAFile` and `OverLimit` as [`read_text`]; `Parse` with the line for TOML that is broken, keys that are not known or missing, and
     /// wrong types; `Manifest` with line, key, value, unit and allowed values for the rest.
     pub fn read(path: &Path) -> Result<Self, DatasetError> {
-        let text = std::fs::read_to_string(path).map_err(|e| DatasetError::io("read", path, e))?;
+        let text = read_text(path)?;
         Self::parse(&text, path)
     }
 
     /// Checks the text of a manifest; `path` is for messages alone.
     ///
     /// # Errors
-    /// As [`Manifest::read`], without `Io`.
+    /// `Parse` and `Manifest` as [`Manifest::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, DatasetError> {
         let source = Source::new(text, path);
         let table: ManifestTable = source.parse()?;
-        let ManifestTable { name, object, pusher, support, recordings, streams } = table;
+        let ManifestTable { name, object, pusher, support, recordings, streams, limits } = table;
         Ok(Self {
             name,
             object: object.check(&source)?,
@@ -88,6 +92,7 @@ impl Manifest {
                 path: recordings.path,
             },
             streams,
+            limits,
         })
     }
 }
@@ -104,6 +109,8 @@ struct ManifestTable {
     recordings: RecordingsTable,
     #[serde(default)]
     streams: Streams,
+    #[serde(default)]
+    limits: ReadLimits,
 }
 
 #[derive(Deserialize)]

@@ -2,20 +2,56 @@
 
 use prost_reflect::{DescriptorPool, FieldDescriptor, Kind, MessageDescriptor};
 
-use super::{MessageError, Row, Slot, Wanted, ros_schema::MAX_DEPTH, split_path};
+use super::{MessageError, Row, Slot, Wanted, split_path};
+use crate::caught::caught_text;
 
 /// The message type of a protobuf channel.
 pub(crate) struct ProtobufSchema {
     message: MessageDescriptor,
+    /// How deep types may be nested.
+    nesting: usize,
+}
+
+/// Parts of a file descriptor set that hold named parts in turn.
+#[derive(Clone, Copy)]
+enum Part {
+    Set,
+    File,
+    Message,
+    Other,
+}
+
+/// How many messages, fields and names a file descriptor set declares, before it is read.
+pub(super) fn n_entries(set: &[u8]) -> u64 {
+    let mut n = 0_u64;
+    let mut parts = vec![(Part::Set, set)];
+    while let Some((part, mut bytes)) = parts.pop() {
+        while let Some((number, wire)) = next_field(&mut bytes) {
+            let Wire::Bytes(inner) = wire else { continue };
+            n += 1;
+            let inner_part = match (part, number) {
+                (Part::Set, 1) => Part::File,
+                (Part::File, 4) | (Part::Message, 3) => Part::Message,
+                // Enumerations, services, and where in its source each part stood.
+                (Part::File, 5 | 6 | 9) | (Part::Message, 4) => Part::Other,
+                _ => continue,
+            };
+            parts.push((inner_part, inner));
+        }
+    }
+    n
 }
 
 impl ProtobufSchema {
-    pub(crate) fn parse(type_name: &str, schema: &[u8]) -> Result<Self, String> {
-        let pool = DescriptorPool::decode(schema)
+    pub(crate) fn parse(type_name: &str, schema: &[u8], nesting: usize) -> Result<Self, String> {
+        // A damaged set can make the library panic.
+        let pool = caught_text(|| DescriptorPool::decode(schema));
+        let pool = pool
+            .and_then(|pool| pool.map_err(|error| error.to_string()))
             .map_err(|error| format!("the schema is no FileDescriptorSet: {error}"))?;
         let message = pool.get_message_by_name(type_name);
         let message = message.ok_or_else(|| format!("the schema does not define {type_name}"))?;
-        Ok(Self { message })
+        Ok(Self { message, nesting })
     }
 
     /// Whether a path leads to a number, or to a text if `text`.
@@ -76,7 +112,7 @@ impl ProtobufPlan {
     pub(crate) fn compile(schema: &ProtobufSchema, wanted: &[Wanted]) -> Result<Self, String> {
         let mut root = Node::default();
         for Wanted { slot, path } in wanted {
-            root.add(&schema.message, path, *slot, 0)?;
+            root.add(&schema.message, path, *slot, schema.nesting)?;
         }
         Ok(Self { root, rows_in_list: wanted.iter().any(|w| w.path.contains("[]")) })
     }
@@ -101,13 +137,13 @@ impl Node {
         message: &MessageDescriptor,
         path: &str,
         slot: Slot,
-        depth: usize,
+        depth_left: usize,
     ) -> Result<(), String> {
         let (name, is_list, rest) = split_path(path);
         let field = message.get_field_by_name(name).ok_or_else(|| format!("no field `{name}`"))?;
-        if depth >= MAX_DEPTH {
-            return Err(format!("`{path}` is nested more than {MAX_DEPTH} deep"));
-        }
+        let depth_left = depth_left.checked_sub(1).ok_or_else(|| {
+            format!("`{path}` is nested too deep; raise nesting in [limits] of dataset.toml")
+        })?;
         let number = field.number();
         match field.kind() {
             Kind::Message(inner) => {
@@ -117,7 +153,7 @@ impl Node {
                     self.fields.len() - 1
                 });
                 if let (_, Target::Message { node, .. }) = &mut self.fields[place] {
-                    node.add(&inner, rest, slot, depth + 1)?;
+                    node.add(&inner, rest, slot, depth_left)?;
                 }
             }
             Kind::String => self.fields.push((number, Target::Text(slot))),
@@ -306,7 +342,7 @@ mod tests {
             ..Default::default()
         };
         let set = FileDescriptorSet { file: vec![file] };
-        ProtobufSchema::parse("p.Thing", &set.encode_to_vec()).unwrap()
+        ProtobufSchema::parse("p.Thing", &set.encode_to_vec(), 32).unwrap()
     }
 
     fn plan(fields: &[(Slot, &str)]) -> ProtobufPlan {
@@ -350,7 +386,7 @@ mod tests {
         assert!(schema.has("items[].y", false) && schema.has("one.child", true));
         assert!(!schema.has("items.y", false) && !schema.has("one", false));
         assert!(!schema.has("one.child", false) && !schema.has("nothing", false));
-        assert!(ProtobufSchema::parse("p.Thing", b"\xff").is_err());
+        assert!(ProtobufSchema::parse("p.Thing", b"\xff", 32).is_err());
     }
 
     proptest! {

@@ -11,6 +11,7 @@ use super::{
 use crate::{
     error::DatasetError,
     format::{Inspection, LogFormat},
+    limits::ReadLimits,
     map::FileBytes,
     recording::Recording,
     settings::Streams,
@@ -29,8 +30,13 @@ impl LogFormat for MitHdf5Format {
         find_recordings(dir, self.id(), "files NAME.h5", &is_recording)
     }
 
-    fn read(&self, path: &Path, streams: &Streams) -> Result<Recording, DatasetError> {
-        let (sha256, file, names) = open(path)?;
+    fn read(
+        &self,
+        path: &Path,
+        streams: &Streams,
+        limits: &ReadLimits,
+    ) -> Result<Recording, DatasetError> {
+        let (sha256, file, names) = open(path, limits)?;
         let mut rows_of = |name: &str| {
             let there = names.iter().any(|known| known == name);
             there.then(|| rows(path, &file, name)).transpose()
@@ -38,16 +44,16 @@ impl LogFormat for MitHdf5Format {
         recording_of_rows(path, sha256, &names, streams, &mut rows_of)
     }
 
-    fn inspect(&self, path: &Path) -> Result<Inspection, DatasetError> {
-        let (_, file, names) = open(path)?;
+    fn inspect(&self, path: &Path, limits: &ReadLimits) -> Result<Inspection, DatasetError> {
+        let (_, file, names) = open(path, limits)?;
         let sets: Vec<_> =
             names.iter().filter_map(|name| Some((name, rows(path, &file, name).ok()?))).collect();
         Ok(inspect_rows(sets.iter().map(|(name, rows)| (name.as_str(), rows.as_slice()))))
     }
 }
 
-fn open(path: &Path) -> Result<(String, File, Vec<String>), DatasetError> {
-    let bytes = FileBytes::open(path)?;
+fn open(path: &Path, limits: &ReadLimits) -> Result<(String, File, Vec<String>), DatasetError> {
+    let bytes = FileBytes::open(path, limits)?;
     let damaged = |what| DatasetError::Damaged { path: path.into(), byte: 0, what };
     let file = File::from_bytes(bytes.bytes().to_vec())
         .map_err(|error| damaged(format!("no HDF5 file that can be read: {error}")))?;
@@ -80,8 +86,8 @@ mod tests {
 
     use super::MitHdf5Format;
     use crate::{
-        error::DatasetError, format::LogFormat, recording::Recording, remark::StreamRole,
-        settings::Streams,
+        error::DatasetError, format::LogFormat, limits::ReadLimits, recording::Recording,
+        remark::StreamRole, settings::Streams,
     };
 
     fn read(sets: &[(&str, &[f64], [u64; 2])]) -> Result<Recording, DatasetError> {
@@ -92,7 +98,7 @@ mod tests {
             builder.create_dataset(name).with_f64_data(data).with_shape(shape);
         }
         fs::write(&path, builder.finish().unwrap()).unwrap();
-        MitHdf5Format.read(&path, &Streams::default())
+        MitHdf5Format.read(&path, &Streams::default(), &ReadLimits::default())
     }
 
     const ROWS: [f64; 8] = [7.25, 0.1, 0.2, 0.3, 7.5, 1.0, 2.0, 3.0];
@@ -121,7 +127,8 @@ mod tests {
         for content in [&b""[..], b"not a log"] {
             let path = dir.path().join("push.h5");
             fs::write(&path, content).unwrap();
-            let error = MitHdf5Format.read(&path, &Streams::default()).unwrap_err();
+            let error =
+                MitHdf5Format.read(&path, &Streams::default(), &ReadLimits::default()).unwrap_err();
             assert!(matches!(error, DatasetError::Damaged { byte: 0, .. }), "{error}");
         }
     }

@@ -12,6 +12,7 @@ use super::{
 use crate::{
     error::DatasetError,
     format::{Inspection, LogFormat},
+    limits::ReadLimits,
     map::FileBytes,
     recording::Recording,
     settings::Streams,
@@ -30,16 +31,21 @@ impl LogFormat for MitJsonFormat {
         find_recordings(dir, self.id(), "files NAME.json", &is_recording)
     }
 
-    fn read(&self, path: &Path, streams: &Streams) -> Result<Recording, DatasetError> {
-        let file = FileBytes::open(path)?;
+    fn read(
+        &self,
+        path: &Path,
+        streams: &Streams,
+        limits: &ReadLimits,
+    ) -> Result<Recording, DatasetError> {
+        let file = FileBytes::open(path, limits)?;
         let mut sets = parse(path, file.bytes())?;
         let names: Vec<String> = sets.keys().cloned().collect();
         let mut take = |name: &str| Ok(sets.remove(name));
         recording_of_rows(path, file.sha256(), &names, streams, &mut take)
     }
 
-    fn inspect(&self, path: &Path) -> Result<Inspection, DatasetError> {
-        let file = FileBytes::open(path)?;
+    fn inspect(&self, path: &Path, limits: &ReadLimits) -> Result<Inspection, DatasetError> {
+        let file = FileBytes::open(path, limits)?;
         let sets = parse(path, file.bytes())?;
         Ok(inspect_rows(sets.iter().map(|(name, rows)| (name.as_str(), rows.as_slice()))))
     }
@@ -62,15 +68,15 @@ mod tests {
 
     use super::MitJsonFormat;
     use crate::{
-        error::DatasetError, format::LogFormat, recording::Recording, remark::StreamRole,
-        settings::Streams,
+        error::DatasetError, format::LogFormat, limits::ReadLimits, recording::Recording,
+        remark::StreamRole, settings::Streams,
     };
 
     fn read(text: &str) -> Result<Recording, DatasetError> {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("push.json");
         fs::write(&path, text).unwrap();
-        MitJsonFormat.read(&path, &Streams::default())
+        MitJsonFormat.read(&path, &Streams::default(), &ReadLimits::default())
     }
 
     #[test]

@@ -16,7 +16,7 @@ fn wanted(fields: &[(Slot, &str)]) -> Vec<Wanted> {
 }
 
 fn plan(cdr: bool, fields: &[(Slot, &str)]) -> RosPlan {
-    let schema = RosSchema::parse("p/Message", SCHEMA.as_bytes(), cdr).unwrap();
+    let schema = RosSchema::parse("p/Message", SCHEMA.as_bytes(), cdr, 32).unwrap();
     RosPlan::compile(&schema, &wanted(fields)).unwrap()
 }
 
@@ -91,7 +91,7 @@ fn ros1_and_cdr_of_both_byte_orders_decode_alike() {
 #[test]
 fn every_number_kind_is_read_with_its_sign() {
     let text = "int8 a\nuint8 b\nint16 c\nuint16 d\nint32 e\nuint32 f\nint64 g\nuint64 h\n";
-    let schema = RosSchema::parse("p/N", text.as_bytes(), false).unwrap();
+    let schema = RosSchema::parse("p/N", text.as_bytes(), false, 32).unwrap();
     let names = ["a", "b", "c", "d", "e", "f", "g", "h"];
     let fields: Vec<_> = names.iter().enumerate().map(|(i, n)| (Slot::Value(i), *n)).collect();
     let plan = RosPlan::compile(&schema, &wanted(&fields)).unwrap();
@@ -105,7 +105,7 @@ fn every_number_kind_is_read_with_its_sign() {
 fn fixed_arrays_of_any_kind_are_passed_over() {
     let text = "wstring w\nstring[2] s\nfloat64[36] covariance\nItem[2] items\nint64[] list\n\
                 float64 x\n===\nMSG: p/Item\nuint8 a\nfloat64 b\n";
-    let schema = RosSchema::parse("p/M", text.as_bytes(), true).unwrap();
+    let schema = RosSchema::parse("p/M", text.as_bytes(), true, 32).unwrap();
     let plan = RosPlan::compile(&schema, &wanted(&[(Slot::Value(0), "x")])).unwrap();
     let mut m = vec![2, 0, 0, 0, 1, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, b'a', 0];
     m.resize(24, 0);
@@ -137,7 +137,7 @@ fn damaged_lengths_are_errors_with_their_byte() {
 #[test]
 fn a_type_that_is_missing_or_endless_is_an_error() {
     let compile = |text: &str| {
-        let schema = RosSchema::parse("p/M", text.as_bytes(), true).unwrap();
+        let schema = RosSchema::parse("p/M", text.as_bytes(), true, 32).unwrap();
         RosPlan::compile(&schema, &wanted(&[(Slot::Value(0), "x")])).err().unwrap()
     };
     assert_eq!(
@@ -173,7 +173,7 @@ proptest! {
 
     #[test]
     fn random_schemas_never_panic(text in "[a-z0-9_/\\[\\]<=# \n]{0,120}", cdr: bool) {
-        if let Ok(schema) = RosSchema::parse("p/M", text.as_bytes(), cdr) {
+        if let Ok(schema) = RosSchema::parse("p/M", text.as_bytes(), cdr, 32) {
             let _ = RosPlan::compile(&schema, &wanted(&[(Slot::Value(0), "x")]));
         }
     }

@@ -9,8 +9,8 @@ use proptest::{
 
 use super::{BagFormat, op};
 use crate::{
-    error::DatasetError, format::LogFormat, recording::Recording, remark::RemarkKind,
-    settings::Streams,
+    error::DatasetError, format::LogFormat, limits::ReadLimits, recording::Recording,
+    remark::RemarkKind, settings::Streams,
 };
 
 const N: u32 = 60;
@@ -125,7 +125,7 @@ fn read(bytes: &[u8]) -> Result<Recording, DatasetError> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("log.bag");
     fs::write(&path, bytes).unwrap();
-    BagFormat.read(&path, &Streams::default())
+    BagFormat.read(&path, &Streams::default(), &ReadLimits::default())
 }
 
 fn kinds(recording: &Recording) -> Vec<RemarkKind> {
