@@ -49,8 +49,9 @@ const LIMITS: [(Limit, &str, u64, u64); 11] = [
     // The walk through nested types is recursive.
     (Limit::Nesting, "nesting", 32, 256),
     (Limit::Columns, "columns", 10_000, MOST),
-    (Limit::Pushes, "pushes", 10_000, MOST),
-    (Limit::Steps, "steps", 1_000_000, MOST),
+    // Steps and pushes are numbered in 32 bits.
+    (Limit::Pushes, "pushes", 10_000, u32::MAX as u64),
+    (Limit::Steps, "steps", 1_000_000, u32::MAX as u64),
 ];
 /// The largest integer of TOML.
 const MOST: u64 = i64::MAX as u64;
