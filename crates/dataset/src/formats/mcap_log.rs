@@ -357,4 +357,6 @@ fn unpacked<'c>(
 }
 
 #[cfg(test)]
+mod conformance;
+#[cfg(test)]
 mod tests;

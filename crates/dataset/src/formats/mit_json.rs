@@ -186,11 +186,15 @@ mod tests {
         let text = r#"{"tip_pose": [[5,0,0,0], [6,1,2,3]], "object_pose": [[6,0,0,9]]}"#;
         let limits = ReadLimits::default().with(Limit::Samples, 2).with(Limit::Channels, 2);
         read_within(text, &limits).unwrap();
-        for (limit, what) in [(Limit::Samples, "rows of a data set"), (Limit::Channels, "data sets")]
+        for (limit, what) in
+            [(Limit::Samples, "rows of a data set"), (Limit::Channels, "data sets")]
         {
             let error = read_within(text, &limits.clone().with(limit, 1)).unwrap_err();
             assert!(matches!(error, DatasetError::OverLimit { needed: 2, limit: 1, .. }));
-            assert!(error.to_string().contains(&format!("push.json: at least 2 {what}")), "{error}");
+            assert!(
+                error.to_string().contains(&format!("push.json: at least 2 {what}")),
+                "{error}"
+            );
         }
     }
 
