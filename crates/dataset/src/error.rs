@@ -253,6 +253,19 @@ pub enum DatasetError {
         /// The columns that are there.
         found: String,
     },
+    /// A table has a column more than once.
+    #[error(
+        "{path}: column `{column}` is there more than once, as number {} and {}; keep one of them",
+        places[0], places[1]
+    )]
+    ColumnTwice {
+        /// The table.
+        path: PathBuf,
+        /// The column.
+        column: String,
+        /// Two of its places, from 1.
+        places: [usize; 2],
+    },
     /// A table has too few rows to learn anything from.
     #[error("{path}: the table has {rows} row(s); at least 2 are needed, ingest more pushes")]
     TableTooShort {

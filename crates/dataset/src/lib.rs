@@ -42,6 +42,10 @@ mod noise;
 mod object;
 #[cfg(doctest)]
 mod pages;
+#[cfg(feature = "parquet")]
+mod parquet_pages;
+#[cfg(feature = "parquet")]
+mod parquet_read;
 mod preset;
 mod process;
 mod push;

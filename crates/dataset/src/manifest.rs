@@ -98,6 +98,11 @@ impl Manifest {
 }
 
 const STANDARD_GRAVITY: f64 = 9.81;
+/// Positive quantities of a rig, in SI units: of a toy's moment of inertia to a truck's mass.
+const SMALLEST: f64 = 1e-12;
+const LARGEST: f64 = 1e6;
+/// Rubber on rubber has about 1.2.
+const LARGEST_FRICTION: f64 = 10.0;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -124,7 +129,7 @@ impl PusherTable {
     pub(crate) fn check(&self, source: &Source<'_>) -> Result<PusherSpec, DatasetError> {
         Ok(PusherSpec {
             radius: source.positive("pusher.radius_m", &self.radius_m, " m")?,
-            friction: source.not_negative("pusher.friction", &self.friction, "")?,
+            friction: source.friction("pusher.friction", &self.friction)?,
         })
     }
 }
@@ -142,7 +147,7 @@ impl SupportTable {
             Some(gravity) => source.positive("support.gravity_m_s2", gravity, " m/s²")?,
             None => STANDARD_GRAVITY,
         };
-        let friction = source.not_negative("support.friction", &self.friction, "")?;
+        let friction = source.friction("support.friction", &self.friction)?;
         Ok(SupportSpec { friction, gravity })
     }
 }
@@ -208,6 +213,7 @@ impl<'a> Source<'a> {
         self.refuse(span, key, "(missing)", "", allowed)
     }
 
+    /// A quantity in its SI unit, which is positive and none beyond a laboratory.
     pub(crate) fn positive(
         &self,
         key: &str,
@@ -215,23 +221,21 @@ impl<'a> Source<'a> {
         unit: &'static str,
     ) -> Result<f64, DatasetError> {
         let number = *value.get_ref();
-        if number > 0.0 && number.is_finite() {
+        if (SMALLEST..=LARGEST).contains(&number) {
             return Ok(number);
         }
-        Err(self.refuse(value.span(), key, number, unit, "a positive, finite number"))
+        let allowed = format!("a number from {SMALLEST:e} to {LARGEST:e}");
+        Err(self.refuse(value.span(), key, number, unit, allowed))
     }
 
-    pub(crate) fn not_negative(
-        &self,
-        key: &str,
-        value: &Spanned<f64>,
-        unit: &'static str,
-    ) -> Result<f64, DatasetError> {
+    /// A coefficient of friction.
+    fn friction(&self, key: &str, value: &Spanned<f64>) -> Result<f64, DatasetError> {
         let number = *value.get_ref();
-        if number >= 0.0 && number.is_finite() {
+        if (0.0..=LARGEST_FRICTION).contains(&number) {
             return Ok(number);
         }
-        Err(self.refuse(value.span(), key, number, unit, "a finite number, 0 or more"))
+        let allowed = format!("a number from 0 to {LARGEST_FRICTION}");
+        Err(self.refuse(value.span(), key, number, "", allowed))
     }
 
     fn format(&self, format: Spanned<String>) -> Result<String, DatasetError> {
@@ -296,14 +300,18 @@ topic = "/robot/tip_pose"
     fn impossible_values_name_file_line_key_value_unit_and_range() {
         assert_eq!(
             error("radius_m = 0.00475", "radius_m = -4.75"),
-            "set/dataset.toml:9: pusher.radius_m = -4.75 m is not allowed, expected a positive, \
-             finite number"
+            "set/dataset.toml:9: pusher.radius_m = -4.75 m is not allowed, expected a number from \
+             1e-12 to 1e6"
         );
         assert_eq!(
             error("friction = 0.25", "friction = nan"),
-            "set/dataset.toml:10: pusher.friction = NaN is not allowed, expected a finite number, \
-             0 or more"
+            "set/dataset.toml:10: pusher.friction = NaN is not allowed, expected a number from 0 to \
+             10"
         );
+        assert!(
+            error("friction = 0.25", "friction = 1e308").contains("expected a number from 0 to 10")
+        );
+        assert!(error("gravity_m_s2 = 9.81", "gravity_m_s2 = 1e300").contains("1e-12 to 1e6"));
         assert_eq!(
             error("\"mcap\"", "\"rosbag9\""),
             "set/dataset.toml:17: recordings.format = rosbag9 is not allowed, expected one of \
