@@ -418,3 +418,20 @@ fn every_impossible_file_names_its_line_and_key() {
         assert!(problem.contains(part), "{error}");
     }
 }
+
+#[test]
+fn a_standard_error_that_rounding_hides_changes_nothing() {
+    let length = CharacteristicLength::Given(Estimate::exact(0.035, "test"));
+    let with_se = |se: f64| {
+        let friction = Estimate { se, ..Estimate::exact(0.25, "test") };
+        Analytical::new(friction, length.clone(), Matrix3::zeros()).unwrap()
+    };
+    let shape = Arc::new(Shape::square(0.09).unwrap());
+    let step = StepInput::on_edge(shape, 0.00475, 1, 0.3, 0.2, 0.004).unwrap();
+    let said =
+        |model: &Analytical| model.predict(std::slice::from_ref(&step), Noise::Included).unwrap();
+    for se in [1e-308, 1e-20] {
+        assert_eq!(said(&with_se(se)), said(&with_se(0.0)), "{se}");
+    }
+    assert_ne!(said(&with_se(0.05)), said(&with_se(0.0)));
+}
