@@ -9,6 +9,7 @@ use std::{
 use crate::{
     error::DatasetError,
     format::{Inspection, LogFormat, StreamInfo, all_formats},
+    limits::ReadLimits,
     manifest::MANIFEST_NAME,
     object::shape_in_name,
     preset::Preset,
@@ -49,7 +50,7 @@ pub fn init(dir: &Path, preset: Option<Preset>) -> Result<PathBuf, DatasetError>
 pub fn draft_manifest(dir: &Path) -> Result<String, DatasetError> {
     let (format, folder, recordings) = find_recordings(dir)?;
     let first = &recordings[0];
-    let inspection = format.inspect(first)?;
+    let inspection = format.inspect(first, &ReadLimits::default())?;
     let title = dir.file_name().unwrap_or(dir.as_os_str()).to_string_lossy();
     let example = first.file_name().unwrap_or(first.as_os_str()).to_string_lossy();
     let mut out = String::new();

@@ -7,6 +7,7 @@ use crate::{
     format::{LogFormat, all_formats, format_by_id},
     manifest::{MANIFEST_NAME, Manifest},
     preset::Preset,
+    recording::Recording,
     session::{Session, Sessions, read_sessions},
 };
 
@@ -140,6 +141,14 @@ impl RecordingSet {
     #[must_use]
     pub fn recordings(&self) -> &[PathBuf] {
         &self.recordings
+    }
+
+    /// Reads one of the recordings, within the limits of the manifest.
+    ///
+    /// # Errors
+    /// As [`LogFormat::read`].
+    pub fn read(&self, recording: &Path) -> Result<Recording, DatasetError> {
+        self.format.read(recording, &self.manifest.streams, &self.manifest.limits)
     }
 
     /// What `sessions.csv` says of a recording.

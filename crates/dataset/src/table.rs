@@ -105,7 +105,7 @@ pub(crate) fn extension(path: &Path) -> Result<Kind, DatasetError> {
 }
 
 #[cfg(feature = "parquet")]
-use crate::table_parquet::read as read_parquet;
+use crate::parquet_read::read as read_parquet;
 
 #[cfg(not(feature = "parquet"))]
 fn read_parquet(_: &Path) -> Result<Table, DatasetError> {

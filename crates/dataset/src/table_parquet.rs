@@ -13,10 +13,8 @@ use parquet::{
     file::{
         metadata::KeyValue,
         properties::WriterProperties,
-        reader::{FileReader, SerializedFileReader},
         writer::{SerializedFileWriter, SerializedRowGroupWriter},
     },
-    record::{Field, Row},
     schema::types::Type,
 };
 
@@ -24,8 +22,7 @@ use crate::{
     column::{Access, Column, columns},
     error::DatasetError,
     step::StepRow,
-    table::{Provenance, Table},
-    table_csv::NameCache,
+    table::Provenance,
 };
 
 /// Rows that share a row group: as many are in memory while writing.
@@ -72,35 +69,6 @@ impl GroupWriter {
         self.rows.clear();
         Ok(())
     }
-}
-
-/// Reads a table from a Parquet file.
-pub(crate) fn read(path: &Path) -> Result<Table, DatasetError> {
-    let file = File::open(path).map_err(|error| DatasetError::io("read", path, error))?;
-    let reader = SerializedFileReader::new(file).map_err(|error| unusable(path, error))?;
-    let metadata = reader.metadata().file_metadata();
-    let found: Vec<_> =
-        metadata.schema().get_fields().iter().map(|f| f.name().to_owned()).collect();
-    if let Some(column) = columns().iter().find(|c| !found.iter().any(|name| name == c.name)) {
-        let (column, found) = (column.name.to_owned(), found.join(", "));
-        return Err(DatasetError::ColumnMissing { path: path.into(), column, found });
-    }
-    let mut provenance = Provenance::default();
-    for pair in metadata.key_value_metadata().into_iter().flatten() {
-        provenance.push(&pair.key, pair.value.as_deref().unwrap_or_default());
-    }
-    let mut names = NameCache::default();
-    let mut rows = Vec::new();
-    for row in reader.get_row_iter(None).map_err(|error| unusable(path, error))? {
-        let row = row.map_err(|error| unusable(path, error))?;
-        let mut step = step_of(&row).map_err(|what| DatasetError::Parquet {
-            path: path.into(),
-            what: format!("row {}: {what}", rows.len() + 1),
-        })?;
-        names.share(&mut step);
-        rows.push(step);
-    }
-    Ok(Table { rows, provenance })
 }
 
 fn unusable(path: &Path, error: impl ToString) -> DatasetError {
@@ -163,35 +131,13 @@ fn write_column(
     writer.close()
 }
 
-/// One row by the names of its columns; further columns are passed over.
-fn step_of(row: &Row) -> Result<StepRow, String> {
-    let mut step = StepRow::default();
-    for (name, field) in row.get_column_iter() {
-        let Some(column) = columns().iter().find(|column| column.name == name) else { continue };
-        let refused = |expected: &str| format!("{name} is {field}, expected {expected}");
-        match (&column.access, field) {
-            (Access::Text(_, set), Field::Str(text)) => {
-                set(&mut step, text).map_err(|e| refused(&e))?
-            }
-            (Access::Text(..) | Access::OptionalReal(..), Field::Null) => {}
-            (Access::Integer(_, set), Field::UInt(value)) => set(&mut step, *value),
-            (Access::Real(_, set) | Access::OptionalReal(_, set), Field::Double(value))
-                if value.is_finite() =>
-            {
-                set(&mut step, *value);
-            }
-            _ => return Err(refused("a finite value of the column's type")),
-        }
-    }
-    Ok(step)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Provenance, StepRow, Table};
+    use super::{Provenance, StepRow};
     use crate::{
         error::DatasetError,
         step::{ContactForce, StepForce},
+        table::Table,
     };
 
     fn table() -> Table {

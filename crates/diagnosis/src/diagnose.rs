@@ -7,6 +7,7 @@ mod far_off;
 mod findings;
 mod leftover;
 mod members;
+mod read;
 mod rivals;
 mod rules;
 mod scatter;

@@ -1,5 +1,7 @@
 //! What can go wrong in a comparison.
 
+use std::path::PathBuf;
+
 use crate::Undetermined;
 
 /// Why observations and a model could not be compared.
@@ -103,7 +105,26 @@ pub enum DiagnosisError {
         /// Twice the gain in log likelihood that a further step would expect.
         decrement: f64,
     },
+    /// A file cannot be read.
+    #[error(transparent)]
+    Dataset(Box<dataset::DatasetError>),
+    /// A file is no diagnosis that this release reads.
+    #[error("{}{place}: {what}", path.display())]
+    NoDiagnosis {
+        /// The file.
+        path: PathBuf,
+        /// `:line:column`, where there is one.
+        place: String,
+        /// What is wrong, and what to do.
+        what: String,
+    },
     /// The table or the model was refused.
     #[error(transparent)]
     Model(#[from] models::ModelError),
+}
+
+impl From<dataset::DatasetError> for DiagnosisError {
+    fn from(error: dataset::DatasetError) -> Self {
+        Self::Dataset(Box::new(error))
+    }
 }

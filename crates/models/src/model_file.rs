@@ -8,6 +8,7 @@ mod weights_file;
 
 use std::path::Path;
 
+use dataset::DatasetError;
 use effects::Effect;
 
 use self::raw::{Raw, RawBase, RawEffect, RawOut};
@@ -82,7 +83,10 @@ impl ModelFile {
 }
 
 fn read_text(path: &Path) -> Result<String, ModelError> {
-    std::fs::read_to_string(path).map_err(|source| io("read", path, source))
+    dataset::read_text(path).map_err(|error| match error {
+        DatasetError::Io { action, path, source } => ModelError::Io { action, path, source },
+        other => other.into(),
+    })
 }
 
 fn write_whole(path: &Path, text: &str) -> Result<(), ModelError> {

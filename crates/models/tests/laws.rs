@@ -389,12 +389,12 @@ fn every_impossible_file_names_its_line_and_key() {
             "from 4 to 10000, got 3",
         ),
         (good.replace("0.25", "-0.25"), 9, "base.pusher_friction.value", "-0.25"),
-        (good.replace("0.25", "nan"), 9, "base.pusher_friction.value", "finite"),
+        (good.replace("0.25", "nan"), 9, "base.pusher_friction.value", "from 0 to 10, got NaN"),
         (good.replace("se = 0.0", "se = -1.0"), 9, "base.pusher_friction.se", "-1"),
         (good.replace("se = 0.0", "sd = 0.0"), 11, "sd", "unknown field"),
         (good.replace("pressure = \"uniform\"\n", ""), 4, "base.pressure", "either"),
         (format!("{good}{length}"), 4, "base.pressure", "either"),
-        (given().replace("0.03", "0.0"), 13, "base.characteristic_length.value", "positive"),
+        (given().replace("0.03", "0.0"), 13, "base.characteristic_length.value", "to 10, got 0.0"),
         (
             given().replace("ellipsoid", "quartic"),
             13,
@@ -417,4 +417,21 @@ fn every_impossible_file_names_its_line_and_key() {
         assert_eq!((*found, named.as_str()), (line, key), "{error}");
         assert!(problem.contains(part), "{error}");
     }
+}
+
+#[test]
+fn a_standard_error_that_rounding_hides_changes_nothing() {
+    let length = CharacteristicLength::Given(Estimate::exact(0.035, "test"));
+    let with_se = |se: f64| {
+        let friction = Estimate { se, ..Estimate::exact(0.25, "test") };
+        Analytical::new(friction, length.clone(), Matrix3::zeros()).unwrap()
+    };
+    let shape = Arc::new(Shape::square(0.09).unwrap());
+    let step = StepInput::on_edge(shape, 0.00475, 1, 0.3, 0.8, 0.004).unwrap();
+    let said =
+        |model: &Analytical| model.predict(std::slice::from_ref(&step), Noise::Included).unwrap();
+    for se in [1e-308, 1e-20] {
+        assert_eq!(said(&with_se(se)), said(&with_se(0.0)), "{se}");
+    }
+    assert_ne!(said(&with_se(0.05)), said(&with_se(0.0)));
 }

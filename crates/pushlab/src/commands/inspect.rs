@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use dataset::{
-    DatasetError, Inspection, LogFormat, MANIFEST_NAME, RecordingSet, StreamInfo, all_formats,
-    find_recordings,
+    DatasetError, Inspection, LogFormat, MANIFEST_NAME, ReadLimits, RecordingSet, StreamInfo,
+    all_formats, find_recordings,
 };
 use serde::Serialize;
 
@@ -50,7 +50,7 @@ struct InspectedRecording {
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    let (format, paths) = recordings(&args.set)?;
+    let (format, paths, limits) = recordings(&args.set)?;
     let mut arguments = vec!["inspect".to_owned(), args.set.display().to_string()];
     arguments.extend(args.all.then(|| "--all".to_owned()));
     let mut origin = Origin::new(arguments);
@@ -59,7 +59,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         Inspected { format: format.id(), n_recordings: paths.len(), recordings: Vec::new() };
     let mut progress = terminal.progress("inspected", wanted.len());
     for path in wanted {
-        let inspection = format.inspect(path)?;
+        let inspection = format.inspect(path, &limits)?;
         origin.inputs.extend(Input::all(path)?);
         result.recordings.push(InspectedRecording { path: plain(path), inspection });
         progress.advance();
@@ -68,23 +68,27 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     terminal.finish(&origin, &result, &result)
 }
 
-/// The recordings of a set; of a folder that has no manifest, or one still to be filled in; or one.
-fn recordings(path: &Path) -> Result<(&'static dyn LogFormat, Vec<PathBuf>)> {
+/// The recordings of a set with its limits; of a folder that has no manifest, or one still to be
+/// filled in; or one.
+fn recordings(path: &Path) -> Result<(&'static dyn LogFormat, Vec<PathBuf>, ReadLimits)> {
     let is_dir = readable(path)?.is_dir();
     if path.join(MANIFEST_NAME).exists() || path.ends_with(MANIFEST_NAME) {
         match RecordingSet::open(path) {
-            Ok(set) => return Ok((set.format(), set.recordings().to_vec())),
+            Ok(set) => {
+                let limits = set.manifest().limits.clone();
+                return Ok((set.format(), set.recordings().to_vec(), limits));
+            }
             Err(DatasetError::Parse { .. } | DatasetError::Manifest { .. }) if is_dir => {}
             Err(error) => return Err(error.into()),
         }
     }
     if is_dir {
         let (format, _, paths) = find_recordings(path)?;
-        return Ok((format, paths));
+        return Ok((format, paths, ReadLimits::default()));
     }
     for &format in all_formats() {
         if let Ok(paths) = format.find(path) {
-            return Ok((format, paths));
+            return Ok((format, paths, ReadLimits::default()));
         }
     }
     let known: Vec<_> = all_formats().iter().map(|format| format.id()).collect();
