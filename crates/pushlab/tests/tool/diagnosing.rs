@@ -151,7 +151,8 @@ fn what_alike_pushes_leave_open_the_suggested_ones_decide() {
     set.done(&["models", "init", "few"]);
     set.done(&["add", "limit-surface-shape", "--set", "lambda=1", "-o", "patch.toml"]);
     let diagnose = |name: &str| {
-        let words = ["diagnose", name, "--model", "patch.toml", "-o", "d.json", "--json", "--force"];
+        let words =
+            ["diagnose", name, "--model", "patch.toml", "-o", "d.json", "--json", "--force"];
         serde_json::from_str::<Value>(&set.done(&words).stdout).unwrap()
     };
     let found = diagnose("few");

@@ -54,7 +54,8 @@ fn every_push_that_is_generated_is_ingested() {
         ("narrow", &["--design", "narrow", "--hidden", "table-tilt", "--format", "mit-json"]),
     ] {
         set.done(&[&["generate", name, "--pushes", "10"], more].concat());
-        let text = set.done(&["ingest", name, "--step", "4mm", "-o", "steps.csv", "--force"]).stdout;
+        let text =
+            set.done(&["ingest", name, "--step", "4mm", "-o", "steps.csv", "--force"]).stdout;
         assert!(text.contains("10 recordings, 10 pushes used, 0 set aside"), "{name}: {text}");
         assert!(Table::read(&set.path("steps.csv")).unwrap().len() > 50, "{name}");
     }

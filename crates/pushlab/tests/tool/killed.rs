@@ -1,7 +1,5 @@
 //! Runs that are killed: what they write is whole or not there, and the next run clears up.
 
-#![cfg(unix)]
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -24,11 +22,11 @@ const COMMANDS: [(&str, &[&str]); 6] = [
 
 /// Kills of each command; `PUSHLAB_KILLS` asks for more of them.
 fn n_kills() -> u32 {
-    std::env::var("PUSHLAB_KILLS").map_or(12, |text| text.parse().unwrap())
+    std::env::var("PUSHLAB_KILLS").map_or(10, |text| text.parse().unwrap())
 }
 
 /// A folder with a few pushes and a model.
-fn pushes() -> SmallSet {
+pub(crate) fn pushes() -> SmallSet {
     let set = SmallSet::new();
     fs::remove_dir_all(set.path("set")).unwrap();
     let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/pushes");
@@ -153,6 +151,7 @@ fn a_killed_run_leaves_whole_outputs_or_none() {
 }
 
 /// The system kills a run that makes a file longer than allowed: in the midst of writing it.
+#[cfg(unix)]
 #[test]
 fn a_run_killed_while_it_writes_leaves_whole_outputs_or_none() {
     let set = pushes();
