@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 use dataset::{MANIFEST_NAME, Preset, RecordingSet};
 use output::{Existing, OutputError, OutputFile, OutputFolder};
 
+use crate::origin::readable;
 use crate::recorded_steps::SET_FILES;
 
 /// What every command that writes files may be told about those that exist.
@@ -78,6 +79,10 @@ impl Inputs {
             true => vec![path.join("table.csv")],
             false => vec![path.to_owned(), path.with_file_name(MANIFEST_NAME)],
         });
+        // Reading a device or a pipe may never end.
+        if readable(path).is_err() {
+            return self;
+        }
         let set = match preset {
             Some(preset) => RecordingSet::open_with_preset(path, preset),
             None => RecordingSet::open(path),

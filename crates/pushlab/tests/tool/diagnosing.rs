@@ -17,7 +17,7 @@ fn generated(hidden: &[&str], more: &[&str]) -> SmallSet {
 }
 
 fn diagnosed(set: &SmallSet) -> Value {
-    let run = set.done(&["diagnose", "pushes", "-o", "diagnosis.json", "--json"]);
+    let run = set.done(&["diagnose", "pushes", "-o", "diagnosis.json", "--json", "--force"]);
     let found: Value = serde_json::from_str(&run.stdout).unwrap();
     assert_eq!(schema::fault(&found, &schema::diagnosis()), None);
     assert_eq!(serde_json::from_str::<Value>(&set.read("diagnosis.json")).unwrap(), found);
