@@ -18,6 +18,9 @@ pub enum DatasetError {
         /// The system's reason.
         source: io::Error,
     },
+    /// A file or folder could not be written.
+    #[error(transparent)]
+    Output(#[from] output::OutputError),
     /// A folder has no recording of the wanted format.
     #[error(
         "{path}: no recording of format {format} here, expected {expected}; check `path` and `format` in [recordings]"

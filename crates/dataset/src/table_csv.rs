@@ -3,10 +3,13 @@
 use std::{
     collections::HashSet,
     fs::File,
-    io::{BufRead, BufWriter, Write},
+    io::{self, BufRead, Seek, Write},
     path::{Path, PathBuf},
     sync::Arc,
 };
+
+use output::OutputFile;
+use tempfile::NamedTempFile;
 
 use crate::{
     column::{Access, Column, column_places, columns},
@@ -15,20 +18,24 @@ use crate::{
     map::FileBytes,
     step::StepRow,
     table::{Provenance, Table},
-    table_writer::Temporary,
 };
 
 /// Writes rows as they come into a file of their own: the provenance, which stands above them, is
 /// known last.
 pub(crate) struct RowsFile {
-    file: Temporary,
-    writer: csv::Writer<BufWriter<File>>,
+    /// Of the table, for messages.
+    path: PathBuf,
+    writer: csv::Writer<NamedTempFile>,
 }
 
+/// Bytes of rows between two writes.
+const BUFFER: usize = 1 << 16;
+
 impl RowsFile {
-    pub(crate) fn create(path: PathBuf) -> Result<Self, DatasetError> {
-        let (file, writer) = Temporary::create(path)?;
-        let mut rows = Self { file, writer: csv::Writer::from_writer(BufWriter::new(writer)) };
+    pub(crate) fn create(output: &OutputFile) -> Result<Self, DatasetError> {
+        let mut builder = csv::WriterBuilder::new();
+        let writer = builder.buffer_capacity(BUFFER).from_writer(output.begin()?);
+        let mut rows = Self { path: output.path().into(), writer };
         rows.record(columns().iter().map(|column| column.name))?;
         Ok(rows)
     }
@@ -37,25 +44,23 @@ impl RowsFile {
         self.record(columns().iter().map(|column| cell(column, row)))
     }
 
-    /// Writes the provenance and then everything from the file of the rows.
+    /// Writes the provenance and then everything from the file of the rows into `part`.
     pub(crate) fn finish(
-        mut self,
+        self,
         provenance: &Provenance,
-        part: &Path,
-        to: File,
-    ) -> Result<(), DatasetError> {
-        self.writer.flush().map_err(|error| DatasetError::io("write", self.file.path(), error))?;
-        let rows = File::open(self.file.path());
-        let mut rows = rows.map_err(|error| DatasetError::io("read", self.file.path(), error))?;
-        let mut to = BufWriter::new(to);
-        let mut copy = || {
-            for (key, value) in &provenance.entries {
-                writeln!(to, "# {key}: {value}")?;
-            }
-            std::io::copy(&mut rows, &mut to)?;
-            to.flush()
+        mut part: NamedTempFile,
+    ) -> Result<NamedTempFile, DatasetError> {
+        let Self { path, writer } = self;
+        let copy = || -> io::Result<NamedTempFile> {
+            let mut rows = writer.into_inner().map_err(csv::IntoInnerError::into_error)?;
+            rows.rewind()?;
+            let line = |(key, value): &(String, String)| format!("# {key}: {value}\n");
+            let head: String = provenance.entries.iter().map(line).collect();
+            part.write_all(head.as_bytes())?;
+            io::copy(rows.as_file_mut(), part.as_file_mut())?;
+            Ok(part)
         };
-        copy().map_err(|error| DatasetError::io("write", part, error))
+        copy().map_err(|error| DatasetError::io("write", &path, error))
     }
 
     fn record<T: AsRef<[u8]>>(
@@ -63,7 +68,7 @@ impl RowsFile {
         cells: impl Iterator<Item = T>,
     ) -> Result<(), DatasetError> {
         let written = self.writer.write_record(cells);
-        written.map_err(|error| DatasetError::io("write", self.file.path(), error.into()))
+        written.map_err(|error| DatasetError::io("write", &self.path, error.into()))
     }
 }
 
@@ -231,7 +236,7 @@ mod tests {
         table(0.5, 0.25, false, 3).write(&path).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         assert!(text.starts_with("# tool: pushlab 1: test\n# source: sha256 00 a.csv\n"), "{text}");
-        assert!(!dir.path().join("table.csv.part").exists());
+        assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
     }
 
     #[test]

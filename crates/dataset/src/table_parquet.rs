@@ -17,6 +17,7 @@ use parquet::{
     },
     schema::types::Type,
 };
+use tempfile::NamedTempFile;
 
 use crate::{
     column::{Access, Column, columns},
@@ -30,15 +31,19 @@ const GROUP: usize = 65_536;
 
 /// Writes row groups as they fill; the provenance goes to the end of the file.
 pub(crate) struct GroupWriter {
+    /// Of the table, for messages.
     path: PathBuf,
+    part: NamedTempFile,
     writer: SerializedFileWriter<File>,
     rows: Vec<StepRow>,
 }
 
 impl GroupWriter {
-    pub(crate) fn create(path: &Path, file: File) -> Result<Self, DatasetError> {
+    pub(crate) fn create(path: &Path, part: NamedTempFile) -> Result<Self, DatasetError> {
+        let file = part.as_file().try_clone();
+        let file = file.map_err(|error| DatasetError::io("write", path, error))?;
         let writer = file_writer(file).map_err(|error| unusable(path, error))?;
-        Ok(Self { path: path.into(), writer, rows: Vec::new() })
+        Ok(Self { path: path.into(), part, writer, rows: Vec::new() })
     }
 
     pub(crate) fn write(&mut self, row: StepRow) -> Result<(), DatasetError> {
@@ -46,7 +51,7 @@ impl GroupWriter {
         if self.rows.len() == GROUP { self.write_group() } else { Ok(()) }
     }
 
-    pub(crate) fn finish(mut self, provenance: &Provenance) -> Result<(), DatasetError> {
+    pub(crate) fn finish(mut self, provenance: &Provenance) -> Result<NamedTempFile, DatasetError> {
         if !self.rows.is_empty() {
             self.write_group()?;
         }
@@ -54,7 +59,7 @@ impl GroupWriter {
             self.writer.append_key_value_metadata(KeyValue::new(key.clone(), value.clone()));
         }
         self.writer.close().map_err(|error| unusable(&self.path, error))?;
-        Ok(())
+        Ok(self.part)
     }
 
     fn write_group(&mut self) -> Result<(), DatasetError> {

@@ -233,10 +233,13 @@ pub enum ModelError {
         /// What is wrong, and what to do.
         problem: String,
     },
-    /// A file could not be read or written.
+    /// A file could not be written.
+    #[error(transparent)]
+    Output(#[from] output::OutputError),
+    /// A file could not be read or removed.
     #[error("cannot {action} {}", path.display())]
     Io {
-        /// `read` or `write`.
+        /// `read` or `remove`.
         action: &'static str,
         /// The file.
         path: PathBuf,

@@ -9,6 +9,7 @@ use models::{
 };
 use nalgebra::{Matrix3, Vector3};
 use planar::Shape;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 const MU_P: f64 = 0.22;
@@ -294,6 +295,43 @@ fn mirrored_steps_have_mirrored_motions() {
     }
 }
 
+/// The weights files of a folder.
+fn weights(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries.filter(|path| path.to_string_lossy().ends_with(".weights.json")).collect()
+}
+
+#[test]
+fn a_model_keeps_its_weights_until_another_one_is_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("square.toml");
+    let file = |n: usize| {
+        let description = trained(n).pop().unwrap().describe().unwrap();
+        ModelFile { name: "square".into(), description, split: None }
+    };
+    let (old, new) = (file(30), file(40));
+    assert!(old.description.weights.is_some() && old != new);
+    old.write(&path).unwrap();
+    let before = weights(folder.path());
+    // As if the run was killed when the new weights were whole, and the model not yet.
+    let aside = folder.path().join("aside");
+    std::fs::create_dir(&aside).unwrap();
+    new.write(&aside.join("square.toml")).unwrap();
+    for whole in weights(&aside) {
+        std::fs::copy(&whole, folder.path().join(whole.file_name().unwrap())).unwrap();
+    }
+    assert_eq!(ModelFile::read(&path).unwrap(), old);
+    new.write(&path).unwrap();
+    assert_eq!(ModelFile::read(&path).unwrap(), new);
+    let after = weights(folder.path());
+    assert!(after.len() == 1 && after != before, "{after:?}");
+    // Another model of the folder may name them, too.
+    std::fs::copy(&path, folder.path().join("copy.toml")).unwrap();
+    old.write(&path).unwrap();
+    assert_eq!(ModelFile::read(&folder.path().join("copy.toml")).unwrap(), new);
+    assert_eq!(ModelFile::read(&path).unwrap(), old);
+}
+
 #[test]
 fn weights_that_were_changed_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -301,7 +339,7 @@ fn weights_that_were_changed_are_refused() {
     let (model, _) = GpPushModel::learn(&steps(20, 1.0), &learn_options()).unwrap();
     let description: Description = model.describe().unwrap();
     ModelFile { name: "square".into(), description, split: None }.write(&path).unwrap();
-    let weights = folder.path().join("square.weights.json");
+    let weights = weights(folder.path()).pop().unwrap();
     let text = std::fs::read_to_string(&weights).unwrap();
     std::fs::write(&weights, text.replacen('1', "2", 1)).unwrap();
     let error = ModelFile::read(&path).unwrap_err();

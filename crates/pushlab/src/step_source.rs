@@ -10,6 +10,7 @@ use dataset::{
 use diagnosis::{Observations, Suspicion, steady_ingest, step_suspicions};
 
 use crate::command_line::preset_parser;
+use crate::destination::Inputs;
 use crate::failure::WrongUsage;
 use crate::origin::{Input, readable};
 use crate::recorded_steps::RecordedSteps;
@@ -95,6 +96,12 @@ impl StepSource {
         };
         reading.heed(&step_suspicions(&steps.observations, pusher.friction)?, terminal)?;
         Ok(steps)
+    }
+
+    /// The paths that are read.
+    pub(crate) fn inputs(&self) -> Inputs {
+        let files = self.manifest.iter().chain(&self.mapping);
+        Inputs::default().with_set(&self.set, self.preset).with(files)
     }
 
     /// Another set, of which the same is known.

@@ -203,7 +203,7 @@ fn inputs_are_never_overwritten() {
     set.write("theirs.csv", theirs);
     let message =
         set.error(&["ingest", "theirs.csv", "--preset", "mit-table", "-o", "./theirs.csv"]);
-    assert_names(&message, &["belongs to the input theirs.csv", "name another file"]);
+    assert_names(&message, &["belongs to the input theirs.csv", "name another output"]);
     assert_eq!(set.read("theirs.csv"), theirs);
     let robot = set.read(ROBOT);
     assert_names(&set.error(&["ingest", "set", "-o", ROBOT]), &["belongs to the input"]);

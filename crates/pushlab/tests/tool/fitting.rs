@@ -40,7 +40,7 @@ fn a_fitted_effect_lowers_the_error_of_pushes_that_no_fit_has_seen() {
     let turn = &compared["against"]["changes"][2];
     let [before, after] = ["before", "after"].map(|key| turn[key].as_f64().unwrap());
     assert!(after < 0.5 * before, "{turn}");
-    let again = set.done(&[&add[..], &["--jobs", "1"]].concat()).stdout;
+    let again = set.done(&[&add[..], &["--jobs", "1", "--force"]].concat()).stdout;
     assert_eq!(added, again);
     assert_eq!(written, set.read("better.toml"));
     let shown = set.done(&["models", "show", "better.toml"]).stdout;
@@ -57,7 +57,17 @@ fn values_by_hand_are_checked_and_raise_the_error_where_they_are_wrong() {
     let set = pushes();
     let add = |values: [&'static str; 2]| {
         let [ratio, direction] = values;
-        ["add", "table-anisotropy", "--set", ratio, "--set", direction, "-o", "grain.toml"]
+        [
+            "add",
+            "table-anisotropy",
+            "--set",
+            ratio,
+            "--set",
+            direction,
+            "-o",
+            "grain.toml",
+            "--force",
+        ]
     };
     set.done(&add(["ratio=1.3", "direction=0.6"]));
     let compare = ["compare", "pushes", "--model", "grain.toml", "--against", "model.toml"];

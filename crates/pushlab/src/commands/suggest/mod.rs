@@ -17,7 +17,7 @@ use models::ModelFile;
 use serde::Serialize;
 
 use self::area::Area;
-use crate::destination::Destination;
+use crate::destination::{Force, Inputs};
 use crate::diagnosis_file;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
@@ -69,6 +69,8 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "FILE", default_value = "suggested.csv",
           value_parser = file_ending::table)]
     output: PathBuf,
+    #[command(flatten)]
+    force: Force,
 }
 
 const EXAMPLES: &str = "\
@@ -95,7 +97,6 @@ struct Suggested {
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let mut origin = args.origin();
-    let destination = Destination::new(&args.output)?;
     let found = diagnosis_file::read(&args.from, &mut origin)?;
     let path = |given: &Option<PathBuf>, place: usize, what: &str| -> Result<PathBuf> {
         let named = || Some(found.made_by.as_ref()?.arguments.get(place)?.into());
@@ -107,10 +108,9 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     for path in [&set, &model] {
         readable(path)?;
     }
+    let inputs = Inputs::default().with_set(&set, None).with([&args.from, &model]);
+    let destination = args.force.file(&args.output, &inputs)?;
     let recordings = RecordingSet::open(&set)?;
-    let mut spared = vec![args.from.clone(), model.clone()];
-    spared.extend_from_slice(recordings.recordings());
-    destination.spare(&spared)?;
     origin.inputs.push(Input::file(&model)?);
     told_if_other(&found, &origin, &model, terminal);
     refuse(&suspected(&recordings), terminal)?;
@@ -127,7 +127,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let fitted = all.part(&found.split.fit)?;
     let (aim, known) = args.aim(&found)?;
     let suggestion = suggest(&fitted, &model.description, &known, &aim, &args.settings())?;
-    destination.write(list::csv(&suggestion, &origin).as_bytes())?;
+    destination.write(list::csv(&suggestion, &origin))?;
     let (name, effects) = match aim {
         Aim::Rivals(groups) => ("rivals", groups),
         Aim::Precision(ids) => ("precision", vec![ids]),
