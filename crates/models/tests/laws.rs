@@ -4,8 +4,8 @@
 
 use models::{
     Analytical, Base, CharacteristicLength, Description, Estimate, GpPushModel, Hybrid, ModelError,
-    ModelFile, Noise, ProcessKind, ProcessModel, PushModel, StepInput, StepObservation, SurfaceKind,
-    Training, learn_options, model_kinds,
+    ModelFile, Noise, ProcessKind, ProcessModel, PushModel, StepInput, StepObservation,
+    SurfaceKind, Training, learn_options, model_kinds,
 };
 use nalgebra::{Matrix3, Vector3};
 use planar::Shape;

@@ -162,7 +162,7 @@ fn curves(measured: &Described, simulated: &Described) -> String {
     format!(
         "**{headline}.** The hybrid's error over the GP's is {:.2} measured and {:.2} simulated with \
          {} steps, {:.2} and {:.2} with {} (a gain: below 0.95). A GP stays below the fitted analytical \
-         model {} on the measured table, {} on the simulated one.",
+         model {} (measured) and {} (simulated).",
         ratio(measured, 0),
         ratio(simulated, 0),
         COUNTS[0],
@@ -312,7 +312,7 @@ mod tests {
     fn cells(simulated: impl Fn(Vector3<f64>) -> Vector3<f64>) -> Vec<Cell> {
         let cell = |k: usize| {
             let beta = -75.0 + 30.0 * (k % 5) as f64;
-            let mean = Vector3::new(0.003 - 1e-5 * beta.abs(), -2e-5 * beta, 5e-4 * beta);
+            let mean = Vector3::new(0.0034 - 4e-5 * beta.abs(), -2e-5 * beta, 5e-4 * beta);
             let sd = Vector3::repeat(1e-4);
             Cell { p: 0.2, beta, n: [20, 20], mean: [mean, simulated(mean)], sd: [sd, sd] }
         };
@@ -335,7 +335,7 @@ mod tests {
             "is 4.0 to 4.0 times",
             "**No model errs less than the scatter.**",
             "**The mechanics save steps on both tables.**",
-            "from 100 steps on on the measured table",
+            "from 100 steps on (measured) and from 100 steps on (simulated)",
             "**c and the friction of the tip are the same**",
         ] {
             assert!(text.contains(sentence), "{sentence}: {text}");
@@ -393,7 +393,7 @@ mod tests {
         useless.gp_nmse[4] = 1.0;
         let text = words(useless, &same);
         assert!(text.contains("on the simulated table alone"), "{text}");
-        assert!(text.contains("with none up to 500 on the measured"), "{text}");
+        assert!(text.contains("with none up to 500 (measured)"), "{text}");
     }
 
     #[test]

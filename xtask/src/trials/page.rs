@@ -240,10 +240,8 @@ mod tests {
     /// From `93 % (86 to 97, n = 96)`.
     fn share(text: &str) -> Option<Share> {
         let (percent, rest) = text.split_once(" % (")?;
-        let of = rest.split_once("n = ")?.1.trim_end_matches(')').parse().ok()?;
-        let hits = (percent.parse::<f64>().ok()? / 100.0 * f64::from(of)).round();
-        let of = of as usize;
-        let hits = hits as usize;
+        let of: usize = rest.split_once("n = ")?.1.trim_end_matches(')').parse().ok()?;
+        let hits = (percent.parse::<f64>().ok()? / 100.0 * of as f64).round() as usize;
         Some(Share { hits, of }).filter(|share| share.text() == text)
     }
 
