@@ -211,8 +211,9 @@ proptest! {
             );
             let rest = q_star.transpose() * &of_one;
             let moved = |s: usize| (1.0 - rest[(s, 0)]) / told.sqrt();
-            for s in 0..5 {
-                prop_assert!((joint.covariance()[(s, s)] - plain[s]).abs() < 1e-9 * (1.0 + plain[s]));
+            for (s, plain) in plain.iter().enumerate() {
+                let found = joint.covariance()[(s, s)];
+                prop_assert!((found - plain).abs() < 1e-9 * (1.0 + plain));
                 for t in 0..5 {
                     let found = joint.covariance()[(s, t)] - known.covariance()[(s, t)];
                     let expected = moved(s) * moved(t);
