@@ -4,8 +4,8 @@
 
 use models::{
     Analytical, Base, CharacteristicLength, Description, Estimate, GpPushModel, Hybrid, ModelError,
-    ModelFile, Noise, PushModel, StepInput, StepObservation, SurfaceKind, learn_options,
-    model_kinds,
+    ModelFile, Noise, ProcessKind, ProcessModel, PushModel, StepInput, StepObservation,
+    SurfaceKind, Training, learn_options, model_kinds,
 };
 use nalgebra::{Matrix3, Vector3};
 use planar::Shape;
@@ -346,6 +346,24 @@ fn weights_that_were_changed_are_refused() {
     assert!(matches!(&error, ModelError::Weights { .. }) && error.to_string().contains("SHA-256"));
     std::fs::remove_file(&weights).unwrap();
     assert!(matches!(ModelFile::read(&path), Err(ModelError::Io { action: "read", .. })));
+}
+
+/// Its sparse processes did not keep what the steps leave open of their mean.
+#[test]
+fn weights_of_an_older_release_say_what_they_lack() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("square.toml");
+    let training = Training::with(ProcessKind::Spgp);
+    let (model, _) = GpPushModel::train(&steps(30, 1.0), &training).unwrap();
+    let mut description = model.describe().unwrap();
+    for process in &mut description.weights.as_mut().unwrap().outputs {
+        let ProcessModel::Spgp(model) = process else { panic!("not sparse") };
+        (model.version, model.deviation) = (1, None);
+    }
+    ModelFile { name: "square".into(), description, split: None }.write(&path).unwrap();
+    let rebuilt = ModelFile::read(&path).and_then(|file| file.description.build());
+    let ModelError::Gp { source, .. } = rebuilt.err().unwrap() else { panic!("another error") };
+    assert!(source.to_string().contains("without the uncertainty of its learnt mean"), "{source}");
 }
 
 /// The analytical model of a file, as people would write it.
