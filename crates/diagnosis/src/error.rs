@@ -45,6 +45,15 @@ pub enum DiagnosisError {
     /// Nothing that was measured, nor a prior, depends on a number that is to be fitted.
     #[error("nothing depends on one of the numbers to be fitted; free fewer")]
     Flat,
+    /// One cluster alone determines a number that is to be fitted: its error cannot be told.
+    #[error(
+        "one of the numbers to be fitted rests on {cluster} alone, so nothing tells how wrong it is; \
+         record others that show it, or free fewer"
+    )]
+    OneCluster {
+        /// The push, or the session, in words.
+        cluster: String,
+    },
     /// The data do not determine an effect.
     #[error("{effect} cannot be determined: {why}")]
     Undetermined {
