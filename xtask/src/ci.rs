@@ -7,7 +7,10 @@ use cargo_metadata::MetadataCommand;
 use clap::ValueEnum;
 
 use crate::cargo::{cargo, run as run_command, workspace_root};
-use crate::{fixtures, test, tidy, trials};
+use crate::{fixtures, fuzz, test, tidy, trials};
+
+/// Time for each reader of files, in s.
+const FUZZ_SECONDS: f64 = 10.0;
 
 /// Run every check that a change has to pass; stops at the first that fails.
 #[derive(clap::Args)]
@@ -47,6 +50,8 @@ enum Stage {
     Fixtures,
     /// All tests and doctests
     Test,
+    /// Damaged inputs for every reader
+    Fuzz,
     /// Recordings with sealed truth, answered by the diagnosis
     Trials,
 }
@@ -61,6 +66,7 @@ impl Stage {
             Stage::Alone => "alone",
             Stage::Fixtures => "fixtures",
             Stage::Test => "test",
+            Stage::Fuzz => "fuzz",
             Stage::Trials => "trials",
         }
     }
@@ -83,6 +89,7 @@ impl Stage {
             Stage::Alone => check_each_crate(),
             Stage::Fixtures => fixtures::run(&fixtures::Args { check: true }),
             Stage::Test => test::run(&test::Args {}),
+            Stage::Fuzz => fuzz::run(&fuzz::Args::short(FUZZ_SECONDS)),
             Stage::Trials => trials::quick(),
         }
     }

@@ -34,11 +34,11 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         let id = effect.about().id;
         let svg = signature::figure(effect).with_context(|| format!("effect `{id}`"))?.svg()?;
         let path = folder.join(format!("{id}.svg"));
-        fs::write(&path, &svg).with_context(|| format!("cannot write {}", path.display()))?;
+        output::write(&path, &svg)?;
         println!("{} ({} kB)", path.display(), svg.len() / 1000);
     }
     let path = docs.join("effects.md");
-    fs::write(&path, page::text()).with_context(|| format!("cannot write {}", path.display()))
+    Ok(output::write(&path, page::text())?)
 }
 
 #[cfg(test)]

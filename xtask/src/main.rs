@@ -8,6 +8,7 @@ mod ci;
 mod effects_atlas;
 mod figures;
 mod fixtures;
+mod fuzz;
 mod held_out;
 mod learned_kinds;
 mod real_comparison;
@@ -38,6 +39,9 @@ enum Task {
     DiagnosisTrials(trials::Args),
     EffectsAtlas(effects_atlas::Args),
     Fixtures(fixtures::Args),
+    Fuzz(fuzz::Args),
+    #[command(hide = true)]
+    FuzzWorker(fuzz::WorkerArgs),
     RealComparison(real_comparison::Args),
     RealData(real_data::Args),
     ReproduceFigures(figures::Args),
@@ -54,6 +58,8 @@ fn main() -> ExitCode {
         Task::DiagnosisTrials(args) => trials::run(&args),
         Task::EffectsAtlas(args) => effects_atlas::run(&args),
         Task::Fixtures(args) => fixtures::run(&args),
+        Task::Fuzz(args) => fuzz::run(&args),
+        Task::FuzzWorker(args) => fuzz::work(&args),
         Task::RealComparison(args) => real_comparison::run(&args),
         Task::RealData(args) => real_data::run(&args),
         Task::ReproduceFigures(args) => figures::run(&args),

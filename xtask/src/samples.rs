@@ -85,10 +85,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     }
     ensure!(!samples.is_empty(), "no *.answer.json in {}", args.data.display());
     let out = workspace_root().join(&args.out);
-    let part = out.with_added_extension("part");
-    fs::write(&part, page(&samples))
-        .and_then(|()| fs::rename(&part, &out))
-        .with_context(|| format!("cannot write {}", out.display()))?;
+    output::write(&out, page(&samples))?;
     println!("written: {}", out.display());
     Ok(())
 }

@@ -13,9 +13,8 @@ fn made(settings: &GenerateSettings) -> (Vec<Recording>, Manifest) {
     let folder = tempfile::tempdir().unwrap();
     generate(settings, &folder.path().join("set")).unwrap();
     let set = RecordingSet::open(&folder.path().join("set")).unwrap();
-    let streams = &set.manifest().streams;
-    let read = |path| set.format().read(path, streams).unwrap();
-    (set.recordings().iter().map(|path| read(path)).collect(), set.manifest().clone())
+    let read = set.recordings().iter().map(|path| set.read(path).unwrap());
+    (read.collect(), set.manifest().clone())
 }
 
 fn settings(shape: &str, layout: Layout, hidden: &[&str], seed: u64) -> GenerateSettings {

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use dataset::{
-    DatasetError, IngestSettings, LogFormat, PoseStream, Recording, RecordingSet, Streams,
-    WrenchStream, find_files, ingest, recording_name,
+    DatasetError, IngestSettings, Limit, LogFormat, PoseStream, ReadLimits, Recording,
+    RecordingSet, Streams, WrenchStream, find_files, ingest, read_text, recording_name,
 };
 
 /// One sample a line: `tip t x y`, `object t x y theta`, `force t fx fy`, in SI units and the world
@@ -25,15 +25,20 @@ impl LogFormat for TextLog {
         find_files(dir, self.id(), self.endings())
     }
 
-    fn read(&self, path: &Path, _: &Streams) -> Result<Recording, DatasetError> {
-        let cannot_read = |source| DatasetError::Io { action: "read", path: path.into(), source };
-        let text = std::fs::read_to_string(path).map_err(cannot_read)?;
+    fn read(
+        &self,
+        path: &Path,
+        _: &Streams,
+        limits: &ReadLimits,
+    ) -> Result<Recording, DatasetError> {
+        let text = read_text(path)?;
         let (mut robot, mut object) = (PoseStream::default(), PoseStream::default());
         let mut force = WrenchStream::default();
         for (index, line) in text.lines().enumerate() {
             let mut words = line.split_whitespace();
             let kind = words.next();
             let numbers: Result<Vec<f64>, _> = words.map(str::parse).collect();
+            limits.check(path, Limit::Samples, || "lines".into(), index as u64 + 1)?;
             match (kind, numbers.as_deref()) {
                 (Some("tip"), Ok(&[t, x, y])) => robot.push(t, x, y, 0.0),
                 (Some("object"), Ok(&[t, x, y, theta])) => object.push(t, x, y, theta),
@@ -57,7 +62,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let manifest = std::fs::read_to_string(fixtures.join("dataset.toml"))?;
     std::fs::write(folder.join("dataset.toml"), manifest.replace("format = \"csv\"\n", ""))?;
     for path in known.recordings() {
-        let recording = known.format().read(path, &known.manifest().streams)?;
+        let recording = known.read(path)?;
         let log = folder.join("pushes").join(format!("{}.log", recording.name));
         std::fs::write(log, text(&recording)?)?;
     }

@@ -14,6 +14,9 @@ use crate::{
     transform::unit_quaternion,
 };
 
+/// Largest magnitude of a position in m, an angle in rad, a force in N or a torque in N·m: more is
+/// no measurement but a sensor's or a program's fault.
+pub(crate) const LARGEST: f64 = 1e9;
 /// Tilt of the object out of the plane above which a remark is made, in rad.
 pub(crate) const TILT_LIMIT: f64 = 0.1;
 
@@ -69,8 +72,17 @@ impl RawStream {
         self.places.push(place);
     }
 
-    fn is_finite(&self, row: &[f64; N_VALUES]) -> bool {
-        row.iter().zip(&self.has).all(|(value, has)| !has || value.is_finite())
+    /// Whether a row can be used; those that cannot are counted with their place.
+    fn is_usable(&self, i: usize, losses: &mut RowLosses) -> bool {
+        let values = || self.rows[i].iter().zip(&self.has).filter(|(_, has)| **has);
+        if let Some((value, _)) = values().find(|(value, _)| !value.is_finite()) {
+            losses.not_finite.add(self.places[i], *value);
+        } else if let Some((value, _)) = values().find(|(value, _)| value.abs() > LARGEST) {
+            losses.too_large.add(self.places[i], *value);
+        } else {
+            return true;
+        }
+        false
     }
 }
 
@@ -131,11 +143,10 @@ impl Assembly<'_> {
         }
         let mut stream = PoseStream { source: raw.source.clone(), ..PoseStream::default() };
         let mut stamps = Vec::with_capacity(raw.rows.len());
-        let (mut not_finite, mut not_unit) = (Losses::default(), Losses::default());
+        let mut losses = RowLosses::default();
         let mut tilted = 0;
         for (i, row) in raw.rows.iter().enumerate() {
-            if !raw.is_finite(row) {
-                not_finite.add(raw.places[i], f64::NAN);
+            if !raw.is_usable(i, &mut losses) {
                 continue;
             }
             let [x, y, z, qx, qy, qz, qw, theta] = *row;
@@ -143,7 +154,7 @@ impl Assembly<'_> {
                 match unit_quaternion([qx, qy, qz, qw]) {
                     Ok(rotation) => rotation,
                     Err(length) => {
-                        not_unit.add(raw.places[i], length);
+                        losses.not_unit.add(raw.places[i], length);
                         continue;
                     }
                 }
@@ -167,7 +178,7 @@ impl Assembly<'_> {
             stream.max_tilt = stream.max_tilt.max(tilt);
             tilted += u64::from(tilt > TILT_LIMIT);
         }
-        self.check_losses(role, raw, &not_finite, &not_unit)?;
+        self.check_losses(role, raw, &losses)?;
         // A robot's tool frame may point anywhere: only its position is used.
         if tilted > 0 && role == StreamRole::Object {
             let text = format!(
@@ -193,10 +204,9 @@ impl Assembly<'_> {
         let has_torque = raw.has[5] && (!torque_turns || (raw.has[3] && raw.has[4]));
         let mut stream = WrenchStream { source: raw.source.clone(), ..WrenchStream::default() };
         let mut stamps = Vec::with_capacity(raw.rows.len());
-        let mut not_finite = Losses::default();
+        let mut losses = RowLosses::default();
         for (i, row) in raw.rows.iter().enumerate() {
-            if !raw.is_finite(row) {
-                not_finite.add(raw.places[i], f64::NAN);
+            if !raw.is_usable(i, &mut losses) {
                 continue;
             }
             let force = to_world * Vector3::new(row[0], row[1], row[2]);
@@ -208,7 +218,7 @@ impl Assembly<'_> {
                 stream.tz.push(torque.z);
             }
         }
-        self.check_losses(StreamRole::Wrench, raw, &not_finite, &Losses::default())?;
+        self.check_losses(StreamRole::Wrench, raw, &losses)?;
         Ok((stamps, stream))
     }
 
@@ -245,8 +255,7 @@ impl Assembly<'_> {
         &mut self,
         stream: StreamRole,
         raw: &RawStream,
-        not_finite: &Losses,
-        not_unit: &Losses,
+        losses: &RowLosses,
     ) -> Result<(), DatasetError> {
         let total = raw.rows.len() as u64;
         if total == 0 {
@@ -261,11 +270,21 @@ impl Assembly<'_> {
             self.remark(RemarkKind::LogTimeUsed, stream, raw.log_times_used, text);
         }
         let place = |losses: &Losses| format!("first at {} {}", raw.place_word, losses.place);
+        let RowLosses { not_finite, too_large, not_unit } = losses;
         let reasons = [
             (
                 RemarkKind::NonFiniteSetAside,
                 not_finite,
                 format!("a value is not finite, {}", place(not_finite)),
+            ),
+            (
+                RemarkKind::OutOfRangeSetAside,
+                too_large,
+                format!(
+                    "the value {:e} is beyond ±{LARGEST:e} in SI units, {}",
+                    too_large.example,
+                    place(too_large)
+                ),
             ),
             (
                 RemarkKind::QuaternionSetAside,
@@ -277,9 +296,11 @@ impl Assembly<'_> {
                 ),
             ),
         ];
-        let set_aside = not_finite.count + not_unit.count;
+        let set_aside: u64 = reasons.iter().map(|(_, losses, _)| losses.count).sum();
         if 2 * set_aside > total {
-            let worst = if not_unit.count > not_finite.count { &reasons[1] } else { &reasons[0] };
+            let count = |reason: &(_, &Losses, _)| reason.1.count;
+            let worst = reasons.iter().rev().max_by_key(|reason| count(reason));
+            let worst = worst.unwrap_or(&reasons[0]);
             return Err(DatasetError::MostlyUnusable {
                 path: self.path.into(),
                 stream,
@@ -300,6 +321,14 @@ impl Assembly<'_> {
     fn remark(&mut self, kind: RemarkKind, stream: StreamRole, count: u64, text: String) {
         self.remarks.push(Remark { kind, stream: Some(stream), count, text });
     }
+}
+
+/// Rows of one stream set aside, by their reasons.
+#[derive(Default)]
+struct RowLosses {
+    not_finite: Losses,
+    too_large: Losses,
+    not_unit: Losses,
 }
 
 /// Rows set aside for one reason.

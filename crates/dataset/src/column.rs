@@ -1,7 +1,8 @@
 //! The table's columns: one list with name, unit, meaning and access, for every file format.
 
-use std::sync::Arc;
+use std::{path::Path, sync::Arc};
 
+use crate::error::DatasetError;
 use crate::step::{ContactForce, StepForce, StepRow};
 
 /// One column of the table.
@@ -13,6 +14,133 @@ pub struct Column {
     /// What it holds.
     pub meaning: &'static str,
     pub(crate) access: Access,
+}
+
+impl Column {
+    /// The number that a row has in it, in its unit; none for text and where none was measured.
+    #[must_use]
+    pub fn number(&self, row: &StepRow) -> Option<f64> {
+        match self.access {
+            Access::Text(..) => None,
+            Access::Integer(get, _) => Some(f64::from(get(row))),
+            Access::Real(get, _) => Some(get(row)),
+            Access::OptionalReal(get, _) => get(row),
+        }
+    }
+}
+
+/// Outlines have fewer edges; more would be counted one by one.
+pub(crate) const MOST_EDGES: usize = 10_000;
+/// No quantity of a push is larger in its SI unit, a time since 1970 among them.
+const LARGEST: f64 = 1e12;
+/// A path that nearly stops may be as curved, in 1/m.
+const LARGEST_CURVATURE: f64 = 1e24;
+
+impl Column {
+    /// Smallest and largest number that a table may have in it, in its unit.
+    #[must_use]
+    pub fn range(&self) -> (f64, f64) {
+        // A unit vector's components may be rounded.
+        const UNIT: f64 = 1.0 + 1e-6;
+        match self.name {
+            "p" => (0.0, 1.0),
+            "dt_s" => (1e-9, 1e6),
+            "edge" => (0.0, (MOST_EDGES - 1) as f64),
+            "normal_x" | "normal_y" => (-UNIT, UNIT),
+            "path_curvature_1_m" => (-LARGEST_CURVATURE, LARGEST_CURVATURE),
+            "speed_m_s"
+            | "start_position_sd_m"
+            | "start_angle_sd_rad"
+            | "end_position_sd_m"
+            | "end_angle_sd_rad" => (0.0, LARGEST),
+            _ if matches!(self.access, Access::Integer(..)) => (0.0, f64::from(u32::MAX)),
+            _ => (-LARGEST, LARGEST),
+        }
+    }
+
+    /// What the column expects, for messages.
+    fn expected(&self) -> String {
+        let (low, high) = self.range();
+        let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
+        let kind = if matches!(self.access, Access::Integer(..)) { "a whole number, " } else { "" };
+        let number = |value: f64| match value.abs() {
+            size if size == 0.0 || (1e-3..1e6).contains(&size) => value.to_string(),
+            _ => format!("{value:e}"),
+        };
+        format!("{kind}{} to {}{unit}", number(low), number(high))
+    }
+
+    /// Puts a number into a row.
+    ///
+    /// # Errors
+    /// What the column expects, with its unit, if it is not that.
+    pub(crate) fn set_number(&self, row: &mut StepRow, value: f64) -> Result<(), String> {
+        let (low, high) = self.range();
+        if !(low..=high).contains(&value) {
+            return Err(self.expected());
+        }
+        match self.access {
+            Access::Real(_, set) | Access::OptionalReal(_, set) => set(row, value),
+            Access::Integer(_, set) if value.fract() == 0.0 => set(row, value as u32),
+            Access::Integer(..) => return Err(self.expected()),
+            Access::Text(..) => return Err("text".to_owned()),
+        }
+        Ok(())
+    }
+
+    /// Puts a number as text into a row.
+    ///
+    /// # Errors
+    /// As [`Column::set_number`].
+    pub(crate) fn set_text(&self, row: &mut StepRow, text: &str) -> Result<(), String> {
+        match self.access {
+            Access::Text(_, set) => set(row, text),
+            Access::OptionalReal(..) if text.is_empty() => Ok(()),
+            // A sign or a fraction that is 0 is no part of a whole number's text.
+            Access::Integer(..) => match text.parse::<u32>() {
+                Ok(value) => self.set_number(row, value.into()),
+                Err(_) => Err(self.expected()),
+            },
+            Access::Real(..) | Access::OptionalReal(..) => match text.parse::<f64>() {
+                Ok(value) => self.set_number(row, value),
+                Err(_) => Err(self.expected()),
+            },
+        }
+    }
+}
+
+/// Where a table has each of our columns.
+///
+/// # Errors
+/// `ColumnMissing` with those that are there; `ColumnTwice` for one that is there more than once.
+pub(crate) fn column_places<'a>(
+    path: &Path,
+    found: impl Iterator<Item = &'a str> + Clone,
+) -> Result<Vec<usize>, DatasetError> {
+    columns().iter().map(|column| column_place(path, column.name, found.clone())).collect()
+}
+
+/// Where a table has one column.
+///
+/// # Errors
+/// As [`column_places`].
+pub(crate) fn column_place<'a>(
+    path: &Path,
+    name: &str,
+    found: impl Iterator<Item = &'a str> + Clone,
+) -> Result<usize, DatasetError> {
+    let mut places = found.clone().enumerate().filter(|(_, other)| *other == name);
+    let (path, column) = (path.to_path_buf(), name.to_owned());
+    match (places.next(), places.next()) {
+        (Some((place, _)), None) => Ok(place),
+        (Some((first, _)), Some((second, _))) => {
+            Err(DatasetError::ColumnTwice { path, column, places: [first + 1, second + 1] })
+        }
+        (None, _) => {
+            let found = found.collect::<Vec<_>>().join(", ");
+            Err(DatasetError::ColumnMissing { path, column, found })
+        }
+    }
 }
 
 /// How a column's values are taken out of a row and put back.

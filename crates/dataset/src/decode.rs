@@ -6,6 +6,8 @@ mod protobuf;
 mod ros_plan;
 mod ros_schema;
 
+use crate::limits::{Limit, ReadLimits};
+
 use json::{JsonPlan, JsonSchema};
 #[cfg(feature = "protobuf")]
 use protobuf::{ProtobufPlan, ProtobufSchema};
@@ -90,32 +92,48 @@ pub(crate) enum Schema {
 
 impl Schema {
     /// Reads a schema; JSON takes it from a `sample` message.
+    ///
+    /// - `encodings`: of the messages and of the schema.
     pub(crate) fn parse(
         type_name: &str,
-        message_encoding: &str,
-        schema_encoding: &str,
+        encodings: (&str, &str),
         schema: &[u8],
         sample: Option<&[u8]>,
+        limits: &ReadLimits,
     ) -> Result<Self, String> {
-        match (message_encoding, schema_encoding) {
-            ("ros1", "ros1msg") => Ok(Self::Ros(RosSchema::parse(type_name, schema, false)?)),
-            ("cdr", "ros2msg") => Ok(Self::Ros(RosSchema::parse(type_name, schema, true)?)),
+        let nesting = limits.of(Limit::Nesting) as usize;
+        let ros = |cdr| RosSchema::parse(type_name, schema, cdr, nesting).map(Self::Ros);
+        match encodings {
+            ("ros1", "ros1msg") => ros(false),
+            ("cdr", "ros2msg") => ros(true),
             ("cdr", "ros2idl") => Err("schemas in ros2idl are not read; record the topic with \
                                        a ros2msg schema"
                 .into()),
             ("json", _) => Ok(Self::Json(JsonSchema::parse(sample)?)),
             #[cfg(feature = "protobuf")]
             ("protobuf", "protobuf") => {
-                Ok(Self::Protobuf(ProtobufSchema::parse(type_name, schema)?))
+                Ok(Self::Protobuf(ProtobufSchema::parse(type_name, schema, nesting)?))
             }
             #[cfg(not(feature = "protobuf"))]
             ("protobuf", _) => Err("protobuf is not part of this build; rebuild with the feature \
                                     `protobuf`"
                 .into()),
-            _ => Err(format!(
+            (message_encoding, schema_encoding) => Err(format!(
                 "messages in `{message_encoding}` with a schema in `{schema_encoding}` are not \
                  read; known are ros1/ros1msg, cdr/ros2msg, json and protobuf"
             )),
+        }
+    }
+
+    /// At most how many fields and types a schema declares, before it is read.
+    pub(crate) fn n_fields(encodings: (&str, &str), schema: &[u8]) -> u64 {
+        match encodings {
+            ("ros1" | "cdr", _) => {
+                1 + schema.iter().filter(|byte| matches!(byte, b'\n' | b'\r')).count() as u64
+            }
+            #[cfg(feature = "protobuf")]
+            ("protobuf", "protobuf") => protobuf::n_entries(schema),
+            _ => 0,
         }
     }
 

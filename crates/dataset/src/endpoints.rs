@@ -6,7 +6,7 @@ use nalgebra::Vector2;
 use planar::{PlanarError, Pose, Shape, Twist, Wrench, mit_object};
 use serde::{Deserialize, de::DeserializeOwned};
 
-use crate::error::DatasetError;
+use crate::{error::DatasetError, limits::ReadLimits, map::FileBytes};
 
 /// Start and end of one push, world frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,8 +106,8 @@ fn read_rows<R: DeserializeOwned + Finite, T>(
     path: &Path,
     convert: impl Fn(R) -> Result<T, PlanarError>,
 ) -> Result<Vec<T>, DatasetError> {
-    let file = std::fs::File::open(path).map_err(|error| DatasetError::io("read", path, error))?;
-    let mut reader = csv::Reader::from_reader(std::io::BufReader::new(file));
+    let file = FileBytes::open(path, &ReadLimits::default())?;
+    let mut reader = csv::Reader::from_reader(file.bytes());
     let parse = |line: u64, what: String| DatasetError::Parse { path: path.into(), line, what };
     let header = reader.headers().map_err(|error| parse(1, error.to_string()))?.clone();
     if let Some(column) = R::COLUMNS.iter().find(|&&column| !header.iter().any(|h| h == column)) {

@@ -18,6 +18,9 @@ pub enum DatasetError {
         /// The system's reason.
         source: io::Error,
     },
+    /// A file or folder could not be written.
+    #[error(transparent)]
+    Output(#[from] output::OutputError),
     /// A folder has no recording of the wanted format.
     #[error(
         "{path}: no recording of format {format} here, expected {expected}; check `path` and `format` in [recordings]"
@@ -80,6 +83,36 @@ pub enum DatasetError {
         /// Where, from the start of the file.
         byte: u64,
         /// What is wrong, and what to do.
+        what: String,
+    },
+    /// Reading would need more than the limits allow.
+    #[error("{path}: at least {needed} {what}, more than the {limit} allowed; {remedy}")]
+    OverLimit {
+        /// The file.
+        path: PathBuf,
+        /// What there is too much of, in the plural.
+        what: String,
+        /// How much of it there is, as far as it is known.
+        needed: u64,
+        /// How much is allowed.
+        limit: u64,
+        /// What to do: the setting that raises the limit, or another file.
+        remedy: String,
+    },
+    /// What should be read is no regular file.
+    #[error("{path}: this is a {kind}; give a regular file")]
+    NotAFile {
+        /// The path.
+        path: PathBuf,
+        /// What it is.
+        kind: &'static str,
+    },
+    /// A reader gave up on a file that it should have refused.
+    #[error("{path}: the reader failed on this file, which must be damaged: {what}")]
+    ReaderFailed {
+        /// The file.
+        path: PathBuf,
+        /// What the reader said.
         what: String,
     },
     /// A line of a text file is wrong.
@@ -262,6 +295,19 @@ pub enum DatasetError {
         column: String,
         /// The columns that are there.
         found: String,
+    },
+    /// A table has a column more than once.
+    #[error(
+        "{path}: column `{column}` is there more than once, as number {} and {}; keep one of them",
+        places[0], places[1]
+    )]
+    ColumnTwice {
+        /// The table.
+        path: PathBuf,
+        /// The column.
+        column: String,
+        /// Two of its places, from 1.
+        places: [usize; 2],
     },
     /// A table has too few rows to learn anything from.
     #[error("{path}: the table has {rows} row(s); at least 2 are needed, ingest more pushes")]

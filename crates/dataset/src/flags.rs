@@ -33,7 +33,8 @@ impl Flags {
     pub const SHORT: Self = Self(1 << 9);
     /// Pusher and outline overlap by more than a stated length at the start or the end.
     pub const PENETRATION: Self = Self(1 << 10);
-    /// The pusher moves away from the edge (|β| > 90°).
+    /// The pusher moves away from what it is nearest to at the start, an edge or a vertex: more than 90°
+    /// from the contact normal.
     pub const MOVING_AWAY: Self = Self(1 << 11);
     /// The pusher rests: its direction is not defined.
     pub const PUSHER_AT_REST: Self = Self(1 << 12);

@@ -10,13 +10,14 @@ use nalgebra::Vector2;
 use planar::{Pose, perpendicular};
 use serde::Deserialize;
 use serde_spanned::Spanned;
-use sha2::{Digest, Sha256};
 
 use crate::{
-    column::{Access, Column, columns},
+    column::{Access, Column, column_place, columns},
     error::DatasetError,
     ingest::TOOL,
+    limits::{Limit, ReadLimits},
     manifest::{PusherSpec, PusherTable, Source, SupportSpec, SupportTable},
+    map::{FileBytes, read_text},
     object::{ObjectChoice, ObjectSpec, ObjectTable},
     preset::Preset,
     settings::ColumnMap,
@@ -52,9 +53,9 @@ impl TableMapping {
     /// Reads and checks a mapping.
     ///
     /// # Errors
-    /// `Io`, `Parse` and `Manifest` as for a manifest.
+    /// `Io`, `NotAFile`, `OverLimit`, `Parse` and `Manifest` as for a manifest.
     pub fn read(path: &Path) -> Result<Self, DatasetError> {
-        let text = std::fs::read_to_string(path).map_err(|e| DatasetError::io("read", path, e))?;
+        let text = read_text(path)?;
         Self::parse(&text, path)
     }
 
@@ -132,10 +133,14 @@ impl TableMapping {
     /// `Io`, `ColumnMissing`, `Parse` with the line for a value that is no finite number or out of
     /// range, `TableTooShort` for fewer than two rows.
     pub fn read_table(&self, path: &Path) -> Result<Table, DatasetError> {
-        let bytes = std::fs::read(path).map_err(|error| DatasetError::io("read", path, error))?;
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(&bytes[..]);
+        let limits = ReadLimits::default();
+        let file = FileBytes::open(path, &limits)?;
+        let bytes = file.bytes();
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(bytes);
         let reading = Reading { mapping: self, path: path.into() };
         let header = reader.headers().map_err(|error| reading.fail(1, error))?.clone();
+        let n_columns = header.len() as u64;
+        limits.check(path, Limit::Columns, || "columns of the table".into(), n_columns)?;
         let places = reading.places(&header)?;
         let mut rows = Vec::new();
         let mut names = StepRow {
@@ -146,6 +151,8 @@ impl TableMapping {
         for record in reader.records() {
             let line = |position: Option<&csv::Position>| position.map_or(0, csv::Position::line);
             let record = record.map_err(|error| reading.fail(line(error.position()), &error))?;
+            let n_rows = rows.len() as u64 + 1;
+            limits.check(path, Limit::Samples, || "rows of the table".into(), n_rows)?;
             names.push = rows.len() as u32;
             rows.push(reading.row(&record, line(record.position()), &places, names.clone())?);
         }
@@ -156,7 +163,7 @@ impl TableMapping {
         provenance.push("tool", TOOL);
         provenance.push("set", &self.name);
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        provenance.push("source", &format!("sha256 {} {name}", hex(&Sha256::digest(&bytes))));
+        provenance.push("source", &format!("sha256 {} {name}", file.sha256()));
         Ok(Table { rows, provenance })
     }
 }
@@ -173,15 +180,8 @@ impl Reading<'_> {
     }
 
     fn places(&self, header: &csv::StringRecord) -> Result<Vec<usize>, DatasetError> {
-        let place = |(_, map): &(&Column, ColumnMap)| {
-            header.iter().position(|name| name == map.column).ok_or_else(|| {
-                DatasetError::ColumnMissing {
-                    path: self.path.clone(),
-                    column: map.column.clone(),
-                    found: header.iter().collect::<Vec<_>>().join(", "),
-                }
-            })
-        };
+        let place =
+            |(_, map): &(&Column, ColumnMap)| column_place(&self.path, &map.column, header.iter());
         self.mapping.columns.iter().map(place).collect()
     }
 
@@ -192,8 +192,13 @@ impl Reading<'_> {
         places: &[usize],
         mut row: StepRow,
     ) -> Result<StepRow, DatasetError> {
+        let mut set = |column: &Column, value: f64| {
+            column.set_number(&mut row, value).map_err(|expected| {
+                self.fail(line, format!("{} is {value}, expected {expected}", column.name))
+            })
+        };
         for (column, value) in &self.mapping.constants {
-            column.set_number(&mut row, *value).map_err(|what| self.fail(line, what))?;
+            set(column, *value)?;
         }
         for ((column, map), &place) in self.mapping.columns.iter().zip(places) {
             let text = record.get(place).unwrap_or_default();
@@ -201,19 +206,15 @@ impl Reading<'_> {
             let number = number.ok_or_else(|| {
                 self.fail(line, format!("{} is `{text}`, expected a finite number", map.column))
             })?;
-            let value = map.scale * number + map.offset;
-            column.set_number(&mut row, value).map_err(|what| self.fail(line, what))?;
-        }
-        if !(0.0..=1.0).contains(&row.p) {
-            return Err(self.fail(line, format!("p is {}, expected 0 to 1", row.p)));
+            set(column, map.scale * number + map.offset)?;
         }
         let n_edges = self.mapping.object.shape.n_edges();
         if row.edge as usize >= n_edges {
             let what = format!("edge is {}, expected 0 to {}", row.edge, n_edges - 1);
             return Err(self.fail(line, what));
         }
-        if !(row.dt > 0.0 && row.speed > 0.0) {
-            let what = format!("dt is {} s and speed {} m/s, expected above 0", row.dt, row.speed);
+        if row.speed <= 0.0 {
+            let what = format!("speed_m_s is {}, expected above 0 m/s", row.speed);
             return Err(self.fail(line, what));
         }
         self.complete(&mut row);
@@ -247,29 +248,11 @@ impl Column {
     fn is_number(&self) -> bool {
         !matches!(self.access, Access::Text(..))
     }
-
-    fn set_number(&self, row: &mut StepRow, value: f64) -> Result<(), String> {
-        match self.access {
-            Access::Real(_, set) | Access::OptionalReal(_, set) => set(row, value),
-            Access::Integer(_, set) => {
-                if value.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&value) {
-                    return Err(format!("{} is {value}, expected a whole number", self.name));
-                }
-                set(row, value as u32);
-            }
-            Access::Text(..) => return Err(format!("{} is no number", self.name)),
-        }
-        Ok(())
-    }
 }
 
 fn numbers() -> String {
     let names = columns().iter().filter(|column| column.is_number()).map(|column| column.name);
     names.collect::<Vec<_>>().join(", ")
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[derive(Deserialize)]

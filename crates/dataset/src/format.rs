@@ -11,6 +11,7 @@ use crate::formats::MitHdf5Format;
 use crate::{
     error::DatasetError,
     formats::{CsvFormat, McapFormat, MitJsonFormat},
+    limits::ReadLimits,
     recording::Recording,
     remark::{Remark, StreamRole},
     settings::Streams,
@@ -46,16 +47,26 @@ pub trait LogFormat: Sync {
 
     /// Reads one recording; what can be saved from a damaged one is returned with remarks.
     ///
+    /// - `limits`: the most that reading may cost. A format for logs that nobody tampers with may
+    ///   leave it out of account.
+    ///
     /// # Errors
-    /// An error with path and byte or line if a stream cannot be found or nothing of it read.
-    fn read(&self, path: &Path, streams: &Streams) -> Result<Recording, DatasetError>;
+    /// An error with path and byte or line if a stream cannot be found or nothing of it read;
+    /// `OverLimit` for a recording that needs more than the limits allow.
+    fn read(
+        &self,
+        path: &Path,
+        streams: &Streams,
+        limits: &ReadLimits,
+    ) -> Result<Recording, DatasetError>;
 
     /// What one recording contains, for people who set up a manifest.
     ///
     /// # Errors
-    /// An error with path and byte or line if nothing of the recording can be read.
-    fn inspect(&self, path: &Path) -> Result<Inspection, DatasetError> {
-        Ok(Inspection::of(&self.read(path, &Streams::default())?))
+    /// An error with path and byte or line if nothing of the recording can be read, `OverLimit` as
+    /// in [`LogFormat::read`].
+    fn inspect(&self, path: &Path, limits: &ReadLimits) -> Result<Inspection, DatasetError> {
+        Ok(Inspection::of(&self.read(path, &Streams::default(), limits)?))
     }
 }
 

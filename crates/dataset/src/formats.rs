@@ -2,9 +2,13 @@
 
 #[cfg(feature = "bag")]
 mod bag;
+#[cfg(feature = "bag")]
+mod bag_record;
 mod csv_folder;
 mod find;
+mod mcap_damage;
 mod mcap_log;
+mod mcap_record;
 #[cfg(feature = "hdf5")]
 mod mit_hdf5;
 mod mit_json;

@@ -33,6 +33,11 @@ impl Frames {
         edge.n_changed += u64::from(moved > FIXED_WITHIN || turned > FIXED_WITHIN);
     }
 
+    /// How many frames were published.
+    pub(crate) fn len(&self) -> usize {
+        self.edges.len()
+    }
+
     /// The pose of `child` in `parent`, and how many messages along the way differ from it.
     pub(crate) fn find(&self, parent: &str, child: &str) -> Option<(Isometry3<f64>, u64)> {
         let parent = parent.trim_start_matches('/');

@@ -5,6 +5,7 @@ use std::{collections::BTreeMap, path::Path};
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::{
+    caught::caught,
     error::DatasetError,
     force_zero::ForceZero,
     ingest_report::{IngestReport, RecordingReport, Spread, Summary},
@@ -104,13 +105,16 @@ fn one_recording(
     settings: &IngestSettings,
 ) -> (Vec<StepRow>, RecordingReport) {
     let manifest = set.manifest();
-    let result = set.format().read(path, &manifest.streams).and_then(|recording| {
+    // A format of a user's own may panic as well: one bad recording never takes the set along.
+    let result = caught(path, || {
+        let recording = set.read(path)?;
         let object = match manifest.object.of(&recording.name) {
             Ok(object) => object,
             Err(error) => return Ok((Vec::new(), unreadable(&recording.name, path, error))),
         };
         let session = set.session(&recording.name).map(|session| session.session.as_str());
-        let setup = Setup { settings, pusher_radius: manifest.pusher.radius, session };
+        let (limits, pusher_radius) = (&manifest.limits, manifest.pusher.radius);
+        let setup = Setup { settings, limits, pusher_radius, session };
         process(&recording, &object, &setup)
     });
     result.unwrap_or_else(|error| (Vec::new(), unreadable(&set.name_of(path), path, error)))

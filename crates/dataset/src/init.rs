@@ -6,9 +6,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use output::{Existing, OutputFile};
+
 use crate::{
     error::DatasetError,
     format::{ANY_FORMAT, Inspection, LogFormat, StreamInfo, all_formats},
+    limits::ReadLimits,
     manifest::MANIFEST_NAME,
     object::shape_in_name,
     preset::Preset,
@@ -19,24 +22,16 @@ use crate::{
 /// Writes `dataset.toml` into a folder of recordings, by a preset or from what is there.
 ///
 /// # Errors
-/// `Unwritable` if there is a manifest already, `NoRecordings` for a folder without recordings,
+/// `Output` if there is a manifest already, `NoRecordings` for a folder without recordings,
 /// `Io`, and what inspecting the first recording may say.
 pub fn init(dir: &Path, preset: Option<Preset>) -> Result<PathBuf, DatasetError> {
     let path = dir.join(MANIFEST_NAME);
-    if path.exists() {
-        return Err(DatasetError::Unwritable {
-            path,
-            format: "manifest",
-            what: "it exists; remove or rename it first".to_owned(),
-        });
-    }
+    let output = OutputFile::new(&path, Existing::Refuse)?;
     let text = match preset {
         Some(preset) => preset.text().to_owned(),
         None => draft_manifest(dir)?,
     };
-    let part = path.with_added_extension("part");
-    fs::write(&part, text).map_err(|error| DatasetError::io("write", &part, error))?;
-    fs::rename(&part, &path).map_err(|error| DatasetError::io("write", &path, error))?;
+    output.write(text)?;
     Ok(path)
 }
 
@@ -50,7 +45,7 @@ pub fn init(dir: &Path, preset: Option<Preset>) -> Result<PathBuf, DatasetError>
 pub fn draft_manifest(dir: &Path) -> Result<String, DatasetError> {
     let (format, folder, recordings) = find_recordings(dir)?;
     let Some(first) = recordings.first() else { return Err(none_found(dir)) };
-    let inspection = format.inspect(first)?;
+    let inspection = format.inspect(first, &ReadLimits::default())?;
     let title = dir.file_name().unwrap_or(dir.as_os_str()).to_string_lossy();
     let example = first.file_name().unwrap_or(first.as_os_str()).to_string_lossy();
     let mut out = String::new();
@@ -272,7 +267,7 @@ mod tests {
         let path = init(dir.path(), Some(Preset::MitPush)).unwrap();
         Manifest::read(&path).unwrap();
         let again = init(dir.path(), None);
-        assert!(matches!(again, Err(DatasetError::Unwritable { .. })));
+        assert!(matches!(again, Err(DatasetError::Output(_))));
         fs::remove_file(&path).unwrap();
         let empty = init(dir.path(), None);
         assert!(matches!(empty, Err(DatasetError::NoRecordings { .. })));

@@ -182,12 +182,14 @@ mod tests {
     use super::Layout;
     use crate::{
         decode::Schema,
+        limits::ReadLimits,
         remark::StreamRole,
         settings::{ColumnMap, Quantity, StreamSettings},
     };
 
     fn json(sample: &str) -> Schema {
-        Schema::parse("", "json", "", b"", Some(sample.as_bytes())).unwrap()
+        let limits = ReadLimits::default();
+        Schema::parse("", ("json", ""), b"", Some(sample.as_bytes()), &limits).unwrap()
     }
 
     fn find(sample: &str, role: StreamRole) -> Result<Layout, String> {

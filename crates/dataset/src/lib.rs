@@ -3,6 +3,8 @@
 
 mod assemble;
 mod banded;
+mod caught;
+mod channel;
 mod decode;
 mod error;
 mod format;
@@ -10,6 +12,7 @@ mod formats;
 mod frames;
 mod lateness;
 mod layout;
+mod limits;
 mod log;
 mod map;
 mod recording;
@@ -18,6 +21,7 @@ mod remark;
 mod select;
 mod settings;
 mod transform;
+mod unpack;
 mod writer;
 mod writers;
 
@@ -39,6 +43,10 @@ mod noise;
 mod object;
 #[cfg(doctest)]
 mod pages;
+#[cfg(feature = "parquet")]
+mod parquet_pages;
+#[cfg(feature = "parquet")]
+mod parquet_read;
 mod preset;
 mod process;
 mod push;
@@ -61,6 +69,8 @@ mod unread;
 pub use error::DatasetError;
 pub use format::{Inspection, LogFormat, StreamInfo, all_formats, format_by_id};
 pub use formats::find_files;
+pub use limits::{Limit, ReadLimits};
+pub use map::{open_regular, read_text};
 pub use recording::{PoseStream, Recording, WrenchStream};
 pub use recording_name::recording_name;
 pub use remark::{Remark, RemarkKind, StreamRole};

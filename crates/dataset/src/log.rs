@@ -1,36 +1,29 @@
 //! Logs of messages, whatever their container: from channels to the streams of a recording.
 
-use std::{ops::ControlFlow, path::Path};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    ops::ControlFlow,
+    path::Path,
+};
 
 use nalgebra::{Isometry3, Translation3};
 
 use crate::{
     assemble::{Assembly, RawStream, nanoseconds, wrong_time_unit},
-    decode::{Decoder, MessageError, Row, Schema},
+    channel::{Channel, ParsedChannel, parse_channels},
+    decode::{Decoder, MessageError, Row},
     error::DatasetError,
     format::{Inspection, StreamInfo},
     frames::Frames,
     lateness::Lateness,
     layout::Layout,
+    limits::{Limit, ReadLimits},
     recording::Recording,
     remark::{Remark, RemarkKind, StreamRole},
     select::choose_topics,
     settings::{Quantity, StreamSettings, Streams, TimeSource},
     transform::{Transform, unit_quaternion},
 };
-
-/// A channel of a log: one topic from one publisher.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Channel {
-    pub(crate) id: u32,
-    pub(crate) topic: String,
-    pub(crate) type_name: String,
-    pub(crate) message_encoding: String,
-    pub(crate) schema_encoding: String,
-    pub(crate) schema: Vec<u8>,
-    /// Messages, as far as the log tells.
-    pub(crate) count: u64,
-}
 
 /// A message of a log.
 pub(crate) struct Message<'a> {
@@ -42,8 +35,8 @@ pub(crate) struct Message<'a> {
     pub(crate) byte: u64,
 }
 
-/// Takes messages until it breaks.
-pub(crate) type Sink<'s> = dyn FnMut(&Message<'_>) -> ControlFlow<()> + 's;
+/// Takes messages until it breaks, or until a limit is reached.
+pub(crate) type Sink<'s> = dyn FnMut(&Message<'_>) -> Result<ControlFlow<()>, DatasetError> + 's;
 
 /// A file of messages.
 pub(crate) trait Container {
@@ -55,13 +48,14 @@ pub(crate) trait Container {
 
     /// Hands over the messages of the channels that are `wanted`, in the order of the file, and
     /// returns what had to be left out.
-    fn visit(&self, wanted: &dyn Fn(u32) -> bool, sink: &mut Sink<'_>) -> Vec<Remark>;
-}
-
-/// A channel with its schema, or why that cannot be read.
-pub(crate) struct ParsedChannel<'a> {
-    pub(crate) info: &'a Channel,
-    pub(crate) schema: Result<Schema, String>,
+    ///
+    /// # Errors
+    /// `OverLimit`, and what the sink returns.
+    fn visit(
+        &self,
+        wanted: &dyn Fn(u32) -> bool,
+        sink: &mut Sink<'_>,
+    ) -> Result<Vec<Remark>, DatasetError>;
 }
 
 /// Reads the streams of a log.
@@ -70,8 +64,9 @@ pub(crate) fn read_log(
     sha256: String,
     container: &dyn Container,
     streams: &Streams,
+    limits: &ReadLimits,
 ) -> Result<Recording, DatasetError> {
-    let channels = parse_channels(container);
+    let channels = parse_channels(path, container, limits)?;
     let topics = choose_topics(path, &channels, streams)?;
     let mut takers = Vec::new();
     for role in StreamRole::ALL {
@@ -82,24 +77,26 @@ pub(crate) fn read_log(
     let uses_frames = StreamRole::ALL
         .iter()
         .any(|role| matches!(streams.of(*role).transform, Some(Transform::Tf { .. })));
-    let mut frame_readers = if uses_frames { frame_readers(&channels) } else { Vec::new() };
+    let frame_readers = if uses_frames { frame_readers(&channels) } else { BTreeMap::new() };
     let mut frames = Frames::default();
-    let wanted = |id: u32| {
-        takers.iter().any(|taker| taker.decoder(id).is_some())
-            || frame_readers.iter().any(|(known, _)| *known == id)
-    };
-    let wanted_ids: Vec<u32> =
-        channels.iter().map(|channel| channel.info.id).filter(|id| wanted(*id)).collect();
-    let damage = container.visit(&|id| wanted_ids.contains(&id), &mut |message| {
+    let wanted: BTreeSet<u32> = takers
+        .iter()
+        .flat_map(|taker| taker.decoders.keys())
+        .chain(frame_readers.keys())
+        .copied()
+        .collect();
+    let damage = container.visit(&|id| wanted.contains(&id), &mut |message| {
         for taker in &mut takers {
-            taker.take(message);
+            taker.take(message, limits);
+            taker.check(path, limits)?;
         }
-        for (_, decoder) in frame_readers.iter_mut().filter(|(id, _)| *id == message.channel) {
+        if let Some(decoder) = frame_readers.get(&message.channel) {
             // Damaged messages of the frames' topic are those of no stream.
-            let _ = decoder.decode(message.data, &mut |row| add_frame(&mut frames, row));
+            let _ = decoder.decode(message.data, &mut |row| add_frame(&mut frames, row, limits));
+            check_frames(path, frames.len(), limits)?;
         }
-        ControlFlow::Continue(())
-    });
+        Ok(ControlFlow::Continue(()))
+    })?;
     let mut assembly = Assembly { path, sha256, remarks: container.remarks().to_vec() };
     assembly.remarks.extend(damage);
     let mut parts: [Option<(RawStream, Option<Isometry3<f64>>)>; 3] = [None, None, None];
@@ -117,23 +114,32 @@ pub(crate) fn read_log(
 }
 
 /// What a log contains.
-pub(crate) fn inspect_log(container: &dyn Container) -> Inspection {
-    let channels = parse_channels(container);
+pub(crate) fn inspect_log(
+    path: &Path,
+    container: &dyn Container,
+    limits: &ReadLimits,
+) -> Result<Inspection, DatasetError> {
+    let channels = parse_channels(path, container, limits)?;
     let readers = frame_readers(&channels);
     let mut frames = Frames::default();
-    let mut seen = vec![(0_u64, i64::MAX, i64::MIN); channels.len()];
+    let nothing = (0_u64, i64::MAX, i64::MIN);
+    let mut seen: BTreeMap<u32, _> =
+        channels.iter().map(|channel| (channel.info.id, nothing)).collect();
     let damage = container.visit(&|_| true, &mut |message| {
-        if let Some(i) = channels.iter().position(|channel| channel.info.id == message.channel) {
-            let (count, first, last) = seen[i];
-            seen[i] = (count + 1, first.min(message.log_time), last.max(message.log_time));
+        if let Some((count, first, last)) = seen.get_mut(&message.channel) {
+            *count += 1;
+            *first = message.log_time.min(*first);
+            *last = message.log_time.max(*last);
         }
-        for (_, decoder) in readers.iter().filter(|(id, _)| *id == message.channel) {
+        if let Some(decoder) = readers.get(&message.channel) {
             // A message that does not fit is reported when its stream is read.
-            let _ = decoder.decode(message.data, &mut |row| add_frame(&mut frames, row));
+            let _ = decoder.decode(message.data, &mut |row| add_frame(&mut frames, row, limits));
+            check_frames(path, frames.len(), limits)?;
         }
-        ControlFlow::Continue(())
-    });
-    let streams = channels.iter().zip(seen).map(|(channel, (count, first, last))| {
+        Ok(ControlFlow::Continue(()))
+    })?;
+    let streams = channels.iter().map(|channel| {
+        let (count, first, last) = seen[&channel.info.id];
         let fits = |role: &StreamRole| {
             let schema = channel.schema.as_ref().ok();
             schema.is_some_and(|schema| {
@@ -153,47 +159,11 @@ pub(crate) fn inspect_log(container: &dyn Container) -> Inspection {
     });
     let mut remarks = container.remarks().to_vec();
     remarks.extend(damage);
-    Inspection { streams: streams.collect(), frames: frames.pairs(), remarks }
-}
-
-fn parse_channels(container: &dyn Container) -> Vec<ParsedChannel<'_>> {
-    let samples = json_samples(container);
-    let parse = |info: &'_ Channel| {
-        let sample = samples.iter().find(|(id, _)| *id == info.id);
-        Schema::parse(
-            &info.type_name,
-            &info.message_encoding,
-            &info.schema_encoding,
-            &info.schema,
-            sample.and_then(|(_, data)| data.as_deref()),
-        )
-    };
-    let channels = container.channels().iter();
-    channels.map(|info| ParsedChannel { info, schema: parse(info) }).collect()
-}
-
-/// The first message of each JSON channel, in which its fields are seen.
-fn json_samples(container: &dyn Container) -> Vec<(u32, Option<Vec<u8>>)> {
-    let json = container.channels().iter().filter(|channel| channel.message_encoding == "json");
-    let mut samples: Vec<_> = json.map(|channel| (channel.id, None)).collect();
-    if !samples.is_empty() {
-        let ids: Vec<u32> = samples.iter().map(|(id, _)| *id).collect();
-        container.visit(&|id| ids.contains(&id), &mut |message| {
-            for (_, sample) in samples.iter_mut().filter(|(id, _)| *id == message.channel) {
-                sample.get_or_insert_with(|| message.data.to_vec());
-            }
-            if samples.iter().all(|(_, sample)| sample.is_some()) {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        });
-    }
-    samples
+    Ok(Inspection { streams: streams.collect(), frames: frames.pairs(), remarks })
 }
 
 /// Decoders of the channels that publish frames.
-fn frame_readers(channels: &[ParsedChannel<'_>]) -> Vec<(u32, Decoder)> {
+fn frame_readers(channels: &[ParsedChannel<'_>]) -> BTreeMap<u32, Decoder> {
     let of_one = |channel: &ParsedChannel<'_>| {
         let schema = channel.schema.as_ref().ok()?;
         let layout = Layout::find(schema, StreamRole::Object, &StreamSettings::default()).ok()?;
@@ -204,12 +174,20 @@ fn frame_readers(channels: &[ParsedChannel<'_>]) -> Vec<(u32, Decoder)> {
     channels.iter().filter_map(of_one).collect()
 }
 
-fn add_frame(frames: &mut Frames, row: &Row<'_>) {
+fn add_frame(frames: &mut Frames, row: &Row<'_>, limits: &ReadLimits) {
     let [x, y, z, qx, qy, qz, qw, _] = row.values;
     if let (Ok(rotation), true) = (unit_quaternion([qx, qy, qz, qw]), (x + y + z).is_finite()) {
         let pose = Isometry3::from_parts(Translation3::new(x, y, z), rotation);
-        frames.add(&String::from_utf8_lossy(row.parent), &String::from_utf8_lossy(row.child), pose);
+        // What exceeds the limit is seen after the message.
+        if frames.len() as u64 <= limits.of(Limit::Channels) {
+            let [parent, child] = [row.parent, row.child].map(String::from_utf8_lossy);
+            frames.add(&parent, &child, pose);
+        }
     }
+}
+
+fn check_frames(path: &Path, n_frames: usize, limits: &ReadLimits) -> Result<(), DatasetError> {
+    limits.check(path, Limit::Channels, || "frames".into(), n_frames as u64)
 }
 
 /// The pose of a stream's frame in the world, as given or as published in the log.
@@ -251,10 +229,10 @@ pub(crate) fn fixed_transform(
 struct Taker<'a> {
     role: StreamRole,
     settings: &'a StreamSettings,
-    decoders: Vec<(u32, Decoder, bool)>,
+    decoders: BTreeMap<u32, (Decoder, bool)>,
     raw: RawStream,
     is_list: bool,
-    children: Vec<String>,
+    children: BTreeSet<Vec<u8>>,
     lateness: Lateness,
     n_misfits: u64,
     first_misfit: Option<(u64, MessageError)>,
@@ -273,10 +251,10 @@ impl<'a> Taker<'a> {
         let mut taker = Self {
             role,
             settings,
-            decoders: Vec::new(),
+            decoders: BTreeMap::new(),
             raw: RawStream::new(role, topic, "byte", &settings.fields),
             is_list: false,
-            children: Vec::new(),
+            children: BTreeSet::new(),
             lateness: Lateness::default(),
             n_misfits: 0,
             first_misfit: None,
@@ -296,24 +274,22 @@ impl<'a> Taker<'a> {
             taker.raw.has = layout.has;
             taker.is_list = layout.is_list;
             let stamped = layout.stamped && settings.time == TimeSource::Stamp;
-            taker.decoders.push((channel.info.id, decoder, stamped));
+            taker.decoders.insert(channel.info.id, (decoder, stamped));
         }
         Ok(taker)
     }
 
-    fn decoder(&self, id: u32) -> Option<&(u32, Decoder, bool)> {
-        self.decoders.iter().find(|(known, ..)| *known == id)
-    }
-
-    fn take(&mut self, message: &Message<'_>) {
+    fn take(&mut self, message: &Message<'_>, limits: &ReadLimits) {
         let Self { role, settings, decoders, raw, children, lateness, wrong_unit, .. } = self;
-        let Some((_, decoder, stamped)) = decoders.iter().find(|(id, ..)| *id == message.channel)
-        else {
-            return;
-        };
+        let Some((decoder, stamped)) = decoders.get(&message.channel) else { return };
+        let (most, most_children) = (limits.of(Limit::Samples), limits.of(Limit::Channels));
         let decoded = decoder.decode(message.data, &mut |row| {
-            if !row.child.is_empty() && !children.iter().any(|c| c.as_bytes() == row.child) {
-                children.push(String::from_utf8_lossy(row.child).into_owned());
+            // One message may hold a list of any length: what exceeds a limit is seen afterwards.
+            if raw.rows.len() as u64 > most || children.len() as u64 > most_children {
+                return;
+            }
+            if !row.child.is_empty() && !children.contains(row.child) {
+                children.insert(row.child.to_vec());
             }
             if settings.child_frame.as_ref().is_some_and(|child| child.as_bytes() != row.child) {
                 return;
@@ -336,8 +312,16 @@ impl<'a> Taker<'a> {
         }
     }
 
+    /// Refuses more samples or frames than the limits allow.
+    fn check(&self, path: &Path, limits: &ReadLimits) -> Result<(), DatasetError> {
+        let what = || format!("samples of the {} stream", self.role);
+        limits.check(path, Limit::Samples, what, self.raw.rows.len() as u64)?;
+        check_frames(path, self.children.len(), limits)
+    }
+
     fn finish(self, path: &Path, remarks: &mut Vec<Remark>) -> Result<RawStream, DatasetError> {
         let Self { role, settings, raw, is_list, children, .. } = self;
+        let children: Vec<_> = children.iter().map(|name| String::from_utf8_lossy(name)).collect();
         let Self { lateness, n_misfits, first_misfit, wrong_unit, .. } = self;
         if let Some((byte, what)) = wrong_unit {
             let what = format!("{}: {what}", raw.source);

@@ -8,6 +8,8 @@ use serde_spanned::Spanned;
 
 use crate::{
     error::DatasetError,
+    limits::ReadLimits,
+    map::read_text,
     object::{ObjectChoice, ObjectTable},
     settings::Streams,
 };
@@ -30,12 +32,14 @@ pub struct Manifest {
     pub recordings: RecordingsSpec,
     /// How their streams are found.
     pub streams: Streams,
+    /// What reading one of them may cost.
+    pub limits: ReadLimits,
 }
 
 /// The round pusher, nominally.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PusherSpec {
-    /// Radius, in m.
+    /// Radius, in m; 0 for a point.
     pub radius: f64,
     /// Coefficient of friction between pusher and object.
     pub friction: f64,
@@ -63,21 +67,21 @@ impl Manifest {
     /// Reads and checks a manifest.
     ///
     /// # Errors
-    /// `Io`; `Parse` with the line for TOML that is broken, keys that are not known or missing, and
+    /// `Io`; `NotAFile` and `OverLimit` as [`read_text`]; `Parse` with the line for TOML that is broken, keys that are not known or missing, and
     /// wrong types; `Manifest` with line, key, value, unit and allowed values for the rest.
     pub fn read(path: &Path) -> Result<Self, DatasetError> {
-        let text = std::fs::read_to_string(path).map_err(|e| DatasetError::io("read", path, e))?;
+        let text = read_text(path)?;
         Self::parse(&text, path)
     }
 
     /// Checks the text of a manifest; `path` is for messages alone.
     ///
     /// # Errors
-    /// As [`Manifest::read`], without `Io`.
+    /// `Parse` and `Manifest` as [`Manifest::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, DatasetError> {
         let source = Source::new(text, path);
         let table: ManifestTable = source.parse()?;
-        let ManifestTable { name, object, pusher, support, recordings, streams } = table;
+        let ManifestTable { name, object, pusher, support, recordings, streams, limits } = table;
         Ok(Self {
             name,
             object: object.check(&source)?,
@@ -88,11 +92,17 @@ impl Manifest {
                 path: recordings.path,
             },
             streams,
+            limits,
         })
     }
 }
 
 const STANDARD_GRAVITY: f64 = 9.81;
+/// Positive quantities of a rig, in SI units: of a toy's moment of inertia to a truck's mass.
+const SMALLEST: f64 = 1e-12;
+const LARGEST: f64 = 1e6;
+/// Rubber on rubber has about 1.2.
+const LARGEST_FRICTION: f64 = 10.0;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -104,6 +114,8 @@ struct ManifestTable {
     recordings: RecordingsTable,
     #[serde(default)]
     streams: Streams,
+    #[serde(default)]
+    limits: ReadLimits,
 }
 
 #[derive(Deserialize)]
@@ -116,8 +128,8 @@ pub(crate) struct PusherTable {
 impl PusherTable {
     pub(crate) fn check(&self, source: &Source<'_>) -> Result<PusherSpec, DatasetError> {
         Ok(PusherSpec {
-            radius: source.positive("pusher.radius_m", &self.radius_m, " m")?,
-            friction: source.not_negative("pusher.friction", &self.friction, "")?,
+            radius: source.not_negative("pusher.radius_m", &self.radius_m, " m", LARGEST)?,
+            friction: source.friction("pusher.friction", &self.friction)?,
         })
     }
 }
@@ -135,7 +147,7 @@ impl SupportTable {
             Some(gravity) => source.positive("support.gravity_m_s2", gravity, " m/s²")?,
             None => STANDARD_GRAVITY,
         };
-        let friction = source.not_negative("support.friction", &self.friction, "")?;
+        let friction = source.friction("support.friction", &self.friction)?;
         Ok(SupportSpec { friction, gravity })
     }
 }
@@ -201,6 +213,7 @@ impl<'a> Source<'a> {
         self.refuse(span, key, "(missing)", "", allowed)
     }
 
+    /// A quantity in its SI unit, which is positive and none beyond a laboratory.
     pub(crate) fn positive(
         &self,
         key: &str,
@@ -208,23 +221,31 @@ impl<'a> Source<'a> {
         unit: &'static str,
     ) -> Result<f64, DatasetError> {
         let number = *value.get_ref();
-        if number > 0.0 && number.is_finite() {
+        if (SMALLEST..=LARGEST).contains(&number) {
             return Ok(number);
         }
-        Err(self.refuse(value.span(), key, number, unit, "a positive, finite number"))
+        let allowed = format!("a number from {SMALLEST:e} to {LARGEST:e}");
+        Err(self.refuse(value.span(), key, number, unit, allowed))
     }
 
-    pub(crate) fn not_negative(
+    /// A coefficient of friction.
+    fn friction(&self, key: &str, value: &Spanned<f64>) -> Result<f64, DatasetError> {
+        self.not_negative(key, value, "", LARGEST_FRICTION)
+    }
+
+    fn not_negative(
         &self,
         key: &str,
         value: &Spanned<f64>,
         unit: &'static str,
+        largest: f64,
     ) -> Result<f64, DatasetError> {
         let number = *value.get_ref();
-        if number >= 0.0 && number.is_finite() {
+        if (0.0..=largest).contains(&number) {
             return Ok(number);
         }
-        Err(self.refuse(value.span(), key, number, unit, "a finite number, 0 or more"))
+        let allowed = format!("a number from 0 to {largest}");
+        Err(self.refuse(value.span(), key, number, unit, allowed))
     }
 
     fn format(&self, format: Spanned<String>) -> Result<String, DatasetError> {
@@ -289,14 +310,18 @@ topic = "/robot/tip_pose"
     fn impossible_values_name_file_line_key_value_unit_and_range() {
         assert_eq!(
             error("radius_m = 0.00475", "radius_m = -4.75"),
-            "set/dataset.toml:9: pusher.radius_m = -4.75 m is not allowed, expected a positive, \
-             finite number"
+            "set/dataset.toml:9: pusher.radius_m = -4.75 m is not allowed, expected a number from 0 \
+             to 1000000"
         );
         assert_eq!(
             error("friction = 0.25", "friction = nan"),
-            "set/dataset.toml:10: pusher.friction = NaN is not allowed, expected a finite number, \
-             0 or more"
+            "set/dataset.toml:10: pusher.friction = NaN is not allowed, expected a number from 0 to \
+             10"
         );
+        assert!(
+            error("friction = 0.25", "friction = 1e308").contains("expected a number from 0 to 10")
+        );
+        assert!(error("gravity_m_s2 = 9.81", "gravity_m_s2 = 1e300").contains("1e-12 to 1e6"));
         assert_eq!(
             error("\"mcap\"", "\"rosbag9\""),
             "set/dataset.toml:17: recordings.format = rosbag9 is not allowed, expected one of \
@@ -313,6 +338,13 @@ topic = "/robot/tip_pose"
             "set/dataset.toml:5: object.side_m = 90 m is not allowed, expected a length from \
              0.0001 to 10 m (lengths are in m, not mm)"
         );
+    }
+
+    #[test]
+    fn a_pusher_may_be_a_point() {
+        let text = GOOD.replacen("radius_m = 0.00475", "radius_m = 0.0", 1);
+        let manifest = Manifest::parse(&text, Path::new("dataset.toml")).unwrap();
+        assert_eq!(manifest.pusher.radius, 0.0);
     }
 
     #[test]

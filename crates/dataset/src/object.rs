@@ -5,7 +5,7 @@ use planar::{Ellipse, MIT_NAMES, PlanarError, Polygon, Shape, mit_object};
 use serde::Deserialize;
 use serde_spanned::Spanned;
 
-use crate::{error::DatasetError, manifest::Source};
+use crate::{column::MOST_EDGES, error::DatasetError, manifest::Source};
 
 /// Lengths outside of this, in m, are taken for another unit.
 const SMALLEST_LENGTH: f64 = 1e-4;
@@ -211,6 +211,11 @@ impl ObjectTable {
                 let Some(vertices) = &self.vertices_m else {
                     return Err(source.missing(at, KEY, "points in m, counter-clockwise"));
                 };
+                let n_vertices = vertices.get_ref().len();
+                if n_vertices > MOST_EDGES {
+                    let (value, allowed) = (n_vertices, format!("at most {MOST_EDGES} vertices"));
+                    return Err(source.refuse(vertices.span(), KEY, value, " vertices", allowed));
+                }
                 for &coordinate in vertices.get_ref().iter().flatten() {
                     if coordinate != 0.0 {
                         check_length(source, KEY, coordinate.abs(), vertices.span())?;

@@ -12,6 +12,7 @@ use crate::{
     force_zero::{ForceZero, mean_between},
     ingest_report::{PushReport, RecordingReport, RestingNoise, StreamInPush, StreamReport},
     ingest_settings::IngestSettings,
+    limits::{Limit, ReadLimits},
     noise::median,
     object::ObjectSpec,
     push::{Push, SetAside},
@@ -27,6 +28,7 @@ use crate::{
 /// What processing needs beside the recording.
 pub(crate) struct Setup<'a> {
     pub(crate) settings: &'a IngestSettings,
+    pub(crate) limits: &'a ReadLimits,
     pub(crate) pusher_radius: f64,
     pub(crate) session: Option<&'a str>,
 }
@@ -51,7 +53,8 @@ pub(crate) fn unreadable(name: &str, path: &Path, error: impl ToString) -> Recor
 /// The rows of a recording and its report.
 ///
 /// # Errors
-/// `SplineKnots` if repair left samples without order, which it does not.
+/// `OverLimit` for more pushes or steps than allowed; `SplineKnots` if repair left samples without
+/// order, which it does not.
 pub(crate) fn process(
     recording: &Recording,
     object: &ObjectSpec,
@@ -61,6 +64,8 @@ pub(crate) fn process(
     let outline = Outline { shape: &object.shape, pusher_radius: setup.pusher_radius };
     let scene = Scene::new(recording, outline, settings)?;
     let contacts = find_contacts(&scene, settings);
+    let n_contacts = contacts.intervals.len() as u64;
+    setup.limits.check(&recording.path, Limit::Pushes, || "pushes".into(), n_contacts)?;
     let pushes = Push::split(&scene, &contacts, settings);
     let mut report = RecordingReport {
         name: recording.name.clone(),
@@ -77,10 +82,15 @@ pub(crate) fn process(
     };
     report.set_aside = whole_fault(recording, &contacts, settings);
     let mut rows = Vec::new();
+    let mut n_steps = 0;
     if report.set_aside.is_none() {
         for (number, push) in pushes.iter().enumerate() {
-            let (mut own, push_report) =
-                one_push(recording, object, setup, &scene, &contacts, push, number as u32)?;
+            let n_before = n_steps;
+            let number = number as u32;
+            let made =
+                one_push(recording, object, setup, &scene, &contacts, push, (number, n_before))?;
+            let (mut own, push_report) = made;
+            n_steps += own.len() as u64 + u64::from(push_report.steps_lost_in_gaps);
             rows.append(&mut own);
             report.pushes.push(push_report);
         }
@@ -113,7 +123,7 @@ fn one_push(
     scene: &Scene<'_>,
     contacts: &Contacts,
     push: &Push,
-    number: u32,
+    (number, n_before): (u32, u64),
 ) -> Result<(Vec<StepRow>, PushReport), DatasetError> {
     let settings = setup.settings;
     let mut report = push_report(scene, &contacts.zero, push, number, settings);
@@ -130,6 +140,9 @@ fn one_push(
     flags.set_if(Flags::STARTS_IN_CONTACT, push.starts_in_contact);
     flags.set_if(Flags::UNTARED, untared);
     let context = StepContext {
+        path: &recording.path,
+        limits: setup.limits,
+        n_before,
         scene,
         settings,
         push,
@@ -138,7 +151,7 @@ fn one_push(
         force_offset,
         losses: &contacts.losses,
     };
-    let (rows, lost) = steps(&context, &push.curves(scene, settings)?);
+    let (rows, lost) = steps(&context, &push.curves(scene, settings)?)?;
     report.steps_lost_in_gaps = lost;
     report.rows = rows.len();
     if rows.is_empty() {

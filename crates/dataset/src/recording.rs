@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::{error::DatasetError, map::FileBytes, remark::Remark};
+use crate::{error::DatasetError, limits::ReadLimits, map::FileBytes, remark::Remark};
 
 /// The streams of one log file or folder, in SI units and in the world frame.
 ///
@@ -56,9 +56,9 @@ impl Recording {
     /// The same recording as read from a file, whose SHA-256 it gets.
     ///
     /// # Errors
-    /// `Io` if the file cannot be read.
+    /// `Io` if the file cannot be read, `NotAFile` if it is none.
     pub fn with_source(self, path: &Path) -> Result<Self, DatasetError> {
-        let sha256 = FileBytes::open(path)?.sha256();
+        let sha256 = FileBytes::open(path, &ReadLimits::default())?.sha256();
         Ok(Self { path: path.to_path_buf(), sha256, ..self })
     }
 }

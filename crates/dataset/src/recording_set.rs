@@ -7,6 +7,7 @@ use crate::{
     format::{ANY_FORMAT, LogFormat, all_formats, format_by_id},
     manifest::{MANIFEST_NAME, Manifest},
     preset::Preset,
+    recording::Recording,
     recording_name::{distinct_names, recording_name},
     remark::Remark,
     session::{Session, Sessions, read_sessions},
@@ -157,6 +158,14 @@ impl RecordingSet {
     #[must_use]
     pub fn remarks(&self) -> &[Remark] {
         &self.remarks
+    }
+
+    /// Reads one of the recordings, within the limits of the manifest.
+    ///
+    /// # Errors
+    /// As [`LogFormat::read`].
+    pub fn read(&self, recording: &Path) -> Result<Recording, DatasetError> {
+        self.format.read(recording, &self.manifest.streams, &self.manifest.limits)
     }
 
     /// What `sessions.csv` says of a recording.

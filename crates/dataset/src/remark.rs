@@ -40,6 +40,8 @@ pub enum RemarkKind {
     QuaternionSetAside,
     /// Rows with a value that is not finite were set aside.
     NonFiniteSetAside,
+    /// Rows with a value beyond anything physical were set aside.
+    OutOfRangeSetAside,
     /// The robot's orientation was never published (all quaternions zero); its yaw is 0.
     NoOrientation,
     /// The body is tilted out of the plane by more than the stated limit.

@@ -6,6 +6,7 @@ use planar::wrap_angle;
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    assemble::LARGEST,
     ingest_settings::IngestSettings,
     noise::median,
     recording::{PoseStream, WrenchStream},
@@ -14,6 +15,8 @@ use crate::{
 /// Samples closer than this share of the median spacing are merged: a spline through two stamps
 /// that nearly agree swings out between its other samples.
 const CROWDED_SHARE: f64 = 0.5;
+/// Farthest time from the recording's zero, in s: three hundred years.
+const LAST_TIME: f64 = 1e10;
 /// Turns a difference of yaw into a length, about the size of a pushed object, in m.
 const YAW_ARM: f64 = 0.05;
 
@@ -22,7 +25,7 @@ const YAW_ARM: f64 = 0.05;
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum RepairKind {
-    /// A sample with a value that is not finite, dropped.
+    /// A sample with a value that is not finite or beyond anything physical, dropped.
     NonFinite,
     /// A stamp before that of the row before it.
     Backward,
@@ -242,11 +245,13 @@ fn find_gaps(clean: &mut CleanStream, longest_gap: f64) {
 /// Drops what is not finite, orders the rest, unwraps the yaw and merges crowded stamps.
 fn ordered(t: &[f64], channels: &[&[f64]], yaw: Option<usize>) -> CleanStream {
     let mut repairs = Vec::new();
-    let finite = |i: usize| t[i].is_finite() && channels.iter().all(|c| c[i].is_finite());
+    // Infinite and undefined numbers are beyond every bound as well.
+    let usable =
+        |i: usize| t[i].abs() <= LAST_TIME && channels.iter().all(|c| c[i].abs() <= LARGEST);
     let mut rows = Vec::with_capacity(t.len());
-    let mut last = t.iter().copied().find(|t| t.is_finite()).unwrap_or(0.0);
+    let mut last = t.iter().copied().find(|t| t.abs() <= LAST_TIME).unwrap_or(0.0);
     for (i, &stamp) in t.iter().enumerate() {
-        if finite(i) {
+        if usable(i) {
             if stamp < last {
                 let amount = last - stamp;
                 repairs.push(Repair { kind: RepairKind::Backward, t: stamp, amount });

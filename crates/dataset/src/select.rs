@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use crate::{
+    channel::{Channel, ParsedChannel},
     error::DatasetError,
     layout::Layout,
-    log::{Channel, ParsedChannel},
     remark::StreamRole,
     settings::Streams,
 };
@@ -163,9 +163,10 @@ mod tests {
 
     use super::choose_topics;
     use crate::{
+        channel::{Channel, ParsedChannel},
         decode::Schema,
         error::DatasetError,
-        log::{Channel, ParsedChannel},
+        limits::ReadLimits,
         remark::StreamRole,
         settings::Streams,
     };
@@ -191,7 +192,13 @@ mod tests {
             .zip(topics)
             .map(|(info, (_, sample))| ParsedChannel {
                 info,
-                schema: Schema::parse("", "json", "", b"", Some(sample.as_bytes())),
+                schema: Schema::parse(
+                    "",
+                    ("json", ""),
+                    b"",
+                    Some(sample.as_bytes()),
+                    &ReadLimits::default(),
+                ),
             })
             .collect();
         let chosen = choose_topics(Path::new("log"), &channels, streams)?;

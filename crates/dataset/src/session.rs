@@ -6,7 +6,9 @@ use std::{
 };
 
 use crate::{
+    column::column_place,
     error::DatasetError,
+    map::read_text,
     remark::{Remark, RemarkKind},
 };
 
@@ -94,16 +96,10 @@ pub(crate) fn read_sessions(dir: &Path) -> Result<Sessions, DatasetError> {
         line: error.position().map_or(1, csv::Position::line),
         what: error.to_string(),
     };
-    let mut reader =
-        csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(&path).map_err(fail)?;
+    let text = read_text(&path)?;
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let header = reader.headers().map_err(fail)?.clone();
-    let place = |column: &str| {
-        header.iter().position(|name| name == column).ok_or_else(|| DatasetError::ColumnMissing {
-            path: path.clone(),
-            column: column.into(),
-            found: header.iter().collect::<Vec<_>>().join(", "),
-        })
-    };
+    let place = |column: &str| column_place(&path, column, header.iter());
     let places = [place("recording")?, place("session")?, place("repeat")?];
     let mut sessions = BTreeMap::new();
     for record in reader.records() {

@@ -143,7 +143,7 @@ impl FromStr for Phase {
 }
 
 impl Default for StepRow {
-    /// The row of all zeros, identity pose, no force and no flags.
+    /// A step of 1 s in which nothing moves: zeros, identity pose, no force and no flags.
     fn default() -> Self {
         let (zero, origin) = (Vector2::zeros(), Pose::new(0.0, 0.0, 0.0));
         Self {
@@ -153,7 +153,7 @@ impl Default for StepRow {
             step: 0,
             phase: Phase::Contact,
             t: 0.0,
-            dt: 0.0,
+            dt: 1.0,
             n_samples: 0,
             shape: Arc::from(""),
             edge: 0,

@@ -1,14 +1,16 @@
 //! From a push to rows: step boundaries, motion, contact and force over each step.
 
-use std::sync::Arc;
+use std::{path::Path, sync::Arc};
 
 use nalgebra::Vector2;
 use planar::{Contact, Feature, Pose, perpendicular, wrap_angle};
 
 use crate::{
     contact::Interval,
+    error::DatasetError,
     flags::Flags,
     ingest_settings::{IngestSettings, StepLength},
+    limits::{Limit, ReadLimits},
     push::{PhaseCurves, Push},
     scene::Scene,
     step::{ContactForce, Phase, StepForce, StepRow},
@@ -17,6 +19,11 @@ use crate::{
 
 /// What the rows of one push have in common.
 pub(crate) struct StepContext<'a> {
+    /// The recording, for messages.
+    pub(crate) path: &'a Path,
+    pub(crate) limits: &'a ReadLimits,
+    /// Steps of the pushes before this one.
+    pub(crate) n_before: u64,
     pub(crate) scene: &'a Scene<'a>,
     pub(crate) settings: &'a IngestSettings,
     pub(crate) push: &'a Push,
@@ -40,11 +47,17 @@ struct Moment {
 }
 
 /// The rows of a push, and how many steps were lost because a stream was in a gap at their ends.
-pub(crate) fn steps(context: &StepContext<'_>, curves: &[PhaseCurves]) -> (Vec<StepRow>, u32) {
+///
+/// # Errors
+/// `OverLimit` for more steps than a recording may have.
+pub(crate) fn steps(
+    context: &StepContext<'_>,
+    curves: &[PhaseCurves],
+) -> Result<(Vec<StepRow>, u32), DatasetError> {
     let mut rows: Vec<StepRow> = Vec::new();
     let mut lost = 0;
     for curves in curves {
-        let bounds = boundaries(context, curves);
+        let bounds = boundaries(context, curves, rows.len() as u64 + u64::from(lost))?;
         let moments: Vec<_> = bounds.into_iter().map(|t| context.moment(curves, t)).collect();
         for pair in moments.windows(2) {
             let ends = pair[0].as_ref().zip(pair[1].as_ref());
@@ -54,20 +67,35 @@ pub(crate) fn steps(context: &StepContext<'_>, curves: &[PhaseCurves]) -> (Vec<S
             }
         }
     }
-    (rows, lost)
+    Ok((rows, lost))
 }
 
 /// Times between steps; a rest too short for a step of its own is left out.
-fn boundaries(context: &StepContext<'_>, curves: &PhaseCurves) -> Vec<f64> {
+///
+/// - `n_before`: steps of the same push before these.
+fn boundaries(
+    context: &StepContext<'_>,
+    curves: &PhaseCurves,
+    n_before: u64,
+) -> Result<Vec<f64>, DatasetError> {
     let (from, to) = (curves.from, curves.to);
+    let check = |n: u64| {
+        let what = || {
+            let push = context.template.push;
+            format!("steps up to {to:.3} s, where push {push} ends (does its clock jump?)")
+        };
+        let n = context.n_before.saturating_add(n_before).saturating_add(n);
+        context.limits.check(context.path, Limit::Steps, what, n)
+    };
     let mut bounds = vec![from];
     match (context.settings.step, curves.phase) {
         (StepLength::Time(length), _) => {
-            let n = ((to - from) / length + 1e-9).floor().max(0.0) as usize;
+            let n = ((to - from) / length + 1e-9).floor().max(0.0) as u64;
+            check(n)?;
             bounds.extend((1..=n).map(|k| from + k as f64 * length));
         }
         (StepLength::Distance(length), Phase::Contact) => {
-            for time in times_at_ways(context, curves, length) {
+            for time in times_at_ways(context, curves, length, &check)? {
                 if time - bounds[bounds.len() - 1] >= context.settings.least_step_time {
                     bounds.push(time);
                 }
@@ -79,11 +107,16 @@ fn boundaries(context: &StepContext<'_>, curves: &PhaseCurves) -> Vec<f64> {
     if to - last >= context.settings.shortest_step {
         bounds.push(to);
     }
-    bounds
+    Ok(bounds)
 }
 
 /// When the pusher has gone each multiple of a way, along lines between its samples.
-fn times_at_ways(context: &StepContext<'_>, curves: &PhaseCurves, length: f64) -> Vec<f64> {
+fn times_at_ways(
+    context: &StepContext<'_>,
+    curves: &PhaseCurves,
+    length: f64,
+    check: &dyn Fn(u64) -> Result<(), DatasetError>,
+) -> Result<Vec<f64>, DatasetError> {
     let robot = &context.scene.robot;
     let stamps = robot.range(curves.from, curves.to).map(|i| robot.t[i]);
     let mut times = Vec::new();
@@ -96,12 +129,13 @@ fn times_at_ways(context: &StepContext<'_>, curves: &PhaseCurves, length: f64) -
             while step > 0.0 && way + step >= length * (times.len() + 1) as f64 {
                 let share = (length * (times.len() + 1) as f64 - way) / step;
                 times.push(t0 + share * (t - t0));
+                check(times.len() as u64)?;
             }
             way += step;
         }
         before = Some((t, position));
     }
-    times
+    Ok(times)
 }
 
 impl StepContext<'_> {
@@ -130,6 +164,7 @@ impl StepContext<'_> {
         let edge_normal = pose0.rotate(&scene.outline.shape.inward_normal_at(start.edge, start.p));
         let along = if at_rest { edge_normal } else { velocity / speed };
         let beta = if at_rest { 0.0 } else { angle_between(&edge_normal, &along) };
+        let moves_away = !at_rest && pose0.rotate(&start.normal).dot(&along) < 0.0;
         let moved = pose1.position - pose0.position;
         let curvature =
             if at_rest { 0.0 } else { planar::cross(&velocity, &acceleration) / speed.powi(3) };
@@ -163,7 +198,7 @@ impl StepContext<'_> {
             start_angle_sd: sd0.angle,
             end_position_sd: sd1.position,
             end_angle_sd: sd1.angle,
-            flags: self.flags(curves, (t0, t1), (start, end), beta, at_rest),
+            flags: self.flags(curves, (t0, t1), (start, end), moves_away, at_rest),
             ..self.template.clone()
         })
     }
@@ -173,7 +208,7 @@ impl StepContext<'_> {
         curves: &PhaseCurves,
         (t0, t1): (f64, f64),
         (start, end): (&Contact, &Contact),
-        beta: f64,
+        moves_away: bool,
         at_rest: bool,
     ) -> Flags {
         let (scene, settings) = (self.scene, self.settings);
@@ -208,7 +243,7 @@ impl StepContext<'_> {
         flags.set_if(Flags::EDGE_CHANGED, start.edge != end.edge);
         flags.set_if(Flags::SHORT, short);
         flags.set_if(Flags::PENETRATION, overlap);
-        flags.set_if(Flags::MOVING_AWAY, beta.abs() > std::f64::consts::FRAC_PI_2);
+        flags.set_if(Flags::MOVING_AWAY, moves_away);
         flags.set_if(Flags::PUSHER_AT_REST, at_rest);
         flags
     }

@@ -55,8 +55,8 @@ impl Table {
     /// The file is written as by [`TableWriter`], to whom rows can also be given as they come.
     ///
     /// # Errors
-    /// `Io` if the file cannot be written, `Unwritable` for another extension, `FeatureOff` for
-    /// Parquet without its feature.
+    /// `Io` or `Output` if the file cannot be written, `Unwritable` for another extension,
+    /// `FeatureOff` for Parquet without its feature.
     pub fn write(&self, path: &Path) -> Result<(), DatasetError> {
         let mut writer = TableWriter::create(path)?;
         for row in &self.rows {
@@ -105,7 +105,7 @@ pub(crate) fn extension(path: &Path) -> Result<Kind, DatasetError> {
 }
 
 #[cfg(feature = "parquet")]
-use crate::table_parquet::read as read_parquet;
+use crate::parquet_read::read as read_parquet;
 
 #[cfg(not(feature = "parquet"))]
 fn read_parquet(_: &Path) -> Result<Table, DatasetError> {

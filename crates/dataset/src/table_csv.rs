@@ -1,31 +1,40 @@
 //! The step table as CSV: comment lines `# key: value` with its provenance, a header, the rows.
 
 use std::{
-    fs::File,
-    io::{BufRead, BufReader, BufWriter, Write},
+    collections::HashSet,
+    io::{self, BufRead, Seek, Write},
     path::{Path, PathBuf},
     sync::Arc,
 };
 
+use output::OutputFile;
+use tempfile::NamedTempFile;
+
 use crate::{
-    column::{Access, Column, columns},
+    column::{Access, Column, column_places, columns},
     error::DatasetError,
+    limits::{Limit, ReadLimits},
+    map::FileBytes,
     step::StepRow,
     table::{Provenance, Table},
-    table_writer::Temporary,
 };
 
 /// Writes rows as they come into a file of their own: the provenance, which stands above them, is
 /// known last.
 pub(crate) struct RowsFile {
-    file: Temporary,
-    writer: csv::Writer<BufWriter<File>>,
+    /// Of the table, for messages.
+    path: PathBuf,
+    writer: csv::Writer<NamedTempFile>,
 }
 
+/// Bytes of rows between two writes.
+const BUFFER: usize = 1 << 16;
+
 impl RowsFile {
-    pub(crate) fn create(path: PathBuf) -> Result<Self, DatasetError> {
-        let (file, writer) = Temporary::create(path)?;
-        let mut rows = Self { file, writer: csv::Writer::from_writer(BufWriter::new(writer)) };
+    pub(crate) fn create(output: &OutputFile) -> Result<Self, DatasetError> {
+        let mut builder = csv::WriterBuilder::new();
+        let writer = builder.buffer_capacity(BUFFER).from_writer(output.begin()?);
+        let mut rows = Self { path: output.path().into(), writer };
         rows.record(columns().iter().map(|column| column.name))?;
         Ok(rows)
     }
@@ -34,25 +43,23 @@ impl RowsFile {
         self.record(columns().iter().map(|column| cell(column, row)))
     }
 
-    /// Writes the provenance and then everything from the file of the rows.
+    /// Writes the provenance and then everything from the file of the rows into `part`.
     pub(crate) fn finish(
-        mut self,
+        self,
         provenance: &Provenance,
-        part: &Path,
-        to: File,
-    ) -> Result<(), DatasetError> {
-        self.writer.flush().map_err(|error| DatasetError::io("write", self.file.path(), error))?;
-        let rows = File::open(self.file.path());
-        let mut rows = rows.map_err(|error| DatasetError::io("read", self.file.path(), error))?;
-        let mut to = BufWriter::new(to);
-        let mut copy = || {
-            for (key, value) in &provenance.entries {
-                writeln!(to, "# {key}: {value}")?;
-            }
-            std::io::copy(&mut rows, &mut to)?;
-            to.flush()
+        mut part: NamedTempFile,
+    ) -> Result<NamedTempFile, DatasetError> {
+        let Self { path, writer } = self;
+        let copy = || -> io::Result<NamedTempFile> {
+            let mut rows = writer.into_inner().map_err(csv::IntoInnerError::into_error)?;
+            rows.rewind()?;
+            let line = |(key, value): &(String, String)| format!("# {key}: {value}\n");
+            let head: String = provenance.entries.iter().map(line).collect();
+            part.write_all(head.as_bytes())?;
+            io::copy(rows.as_file_mut(), part.as_file_mut())?;
+            Ok(part)
         };
-        copy().map_err(|error| DatasetError::io("write", part, error))
+        copy().map_err(|error| DatasetError::io("write", &path, error))
     }
 
     fn record<T: AsRef<[u8]>>(
@@ -60,34 +67,25 @@ impl RowsFile {
         cells: impl Iterator<Item = T>,
     ) -> Result<(), DatasetError> {
         let written = self.writer.write_record(cells);
-        written.map_err(|error| DatasetError::io("write", self.file.path(), error.into()))
+        written.map_err(|error| DatasetError::io("write", &self.path, error.into()))
     }
 }
 
 /// Reads a table from CSV.
 pub(crate) fn read(path: &Path) -> Result<Table, DatasetError> {
-    let file = File::open(path).map_err(|error| DatasetError::io("read", path, error))?;
-    let mut file = BufReader::new(file);
-    let (provenance, head_lines) = read_provenance(path, &mut file)?;
-    let mut reader = csv::Reader::from_reader(file);
+    let limits = ReadLimits::default();
+    let file = FileBytes::open(path, &limits)?;
+    let mut bytes = file.bytes();
+    let (provenance, head_lines) = read_provenance(path, &mut bytes)?;
+    let mut reader = csv::Reader::from_reader(bytes);
     let parse = |line: u64, what: String| DatasetError::Parse {
         path: path.into(),
         line: line + head_lines,
         what,
     };
     let header = reader.headers().map_err(|error| parse(1, error.to_string()))?.clone();
-    let places = columns()
-        .iter()
-        .map(|column| {
-            header.iter().position(|name| name == column.name).ok_or_else(|| {
-                DatasetError::ColumnMissing {
-                    path: path.into(),
-                    column: column.name.into(),
-                    found: header.iter().collect::<Vec<_>>().join(", "),
-                }
-            })
-        })
-        .collect::<Result<Vec<_>, _>>()?;
+    limits.check(path, Limit::Columns, || "columns of the table".into(), header.len() as u64)?;
+    let places = column_places(path, header.iter())?;
     let mut names = NameCache::default();
     let mut rows = Vec::new();
     for record in reader.records() {
@@ -95,10 +93,12 @@ pub(crate) fn read(path: &Path) -> Result<Table, DatasetError> {
             parse(error.position().map_or(0, csv::Position::line), error.to_string())
         })?;
         let line = record.position().map_or(0, csv::Position::line);
+        let n_rows = rows.len() as u64 + 1;
+        limits.check(path, Limit::Samples, || "rows of the table".into(), n_rows)?;
         let mut row = StepRow::default();
         for (column, &place) in columns().iter().zip(&places) {
             let text = record.get(place).unwrap_or_default();
-            fill(column, &mut row, text).map_err(|expected| {
+            column.set_text(&mut row, text).map_err(|expected| {
                 parse(line, format!("{} is `{text}`, expected {expected}", column.name))
             })?;
         }
@@ -109,14 +109,11 @@ pub(crate) fn read(path: &Path) -> Result<Table, DatasetError> {
 }
 
 /// The comment lines before the header, and their number.
-fn read_provenance(
-    path: &Path,
-    file: &mut BufReader<File>,
-) -> Result<(Provenance, u64), DatasetError> {
+fn read_provenance(path: &Path, file: &mut &[u8]) -> Result<(Provenance, u64), DatasetError> {
     let fail = |error| DatasetError::io("read", path, error);
     let mut provenance = Provenance::default();
     let mut lines = 0;
-    while file.fill_buf().map_err(fail)?.first() == Some(&b'#') {
+    while file.first() == Some(&b'#') {
         let mut line = String::new();
         file.read_line(&mut line).map_err(fail)?;
         lines += 1;
@@ -137,45 +134,17 @@ fn cell(column: &Column, row: &StepRow) -> String {
     }
 }
 
-fn fill(column: &Column, row: &mut StepRow, text: &str) -> Result<(), String> {
-    let number = || match text.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ if column.unit == "1" => Err("a finite number".to_owned()),
-        _ => Err(format!("a finite number in {}", column.unit)),
-    };
-    match &column.access {
-        Access::Text(_, set) => set(row, text)?,
-        Access::Integer(_, set) => {
-            set(row, text.parse().map_err(|_| "a whole number from 0".to_owned())?);
-        }
-        Access::Real(_, set) => set(row, number()?),
-        Access::OptionalReal(_, set) => {
-            if !text.is_empty() {
-                set(row, number()?);
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Rows of one recording share the memory of its names.
+/// Rows with the same names share the memory of them.
 #[derive(Default)]
-pub(crate) struct NameCache {
-    recording: Option<Arc<str>>,
-    session: Option<Arc<str>>,
-    shape: Option<Arc<str>>,
-}
+pub(crate) struct NameCache(HashSet<Arc<str>>);
 
 impl NameCache {
     pub(crate) fn share(&mut self, row: &mut StepRow) {
-        let same = |known: &mut Option<Arc<str>>, name: &mut Arc<str>| match known {
-            Some(known) if known == name => *name = known.clone(),
-            _ => *known = Some(name.clone()),
-        };
-        same(&mut self.recording, &mut row.recording);
-        same(&mut self.shape, &mut row.shape);
-        if let Some(session) = &mut row.session {
-            same(&mut self.session, session);
+        for name in [&mut row.recording, &mut row.shape].into_iter().chain(&mut row.session) {
+            match self.0.get(name) {
+                Some(known) => *name = known.clone(),
+                None => drop(self.0.insert(name.clone())),
+            }
         }
     }
 }
@@ -209,6 +178,7 @@ mod tests {
             push: n,
             phase: if forced { Phase::After } else { Phase::Contact },
             t: 1.7e9 + a,
+            dt: 0.2,
             dx: a,
             dtheta: b,
             pusher_end: Vector2::new(b, -a),
@@ -228,7 +198,7 @@ mod tests {
 
         #[test]
         fn files_return_every_bit(
-            a in proptest::num::f64::NORMAL,
+            a in -1e6..1e6_f64,
             b in proptest::num::f64::SUBNORMAL,
             forced: bool,
             n: u32,
@@ -265,7 +235,7 @@ mod tests {
         table(0.5, 0.25, false, 3).write(&path).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         assert!(text.starts_with("# tool: pushlab 1: test\n# source: sha256 00 a.csv\n"), "{text}");
-        assert!(!dir.path().join("table.csv.part").exists());
+        assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
     }
 
     #[test]
@@ -278,7 +248,7 @@ mod tests {
     #[test]
     fn a_wrong_value_is_named_with_its_line_and_unit() {
         let message = error(|text| text.replacen(",0.5,", ",NaN,", 1));
-        assert_eq!(message, "SET/table.csv:5: dx_m is `NaN`, expected a finite number in m");
+        assert_eq!(message, "SET/table.csv:5: dx_m is `NaN`, expected -1e12 to 1e12 m");
         let message = error(|text| text.replace("after", "later"));
         assert_eq!(message, "SET/table.csv:5: phase is `later`, expected contact or after");
         let message = error(|text| text.replace("vertex|", "vortex|"));

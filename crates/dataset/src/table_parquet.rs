@@ -13,19 +13,17 @@ use parquet::{
     file::{
         metadata::KeyValue,
         properties::WriterProperties,
-        reader::{FileReader, SerializedFileReader},
         writer::{SerializedFileWriter, SerializedRowGroupWriter},
     },
-    record::{Field, Row},
     schema::types::Type,
 };
+use tempfile::NamedTempFile;
 
 use crate::{
     column::{Access, Column, columns},
     error::DatasetError,
     step::StepRow,
-    table::{Provenance, Table},
-    table_csv::NameCache,
+    table::Provenance,
 };
 
 /// Rows that share a row group: as many are in memory while writing.
@@ -33,15 +31,19 @@ const GROUP: usize = 65_536;
 
 /// Writes row groups as they fill; the provenance goes to the end of the file.
 pub(crate) struct GroupWriter {
+    /// Of the table, for messages.
     path: PathBuf,
+    part: NamedTempFile,
     writer: SerializedFileWriter<File>,
     rows: Vec<StepRow>,
 }
 
 impl GroupWriter {
-    pub(crate) fn create(path: &Path, file: File) -> Result<Self, DatasetError> {
+    pub(crate) fn create(path: &Path, part: NamedTempFile) -> Result<Self, DatasetError> {
+        let file = part.as_file().try_clone();
+        let file = file.map_err(|error| DatasetError::io("write", path, error))?;
         let writer = file_writer(file).map_err(|error| unusable(path, error))?;
-        Ok(Self { path: path.into(), writer, rows: Vec::new() })
+        Ok(Self { path: path.into(), part, writer, rows: Vec::new() })
     }
 
     pub(crate) fn write(&mut self, row: StepRow) -> Result<(), DatasetError> {
@@ -49,7 +51,7 @@ impl GroupWriter {
         if self.rows.len() == GROUP { self.write_group() } else { Ok(()) }
     }
 
-    pub(crate) fn finish(mut self, provenance: &Provenance) -> Result<(), DatasetError> {
+    pub(crate) fn finish(mut self, provenance: &Provenance) -> Result<NamedTempFile, DatasetError> {
         if !self.rows.is_empty() {
             self.write_group()?;
         }
@@ -57,7 +59,7 @@ impl GroupWriter {
             self.writer.append_key_value_metadata(KeyValue::new(key.clone(), value.clone()));
         }
         self.writer.close().map_err(|error| unusable(&self.path, error))?;
-        Ok(())
+        Ok(self.part)
     }
 
     fn write_group(&mut self) -> Result<(), DatasetError> {
@@ -72,35 +74,6 @@ impl GroupWriter {
         self.rows.clear();
         Ok(())
     }
-}
-
-/// Reads a table from a Parquet file.
-pub(crate) fn read(path: &Path) -> Result<Table, DatasetError> {
-    let file = File::open(path).map_err(|error| DatasetError::io("read", path, error))?;
-    let reader = SerializedFileReader::new(file).map_err(|error| unusable(path, error))?;
-    let metadata = reader.metadata().file_metadata();
-    let found: Vec<_> =
-        metadata.schema().get_fields().iter().map(|f| f.name().to_owned()).collect();
-    if let Some(column) = columns().iter().find(|c| !found.iter().any(|name| name == c.name)) {
-        let (column, found) = (column.name.to_owned(), found.join(", "));
-        return Err(DatasetError::ColumnMissing { path: path.into(), column, found });
-    }
-    let mut provenance = Provenance::default();
-    for pair in metadata.key_value_metadata().into_iter().flatten() {
-        provenance.push(&pair.key, pair.value.as_deref().unwrap_or_default());
-    }
-    let mut names = NameCache::default();
-    let mut rows = Vec::new();
-    for row in reader.get_row_iter(None).map_err(|error| unusable(path, error))? {
-        let row = row.map_err(|error| unusable(path, error))?;
-        let mut step = step_of(&row).map_err(|what| DatasetError::Parquet {
-            path: path.into(),
-            what: format!("row {}: {what}", rows.len() + 1),
-        })?;
-        names.share(&mut step);
-        rows.push(step);
-    }
-    Ok(Table { rows, provenance })
 }
 
 fn unusable(path: &Path, error: impl ToString) -> DatasetError {
@@ -163,35 +136,13 @@ fn write_column(
     writer.close()
 }
 
-/// One row by the names of its columns; further columns are passed over.
-fn step_of(row: &Row) -> Result<StepRow, String> {
-    let mut step = StepRow::default();
-    for (name, field) in row.get_column_iter() {
-        let Some(column) = columns().iter().find(|column| column.name == name) else { continue };
-        let refused = |expected: &str| format!("{name} is {field}, expected {expected}");
-        match (&column.access, field) {
-            (Access::Text(_, set), Field::Str(text)) => {
-                set(&mut step, text).map_err(|e| refused(&e))?
-            }
-            (Access::Text(..) | Access::OptionalReal(..), Field::Null) => {}
-            (Access::Integer(_, set), Field::UInt(value)) => set(&mut step, *value),
-            (Access::Real(_, set) | Access::OptionalReal(_, set), Field::Double(value))
-                if value.is_finite() =>
-            {
-                set(&mut step, *value);
-            }
-            _ => return Err(refused("a finite value of the column's type")),
-        }
-    }
-    Ok(step)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Provenance, StepRow, Table};
+    use super::{Provenance, StepRow};
     use crate::{
         error::DatasetError,
         step::{ContactForce, StepForce},
+        table::Table,
     };
 
     fn table() -> Table {

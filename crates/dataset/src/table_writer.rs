@@ -1,9 +1,8 @@
 //! A step table written row by row, whole or not there at its end.
 
-use std::{
-    fs::{self, File},
-    path::{Path, PathBuf},
-};
+use std::path::Path;
+
+use output::{Existing, OutputFile};
 
 use crate::{
     error::DatasetError,
@@ -17,37 +16,38 @@ use crate::{
 /// Everything is under temporary names beside the table until [`Self::finish`]; a writer that is
 /// dropped before removes them.
 pub struct TableWriter {
-    path: PathBuf,
-    part: Temporary,
+    output: OutputFile,
     rows: Rows,
 }
 
 enum Rows {
-    Csv {
-        rows: Box<RowsFile>,
-        part: File,
-    },
+    Csv(Box<RowsFile>),
     #[cfg(feature = "parquet")]
     Parquet(Box<crate::table_parquet::GroupWriter>),
 }
 
 impl TableWriter {
-    /// Begins a table as CSV (`.csv`) or Parquet (`.parquet`, feature `parquet`).
+    /// Begins a table as CSV (`.csv`) or Parquet (`.parquet`, feature `parquet`), in place of one
+    /// that is there.
     ///
     /// # Errors
-    /// `Io` if a file cannot be written beside it, `Unwritable` for another extension, `FeatureOff`
-    /// for Parquet without its feature.
+    /// `Output` if nothing can be written there, and as [`Self::begin`].
     pub fn create(path: &Path) -> Result<Self, DatasetError> {
-        let kind = extension(path)?;
-        let (part, file) = Temporary::create(path.with_added_extension("part"))?;
-        let rows = match kind {
-            Kind::Csv => {
-                let rows = Box::new(RowsFile::create(path.with_added_extension("rows"))?);
-                Rows::Csv { rows, part: file }
-            }
-            Kind::Parquet => parquet_rows(part.path(), file)?,
+        extension(path)?;
+        Self::begin(OutputFile::new(path, Existing::Replace)?)
+    }
+
+    /// Begins a table whose place is taken.
+    ///
+    /// # Errors
+    /// `Output` if nothing can be written there, `Unwritable` for another extension than `.csv` and
+    /// `.parquet`, `FeatureOff` for Parquet without its feature.
+    pub fn begin(output: OutputFile) -> Result<Self, DatasetError> {
+        let rows = match extension(output.path())? {
+            Kind::Csv => Rows::Csv(Box::new(RowsFile::create(&output)?)),
+            Kind::Parquet => parquet_rows(&output)?,
         };
-        Ok(Self { path: path.into(), part, rows })
+        Ok(Self { output, rows })
     }
 
     /// Appends a row.
@@ -56,7 +56,7 @@ impl TableWriter {
     /// `Io` or `Parquet` if the file cannot be written.
     pub fn write(&mut self, row: &StepRow) -> Result<(), DatasetError> {
         match &mut self.rows {
-            Rows::Csv { rows, .. } => rows.write(row),
+            Rows::Csv(rows) => rows.write(row),
             #[cfg(feature = "parquet")]
             Rows::Parquet(groups) => groups.write(row.clone()),
         }
@@ -65,58 +65,26 @@ impl TableWriter {
     /// Adds the provenance and gives the table its name.
     ///
     /// # Errors
-    /// `Io` or `Parquet` if the file cannot be written.
+    /// `Io`, `Output` or `Parquet` if the file cannot be written.
     pub fn finish(self, provenance: &Provenance) -> Result<(), DatasetError> {
-        match self.rows {
-            Rows::Csv { rows, part } => rows.finish(provenance, self.part.path(), part)?,
+        let part = match self.rows {
+            Rows::Csv(rows) => rows.finish(provenance, self.output.begin()?)?,
             #[cfg(feature = "parquet")]
             Rows::Parquet(groups) => groups.finish(provenance)?,
-        }
-        self.part.persist(&self.path)
+        };
+        Ok(self.output.finish(part)?)
     }
 }
 
 #[cfg(feature = "parquet")]
-fn parquet_rows(part: &Path, file: File) -> Result<Rows, DatasetError> {
-    let groups = crate::table_parquet::GroupWriter::create(part, file)?;
+fn parquet_rows(output: &OutputFile) -> Result<Rows, DatasetError> {
+    let groups = crate::table_parquet::GroupWriter::create(output.path(), output.begin()?)?;
     Ok(Rows::Parquet(Box::new(groups)))
 }
 
 #[cfg(not(feature = "parquet"))]
-fn parquet_rows(_: &Path, _: File) -> Result<Rows, DatasetError> {
+fn parquet_rows(_: &OutputFile) -> Result<Rows, DatasetError> {
     Err(DatasetError::FeatureOff { what: "writing Parquet", feature: "parquet" })
-}
-
-/// A file that is removed unless it is renamed.
-pub(crate) struct Temporary {
-    path: PathBuf,
-    is_kept: bool,
-}
-
-impl Temporary {
-    pub(crate) fn create(path: PathBuf) -> Result<(Self, File), DatasetError> {
-        let file = File::create(&path).map_err(|error| DatasetError::io("write", &path, error))?;
-        Ok((Self { path, is_kept: false }, file))
-    }
-
-    pub(crate) fn path(&self) -> &Path {
-        &self.path
-    }
-
-    fn persist(mut self, name: &Path) -> Result<(), DatasetError> {
-        fs::rename(&self.path, name).map_err(|error| DatasetError::io("write", name, error))?;
-        self.is_kept = true;
-        Ok(())
-    }
-}
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        if !self.is_kept {
-            // Nobody is left to hear that it was not there.
-            let _ = fs::remove_file(&self.path);
-        }
-    }
 }
 
 #[cfg(test)]

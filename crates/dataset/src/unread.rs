@@ -7,6 +7,7 @@ use std::{
 
 use crate::{
     format::{LogFormat, all_formats},
+    limits::ReadLimits,
     recording_name::recording_name,
     remark::{Remark, RemarkKind},
 };
@@ -51,7 +52,7 @@ fn recordings(format: &dyn LogFormat, dir: &Path) -> Option<Vec<PathBuf>> {
     let mut found = format.find(dir).ok()?;
     // Of the endings only this one is of other documents as well, such as those of this tool.
     if format.endings().contains(&"json") {
-        found.retain(|path| format.inspect(path).is_ok());
+        found.retain(|path| format.inspect(path, &ReadLimits::default()).is_ok());
     }
     (!found.is_empty()).then_some(found)
 }

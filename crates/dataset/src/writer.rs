@@ -30,7 +30,7 @@ pub trait RecordingWriter: Sync {
     ///
     /// # Errors
     /// `Unwritable` if a stream has a value that is not finite or columns of different lengths,
-    /// `Io` if the file system refuses.
+    /// `Io` or `Output` if the file system refuses.
     fn write(&self, recording: &Recording, dir: &Path) -> Result<PathBuf, DatasetError>;
 }
 
@@ -50,15 +50,6 @@ pub fn all_writers() -> &'static [&'static dyn RecordingWriter] {
         #[cfg(feature = "bag")]
         &BagWriter,
     ]
-}
-
-/// Writes a file under a temporary name first, so that a killed run leaves no half file.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), DatasetError> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let temporary = path.with_file_name(format!(".{name}.part"));
-    fs::write(&temporary, bytes)
-        .and_then(|()| fs::rename(&temporary, path))
-        .map_err(|error| DatasetError::io("write", path, error))
 }
 
 /// Creates a folder with its parents.

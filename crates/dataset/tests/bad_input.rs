@@ -8,8 +8,8 @@ mod made;
 use std::{fs, path::Path};
 
 use dataset::{
-    DatasetError, IngestSettings, RecordingSet, RemarkKind, RepairKind, SetAside, StreamRole,
-    Table, ingest,
+    DatasetError, IngestSettings, ReadLimits, RecordingSet, RemarkKind, RepairKind, SetAside,
+    StreamRole, Streams, Table, ingest,
 };
 use made::{Made, manifest, write_set};
 
@@ -123,7 +123,7 @@ fn quaternions_far_from_unit_are_set_aside_and_counted() {
     }
     writer.finish().unwrap();
     let format = dataset::format_by_id("mcap").unwrap();
-    let recording = format.read(&path, &dataset::Streams::default()).unwrap();
+    let recording = format.read(&path, &Streams::default(), &ReadLimits::default()).unwrap();
     let remarks = recording.remarks.iter();
     let remark = remarks
         .clone()

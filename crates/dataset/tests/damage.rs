@@ -9,7 +9,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use dataset::{IngestSettings, RecordingSet, all_writers, format_by_id, ingest};
+use dataset::{IngestSettings, ReadLimits, RecordingSet, all_writers, format_by_id, ingest};
 use made::{Made, write_set};
 
 /// Damaged copies of each format.
@@ -64,7 +64,8 @@ fn damaged_files_never_panic_and_always_say_why() {
                     assert!(message.contains("1 recordings"), "{}: {message}", writer.id());
                 }
             }
-            let _ = format_by_id(writer.format()).unwrap().inspect(&set.recordings()[0]);
+            let format = format_by_id(writer.format()).unwrap();
+            let _ = format.inspect(&set.recordings()[0], &ReadLimits::default());
         }
         assert!(n_refused > 0, "{}: {n_used} used", writer.id());
         fs::write(&path, &whole).unwrap();

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use dataset::{Manifest, Quantity, all_formats};
+use dataset::{Limit, Manifest, Quantity, ReadLimits, all_formats};
 
 const REFERENCE: &str = include_str!("../../../docs/dataset-toml.md");
 
@@ -16,7 +16,7 @@ fn examples() -> Vec<&'static str> {
 #[test]
 fn the_examples_are_read() {
     let examples = examples();
-    assert_eq!(examples.len(), 3);
+    assert_eq!(examples.len(), 4);
     for example in examples {
         Manifest::parse(example, Path::new("docs/dataset-toml.md")).unwrap();
     }
@@ -45,12 +45,16 @@ fn base(without: &str) -> String {
 
 #[test]
 fn every_key_is_documented() {
-    for table in ["object", "pusher", "support", "recordings", "streams.wrench"] {
+    for table in ["object", "pusher", "support", "recordings", "streams.wrench", "limits"] {
         let keys = known_keys(table);
         assert!(keys.len() >= 2, "{table}: {keys:?}");
         for key in keys {
             assert!(REFERENCE.contains(&format!("`{key}`")), "[{table}] {key}");
         }
+    }
+    for limit in Limit::ALL {
+        let row = format!("| `{}` | {} |", limit.key(), ReadLimits::default().of(limit));
+        assert!(REFERENCE.contains(&row), "{row}");
     }
     for format in all_formats() {
         assert!(REFERENCE.contains(&format!("`{}`", format.id())), "{}", format.id());

@@ -3,7 +3,7 @@
 #[path = "../examples/own_log_format.rs"]
 mod own_log_format;
 
-use dataset::{DatasetError, LogFormat, RecordingSet, StreamRole, Streams};
+use dataset::{DatasetError, Limit, LogFormat, ReadLimits, RecordingSet, StreamRole, Streams};
 use own_log_format::TextLog;
 
 const PAGE: &str = include_str!("../../../docs/write-your-own-log-format.md");
@@ -29,13 +29,17 @@ fn a_wrong_line_is_named_and_a_recording_tells_what_it_has() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.log");
     std::fs::write(&path, "tip 1 2 3\ntip 2 2 3\nobject 1 2 3 4\n").unwrap();
-    let seen = TextLog.inspect(&path).unwrap();
+    let limits = ReadLimits::default();
+    let seen = TextLog.inspect(&path, &limits).unwrap();
     let streams: Vec<_> = seen.streams.iter().map(|s| (s.count, s.rate_hz, s.fits[0])).collect();
     assert_eq!(streams[..2], [(2, Some(1.0), StreamRole::Robot), (1, None, StreamRole::Object),]);
-    assert_eq!(TextLog.read(&path, &Streams::default()).unwrap().sha256.len(), 64);
+    assert_eq!(TextLog.read(&path, &Streams::default(), &limits).unwrap().sha256.len(), 64);
     std::fs::write(&path, "tip 1 2 3\ntip 1 2\n").unwrap();
-    let error = TextLog.read(&path, &Streams::default()).unwrap_err();
+    let error = TextLog.read(&path, &Streams::default(), &limits).unwrap_err();
     assert!(error.to_string().ends_with("a.log:2: tip 1 2"), "{error}");
+    let limits = limits.with(Limit::Samples, 1);
+    let error = TextLog.read(&path, &Streams::default(), &limits).unwrap_err();
+    assert!(matches!(error, DatasetError::OverLimit { needed: 2, limit: 1, .. }), "{error}");
 }
 
 #[test]

@@ -242,6 +242,43 @@ fn noise(seed: u64, sd: f64) -> f64 {
     sd * 3f64.sqrt() * (2.0 * uniform - 1.0)
 }
 
+/// A pusher that rests at the upper left vertex of the square and then slides past it.
+fn at_the_vertex(direction: f64) -> Recording {
+    let made = Made::default().recording("vertex");
+    let away = Vector2::new(-40.0_f64.to_radians().cos(), 40.0_f64.to_radians().sin());
+    let touch = Vector2::new(-HALF_SIDE, HALF_SIDE) + made::RADIUS * away;
+    let along = Vector2::new(direction.cos(), direction.sin());
+    let mut recording = Recording { wrench: None, ..made };
+    let (robot, object) = (&mut recording.robot, &mut recording.object);
+    for (i, t) in robot.t.iter().enumerate() {
+        let place = touch + 0.02 * (t - 0.5).max(0.0) * along;
+        (robot.x[i], robot.y[i]) = (place.x, place.y);
+    }
+    for (i, t) in object.t.iter().enumerate() {
+        // It is drawn along for a moment.
+        let x = 0.01 * (t - 0.5).clamp(0.0, 0.2);
+        (object.x[i], object.y[i], object.theta[i]) = (x, 0.0, 0.0);
+    }
+    recording
+}
+
+#[test]
+fn a_pusher_that_leaves_a_vertex_moves_away_whatever_the_edge_that_it_faces() {
+    let settings = IngestSettings { step: StepLength::Time(0.05), ..IngestSettings::default() };
+    let first = |direction: f64| {
+        let (table, _) = run_set(&[at_the_vertex(direction)], &settings);
+        let row = table.rows.iter().find(|row| !row.flags.contains(Flags::PUSHER_AT_REST)).unwrap();
+        assert!(row.flags.contains(Flags::VERTEX), "{}", row.flags);
+        (row.beta, row.flags.contains(Flags::MOVING_AWAY))
+    };
+    // Against the vertex it moves at 120°, against the edge's normal at 80°.
+    let (beta, moves_away) = first(80.0_f64.to_radians());
+    assert!((0.0..1.5).contains(&beta) && moves_away, "{beta} {moves_away}");
+    // Into the vertex at 80°, and as far from the edge's normal as before.
+    let (_, moves_away) = first(40.0_f64.to_radians());
+    assert!(!moves_away);
+}
+
 #[test]
 fn stated_uncertainties_are_those_of_the_steps_and_smoothing_lowers_them() {
     // Each push touches and stops elsewhere between the samples.

@@ -20,7 +20,7 @@ pub struct ChannelChange {
     pub after: f64,
     /// Mean change of the squared error of a step, second less first: negative is better.
     pub square_change: f64,
-    /// Its standard error, from the differences of whole pushes.
+    /// Its standard error, from the differences of whole clusters.
     pub square_change_se: f64,
     /// Share of the pushes whose error falls.
     pub better_share: f64,

@@ -1,6 +1,74 @@
-//! Means over steps whose errors are shared within a cluster: a push or a session.
+//! What shares errors, a push or a session, and means over steps that know it.
 
+use std::collections::HashMap;
+use std::hash::Hash;
+
+use models::{ChannelObservation, Cluster};
+
+use crate::Observations;
 use crate::quantile::student_975;
+
+/// Sessions of which a quarter says something.
+const FEWEST_SESSIONS: usize = 12;
+
+/// What shares errors, and its index for each step of a whole set.
+pub(crate) fn clusters(steps: &[ChannelObservation], push_of: &[usize]) -> (Cluster, Vec<usize>) {
+    let mut session_of = HashMap::new();
+    for (step, push) in steps.iter().zip(push_of) {
+        // A push that a table spreads over sessions is of the one that it begins in.
+        session_of.entry(*push).or_insert(step.input.session);
+    }
+    let sessions = numbered(push_of.iter().map(|push| session_of[push]));
+    match sessions.iter().max().map_or(0, |last| last + 1) {
+        FEWEST_SESSIONS.. => (Cluster::Session, sessions),
+        _ => (Cluster::Push, push_of.to_vec()),
+    }
+}
+
+/// Each label's number, counted from 0 in the order in which labels come.
+pub(crate) fn numbered<T: Eq + Hash>(labels: impl Iterator<Item = T>) -> Vec<usize> {
+    let mut numbers = HashMap::new();
+    let number = |label: T| {
+        let next = numbers.len();
+        *numbers.entry(label).or_insert(next)
+    };
+    labels.map(number).collect()
+}
+
+impl Observations {
+    /// How many clusters there are.
+    pub(crate) fn n_clusters(&self) -> usize {
+        self.cluster_of.iter().max().map_or(0, |last| last + 1)
+    }
+
+    /// The cluster of each push.
+    pub(crate) fn clusters_of_pushes(&self) -> Vec<usize> {
+        let mut clusters = vec![0; self.pushes.len()];
+        for (push, cluster) in self.push_of.iter().zip(&self.cluster_of) {
+            clusters[*push] = *cluster;
+        }
+        clusters
+    }
+
+    /// The pushes of each cluster.
+    pub(crate) fn pushes_of_clusters(&self) -> Vec<Vec<usize>> {
+        let mut pushes = vec![Vec::new(); self.n_clusters()];
+        for (push, cluster) in self.clusters_of_pushes().into_iter().enumerate() {
+            pushes[cluster].push(push);
+        }
+        pushes
+    }
+
+    /// A cluster in words: a push by its name, a session by its first push.
+    pub(crate) fn name_of_cluster(&self, cluster: usize) -> String {
+        let pushes = &self.pushes_of_clusters()[cluster];
+        let first = &self.pushes[pushes[0]];
+        match self.cluster {
+            Cluster::Push => format!("push {first}"),
+            Cluster::Session => format!("the session of push {first}"),
+        }
+    }
+}
 
 /// A mean over steps, with a standard error from the sums of whole clusters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +106,51 @@ impl ClusterMean {
 
 #[cfg(test)]
 mod tests {
-    use super::ClusterMean;
+    use super::{ClusterMean, clusters};
+    use crate::split;
+    use crate::synthetic::{made, recorded};
+    use models::Cluster;
+
+    #[test]
+    fn parts_keep_the_clusters_of_their_whole() {
+        let (all, _) = recorded(15);
+        let parts = split(&all, 7).unwrap();
+        let [fit, confirm] = [&parts.fit, &parts.confirm].map(|names| all.part(names).unwrap());
+        let half = fit.part(&parts.fit[..20]).unwrap();
+        for (part, n) in [(&all, 15), (&fit, 11), (&confirm, 4)] {
+            assert_eq!((part.cluster, part.n_clusters()), (Cluster::Session, n));
+        }
+        assert_eq!(half.cluster, Cluster::Session);
+        for part in [&all, &fit, &confirm, &half] {
+            for (step, cluster) in part.steps.iter().zip(&part.cluster_of) {
+                for (other, other_cluster) in part.steps.iter().zip(&part.cluster_of) {
+                    let is_same = step.input.session == other.input.session;
+                    assert_eq!(is_same, cluster == other_cluster);
+                }
+            }
+            let mut pushes: Vec<usize> = part.pushes_of_clusters().concat();
+            pushes.sort_unstable();
+            assert!(pushes.into_iter().eq(0..part.pushes.len()));
+        }
+        let few = recorded(11).0;
+        assert_eq!((few.cluster, few.n_clusters()), (Cluster::Push, few.pushes.len()));
+    }
+
+    #[test]
+    fn a_push_that_goes_on_into_another_session_is_of_one_cluster() {
+        let (mut all, ..) = made(0, |_| 0.0);
+        for (index, step) in all.steps.iter_mut().enumerate() {
+            // Twenty sessions, each of which begins within a push.
+            step.input.session = ((index + 2) / 240) as u32;
+        }
+        let (cluster, of_step) = clusters(&all.steps, &all.push_of);
+        assert_eq!(cluster, Cluster::Session);
+        for (one, other) in (0..all.steps.len()).zip(1..all.steps.len()) {
+            if all.push_of[one] == all.push_of[other] {
+                assert_eq!(of_step[one], of_step[other], "{one}");
+            }
+        }
+    }
 
     #[test]
     fn steps_that_repeat_their_push_add_nothing() {

@@ -7,6 +7,7 @@ mod far_off;
 mod findings;
 mod leftover;
 mod members;
+mod read;
 mod rivals;
 mod rules;
 mod scatter;
@@ -17,8 +18,8 @@ use effects::Effect;
 use models::{Description, Split};
 
 pub use self::answer::{
-    DataUsed, Diagnosis, EffectFinding, ErrorFall, Gain, Leftover, MadeBy, MadeFrom, MotionError,
-    NoiseOrigin, ParameterFinding, Status, Verdict,
+    Clusters, DataUsed, Diagnosis, EffectFinding, ErrorFall, Gain, Leftover, MadeBy, MadeFrom,
+    MotionError, NoiseOrigin, ParameterFinding, Status, Verdict,
 };
 
 use self::findings::findings;
@@ -132,6 +133,9 @@ pub fn diagnose(
             pushes_fitted: fitted.pushes().len(),
             pushes_confirming: aside.pushes().len(),
             steps: observations.n_steps() + second.map_or(0, Observations::n_steps),
+            clusters_fitted: Some(Clusters::of(fitted)),
+            clusters_confirming: Some(Clusters::of(aside)),
+            clusters_missing: Some(found.first_screen.calibration.clusters_missing),
         },
         split: parts,
         suspicions: Vec::new(),

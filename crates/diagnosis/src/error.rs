@@ -1,5 +1,7 @@
 //! What can go wrong in a comparison.
 
+use std::path::PathBuf;
+
 use crate::Undetermined;
 
 /// Why observations and a model could not be compared.
@@ -43,6 +45,15 @@ pub enum DiagnosisError {
     /// Nothing that was measured, nor a prior, depends on a number that is to be fitted.
     #[error("nothing depends on one of the numbers to be fitted; free fewer")]
     Flat,
+    /// One cluster alone determines a number that is to be fitted: its error cannot be told.
+    #[error(
+        "one of the numbers to be fitted rests on {cluster} alone, so nothing tells how wrong it is; \
+         record others that show it, or free fewer"
+    )]
+    OneCluster {
+        /// The push, or the session, in words.
+        cluster: String,
+    },
     /// The data do not determine an effect.
     #[error("{effect} cannot be determined: {why}")]
     Undetermined {
@@ -103,7 +114,26 @@ pub enum DiagnosisError {
         /// Twice the gain in log likelihood that a further step would expect.
         decrement: f64,
     },
+    /// A file cannot be read.
+    #[error(transparent)]
+    Dataset(Box<dataset::DatasetError>),
+    /// A file is no diagnosis that this release reads.
+    #[error("{}{place}: {what}", path.display())]
+    NoDiagnosis {
+        /// The file.
+        path: PathBuf,
+        /// `:line:column`, where there is one.
+        place: String,
+        /// What is wrong, and what to do.
+        what: String,
+    },
     /// The table or the model was refused.
     #[error(transparent)]
     Model(#[from] models::ModelError),
+}
+
+impl From<dataset::DatasetError> for DiagnosisError {
+    fn from(error: dataset::DatasetError) -> Self {
+        Self::Dataset(Box::new(error))
+    }
 }

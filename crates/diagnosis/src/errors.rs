@@ -19,11 +19,11 @@ pub struct ChannelError {
     pub n_steps: usize,
     /// Root mean square of observed less predicted.
     pub rms: f64,
-    /// Standard error of `rms`, from whole pushes.
+    /// Standard error of `rms`, from whole clusters.
     pub rms_se: f64,
     /// Mean of observed less predicted.
     pub bias: f64,
-    /// Standard error of `bias`, from whole pushes.
+    /// Standard error of `bias`, from whole clusters.
     pub bias_se: f64,
     /// Mean square over the variance of what was observed: 1 for a model that predicts its mean;
     /// none where it does not vary.

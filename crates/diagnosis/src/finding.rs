@@ -27,7 +27,7 @@ pub struct Finding {
     pub n_pushes: usize,
     /// Mean of observed less predicted, beyond what earlier findings of the number say.
     pub mean: f64,
-    /// Lower end of its 95 % interval, from whole pushes, as if the region had been chosen before.
+    /// Lower end of its 95 % interval, from whole clusters, as if the region had been chosen before.
     pub low95: f64,
     /// Upper end of its 95 % interval.
     pub high95: f64,

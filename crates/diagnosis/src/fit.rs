@@ -3,6 +3,7 @@
 mod descent;
 mod estimates;
 mod interval;
+mod left_out;
 mod member;
 mod problem;
 mod refit;
@@ -150,13 +151,14 @@ const SIGNIFICANT: f64 = 0.01;
 ///
 /// Minimises the squares of whitened residuals and of priors by Levenberg and Marquardt's method,
 /// with slopes by secants. Numbers and pushes beyond three standard deviations lose weight.
-/// Standard errors are a jackknife over clusters, and know that models of rigs are true within 1 %.
+/// Standard errors are a jackknife over clusters, and know that models of rigs are true within 1 % of
+/// a size.
 /// The result does not depend on the order of effects and, beyond rounding, of pushes, nor on the
 /// number of threads.
 ///
 /// # Errors
 /// `Model` for what the model refuses; `NotConverged`; `Flat` for numbers that change nothing and
-/// have no prior.
+/// have no prior; `OneCluster` for those that one push or session alone determines.
 pub fn fit(
     observations: &Observations,
     model: &Description,

@@ -10,7 +10,7 @@ pub(crate) struct Growth {
 /// A deviation of a step from what it repeats.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Deviation {
-    pub(crate) push: usize,
+    pub(crate) cluster: usize,
     /// Of the pusher over the step, in m.
     pub(crate) way: f64,
     /// Without the bias of the mean that it is from.
@@ -21,7 +21,7 @@ pub(crate) struct Deviation {
 const LEAST_SPREAD: f64 = 1.5;
 /// Growth of the variance over the ways that is worth a parameter.
 const LEAST_GROWTH: f64 = 2.0;
-/// Standard errors, from whole pushes, between the growth and none.
+/// Standard errors, from whole clusters, between the growth and none.
 const FEWEST_SE: f64 = 2.0;
 
 impl Growth {
@@ -75,19 +75,21 @@ impl Growth {
         })
     }
 
-    /// Standard error of the growth, from the scores of whole pushes.
+    /// Standard error of the growth, from the scores of whole clusters.
     fn se(&self, deviations: &[Deviation]) -> f64 {
-        let n_pushes = deviations.iter().map(|deviation| deviation.push + 1).max().unwrap_or(0);
+        let clusters = deviations.iter().map(|deviation| deviation.cluster + 1);
+        let n_clusters = clusters.max().unwrap_or(0);
         let [mut w, mut x, mut xx] = [0.0; 3];
         for deviation in deviations {
             let (weight, square) = (self.variance(deviation.way).powi(-2), deviation.way.powi(2));
             (w, x, xx) = (w + weight, x + weight * square, xx + weight * square * square);
         }
-        let mut scores = vec![0.0; n_pushes];
+        let mut scores = vec![0.0; n_clusters];
         for deviation in deviations {
             let variance = self.variance(deviation.way);
             let centered = deviation.way.powi(2) - x / w;
-            scores[deviation.push] += centered * (deviation.square - variance) / variance.powi(2);
+            scores[deviation.cluster] +=
+                centered * (deviation.square - variance) / variance.powi(2);
         }
         let information = xx - x * x / w;
         scores.iter().map(|score| score * score).sum::<f64>().sqrt() / information
@@ -103,7 +105,11 @@ mod tests {
         let quantiles = [0.01, 0.1, 0.3, 0.7, 1.3, 3.59];
         let one = |k: usize| {
             let way = [0.004, 0.01, 0.02, 0.04, 0.08][k % 5];
-            Deviation { push: k / 5, way, square: variance(way) * quantiles[(k / 5 + k % 5) % 6] }
+            Deviation {
+                cluster: k / 5,
+                way,
+                square: variance(way) * quantiles[(k / 5 + k % 5) % 6],
+            }
         };
         (0..300).map(one).collect()
     }

@@ -62,8 +62,9 @@ pub use condition::Condition;
 pub use covariate::Covariate;
 pub use coverage::Coverage;
 pub use diagnose::{
-    DataUsed, DiagnoseSettings, Diagnosed, Diagnosis, EffectFinding, ErrorFall, Gain, Leftover,
-    MadeBy, MadeFrom, MotionError, NoiseOrigin, ParameterFinding, Status, Verdict, diagnose,
+    Clusters, DataUsed, DiagnoseSettings, Diagnosed, Diagnosis, EffectFinding, ErrorFall, Gain,
+    Leftover, MadeBy, MadeFrom, MotionError, NoiseOrigin, ParameterFinding, Status, Verdict,
+    diagnose,
 };
 pub use error::DiagnosisError;
 pub use errors::ChannelError;

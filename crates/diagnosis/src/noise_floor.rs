@@ -1,6 +1,6 @@
 //! How wrong a model may be at best.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use planar::wrap_angle;
 use serde::Serialize;
@@ -83,7 +83,7 @@ pub(crate) const FEWEST_REPEATS: usize = 4;
 ///
 /// What the model misses is common to repeats of a push and cancels; what their starts differ by it
 /// predicts. The variance within the cells of repeats is that of a push's own friction, pressure
-/// and noise. The interval takes each push's share of the scatter as one number.
+/// and noise. The interval takes each cluster's share of the scatter as one number.
 ///
 /// # Errors
 /// `OtherSteps` if the predictions are of other observations.
@@ -134,33 +134,44 @@ fn of_repeats(
         freedom += group.len() - 1;
         let unbiased = group.len() as f64 / (group.len() - 1) as f64;
         for ((_, _), step, value) in group {
-            let (push, square) = (observations.push_of[*step], (value - mean).powi(2));
-            sums[push] += square;
-            let way = observations.way(*step);
-            deviations.push(Deviation { push, way, square: unbiased * square });
+            let square = (value - mean).powi(2);
+            sums[observations.push_of[*step]] += square;
+            let (cluster, way) = (observations.cluster_of[*step], observations.way(*step));
+            deviations.push(Deviation { cluster, way, square: unbiased * square });
         }
     }
     let used = (0..sums.len()).filter(|push| sums[*push] > 0.0).map(|push| cells[push]);
     let n_cells = used.collect::<BTreeSet<_>>().len();
-    let floor = floor(&sums, freedom as f64, n_cells)?;
+    let floor = floor(&sums, &observations.clusters_of_pushes(), freedom as f64, n_cells)?;
     Some(match Growth::of(&deviations) {
         Some(growth) => floor.growing(growth, observations),
         None => floor,
     })
 }
 
-/// The floor of squares summed a push, with `freedom` degrees in all.
+/// The floor of squares summed a push, with the cluster of each push and `freedom` degrees in all.
 ///
-/// The effective number of degrees follows from the scatter of the sums (Satterthwaite), and is at
-/// least that of pushes whose steps are all alike.
-fn floor(sums: &[f64], freedom: f64, n_cells: usize) -> Option<Floor> {
-    let sums: Vec<f64> = sums.iter().copied().filter(|sum| *sum > 0.0).collect();
-    let (n, total) = (sums.len() as f64, sums.iter().sum::<f64>());
-    if sums.len() <= n_cells || sums.len() < 2 {
+/// The effective number of degrees follows from the scatter of the clusters' sums (Satterthwaite). It
+/// is at least that of pushes whose steps are all alike, or 1 where clusters hold several pushes.
+fn floor(sums: &[f64], cluster_of: &[usize], freedom: f64, n_cells: usize) -> Option<Floor> {
+    let mut of_clusters: BTreeMap<usize, f64> = BTreeMap::new();
+    let mut n_pushes = 0;
+    for (sum, cluster) in sums.iter().zip(cluster_of).filter(|(sum, _)| **sum > 0.0) {
+        *of_clusters.entry(*cluster).or_default() += sum;
+        n_pushes += 1;
+    }
+    if n_pushes <= n_cells || n_pushes < 2 {
         return None;
     }
-    let scatter = sums.iter().map(|sum| (sum - total / n).powi(2)).sum::<f64>() * n / (n - 1.0);
-    let least = n - n_cells as f64;
+    let (n, total) = (of_clusters.len() as f64, of_clusters.values().sum::<f64>());
+    let squares = of_clusters.values().map(|sum| (sum - total / n).powi(2)).sum::<f64>();
+    let (scatter, least) = match of_clusters.len() {
+        n if n == n_pushes => (squares, (n - n_cells) as f64),
+        // What a single cluster scatters by is not known.
+        1 => (f64::INFINITY, 1.0),
+        _ => (squares, 1.0),
+    };
+    let scatter = scatter * n / (n - 1.0).max(1.0);
     let effective = if scatter > 0.0 { 2.0 * total * total / scatter } else { freedom };
     let effective = effective.clamp(least, freedom.max(least));
     let rms = (total / freedom).sqrt();
@@ -227,12 +238,13 @@ fn of_neighbours(
     let mut deviations = Vec::new();
     for (a, b) in pairs {
         if let (Some(one), Some(other)) = (residuals[*a][number], residuals[*b][number]) {
-            let (push, square) = (observations.push_of[*a], 0.5 * (one - other).powi(2));
-            sums[push] += square;
-            deviations.push(Deviation { push, way: observations.way(*a), square });
+            let square = 0.5 * (one - other).powi(2);
+            sums[observations.push_of[*a]] += square;
+            let (cluster, way) = (observations.cluster_of[*a], observations.way(*a));
+            deviations.push(Deviation { cluster, way, square });
         }
     }
-    let floor = floor(&sums, deviations.len() as f64, 0)?;
+    let floor = floor(&sums, &observations.clusters_of_pushes(), deviations.len() as f64, 0)?;
     Some(match Growth::of(&deviations) {
         Some(growth) => floor.growing(growth, observations),
         None => floor,
@@ -241,18 +253,40 @@ fn of_neighbours(
 
 #[cfg(test)]
 mod tests {
-    use super::floor;
+    use super::{Floor, floor};
+
+    /// Of pushes that are clusters of their own.
+    fn of_pushes(sums: &[f64], freedom: f64, n_cells: usize) -> Option<Floor> {
+        floor(sums, &(0..sums.len()).collect::<Vec<_>>(), freedom, n_cells)
+    }
 
     #[test]
     fn a_floor_is_the_pooled_sd_and_narrows_with_pushes() {
         // Ten pushes of five steps each, every deviation 2 in size.
-        let wide = floor(&[20.0; 10], 45.0, 5).unwrap();
+        let wide = of_pushes(&[20.0; 10], 45.0, 5).unwrap();
         assert!((wide.rms - (200.0_f64 / 45.0).sqrt()).abs() < 1e-15);
         assert!(wide.low95 < wide.rms && wide.rms < wide.high95);
         // Shares as unequal as they can be leave no more degrees than pushes beyond their cells.
-        let unequal = floor(&[1.0, 1.0, 1.0, 97.0], 12.0, 1).unwrap();
+        let unequal = of_pushes(&[1.0, 1.0, 1.0, 97.0], 12.0, 1).unwrap();
         let three = |z: f64| unequal.rms / crate::quantile::chi_square_per_freedom(3.0, z).sqrt();
         assert!((unequal.high95 - three(-crate::quantile::NORMAL_975)).abs() < 1e-12);
-        assert!(floor(&[1.0, 0.0], 1.0, 0).is_none());
+        assert!(of_pushes(&[1.0, 0.0], 1.0, 0).is_none());
+    }
+
+    #[test]
+    fn pushes_that_repeat_their_session_tell_no_more_of_a_floor() {
+        // Twelve sessions with sums of their own, each of one push or of five that are alike.
+        let of_session = |k: usize| 1.0 + (k as f64 * 1.7).sin().powi(2);
+        let one: Vec<f64> = (0..12).map(of_session).collect();
+        let five: Vec<f64> = (0..60).map(|push| 0.2 * of_session(push / 5)).collect();
+        let sessions: Vec<usize> = (0..60).map(|push| push / 5).collect();
+        let one = floor(&one, &(0..12).collect::<Vec<_>>(), 100.0, 0).unwrap();
+        let five = floor(&five, &sessions, 100.0, 0).unwrap();
+        for (a, b) in [(one.rms, five.rms), (one.low95, five.low95), (one.high95, five.high95)] {
+            assert!((a / b - 1.0).abs() < 1e-12, "{one:?} {five:?}");
+        }
+        // Repeats within a single session leave the floor open within a wide range.
+        let single = floor(&[1.0, 1.2, 0.8], &[4; 3], 30.0, 1).unwrap();
+        assert!(single.high95 > 10.0 * single.rms, "{single:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! The steps of a table with what a comparison asks of them.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::fmt;
 
 use dataset::{
@@ -14,7 +14,7 @@ use models::{
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use crate::split::FEWEST_SESSIONS;
+use crate::clusters::{clusters, numbered};
 use crate::{Covariate, DiagnosisError, Predictions};
 
 /// Observed steps, the push of each, and the nominal table.
@@ -24,7 +24,8 @@ pub struct Observations {
     pub(crate) places: Vec<Place>,
     /// Index of the push of each step.
     pub(crate) push_of: Vec<usize>,
-    /// Index of what shares errors, for each step: the session where there are enough, else the push.
+    /// Index of what shares errors, for each step: the session where the whole set has enough, else the
+    /// push. Every step of a push has the same; a part keeps those of the whole.
     pub(crate) cluster_of: Vec<usize>,
     pub(crate) cluster: Cluster,
     pub(crate) pushes: Vec<PushName>,
@@ -196,13 +197,13 @@ impl Observations {
             .collect();
         let kept_steps: Vec<_> = steps.iter().map(|step| self.steps[*step].clone()).collect();
         let push_of: Vec<usize> = steps.iter().map(|step| place_of[&self.push_of[*step]]).collect();
-        let (cluster, cluster_of) = clusters(&kept_steps, &push_of);
+        let cluster_of = numbered(steps.iter().map(|step| self.cluster_of[*step]));
         let part = Self {
             steps: kept_steps,
             places: steps.iter().map(|step| self.places[*step]).collect(),
             push_of,
             cluster_of,
-            cluster,
+            cluster: self.cluster,
             pushes: kept.iter().map(|push| self.pushes[*push].clone()).collect(),
             support: self.support,
             set: self.set.clone(),
@@ -253,15 +254,6 @@ impl Observations {
         self.steps.iter().any(|step| step.observed.iter().enumerate().any(is_shown))
     }
 
-    /// The pushes of each cluster.
-    pub(crate) fn pushes_of_clusters(&self) -> Vec<Vec<usize>> {
-        let mut clusters: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
-        for (cluster, push) in self.cluster_of.iter().zip(&self.push_of) {
-            clusters.entry(*cluster).or_default().insert(*push);
-        }
-        clusters.into_values().map(Vec::from_iter).collect()
-    }
-
     /// What an estimate from these observations names as its source.
     pub(crate) fn source(&self) -> String {
         let (pushes, steps) = (self.pushes.len(), self.steps.len());
@@ -297,11 +289,6 @@ impl Observations {
     pub(crate) fn way(&self, step: usize) -> f64 {
         let track = &self.steps[step].input.track;
         (track.end() - track.start()).norm()
-    }
-
-    /// How many clusters there are.
-    pub(crate) fn n_clusters(&self) -> usize {
-        self.cluster_of.iter().max().map_or(0, |last| last + 1)
     }
 
     /// How many pushes some steps are of.
@@ -355,20 +342,6 @@ impl Observations {
     /// Rows of the whole table that are not compared.
     pub fn set_aside(&self) -> &SetAside {
         &self.set_aside
-    }
-}
-
-/// What shares errors, and its index for each step.
-fn clusters(steps: &[ChannelObservation], push_of: &[usize]) -> (Cluster, Vec<usize>) {
-    let mut places = HashMap::new();
-    let place = |step: &ChannelObservation| {
-        let next = places.len();
-        *places.entry(step.input.session).or_insert(next)
-    };
-    let sessions: Vec<usize> = steps.iter().map(place).collect();
-    match places.len() {
-        FEWEST_SESSIONS.. => (Cluster::Session, sessions),
-        _ => (Cluster::Push, push_of.to_vec()),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::{Observations, PushName, Rollout};
+use crate::{PushName, Rollout};
 
 /// Errors at the end of pushes that were rolled out.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -50,9 +50,9 @@ pub struct PushEnd {
 const LOST: f64 = 1e-3;
 
 /// The errors at the end of roll-outs of more than one step; none if there is no such push.
-pub fn push_ends(rollouts: &[Rollout], observations: &Observations) -> Option<PushEnds> {
+pub fn push_ends(rollouts: &[Rollout]) -> Option<PushEnds> {
     let long = rollouts.iter().filter(|rollout| rollout.times.len() > 2);
-    let pushes: Vec<PushEnd> = long.map(|rollout| push_end(rollout, observations)).collect();
+    let pushes: Vec<PushEnd> = long.map(push_end).collect();
     if pushes.is_empty() {
         return None;
     }
@@ -65,21 +65,15 @@ pub fn push_ends(rollouts: &[Rollout], observations: &Observations) -> Option<Pu
     })
 }
 
-fn push_end(rollout: &Rollout, observations: &Observations) -> PushEnd {
+fn push_end(rollout: &Rollout) -> PushEnd {
     let (position_error, angle_error) = rollout.end_error();
-    let step = rollout.first_step(observations);
-    let ends = rollout.predicted_wb.iter().zip(&rollout.pusher_w);
-    let gap = |(pose, pusher): (&planar::Pose, &nalgebra::Vector2<f64>)| {
-        let center = pose.inverse_transform_point(pusher);
-        step.object.shape().contact(&center, step.pusher_radius).gap
-    };
     PushEnd {
         name: rollout.push.clone(),
         n_steps: rollout.times.len() - 1,
         way: rollout.pusher_w.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum(),
         position_error,
         angle_error,
-        lost_contact: ends.map(gap).any(|gap| gap > LOST),
+        lost_contact: rollout.gaps.iter().any(|gap| *gap > LOST),
     }
 }
 

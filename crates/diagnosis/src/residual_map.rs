@@ -33,7 +33,7 @@ pub struct Cell {
     pub n_pushes: usize,
     /// Mean of observed less predicted.
     pub mean: f64,
-    /// Lower end of its 95 % interval, from whole pushes.
+    /// Lower end of its 95 % interval, from whole clusters.
     pub low95: f64,
     /// Upper end of its 95 % interval.
     pub high95: f64,
@@ -66,7 +66,7 @@ impl Default for MapSettings {
 /// All maps, the surest first.
 ///
 /// The test of a map is for means that differ between its cells, whatever their common mean, against
-/// its values when whole pushes change their sign; over all maps by the largest normal quantile
+/// its values when whole clusters change their sign; over all maps by the largest normal quantile
 /// (max-T), so that many maps do not make a find.
 pub(crate) fn residual_maps(structure: &Structure<'_>) -> Vec<ResidualMap> {
     let mut maps: Vec<&TestedMap> =

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use effects::{Effect, StepInput, Track};
+use effects::{Effect, StepInput, Track, TrueOutline};
 use mechanics::Polyline;
-use models::{Base, ChannelModel, Description, Noise, PushModel};
+use models::{Base, ChannelModel, Description, Noise, PushModel, Pushed};
 use nalgebra::Vector2;
 use planar::{Pose, perpendicular, wrap_angle};
 
@@ -26,6 +26,9 @@ pub struct Rollout {
     pub measured_wb: Vec<Pose>,
     /// Predicted pose of B in W then.
     pub predicted_wb: Vec<Pose>,
+    /// Gap between pusher and outline then, both as the model has them, in m: 0 while they touch, but
+    /// for errors of the measured start.
+    pub gaps: Vec<f64>,
     /// Index of its first step.
     pub(crate) first: usize,
 }
@@ -68,10 +71,14 @@ pub fn roll_out(
             let model = ChannelModel::new(model, observations.support, own)?;
             for (rollout, run) in rollouts.iter_mut().zip(&runs) {
                 let ways = beginnings(observations, run)?;
+                let outline = model.true_outline(&ways[0].object, ways[0].pusher_radius)?;
+                rollout.gaps.push(gap_at(&outline, &ways[0], 0.0, &ways[0].pose_wb));
                 let ends = model.predict(&ways)?;
                 for (way, end) in ways.iter().zip(ends) {
                     let moved = [end.dx, end.dy, end.dtheta];
-                    rollout.predicted_wb.push(moved_by(&way.pose_wb, &way.direction_w(), moved));
+                    let end_wb = moved_by(&way.pose_wb, &way.direction_w(), moved);
+                    rollout.gaps.push(gap_at(&outline, way, way.track.duration(), &end_wb));
+                    rollout.predicted_wb.push(end_wb);
                 }
             }
         }
@@ -113,6 +120,7 @@ fn measured(observations: &Observations, run: &[usize]) -> Rollout {
         pusher_w: vec![first.track.start()],
         measured_wb: vec![first.pose_wb],
         predicted_wb: vec![first.pose_wb],
+        gaps: Vec::new(),
         first: run[0],
     };
     for index in run {
@@ -149,6 +157,12 @@ fn beginnings(
     Ok(beginnings)
 }
 
+/// The gap at a time of a step's track where a model has the object at `pose_wb` then.
+fn gap_at(outline: &TrueOutline, step: &StepInput, time: f64, pose_wb: &Pose) -> f64 {
+    // The object's stream shows what the pusher did so much earlier.
+    outline.gap(pose_wb, &step.track.at(time - outline.latency()).0)
+}
+
 /// Each step from where the one before it ended, all pushes abreast.
 fn step_by_step(
     model: &dyn PushModel,
@@ -158,6 +172,16 @@ fn step_by_step(
 ) -> Result<(), DiagnosisError> {
     let shape = |run: &Vec<usize>| observations.steps[run[0]].input.object.shape().clone();
     let shapes: Vec<_> = runs.iter().map(|run| Arc::new(shape(run))).collect();
+    let pushed = runs.iter().zip(&shapes).map(|(run, shape)| {
+        let StepInput { object, pusher_radius, .. } = &observations.steps[run[0]].input;
+        let (shape, object) = (shape.clone(), Some(object.clone()));
+        model.true_outline(&Pushed { shape, pusher_radius: *pusher_radius, object })
+    });
+    let outlines = pushed.collect::<Result<Vec<_>, _>>()?;
+    for ((rollout, run), outline) in rollouts.iter_mut().zip(runs).zip(&outlines) {
+        let first = &observations.steps[run[0]].input;
+        rollout.gaps.push(gap_at(outline, first, 0.0, &first.pose_wb));
+    }
     let longest = runs.iter().map(Vec::len).max().unwrap_or(0);
     for k in 0..longest {
         let moving: Vec<usize> = (0..runs.len()).filter(|push| k < runs[*push].len()).collect();
@@ -171,7 +195,11 @@ fn step_by_step(
             let along_w = observations.steps[runs[*push][k]].input.direction_w();
             let start_wb = rollouts[*push].predicted_wb[k];
             let moved = [step.mean.x, step.mean.y, step.mean.z];
-            rollouts[*push].predicted_wb.push(moved_by(&start_wb, &along_w, moved));
+            let end_wb = moved_by(&start_wb, &along_w, moved);
+            let last = &observations.steps[runs[*push][k]].input;
+            let gap = gap_at(&outlines[*push], last, last.track.duration(), &end_wb);
+            rollouts[*push].gaps.push(gap);
+            rollouts[*push].predicted_wb.push(end_wb);
         }
     }
     Ok(())

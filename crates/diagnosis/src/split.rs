@@ -1,8 +1,8 @@
 //! Setting pushes aside before anything is fitted.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
-use models::{Cluster, Split};
+use models::Split;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -12,8 +12,6 @@ use crate::observations::FEWEST_PUSHES;
 use crate::repeats::cells;
 use crate::{DiagnosisError, Observations, RepeatTolerance};
 
-/// Sessions of which a quarter says something.
-pub(crate) const FEWEST_SESSIONS: usize = 12;
 /// One of so many clusters is set aside.
 const SHARE: usize = 4;
 /// Choices among which one with repeats in both parts is looked for.
@@ -21,14 +19,14 @@ const MOST_DRAWS: usize = 200;
 
 /// Sets a quarter of the clusters aside to confirm what is fitted to the others.
 ///
-/// A cluster is a measuring session where there are at least twelve, else a push. The choice is
-/// random, but for this: of two hundred draws the first is taken that leaves both parts the repeats
+/// A cluster is a measuring session where the whole set has at least twelve, else a push; parts keep
+/// the clusters of their whole. The choice is random, but for this: of two hundred draws the first is taken that leaves both parts the repeats
 /// that a noise floor needs, or comes nearest to it. It does not depend on the order of the pushes.
 ///
 /// # Errors
 /// `TooFewPushes` where a part would have fewer than three.
 pub fn split(observations: &Observations, seed: u64) -> Result<Split, DiagnosisError> {
-    let (cluster, clusters) = clusters(observations);
+    let clusters = clusters(observations);
     let cells = cells(observations, &RepeatTolerance::default());
     let n_repeats = |pushes: &[usize]| {
         pushes.len() - pushes.iter().map(|push| cells[*push]).collect::<BTreeSet<_>>().len()
@@ -64,23 +62,15 @@ pub fn split(observations: &Observations, seed: u64) -> Result<Split, DiagnosisE
         part.sort_unstable();
         part.iter().map(|push| observations.pushes[*push].to_string()).collect()
     });
-    Ok(Split { set: observations.set.clone(), seed, cluster, fit, confirm, confirm_set: None })
+    let (set, cluster) = (observations.set.clone(), observations.cluster);
+    Ok(Split { set, seed, cluster, fit, confirm, confirm_set: None })
 }
 
 /// The pushes of each cluster, in an order that is not the table's.
-pub(crate) fn clusters(observations: &Observations) -> (Cluster, Vec<Vec<usize>>) {
-    let mut sessions: BTreeMap<u32, BTreeSet<usize>> = BTreeMap::new();
-    for (step, push) in observations.steps.iter().zip(&observations.push_of) {
-        sessions.entry(step.input.session).or_default().insert(*push);
-    }
+pub(crate) fn clusters(observations: &Observations) -> Vec<Vec<usize>> {
     let name = |push: &usize| &observations.pushes[*push];
-    let (cluster, mut clusters) = match sessions.len() {
-        FEWEST_SESSIONS.. => {
-            (Cluster::Session, sessions.into_values().map(Vec::from_iter).collect::<Vec<_>>())
-        }
-        _ => (Cluster::Push, (0..observations.pushes.len()).map(|push| vec![push]).collect()),
-    };
+    let mut clusters = observations.pushes_of_clusters();
     clusters.iter_mut().for_each(|pushes| pushes.sort_by_key(name));
     clusters.sort_by(|a, b| a.iter().map(name).cmp(b.iter().map(name)));
-    (cluster, clusters)
+    clusters
 }

@@ -3,16 +3,18 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use dataset::SupportSpec;
+use dataset::{RecordingSet, SupportSpec, ingest};
 use effects::{Object, StepInput, Track};
-use models::{ChannelObservation, Cluster, SetAside};
-use nalgebra::Vector2;
+use models::{Analytical, ChannelObservation, Cluster, Description, PushModel, SetAside};
+use nalgebra::{DMatrix, DVector, Vector2};
 use planar::{Pose, Shape, Twist};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::observations::Place;
-use crate::{Floor, FloorSource, NoiseFloor, Observations, Predictions, PushName};
+use crate::{
+    Floor, FloorSource, NoiseFloor, Observations, Predictions, PushName, Whitening, steady_ingest,
+};
 
 /// What a miss may depend on.
 pub(crate) struct Made {
@@ -94,6 +96,38 @@ pub(crate) fn made(
     };
     let predictions = Predictions { variances: vec![[None; 7]; values.len()], values };
     (observations, predictions, floor())
+}
+
+/// Standard deviations of the noise of each number.
+pub(crate) const NOISE: [f64; 7] = [3e-5, 3e-5, 1.5e-3, 0.05, 0.05, 5e-5, 5e-5];
+
+/// The recorded pushes, taken in so many sessions, and the thesis' nominal model.
+pub(crate) fn recorded(n_sessions: u32) -> (Observations, Description) {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/pushes");
+    let set = RecordingSet::open(folder.as_ref()).unwrap();
+    let mut table = ingest(&set, &steady_ingest()).unwrap().0;
+    for row in &mut table.rows {
+        let session = row.recording[5..].parse::<u32>().unwrap() % n_sessions;
+        row.session = Some(format!("day {session}").into());
+    }
+    let model = Analytical::nominal(set.manifest().pusher.friction).unwrap().describe().unwrap();
+    (Observations::steady(&table, set.manifest()).unwrap(), model)
+}
+
+/// The covariance of noise of [`NOISE`].
+pub(crate) fn white(observations: &Observations) -> Whitening {
+    let covariance = |numbers: Vec<(usize, usize)>| {
+        let variances = numbers.iter().map(|(_, number)| NOISE[*number].powi(2));
+        let variances = DVector::from_iterator(numbers.len(), variances);
+        (numbers, DMatrix::from_diagonal(&variances))
+    };
+    Whitening::new(observations.own_numbers().into_iter().map(covariance)).unwrap()
+}
+
+/// A normal number.
+pub(crate) fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    let (radius, angle): (f64, f64) = (1.0 - rng.random::<f64>(), rng.random());
+    (-2.0 * radius.ln()).sqrt() * (2.0 * PI * angle).cos()
 }
 
 fn floor() -> NoiseFloor {

@@ -89,7 +89,7 @@ impl<'a> Whitened<'a> {
     }
 
     pub(crate) fn screen(&self) -> Screen {
-        let (cluster, members) = clusters(self.observations);
+        let (cluster, members) = (self.observations.cluster, clusters(self.observations));
         let of_cluster = |pushes: &Vec<usize>| {
             let mut sum = Products::zero(self.scale.len());
             pushes.iter().for_each(|push| sum.add(&self.of_push[*push]));
@@ -111,7 +111,8 @@ impl<'a> Whitened<'a> {
         }
         let look_alikes = self.look_alikes(&effects);
         effects.sort_by(|a, b| b.statistic.total_cmp(&a.statistic));
-        let calibration = calibration(cluster, members.len(), flips.len());
+        let n_tests = tests.iter().filter(|test| test.n_parts() > 0).count();
+        let calibration = Calibration::of(cluster, members.len(), flips.len(), n_tests);
         let (whitened_rms, step_correlation, nuisances) = self.without_effects();
         Screen {
             n_pushes_in_all: self.observations.pushes.len(),
@@ -250,17 +251,62 @@ impl<'a> Whitened<'a> {
     }
 }
 
-fn calibration(cluster: Cluster, n_clusters: usize, n_flips: usize) -> Calibration {
-    let of_flips = 1.0 / (1 + n_flips) as f64;
-    let of_clusters = 0.5_f64.powi(n_clusters as i32 - 1);
-    Calibration {
-        cluster,
-        n_clusters,
-        n_flips,
-        smallest_p: of_flips.max(of_clusters),
-        clusters_missing: CLUSTERS_FOR_ONE_PERCENT.saturating_sub(n_clusters),
+impl Calibration {
+    fn of(cluster: Cluster, n_clusters: usize, n_flips: usize, n_tests: usize) -> Self {
+        let of_flips = n_tests.max(1) as f64 / (1 + n_flips) as f64;
+        let smallest_p = of_flips.max(of_all_flips(n_clusters, n_tests)).min(1.0);
+        let needed = (1..).find(|n| of_all_flips(*n, n_tests) <= LEVEL).unwrap_or(n_clusters);
+        let clusters_missing = needed.saturating_sub(n_clusters);
+        Self { cluster, n_clusters, n_flips, n_tests, smallest_p, clusters_missing }
     }
 }
 
-/// Clusters whose flips can give a probability of 0.01: 2^(1−8) < 0.01 < 2^(1−7).
-const CLUSTERS_FOR_ONE_PERCENT: usize = 8;
+/// Probability that no name may exceed.
+const LEVEL: f64 = 0.01;
+
+/// What all flips of so many clusters give an effect that every cluster shows.
+///
+/// A flip and its opposite are one, so its own probability is 2^(1−n). Each of the other tests has
+/// some flip of that probability, in the worst case all of them different ones.
+fn of_all_flips(n_clusters: usize, n_tests: usize) -> f64 {
+    n_tests.max(1) as f64 * 0.5_f64.powi(n_clusters as i32 - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use models::Cluster;
+    use nalgebra::DVector;
+
+    use crate::Calibration;
+    use crate::sign_flips::{FlipTest, Flips};
+
+    /// The adjusted probability of an effect that every cluster shows alike, beside others each of
+    /// which is as strong after another flip: by all flips.
+    fn by_all_flips(n_clusters: usize, n_tests: usize) -> f64 {
+        let sign = |test: usize, k: usize| if test >> k & 1 == 1 { -1.0 } else { 1.0 };
+        let part = |test: usize, cluster: usize| DVector::from_element(1, sign(test, cluster));
+        let test = |test: usize| FlipTest::new((0..n_clusters).map(|k| part(test, k)).collect());
+        let tests: Vec<FlipTest> = (0..n_tests).map(test).collect();
+        let flips = Flips::new(n_clusters, usize::MAX, 1);
+        flips.probabilities(&tests)[0].p_adjusted
+    }
+
+    #[test]
+    fn clusters_that_are_missing_are_those_that_all_flips_need() {
+        for (n_tests, needed) in [(1, 8), (3, 10), (23, 13), (26, 13)] {
+            let told = |n: usize| Calibration::of(Cluster::Push, n, usize::MAX - 1, n_tests);
+            assert_eq!(told(4).clusters_missing, needed - 4, "{n_tests}");
+            for n in [needed - 1, needed] {
+                let (told, found) = (told(n), by_all_flips(n, n_tests));
+                assert!((told.smallest_p / found - 1.0).abs() < 1e-9, "{told:?} {found}");
+                assert_eq!(found <= 0.01, told.clusters_missing == 0, "{told:?} {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn few_flips_leave_a_probability_however_many_clusters_there_are() {
+        let told = Calibration::of(Cluster::Push, 60, 999, 23);
+        assert_eq!((told.smallest_p, told.clusters_missing), (0.023, 0));
+    }
+}

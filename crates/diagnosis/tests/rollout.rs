@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use dataset::{IngestSettings, RecordingSet, StepLength, ingest};
-use diagnosis::{Observations, Predictions, Rollout, roll_out};
+use diagnosis::{Observations, Predictions, Rollout, push_ends, roll_out};
 use models::{Analytical, Description, ModelEffect, PushModel};
 
 fn observations(step: StepLength) -> Observations {
@@ -82,4 +82,35 @@ fn an_effect_that_is_not_there_makes_the_ends_worse() {
     let [plain, wrong] =
         [model(), grain].map(|model| mean_error(&roll_out(&model, &[], &observations).unwrap()));
     assert!(wrong[0] > 1.5 * plain[0], "{plain:?} {wrong:?}");
+}
+
+/// The fixture set with a pusher stated thinner than it is, and a model that knows by how much.
+#[test]
+fn a_model_that_knows_the_true_radius_goes_as_if_it_were_stated() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/pushes");
+    let set = RecordingSet::open(folder.as_ref()).unwrap();
+    let (table, _) = ingest(&set, &IngestSettings::default()).unwrap();
+    let excess = 1.5e-3;
+    let mut thin = set.manifest().clone();
+    thin.pusher.radius -= excess;
+    let mut knows = model();
+    knows.effects.push(ModelEffect {
+        id: "pusher-radius".to_owned(),
+        parameters: [("excess".to_owned(), models::Estimate::exact(excess, ""))].into(),
+    });
+    let stated = Observations::of(&table, set.manifest()).unwrap();
+    let unstated = Observations::of(&table, &thin).unwrap();
+    let one = roll_out(&model(), &[], &stated).unwrap();
+    let other = roll_out(&knows, &[], &unstated).unwrap();
+    for (a, b) in one.iter().zip(&other) {
+        for (a, b) in a.predicted_wb.iter().zip(&b.predicted_wb) {
+            assert!((a.position - b.position).norm() < 1e-9 && (a.angle - b.angle).abs() < 1e-8);
+        }
+        for (a, b) in a.gaps.iter().zip(&b.gaps) {
+            assert!((a - b).abs() < 1e-9, "{a} {b}");
+        }
+    }
+    let [one, other] = [one, other].map(|rollouts| push_ends(&rollouts).unwrap());
+    assert_eq!((one.n_lost, one.pushes.len()), (other.n_lost, other.pushes.len()));
+    assert!(other.n_lost < 5, "{} of {} lose contact", other.n_lost, other.pushes.len());
 }

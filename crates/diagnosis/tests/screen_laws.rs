@@ -71,3 +71,18 @@ fn a_world_turned_by_a_quarter_changes_nothing() {
     let (one, other) = (screened(&table, &manifest), screened(&other, &manifest));
     assert_near(&one, &other, 0.02);
 }
+
+/// The fixture's pusher of 4.75 mm, stated as a point: only its gap has to be measured anew.
+#[test]
+fn the_radius_of_a_pusher_that_is_stated_as_a_point_is_what_is_missing() {
+    let (mut table, mut manifest) = recorded();
+    for row in &mut table.rows {
+        row.gap_start += manifest.pusher.radius;
+        row.gap_end += manifest.pusher.radius;
+    }
+    manifest.pusher.radius = 0.0;
+    let found = screened(&table, &manifest);
+    let first = &found.effects[0];
+    assert_eq!(first.id, "pusher-radius", "{:?}", statistics(&found));
+    assert!(first.statistic > 100.0, "{}", first.statistic);
+}

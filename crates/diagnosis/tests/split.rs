@@ -6,7 +6,8 @@ use std::collections::BTreeSet;
 
 use dataset::{IngestSettings, Manifest, RecordingSet, StepRow, Table, ingest};
 use diagnosis::{
-    DiagnosisError, FloorSource, Observations, Predictions, RepeatTolerance, noise_floor, split,
+    DiagnosisError, FloorSource, MapSettings, Observations, Predictions, RepeatTolerance, compare,
+    noise_floor, split,
 };
 use models::{Analytical, Cluster, PushModel, Split};
 
@@ -51,8 +52,17 @@ fn sessions_stay_whole_where_there_are_many() {
     for row in &mut table.rows {
         row.session = Some(format!("day {}", session(row)).into());
     }
-    let parts = split(&Observations::of(&table, &manifest).unwrap(), 7).unwrap();
+    let observations = Observations::of(&table, &manifest).unwrap();
+    let parts = split(&observations, 7).unwrap();
     assert_eq!(parts.cluster, Cluster::Session);
+    for names in [&parts.fit, &parts.confirm] {
+        let part = observations.part(names).unwrap();
+        let model = Analytical::nominal(0.25).unwrap().describe().unwrap();
+        let predictions = Predictions::of(&model, &[], &part).unwrap();
+        let floor = noise_floor(&part, &predictions, &RepeatTolerance::default()).unwrap();
+        let found = compare(&part, &predictions, &floor, &MapSettings::default()).unwrap();
+        assert_eq!(found.cluster, Cluster::Session);
+    }
     let sessions = |names: &[String]| -> BTreeSet<u32> {
         names.iter().map(|name| name[5..8].parse::<u32>().unwrap() % 15).collect()
     };

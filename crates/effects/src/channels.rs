@@ -1,5 +1,7 @@
 //! All that a step's measurement shows.
 
+use crate::EffectError;
+
 /// What is observed of a step: its motion, its contact force and the contact gap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Channels {
@@ -41,6 +43,15 @@ impl Channels {
     pub fn to_array(&self) -> [f64; 7] {
         let Self { dx, dy, dtheta, force_normal, force_tangential, gap_start, gap_end } = *self;
         [dx, dy, dtheta, force_normal, force_tangential, gap_start, gap_end]
+    }
+
+    /// The same, if every number is finite.
+    pub(crate) fn checked(self) -> Result<Self, EffectError> {
+        let mut named = Self::NAMES.into_iter().zip(self.to_array());
+        match named.find(|(_, value)| !value.is_finite()) {
+            Some((channel, value)) => Err(EffectError::NotFinite { channel, value }),
+            None => Ok(self),
+        }
     }
 
     /// The channel of each number of [`Channels::to_array`].

@@ -104,6 +104,17 @@ pub enum EffectError {
         /// Steps taken.
         iterations: usize,
     },
+    /// A prediction overflowed.
+    #[error(
+        "the predicted {channel} is {value}: numbers of the step, the object or the effects are too \
+         large or too small to compute with"
+    )]
+    NotFinite {
+        /// Name of the first such number.
+        channel: &'static str,
+        /// What came out.
+        value: f64,
+    },
     /// The mechanics refused something.
     #[error(transparent)]
     Mechanics(#[from] MechanicsError),

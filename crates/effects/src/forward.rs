@@ -4,8 +4,10 @@ use mechanics::ContactMode;
 use nalgebra::Vector2;
 use planar::{Contact, Feature, Pose, Twist, perpendicular};
 
+use crate::effect::Stage;
 use crate::geometry::Outline;
 use crate::instant::{Instant, Memory, Rate};
+use crate::touch_time::{TOUCH, touch_time};
 use crate::{Channels, ContactLaw, EffectError, PushPhysics, Reading, StepInput};
 
 /// The state of a step while it is integrated.
@@ -51,12 +53,11 @@ struct Middle {
     rate: Rate,
 }
 
-/// Gap at which pusher and object touch, in m.
-const TOUCH: f64 = 1e-10;
-/// Places at which a touch is looked for: a corner takes the most.
-const MOST_TRIES: usize = 60;
 const LEAST_SUBSTEPS: f64 = 4.0;
 const LEAST_DYNAMIC_SUBSTEPS: f64 = 6.0;
+const MOST_SUBSTEPS: f64 = 1e5;
+/// Share of a sub-step within which a change of the contact is found.
+const SHORTEST: f64 = 1e-6;
 
 impl<'a> Forward<'a> {
     pub(crate) fn new(physics: &'a PushPhysics, step: &'a StepInput) -> Result<Self, EffectError> {
@@ -106,16 +107,14 @@ impl<'a> Forward<'a> {
         let gap_start = self.measured_gap();
         self.finish_late_motion();
         let duration = self.step.track.duration();
-        let way = duration * self.step.track.mean_velocity().norm();
-        let least = if self.has_inertia { LEAST_DYNAMIC_SUBSTEPS } else { LEAST_SUBSTEPS };
-        // A way of a whole number of sub-steps must not gain one by rounding.
-        let n = (way / self.physics.rig().longest_substep() - 1e-6).ceil().max(least);
-        let longest = duration / n;
+        let longest = duration / self.n_substeps()?;
         let mut let_go = false;
         while duration - self.time > 1e-9 * longest {
             let length = longest.min(duration - self.time);
+            let shortest = (SHORTEST * longest).min(length);
+            let length = self.until_turn(length).max(shortest);
             if self.touching {
-                self.touching = self.press(length)?;
+                self.touching = self.press(length, shortest)?;
                 let_go = !self.touching;
             } else {
                 self.trail.clear();
@@ -128,7 +127,7 @@ impl<'a> Forward<'a> {
         let along = self.step.direction_w();
         let moved = end_wb.position - start_wb.position;
         let force = self.impulse / duration;
-        Ok(Channels {
+        Channels {
             dx: along.dot(&moved),
             dy: perpendicular(&along).dot(&moved),
             dtheta: end_wb.angle - start_wb.angle,
@@ -136,7 +135,36 @@ impl<'a> Forward<'a> {
             force_tangential: force.y,
             gap_start,
             gap_end: self.measured_gap(),
-        })
+        }
+        .checked()
+    }
+
+    /// As many sub-steps of equal time as the path asks for, or the rule.
+    fn n_substeps(&self) -> Result<f64, EffectError> {
+        let longest = self.physics.rig().longest_substep();
+        let least = if self.has_inertia { LEAST_DYNAMIC_SUBSTEPS } else { LEAST_SUBSTEPS };
+        // A path of a whole number of sub-steps must not gain one by rounding.
+        let n = (self.step.track.length() / longest - 1e-6).ceil().max(least);
+        if n <= MOST_SUBSTEPS {
+            return Ok(n);
+        }
+        let (name, unit) = ("the pusher's path over the longest sub-step", "(count)");
+        Err(EffectError::InvalidValue { name, expected: "at most 100000", value: n, unit })
+    }
+
+    /// At most `length`, in s, up to where the pusher turns towards the contact or back from it.
+    fn until_turn(&self, length: f64) -> f64 {
+        let normal_w = self.pose_wo.rotate(&self.now.contact.normal);
+        let leaves = |after: f64| normal_w.dot(&self.pusher(self.time + after).1) <= 0.0;
+        let (is_leaving, mut low, mut high) = (leaves(0.0), 0.0, length);
+        if is_leaving == leaves(length) {
+            return length;
+        }
+        while high - low > SHORTEST * length {
+            let middle = 0.5 * (low + high);
+            if leaves(middle) == is_leaving { low = middle } else { high = middle }
+        }
+        high
     }
 
     /// Sets the object where it truly is at the start.
@@ -151,7 +179,8 @@ impl<'a> Forward<'a> {
         }
         if self.step.touching {
             // What the pusher still goes before it moves the object: its spring is not wound up
-            // yet, or the object's stream lags behind.
+            // yet, or the object's stream lags behind. One that leaves has no such way before it.
+            let approach = approach.max(0.0);
             let ahead = self.deflection + approach * self.reading.latency.max(0.0);
             let lost = (ahead - approach * self.step.since_contact).max(0.0);
             self.close(lost);
@@ -179,7 +208,7 @@ impl<'a> Forward<'a> {
     ///
     /// The midpoint rule, whose way to the middle follows from the moments before: each further
     /// sub-step takes one solution of the push instead of two.
-    fn press(&mut self, length: f64) -> Result<bool, EffectError> {
+    fn press(&mut self, length: f64, shortest: f64) -> Result<bool, EffectError> {
         if self.has_inertia {
             return self.press_with_inertia(length);
         }
@@ -198,8 +227,12 @@ impl<'a> Forward<'a> {
         }
         self.trail = vec![(time, first.twist_w)];
         let middle = self.middle(&first.twist_w, length)?;
-        self.advance(&middle, length);
-        Ok(true)
+        if middle.rate.mode != ContactMode::Separated {
+            self.advance(&middle, length);
+            return Ok(true);
+        }
+        // It lets go on the way to the middle.
+        if length > shortest { self.press(0.5 * length, shortest) } else { Ok(false) }
     }
 
     /// The moment after half a sub-step with some velocity.
@@ -230,7 +263,7 @@ impl<'a> Forward<'a> {
 
     /// Motion and force at a moment of the quasi-static push.
     fn rate(&mut self, time: f64, pose: &Pose, meeting: &Meeting) -> Result<Rate, EffectError> {
-        let instant = Instant::new(self.physics, self.step, pose, time);
+        let instant = Instant::new(self.physics, self.step, pose, time)?;
         let point = self.outline.acting_point(&meeting.contact);
         let touch = instant.touch(&meeting.contact, &point, &meeting.velocity_w);
         instant.pushed(&touch, &self.law, &mut self.memory)
@@ -238,6 +271,9 @@ impl<'a> Forward<'a> {
 
     /// Time without contact, up to the touch at most.
     fn go_free(&mut self, length: f64, let_go: bool) -> Result<(), EffectError> {
+        if !self.has_inertia && self.physics.acts_at(Stage::Load) {
+            self.rest(&self.pose_wo, &mut self.memory.clone())?;
+        }
         let start = self.now;
         let gap_at = |run: &Self, time: f64, pose: &Pose| run.meet(time, pose).contact.gap;
         let speed = self.closing_speed(&start, &self.pose_wo, &self.twist_w);
@@ -268,6 +304,11 @@ impl<'a> Forward<'a> {
         Ok(())
     }
 
+    /// Refuses an object that has to rest at a pose and cannot.
+    pub(crate) fn rest(&self, pose: &Pose, memory: &mut Memory) -> Result<(), EffectError> {
+        Instant::new(self.physics, self.step, pose, self.time)?.refuse_sliding_by_itself(memory)
+    }
+
     /// Pose and velocity after some time without contact.
     fn slid(&self, time: f64) -> Result<(Pose, Twist), EffectError> {
         if self.has_inertia {
@@ -279,10 +320,15 @@ impl<'a> Forward<'a> {
 
     /// The true contact, its gap that to the yielding pusher.
     pub(crate) fn meet(&self, time: f64, pose_wo: &Pose) -> Meeting {
-        let (center_w, velocity_w) = self.step.track.at(time - self.reading.latency);
+        let (center_w, velocity_w) = self.pusher(time);
         let mut contact = self.outline.nearest(&pose_wo.inverse_transform_point(&center_w));
         contact.gap += self.deflection;
         Meeting { contact, velocity_w }
+    }
+
+    /// Where the pusher is, in m, and its velocity, in m/s, at a time of the object's stream.
+    fn pusher(&self, time: f64) -> (Vector2<f64>, Vector2<f64>) {
+        self.step.track.at(time - self.reading.latency)
     }
 
     /// The contact with its place and velocity, for a moment.
@@ -348,77 +394,7 @@ impl<'a> Forward<'a> {
     }
 }
 
-/// When a gap closes that is positive, or not, at first and negative after `length` seconds.
-///
-/// # Source
-/// Dowell & Jarratt (1971), A modified regula falsi method for computing the root of an equation, BIT
-/// 11(2).
-fn touch_time(
-    (start_gap, end_gap): (f64, f64),
-    length: f64,
-    gap_after: impl Fn(f64) -> Result<f64, EffectError>,
-) -> Result<f64, EffectError> {
-    if start_gap <= 0.0 {
-        return Ok(0.0);
-    }
-    let ((mut low, mut above), (mut high, mut below)) = ((0.0, start_gap), (length, end_gap));
-    let mut was_high = None;
-    for _ in 0..MOST_TRIES {
-        let middle = (low * below - high * above) / (below - above);
-        let gap = gap_after(middle)?;
-        let is_high = gap <= 0.0;
-        // An end that stays weighs half as much.
-        let halved = if was_high == Some(is_high) { 0.5 } else { 1.0 };
-        if is_high {
-            (high, below, above) = (middle, gap, halved * above);
-        } else {
-            (low, above, below) = (middle, gap, halved * below);
-        }
-        if gap.abs() <= TOUCH || high - low <= 1e-12 * length {
-            return Ok(middle);
-        }
-        was_high = Some(is_high);
-    }
-    Ok(high)
-}
-
 /// A pose after moving with a constant velocity for some time.
 pub(crate) fn moved(pose: &Pose, twist: &Twist, time: f64) -> Pose {
     Pose { position: pose.position + time * twist.linear, angle: pose.angle + time * twist.angular }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{TOUCH, touch_time};
-    use crate::EffectError;
-
-    #[test]
-    fn a_touch_is_where_the_gap_closes() {
-        let gaps: [fn(f64) -> f64; 4] = [
-            |time| 1e-3 - 0.02 * time,
-            |time| 1e-3 - 0.4 * time * time,
-            |time| 1e-3 * (-60.0 * time).exp() - 5e-5,
-            |time| 1e-3 - 1e3 * (time - 0.01).max(0.0).powi(3),
-        ];
-        for gap in gaps {
-            let (start, end) = (gap(0.0), gap(0.1));
-            assert!(start > 0.0 && end < 0.0);
-            let time = touch_time((start, end), 0.1, |time| Ok(gap(time))).unwrap();
-            assert!(gap(time).abs() <= TOUCH, "{time}: {}", gap(time));
-        }
-    }
-
-    #[test]
-    fn who_touches_already_waits_for_nothing() {
-        let never = |_: f64| -> Result<f64, EffectError> { unreachable!("no search is needed") };
-        assert_eq!(touch_time((0.0, -1e-3), 0.1, never).unwrap(), 0.0);
-        assert_eq!(touch_time((-1e-6, -1e-3), 0.1, never).unwrap(), 0.0);
-    }
-
-    #[test]
-    fn a_gap_that_jumps_is_found_within_the_bracket() {
-        let jump = |time: f64| Ok(if time < 0.0371 { 1e-3 } else { -1e-3 });
-        let time = touch_time((1e-3, -1e-3), 0.1, jump).unwrap();
-        assert!((time - 0.0371).abs() < 1e-9, "{time}");
-    }
 }

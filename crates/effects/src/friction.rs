@@ -248,7 +248,7 @@ fn map_to_frame(object: &Object, tensor: &Matrix2<f64>, turning: f64) -> Matrix3
 #[cfg(test)]
 mod tests {
     use super::Friction;
-    use crate::{LogTensor, Object, Support};
+    use crate::{LogTensor, Object, Support, by_id};
     use mechanics::{LimitSurface, Patch};
     use nalgebra::{Vector2, Vector3};
     use planar::{Polygon, Shape, Twist, mit_object};
@@ -260,35 +260,66 @@ mod tests {
         Object::uniform(Arc::new(mit_object(name).unwrap().shape), 0.8).unwrap()
     }
 
+    /// Known outlines, long ones, and one that is not convex.
+    fn shapes() -> Vec<(String, Shape)> {
+        let corners = [(0., 0.), (80., 0.), (80., 30.), (30., 30.), (30., 90.), (0., 90.)];
+        let corners = corners.iter().map(|(x, y)| 1e-3 * Vector2::new(*x, *y)).collect();
+        let own = [
+            ("3:1", Shape::rectangle(0.12, 0.04).unwrap()),
+            ("10:1", Shape::rectangle(0.15, 0.015).unwrap()),
+            ("L", Shape::Polygon(Polygon::new(corners).unwrap())),
+        ];
+        let known = ["rect1", "rect3", "tri1", "hex", "ellip3", "butter"];
+        let known = known.map(|name| (name, mit_object(name).unwrap().shape));
+        known.into_iter().chain(own).map(|(name, shape)| (name.to_owned(), shape)).collect()
+    }
+
     /// A motion whose turn, times the radius, is of the size of its velocity.
     fn motion(random: &mut ChaCha8Rng) -> Vector3<f64> {
         let mut share = || random.random_range(-1.0..1.0);
         Vector3::new(share(), share(), 20.0 * share())
     }
 
-    #[test]
-    fn between_its_ends_lambda_keeps_the_dissipation_convex() {
+    /// The smallest curvature of the dissipation over the largest, of many motions.
+    fn least_curvature(object: &Object, shape: f64) -> f64 {
         let mut random = ChaCha8Rng::seed_from_u64(3);
-        for name in ["rect1", "rect3", "tri1", "hex", "ellip3"] {
-            let object = object(name);
-            // Only on a long triangle is the surface of the largest λ not quite convex.
-            for shape in [-0.5, if name == "tri1" { 1.25 } else { 1.5 }] {
-                let support = Support { shape, ..Support::nominal(0.25, 0.0) };
-                let friction = Friction::new(&object, &support, None, None, None).unwrap();
-                for _ in 0..2000 {
-                    let motion = motion(&mut random);
-                    let (_, mut slope) = friction.load(&motion).unwrap();
-                    let length = object.mean_distance();
-                    for axis in 0..2 {
-                        slope[(axis, 2)] /= length;
-                        slope[(2, axis)] /= length;
-                    }
-                    slope[(2, 2)] /= length * length;
-                    let values = (0.5 * (slope + slope.transpose())).symmetric_eigenvalues();
-                    // Along the motion itself the curvature is zero.
-                    assert!(values.min() > -1e-6 * values.max(), "{name} {shape} {values}");
-                }
+        let support = Support { shape, ..Support::nominal(0.25, 0.0) };
+        let friction = Friction::new(object, &support, None, None, None).unwrap();
+        let curvature = |motion: Vector3<f64>| {
+            let (_, mut slope) = friction.load(&motion).unwrap();
+            let length = object.mean_distance();
+            for axis in 0..2 {
+                slope[(axis, 2)] /= length;
+                slope[(2, axis)] /= length;
             }
+            slope[(2, 2)] /= length * length;
+            let values = (0.5 * (slope + slope.transpose())).symmetric_eigenvalues();
+            values.min() / values.max()
+        };
+        (0..2000).map(|_| curvature(motion(&mut random))).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn over_the_range_of_lambda_the_dissipation_is_convex() {
+        let (low, high) = by_id("limit-surface-shape").unwrap().about().parameters[0].range;
+        for (name, shape) in shapes() {
+            let object = Object::uniform(Arc::new(shape), 0.8).unwrap();
+            // Along the motion itself the curvature is zero; on the longest shape the patch's table
+            // is bent by up to 1e-5 where the exact surface is flat.
+            let rounding = if name == "10:1" { 1e-4 } else { 1e-6 };
+            for share in [0.0, 0.1, 0.5, 0.9, 1.0] {
+                let least = least_curvature(&object, low + share * (high - low));
+                assert!(least > -rounding, "{name} {share} {least}");
+            }
+        }
+    }
+
+    #[test]
+    fn beyond_the_range_of_lambda_long_rectangles_are_dented() {
+        let long = Arc::new(Shape::rectangle(0.12, 0.04).unwrap());
+        let object = Object::uniform(long, 0.8).unwrap();
+        for shape in [-0.5, 1.25] {
+            assert!(least_curvature(&object, shape) < -0.05, "{shape}");
         }
     }
 

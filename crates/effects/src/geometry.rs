@@ -1,9 +1,9 @@
 //! What touches where.
 
 use nalgebra::Vector2;
-use planar::{Contact, Polygon, Shape, cross, perpendicular};
+use planar::{Contact, Polygon, Pose, Shape, cross, perpendicular};
 
-use crate::{EffectError, StepInput};
+use crate::{EffectError, Reading, StepInput};
 
 /// Gathered changes of the contact's geometry: effects add to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -14,6 +14,77 @@ pub struct Geometry {
     pub contact_shift: f64,
     /// Radius of the outline's corners, in m.
     pub corner_radius: f64,
+}
+
+/// Outline and pusher as a model has them: as stated, but for what its effects change.
+#[derive(Clone, Debug)]
+pub struct TrueOutline {
+    /// The outline, moved inwards by the corner radius.
+    core: Shape,
+    /// Of the pusher, without the corner radius, in m.
+    pusher_radius: f64,
+    corner_radius: f64,
+    /// The outline's frame in the tracked one, if they are not the same.
+    pose_bo: Option<Pose>,
+    latency: f64,
+}
+
+impl TrueOutline {
+    /// Just as stated.
+    ///
+    /// - `pusher_radius`: in m.
+    pub fn stated(shape: &Shape, pusher_radius: f64) -> Self {
+        let (core, corner_radius, pose_bo, latency) = (shape.clone(), 0.0, None, 0.0);
+        Self { core, pusher_radius, corner_radius, pose_bo, latency }
+    }
+
+    pub(crate) fn new(
+        step: &StepInput,
+        geometry: Geometry,
+        reading: &Reading,
+    ) -> Result<Self, EffectError> {
+        let Outline { core, radius, .. } = Outline::new(step, geometry)?;
+        let corner_radius = if core.is_some() { geometry.corner_radius } else { 0.0 };
+        let pose_bo = reading.pose_bo();
+        Ok(Self {
+            core: core.unwrap_or_else(|| step.object.shape().clone()),
+            pusher_radius: radius,
+            corner_radius,
+            pose_bo: (pose_bo != Pose::default()).then_some(pose_bo),
+            latency: reading.latency,
+        })
+    }
+
+    /// Where the pusher with its center at `center_b` truly touches or would touch, in m, frame B.
+    pub fn contact(&self, center_b: &Vector2<f64>) -> Contact {
+        let center_o = match &self.pose_bo {
+            Some(pose_bo) => pose_bo.inverse_transform_point(center_b),
+            None => *center_b,
+        };
+        let reach = self.pusher_radius + self.corner_radius;
+        let mut contact = self.core.contact(&center_o, reach);
+        contact.point -= self.corner_radius * contact.normal;
+        if let Some(pose_bo) = &self.pose_bo {
+            contact.point = pose_bo.transform_point(&contact.point);
+            contact.normal = pose_bo.rotate(&contact.normal);
+        }
+        contact
+    }
+
+    /// The true gap between pusher and outline, in m, with the pusher's center at `center_w` in W.
+    pub fn gap(&self, pose_wb: &Pose, center_w: &Vector2<f64>) -> f64 {
+        self.contact(&pose_wb.inverse_transform_point(center_w)).gap
+    }
+
+    /// The pusher's true radius, in m.
+    pub fn pusher_radius(&self) -> f64 {
+        self.pusher_radius
+    }
+
+    /// How late the object's stream is against the robot's, in s.
+    pub fn latency(&self) -> f64 {
+        self.latency
+    }
 }
 
 /// The true outline and pusher of one step.

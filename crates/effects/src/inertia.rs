@@ -12,6 +12,8 @@ use crate::instant::{Instant, Rate};
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// Share of the time to rest that a free slide goes in one step.
 const SLIDE_SHARE: f64 = 0.125;
+/// A slide takes some seventy steps to rest.
+const MOST_SLIDES: usize = 10_000;
 /// Share of the first energy below which the rest of a slide is added in one piece.
 const REST_SHARE: f64 = 1e-4;
 
@@ -64,36 +66,41 @@ impl Forward<'_> {
     pub(crate) fn slid_with_inertia(&self, time: f64) -> Result<(Pose, Twist), EffectError> {
         let (mut pose, mut twist, mut left) = (self.pose_wo, self.twist_w, time);
         let (first, mut memory) = (self.energy(&twist), self.memory.clone());
-        while left > 0.0 {
+        for _ in 0..MOST_SLIDES {
+            if left <= 0.0 {
+                return Ok((pose, twist));
+            }
             let energy = self.energy(&twist);
             if energy <= f64::MIN_POSITIVE {
+                self.rest(&pose, &mut memory)?;
                 return Ok((pose, Twist::default()));
             }
-            let now = Instant::new(self.physics, self.step, &pose, self.time);
+            let now = Instant::new(self.physics, self.step, &pose, self.time)?;
             let (acceleration, power) = now.free_acceleration(&twist, &mut memory)?;
             // With constant forces the energy 2E/P more seconds would bring the object to rest.
             let until_rest = if power > 0.0 { 2.0 * energy / power } else { f64::INFINITY };
             if energy <= REST_SHARE * first && until_rest <= left {
                 pose = self.moved_center(&pose, &twist, 0.5 * until_rest);
+                self.rest(&pose, &mut memory)?;
                 return Ok((pose, Twist::default()));
             }
             let length = left.min(SLIDE_SHARE * until_rest);
             let middle = twist + 0.5 * length * acceleration;
             let half_way = self.moved_center(&pose, &twist, 0.5 * length);
-            let then = Instant::new(self.physics, self.step, &half_way, self.time);
+            let then = Instant::new(self.physics, self.step, &half_way, self.time)?;
             let (acceleration, _) = then.free_acceleration(&middle, &mut memory)?;
             pose = self.moved_center(&pose, &middle, length);
             twist = twist + length * acceleration;
             left -= length;
         }
-        Ok((pose, twist))
+        Err(EffectError::NotConverged { what: "the free slide", iterations: MOST_SLIDES })
     }
 
     /// An inelastic impact with Coulomb friction, if the pusher is faster than the object.
     fn meet_pusher(&mut self) -> Result<(), EffectError> {
         if self.closing_speed(&self.now, &self.pose_wo, &self.twist_w) > 0.0 {
             let contact = &self.now.contact;
-            let instant = Instant::new(self.physics, self.step, &self.pose_wo, self.time);
+            let instant = Instant::new(self.physics, self.step, &self.pose_wo, self.time)?;
             let point = self.acting_point(contact);
             let touch = instant.touch(contact, &point, &self.now.velocity_w);
             self.twist_w = instant.struck(&touch, &self.law, &self.twist_w)?;
@@ -111,7 +118,7 @@ impl Forward<'_> {
     ) -> Result<Option<(Rate, Meeting)>, EffectError> {
         let meeting = self.meet(time, pose);
         let point: Vector2<f64> = self.acting_point(&meeting.contact);
-        let instant = Instant::new(self.physics, self.step, pose, time);
+        let instant = Instant::new(self.physics, self.step, pose, time)?;
         let touch = instant.touch(&meeting.contact, &point, &meeting.velocity_w);
         let rate =
             instant.pushed_with_inertia(&touch, &self.law, length, target, &mut self.memory)?;

@@ -8,7 +8,9 @@ use planar::{Contact, Pose, Twist, cross, perpendicular};
 
 use crate::balance::{Answer, Balance, Touch, closed_form, is_sliding};
 use crate::effect::{Moment, Stage};
+use crate::error::positive;
 use crate::friction::{Friction, Local, ellipsoid, turning_ratio};
+use crate::holding::overload;
 use crate::points::Point;
 use crate::pressure::Pressure;
 use crate::{ContactLaw, EffectError, PushPhysics, StepInput, Support};
@@ -65,18 +67,24 @@ impl Memory {
     }
 }
 
+/// Speed below which squares of velocities may underflow, in m/s.
+const SLOWEST: f64 = 1e-60;
+/// Speed of an object that is about to rest, in m/s: below what any law of friction resolves.
+const SLOW: f64 = 1e-12;
+
 impl<'a> Instant<'a> {
     pub(crate) fn new(
         physics: &'a PushPhysics,
         step: &'a StepInput,
         pose_wo: &Pose,
         time: f64,
-    ) -> Self {
+    ) -> Result<Self, EffectError> {
         let moment = Moment { rig: physics.rig(), step, pose_wo: *pose_wo, time };
-        let support = physics.support(&moment);
+        let support = physics.support(&moment).checked()?;
         let center = step.object.centroid() + support.center_o;
         let nominal = physics.rig().nominal_force(step.object.mass());
         let f_max = nominal * (support.friction / physics.rig().support_friction());
+        positive("the largest force of friction with the table", f_max, "N")?;
         let external = if physics.acts_at(Stage::Load) {
             let load_w = physics.load(&moment);
             let force = pose_wo.inverse_rotate(&load_w.force);
@@ -85,7 +93,7 @@ impl<'a> Instant<'a> {
         } else {
             Vector3::zeros()
         };
-        Self { physics, step, pose_wo: *pose_wo, time, support, center, f_max, external }
+        Ok(Self { physics, step, pose_wo: *pose_wo, time, support, center, f_max, external })
     }
 
     /// A contact in the outline's frame, whose force acts at a point there, with a pusher that has a
@@ -108,24 +116,42 @@ impl<'a> Instant<'a> {
         law: &ContactLaw,
         memory: &mut Memory,
     ) -> Result<Rate, EffectError> {
-        self.refuse_sliding_by_itself()?;
+        self.refuse_sliding_by_itself(memory)?;
         if touch.approach() <= 0.0 {
             return Ok(self.rate(&Answer::AT_REST));
         }
+        let speed = touch.velocity.amax();
+        if speed < SLOWEST {
+            // The push scales with its speed.
+            let scale = 2.0 * SLOWEST / speed;
+            let faster = Touch { velocity: scale * touch.velocity, ..*touch };
+            let rate = self.pushed(&faster, law, memory)?;
+            return Ok(Rate { twist_w: 1.0 / scale * rate.twist_w, ..rate });
+        }
         let guess = self.guess(touch, law, memory)?;
-        let is_quadric = self.support.shape == 0.0 && self.physics.rig().given().is_none();
         let local = self.local(&guess.motion);
-        let is_closed = is_quadric
+        let is_closed = self.is_quadric()
             && law.static_ratio == 1.0
             && touch.acting == touch.point
             && self.external == Vector3::zeros();
         let answer = if is_closed && local.is_none() {
             closed_form(&self.ellipsoid(memory)?, touch, law)?
         } else {
-            self.balance(&self.friction(local, memory)?, None).touched(touch, law, &guess)?
+            let friction = self.friction(local, memory)?;
+            let found = self.balance(&friction, None).touched(touch, law, &guess);
+            found.map_err(|error| self.runaway(touch, memory).unwrap_or(error))?
         };
         memory.keep(self.time, answer);
         Ok(self.rate(&answer))
+    }
+
+    /// Why there is no push of an object that rests but slides by itself at the pusher's speed.
+    fn runaway(&self, touch: &Touch, memory: &mut Memory) -> Option<EffectError> {
+        if self.external == Vector3::zeros() {
+            return None;
+        }
+        let level = self.overload(touch.velocity.norm(), memory).ok()??;
+        Some(MechanicsError::SlidesByItself { level }.into())
     }
 
     /// The motion with inertia: friction, pusher and loads act for `duration`, in s, on an object
@@ -192,10 +218,11 @@ impl<'a> Instant<'a> {
         let local = self.local(&motion);
         let (load, _) = self.friction(local, memory)?.load(&motion)?;
         let net = self.f_max * (self.external - load);
-        let inverse = self.mass().try_inverse();
-        let inverse = inverse.expect("mass and moment of inertia are positive");
         let power = -net.dot(&motion);
-        Ok((self.to_twist(&(inverse * net), center), power))
+        let object = &self.step.object;
+        let torque = net.z - cross(&(center - self.center), &net.xy());
+        let linear = self.pose_wo.rotate(&(net.xy() / object.mass()));
+        Ok((Twist { linear, angular: torque / object.moment_of_inertia() }, power))
     }
 
     /// Where a search starts: at the moment before, else at the push on the ellipsoid.
@@ -274,27 +301,60 @@ impl<'a> Instant<'a> {
                 return Ok(*surface);
             }
         }
-        let object = &self.step.object;
-        let ratio = self.support.length_ratio * turning_ratio(object, &self.support);
-        let inverse = ellipsoid(&self.support, ratio * object.mean_distance());
+        let inverse = ellipsoid(&self.support, self.length());
         let surface = Ellipsoid::from_inverse(inverse)?;
         memory.ellipsoid = Some((self.support, surface));
         Ok(surface)
     }
 
-    /// A load that friction cannot hold has no quasi-static motion.
-    fn refuse_sliding_by_itself(&self) -> Result<(), EffectError> {
+    /// Refuses an object that must rest under a load which the friction in force cannot hold.
+    ///
+    /// # Errors
+    /// `SlidesByItself`.
+    pub(crate) fn refuse_sliding_by_itself(&self, memory: &mut Memory) -> Result<(), EffectError> {
         if self.external == Vector3::zeros() {
             return Ok(());
         }
-        let ratio = self.support.length_ratio * turning_ratio(&self.step.object, &self.support);
-        let inverse = ellipsoid(&self.support, ratio * self.step.object.mean_distance());
-        let matrix = inverse.try_inverse().expect("a positive definite matrix");
-        let level = self.external.dot(&(matrix * self.external)).sqrt();
-        if level < 1.0 {
-            return Ok(());
-        }
-        Err(MechanicsError::SlidesByItself { level }.into())
+        let level = if self.is_quadric() && !self.physics.acts_at(Stage::Local) {
+            let (wrench, normal) = self.external_and_normal();
+            let level = wrench.dot(&normal).sqrt();
+            (level >= 1.0).then_some(level)
+        } else {
+            self.overload(SLOW, memory)?
+        };
+        level.map_or(Ok(()), |level| Err(MechanicsError::SlidesByItself { level }.into()))
+    }
+
+    /// How far the external load is beyond the friction of motions of a speed, in m/s; none within.
+    fn overload(&self, speed: f64, memory: &mut Memory) -> Result<Option<f64>, EffectError> {
+        let length = self.length();
+        let (wrench, guess) = self.external_and_normal();
+        let motion = |t: &Vector3<f64>| speed * Vector3::new(t.x, t.y, t.z / length);
+        let friction = self.friction(self.local(&motion(&guess)), memory)?;
+        let load = |t: &Vector3<f64>| -> Result<Vector3<f64>, EffectError> {
+            let (load, _) = friction.load(&motion(t))?;
+            Ok(Vector3::new(load.x, load.y, load.z / length))
+        };
+        overload(load, &wrench, &guess)
+    }
+
+    /// The external load and the motion that it has on the ellipsoid, both with turns as lengths.
+    fn external_and_normal(&self) -> (Vector3<f64>, Vector3<f64>) {
+        let torque = self.external.z / self.length();
+        let force = self.external.xy();
+        let along = self.support.tensor_o.exp(-2.0) * force;
+        (Vector3::new(force.x, force.y, torque), Vector3::new(along.x, along.y, torque))
+    }
+
+    /// Whether friction is the ellipsoid, but for that of single points.
+    fn is_quadric(&self) -> bool {
+        self.support.shape == 0.0 && self.physics.rig().given().is_none()
+    }
+
+    /// c of the ellipsoid, in m.
+    fn length(&self) -> f64 {
+        let object = &self.step.object;
+        self.support.length_ratio * turning_ratio(object, &self.support) * object.mean_distance()
     }
 
     /// Mass matrix at the center of friction, axes of the outline.

@@ -10,6 +10,7 @@ mod error;
 mod forward;
 mod friction;
 mod geometry;
+mod holding;
 mod inertia;
 mod instant;
 mod object;
@@ -25,6 +26,7 @@ mod rig;
 mod setting;
 mod step_input;
 mod support;
+mod touch_time;
 mod track;
 
 pub use catalogue::{
@@ -38,7 +40,7 @@ pub use channels::{Channel, Channels};
 pub use contact_law::ContactLaw;
 pub use effect::{About, Effect, LookAlike, Moment, Sliding, Stage};
 pub use error::EffectError;
-pub use geometry::Geometry;
+pub use geometry::{Geometry, TrueOutline};
 pub use object::Object;
 pub use parameter::{Coordinate, Frame, Off, Parameter, Role};
 pub use push_physics::PushPhysics;

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use mechanics::{Ellipsoid, MechanicsError};
 use nalgebra::{Matrix2, Vector2};
-use planar::{Shape, cross};
+use planar::{Ellipse, Shape, cross};
 
 use crate::EffectError;
 use crate::error::{finite, positive};
@@ -159,38 +159,87 @@ const GAUSS: [(f64, f64); 4] = [
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
 
-/// Sixteen points on the triangle of the centroid and each edge, or on each eighth of an ellipse.
+/// Weight of the middle of a triangle in a symmetric rule of sixteen points, exact for polynomials up
+/// to degree 8.
+///
+/// # Source
+/// Dunavant (1985), High degree efficient symmetrical Gaussian quadrature rules for the triangle,
+/// Int. J. Numerical Methods in Engineering 21(6).
+const OF_MIDDLE: f64 = 0.144_315_607_677_787;
+/// The rule's other points by their first two barycentric coordinates, with their weights: each
+/// stands for all permutations of its three.
+const ORBITS: [(f64, f64, f64); 4] = [
+    (0.459_292_588_292_723, 0.459_292_588_292_723, 0.095_091_634_267_285),
+    (0.170_569_307_751_760, 0.170_569_307_751_760, 0.103_217_370_534_718),
+    (0.050_547_228_317_031, 0.050_547_228_317_031, 0.032_458_497_623_198),
+    (0.263_112_829_634_638, 0.008_394_777_409_958, 0.027_230_314_174_435),
+];
+
+/// Points with their shares of the area, from the centroid: sixteen on each quarter of an ellipse, on
+/// each triangle of a polygon's centroid and an edge, or, where those overlap, on each of the triangles
+/// that a polygon is cut into. All shares are positive.
 fn support_points(shape: &Shape, centroid: &Vector2<f64>) -> Vec<Point> {
     let area = shape.area();
-    let mut points = Vec::new();
-    // A square plate of the point's share of the area.
-    let mut add = |place, share: f64| {
-        points.push(Point { place, share, spin: (share * area / 12.0).sqrt() });
-    };
-    match shape {
+    let places = match shape {
+        Shape::Ellipse(ellipse) => in_ellipse(ellipse),
         Shape::Polygon(polygon) => {
-            for (a, b) in polygon.edges() {
-                let (a, b) = (a - centroid, b - centroid);
-                let share = cross(&a, &b) / area;
-                for (s, weight_s) in GAUSS {
-                    for (u, weight_u) in GAUSS {
-                        add(s * (a + u * (b - a)), weight_s * weight_u * s * share);
-                    }
-                }
+            let corners = || polygon.edges().map(|(a, b)| (a - centroid, b - centroid));
+            if corners().all(|(a, b)| cross(&a, &b) > 0.0) {
+                corners().flat_map(|(a, b)| in_fan(&a, &b, cross(&a, &b) / area)).collect()
+            } else {
+                let from_centroid = |corners: [_; 3]| corners.map(|corner| corner - centroid);
+                let triangles = polygon.triangles().into_iter().map(from_centroid);
+                triangles.flat_map(|triangle| in_triangle(&triangle, area)).collect()
             }
         }
-        Shape::Ellipse(ellipse) => {
-            const ANGLES: u32 = 16;
-            for (s, weight) in GAUSS {
-                for k in 0..ANGLES {
-                    let psi = std::f64::consts::TAU * (f64::from(k) + 0.5) / f64::from(ANGLES);
-                    let share = 2.0 * weight * s / f64::from(ANGLES);
-                    add(s * ellipse.at_parameter(psi), share);
-                }
-            }
+    };
+    // A square plate of the point's share of the area.
+    let point = |(place, share): (Vector2<f64>, f64)| Point {
+        place,
+        share,
+        spin: (share * area / 12.0).sqrt(),
+    };
+    places.into_iter().map(point).collect()
+}
+
+/// Sixteen places on the triangle of the origin and an edge; `share` is twice the triangle's.
+fn in_fan(a: &Vector2<f64>, b: &Vector2<f64>, share: f64) -> Vec<(Vector2<f64>, f64)> {
+    let along = |(s, weight_s): (f64, f64)| {
+        let place = move |u: f64| s * (a + u * (b - a));
+        GAUSS.map(|(u, weight_u)| (place(u), weight_s * weight_u * s * share))
+    };
+    GAUSS.into_iter().flat_map(along).collect()
+}
+
+/// Sixteen places on a triangle, with their shares of an area. They do not depend on which corner
+/// comes first.
+fn in_triangle([a, b, c]: &[Vector2<f64>; 3], area: f64) -> Vec<(Vector2<f64>, f64)> {
+    let share = 0.5 * cross(&(b - a), &(c - a)) / area;
+    let mut places = vec![((a + b + c) / 3.0, OF_MIDDLE * share)];
+    for (first, second, weight) in ORBITS {
+        let third = 1.0 - first - second;
+        let mut add = |x: f64, y: f64, z: f64| places.push((x * a + y * b + z * c, weight * share));
+        add(first, second, third);
+        add(second, third, first);
+        add(third, first, second);
+        if first != second {
+            add(second, first, third);
+            add(first, third, second);
+            add(third, second, first);
         }
     }
-    points
+    places
+}
+
+fn in_ellipse(ellipse: &Ellipse) -> Vec<(Vector2<f64>, f64)> {
+    const ANGLES: u32 = 16;
+    let ring = |(s, weight): (f64, f64)| {
+        (0..ANGLES).map(move |k| {
+            let psi = std::f64::consts::TAU * (f64::from(k) + 0.5) / f64::from(ANGLES);
+            (s * ellipse.at_parameter(psi), 2.0 * weight * s / f64::from(ANGLES))
+        })
+    };
+    GAUSS.into_iter().flat_map(ring).collect()
 }
 
 #[cfg(test)]
@@ -198,13 +247,29 @@ mod tests {
     use super::Object;
     use crate::EffectError;
     use nalgebra::Vector2;
-    use planar::{MIT_NAMES, Shape, mit_object};
+    use planar::{MIT_NAMES, Polygon, Shape, mit_object};
     use std::sync::Arc;
+
+    fn polygon(corners: &[(f64, f64)]) -> Shape {
+        let corners = corners.iter().map(|(x, y)| 1e-2 * Vector2::new(*x, *y)).collect();
+        Shape::Polygon(Polygon::new(corners).unwrap())
+    }
+
+    fn shapes() -> Vec<Shape> {
+        let l = [(0., 0.), (4., 0.), (4., 1.), (1., 1.), (1., 6.), (0., 6.)];
+        let u = [(0., 0.), (5., 0.), (5., 6.), (4., 6.), (4., 1.), (1., 1.), (1., 5.), (0., 5.)];
+        let bow = [(0., 0.), (3., 1.9), (6., 0.), (6., 4.), (3., 2.1), (0., 4.)];
+        let mut shapes: Vec<_> = MIT_NAMES.iter().map(|n| mit_object(n).unwrap().shape).collect();
+        shapes.extend([polygon(&l), polygon(&u), polygon(&bow)]);
+        shapes.push(Shape::rectangle(0.15, 0.015).unwrap());
+        shapes
+    }
 
     #[test]
     fn the_support_points_have_the_moments_of_the_area() {
-        for name in MIT_NAMES {
-            let shape = Arc::new(mit_object(name).unwrap().shape);
+        for shape in shapes() {
+            let name = format!("{shape:?}");
+            let shape = Arc::new(shape);
             let object = Object::uniform(shape.clone(), 0.8).unwrap();
             let total: f64 = object.points().iter().map(|point| point.share).sum();
             let first: Vector2<f64> =
@@ -216,6 +281,36 @@ mod tests {
                 (object.second_moment().trace() - polar).abs() < 1e-14 * polar.sqrt(),
                 "{name}"
             );
+            // The mean distance has a kink at the centroid: sums of points are near it.
+            let mean: f64 = object.points().iter().map(|p| p.share * p.place.norm()).sum();
+            assert!((mean / object.mean_distance() - 1.0).abs() < 2e-2, "{name} {mean}");
+        }
+    }
+
+    #[test]
+    fn every_support_point_bears_a_share_inside_the_outline() {
+        for shape in shapes() {
+            let object = Object::uniform(Arc::new(shape), 0.8).unwrap();
+            for point in object.points() {
+                assert!(point.share > 0.0 && point.spin > 0.0, "{:?} {point:?}", object.shape());
+                let place = object.centroid() + point.place;
+                assert!(object.shape().contains(&place), "{:?} {place}", object.shape());
+            }
+        }
+    }
+
+    #[test]
+    fn the_points_of_a_triangle_are_exact_to_degree_eight() {
+        // ∫ x^m y^n over the triangle (0, 0), (1, 0), (0, 1) is m! n!/(m + n + 2)!.
+        let corners = [Vector2::zeros(), Vector2::x(), Vector2::y()];
+        let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
+        for m in 0..=8 {
+            for n in 0..=8 - m {
+                let exact = factorial(m) * factorial(n) / factorial(m + n + 2);
+                let terms = super::in_triangle(&corners, 1.0).into_iter();
+                let sum: f64 = terms.map(|(r, share)| share * r.x.powi(m) * r.y.powi(n)).sum();
+                assert!((sum / exact - 1.0).abs() < 1e-12, "{m} {n}: {sum} {exact}");
+            }
         }
     }
 

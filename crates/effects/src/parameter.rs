@@ -53,6 +53,9 @@ pub enum Role {
     Direction(Frame),
     /// 0 or 1.
     Switch,
+    /// A share in a mixture, which neither changes: nothing is beyond the ends of its range, and an
+    /// estimate may be there.
+    Share,
 }
 
 /// To what a vector or an axis is fixed.
@@ -165,7 +168,7 @@ pub(crate) fn coordinates(parameters: &[Parameter], rig: &Rig) -> Vec<Coordinate
 /// From values as users write them to coordinates.
 pub(crate) fn to_coordinates(parameters: &[Parameter], values: &[f64]) -> Vec<f64> {
     let mut list = values.to_vec();
-    for index in axes(parameters) {
+    for index in axes(parameters, values.len()) {
         let (e, twice) = (0.5 * values[index].ln(), 2.0 * values[index + 1]);
         (list[index], list[index + 1]) = (e * twice.cos(), e * twice.sin());
     }
@@ -175,7 +178,7 @@ pub(crate) fn to_coordinates(parameters: &[Parameter], values: &[f64]) -> Vec<f6
 /// From coordinates to values; the direction is in [0, π), and 0 where the ratio is 1.
 pub(crate) fn from_coordinates(parameters: &[Parameter], coordinates: &[f64]) -> Vec<f64> {
     let mut list = coordinates.to_vec();
-    for index in axes(parameters) {
+    for index in axes(parameters, coordinates.len()) {
         let (cosine, sine) = (coordinates[index], coordinates[index + 1]);
         list[index] = (2.0 * cosine.hypot(sine)).exp();
         list[index + 1] = (0.5 * sine.atan2(cosine)).rem_euclid(std::f64::consts::PI);
@@ -183,7 +186,8 @@ pub(crate) fn from_coordinates(parameters: &[Parameter], coordinates: &[f64]) ->
     list
 }
 
-fn axes(parameters: &[Parameter]) -> impl Iterator<Item = usize> + '_ {
+/// Indices of ratios whose direction is among the first `n` numbers.
+fn axes(parameters: &[Parameter], n: usize) -> impl Iterator<Item = usize> + '_ {
     let is_axis = |index: &usize| matches!(parameters[*index].role, Role::Ratio(_));
-    (0..parameters.len()).filter(is_axis)
+    (0..parameters.len().min(n.saturating_sub(1))).filter(is_axis)
 }

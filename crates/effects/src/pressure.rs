@@ -40,7 +40,8 @@ impl Pressure {
     /// `NotConverged`.
     pub(crate) fn new(object: &Object, shift: &Vector2<f64>) -> Result<Self, EffectError> {
         let precision = object.second_moment().try_inverse();
-        let precision = precision.expect("an area has a positive second moment");
+        let failed = EffectError::NotConverged { what: "the pressure's center", iterations: 0 };
+        let precision = precision.ok_or(failed)?;
         let distance = shift.dot(&(precision * shift)).sqrt();
         let center = shift * (FARTHEST / distance.max(FARTHEST));
         let weights = weights(object.points(), &center)?;

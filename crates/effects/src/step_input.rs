@@ -72,7 +72,7 @@ impl StepInput {
         not_negative("the time since contact", self.since_contact, "s")?;
         finite("the push's place in the set", self.progress, "(share of the set)")?;
         if !self.track.is_usable() {
-            let (name, expected) = ("the track's duration", "positive, with finite places");
+            let (name, expected) = ("the track's duration", "at least 1e-200, with finite places");
             let value = self.track.duration();
             return Err(EffectError::InvalidValue { name, expected, value, unit: "s" });
         }

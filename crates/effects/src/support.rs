@@ -2,6 +2,9 @@
 
 use nalgebra::{Matrix2, Vector2};
 
+use crate::EffectError;
+use crate::error::positive;
+
 /// Gathered changes of the friction with the table: effects scale or add to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Support {
@@ -9,7 +12,8 @@ pub struct Support {
     pub friction: f64,
     /// Characteristic length over its nominal value.
     pub length_ratio: f64,
-    /// λ: 0 for the ellipsoid (or the given surface), 1 for the exact surface of uniform pressure.
+    /// λ, 0 to 1: 0 for the ellipsoid (or the given surface), 1 for the exact surface of uniform
+    /// pressure.
     pub shape: f64,
     /// Center of friction from its nominal place, in m, axes of the outline.
     pub center_o: Vector2<f64>,
@@ -21,6 +25,20 @@ impl Support {
     pub(crate) fn nominal(friction: f64, shape: f64) -> Self {
         let (center_o, tensor_o) = (Vector2::zeros(), LogTensor::default());
         Self { friction, length_ratio: 1.0, shape, center_o, tensor_o }
+    }
+
+    /// The same, if it is a support that there can be.
+    ///
+    /// # Errors
+    /// `InvalidValue`.
+    pub(crate) fn checked(self) -> Result<Self, EffectError> {
+        positive("the ratio of the characteristic lengths", self.length_ratio, "(dimensionless)")?;
+        if (0.0..=1.0).contains(&self.shape) {
+            return Ok(self);
+        }
+        let (name, expected) = ("the shape of the limit surface", "between 0 and 1");
+        let (value, unit) = (self.shape, "(dimensionless)");
+        Err(EffectError::InvalidValue { name, expected, value, unit })
     }
 }
 

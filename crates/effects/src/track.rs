@@ -26,6 +26,22 @@ enum Kind {
     Polyline(Arc<Polyline>),
 }
 
+/// Gauss–Legendre points and weights on 0 to 1: the speed of a constant acceleration along a line is
+/// exact, and one that turns back within two hundredths.
+const GAUSS: [(f64, f64); 8] = [
+    (0.019_855_071_751_231_856, 0.050_614_268_145_188_13),
+    (0.101_666_761_293_186_64, 0.111_190_517_226_687_23),
+    (0.237_233_795_041_835_5, 0.156_853_322_938_943_65),
+    (0.408_282_678_752_175_1, 0.181_341_891_689_181),
+    (0.591_717_321_247_825, 0.181_341_891_689_181),
+    (0.762_766_204_958_164_5, 0.156_853_322_938_943_65),
+    (0.898_333_238_706_813_4, 0.111_190_517_226_687_23),
+    (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
+];
+
+/// Shortest duration of a step, in s.
+const SHORTEST: f64 = 1e-200;
+
 impl Track {
     /// A straight way from `start` to `end` (m) at constant velocity in `duration` (s).
     pub fn straight(start: Vector2<f64>, end: Vector2<f64>, duration: f64) -> Self {
@@ -82,6 +98,29 @@ impl Track {
         (self.end - self.start) / self.duration
     }
 
+    /// Length of the path over the step, there and back counted twice, in m.
+    pub fn length(&self) -> f64 {
+        let speed = |velocity: Vector2<f64>| velocity.x.hypot(velocity.y);
+        match &self.kind {
+            Kind::Cubic { start_velocity, end_velocity } => {
+                let mean = self.mean_velocity();
+                if *start_velocity == mean && *end_velocity == mean {
+                    return self.duration * speed(mean);
+                }
+                let at = |share: f64| self.at(share * self.duration).1;
+                let shares = GAUSS.map(|(share, weight)| weight * speed(at(share)));
+                self.duration * shares.iter().sum::<f64>()
+            }
+            Kind::Polyline(line) => {
+                let starts = [0.0].into_iter().chain((0..).map(|piece| line.piece_end(piece)));
+                let piece = |(piece, start): (usize, f64)| {
+                    (line.piece_end(piece) - start) * speed(line.velocity(piece, start))
+                };
+                (0..line.n_pieces()).zip(starts).map(piece).sum()
+            }
+        }
+    }
+
     /// Position and velocity at a time, in m and m/s.
     pub fn at(&self, time: f64) -> (Vector2<f64>, Vector2<f64>) {
         let inside = time.clamp(0.0, self.duration);
@@ -98,14 +137,15 @@ impl Track {
         (position + (time - inside) * velocity, velocity)
     }
 
-    /// Whether every number is finite and the duration positive.
+    /// Whether every number is finite and the duration long enough to be divided.
     pub(crate) fn is_usable(&self) -> bool {
         let ends = self.start + self.end;
         let rates = match &self.kind {
             Kind::Cubic { start_velocity, end_velocity } => start_velocity + end_velocity,
             Kind::Polyline(_) => Vector2::zeros(),
         };
-        self.duration > 0.0 && (self.duration + ends.x + ends.y + rates.x + rates.y).is_finite()
+        self.duration >= SHORTEST
+            && (self.duration + ends.x + ends.y + rates.x + rates.y).is_finite()
     }
 
     fn hermite(
@@ -154,6 +194,23 @@ mod tests {
         let track = Track::accelerated(start, place(0.4), acceleration, 0.4);
         assert!((track.at(0.1).0 - place(0.1)).norm() < 1e-16);
         assert!((track.at(0.3).1 - velocity - 0.3 * acceleration).norm() < 1e-15);
+    }
+
+    #[test]
+    fn there_and_back_has_the_length_of_both_ways() {
+        let (start, way) = (Vector2::new(0.1, 0.2), Vector2::new(0.03, 0.04));
+        let straight = Track::straight(start, start + way, 0.3);
+        assert!((straight.length() - 0.05).abs() < 1e-17);
+        let faster = Track::accelerated(start, start + way, way, 0.3);
+        assert!((faster.length() - 0.05).abs() < 1e-16);
+        // At rest in the middle, 0.25 a T² away: both ways are 0.5 a T².
+        let back = Track::accelerated(start, start, way, 0.4);
+        let exact = 0.25 * 0.05 * 0.4 * 0.4;
+        assert!((back.length() / exact - 1.0).abs() < 2e-2, "{}", back.length());
+        let points = [(0.0, 0.0), (1.0, 0.05), (2.0, 0.0), (2.5, 0.01)];
+        let points = points.map(|(time, x)| (time, Vector2::new(x, 0.0)));
+        let line = Track::polyline(Arc::new(Polyline::new(&points).unwrap()));
+        assert!((line.length() - 0.11).abs() < 1e-16);
     }
 
     #[test]

@@ -2,8 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
-use effects::{Channels, Object, PushPhysics, Rig, StepInput, Surface, Track, by_id};
-use mechanics::{Ellipsoid, Patch, PointSet, Pusher, Slider, predict_under};
+use effects::{Channels, EffectError, Object, PushPhysics, Rig, StepInput, Surface, Track, by_id};
+use mechanics::predict_under;
+use mechanics::{Ellipsoid, LimitSurface, MechanicsError, Patch, PointSet, Pusher, Slider};
 use nalgebra::{Matrix4, Vector2, Vector4};
 use planar::{Pose, Shape, Twist, Wrench};
 use std::sync::Arc;
@@ -282,8 +283,90 @@ fn contact_of(step: &StepInput) -> planar::Contact {
     step.object.shape().contact(&center, step.pusher_radius)
 }
 
+/// A square whose mass is `lever` beside its middle, along y, and its step of a push at its left edge.
+fn unbalanced(lever: f64) -> (Arc<Object>, StepInput) {
+    let shape = Arc::new(Shape::square(SIDE).unwrap());
+    let object = Object::new(shape, MASS, 1.1e-3, Vector2::new(0.0, lever)).unwrap();
+    let object = Arc::new(object);
+    (object.clone(), StepInput { object, ..push(0.0, 1e-3) })
+}
+
+/// The tilt along x, in m/s², at which an unbalanced square slides by itself on a surface.
+fn largest_tilt(surface: &dyn LimitSurface, lever: f64) -> f64 {
+    let load = Wrench::from_force_at(&Vector2::new(MASS, 0.0), &Vector2::new(0.0, lever));
+    1.0 / surface.level(&load).unwrap()
+}
+
+#[test]
+fn what_slides_by_itself_is_decided_on_the_surface_in_force() {
+    // Tilts end at 2 m/s²: on a smooth table that is enough.
+    let (square, friction) = (Shape::square(SIDE).unwrap(), 0.1);
+    let load = friction * MASS * 9.81;
+    let ellipsoid = Ellipsoid::uniform(&square, load).unwrap();
+    let patch = Patch::uniform(&square, load).unwrap();
+    let on = |surface| PushPhysics::new(Rig::new(surface, FRICTION, friction).unwrap());
+    let tilted = |model: PushPhysics, tilt: f64, step: &StepInput| {
+        let tilted = model.with(by_id("table-tilt").unwrap(), &[tilt, 0.0]).unwrap();
+        tilted.predict(step)
+    };
+    let is_refused = |found: Result<Channels, EffectError>| match found {
+        Ok(_) => false,
+        Err(EffectError::Mechanics(MechanicsError::SlidesByItself { level })) => level >= 1.0,
+        Err(error) => panic!("{error}"),
+    };
+    let (mut apart, touching) = (0.0_f64, [true, false]);
+    for lever in [0.0, 0.015, 0.03, 0.04, -0.03] {
+        let (_, step) = unbalanced(lever);
+        let [on_ellipsoid, on_patch] =
+            [largest_tilt(&ellipsoid, lever), largest_tilt(&patch, lever)];
+        apart = apart.max((on_ellipsoid / on_patch - 1.0).abs());
+        let own = PointSet::sampling(&square, load, 900).unwrap();
+        let shape = by_id("limit-surface-shape").unwrap();
+        let given = |surface: Arc<dyn LimitSurface>| on(Surface::Given(surface));
+        let models = [
+            (on(Surface::Ellipsoid), on_ellipsoid, 1e-6),
+            (on(Surface::UniformPatch), on_patch, 1e-3),
+            (on(Surface::Ellipsoid).with(shape, &[1.0]).unwrap(), on_patch, 1e-3),
+            (given(Arc::new(patch.clone())), on_patch, 1e-6),
+            (given(Arc::new(own.clone())), largest_tilt(&own, lever), 1e-6),
+        ];
+        for (model, limit, tolerance) in models {
+            for touching in touching {
+                // The pusher leaves, so that the object has to rest.
+                let way = Vector2::new(-1e-3, 0.0);
+                let start = step.track.start();
+                let track = Track::straight(start, start + way, 0.05);
+                let step = StepInput { touching, track, ..step.clone() };
+                let at = |share: f64| tilted(model.clone(), share * limit, &step);
+                assert!(!is_refused(at(1.0 - tolerance)), "{model:?} {lever} {limit}");
+                assert!(is_refused(at(1.0 + tolerance)), "{model:?} {lever} {limit}");
+            }
+        }
+    }
+    // Between the two surfaces there are loads that only one of them holds.
+    assert!(apart > 0.05, "{apart}");
+}
+
+#[test]
+fn stiction_holds_what_sliding_friction_would_not() {
+    let start = push(0.0, 1e-3).track.start();
+    let track = Track::straight(start, start - Vector2::new(1e-3, 0.0), 0.05);
+    let rest = StepInput { track, ..push(0.0, 1e-3) };
+    let smooth = with("support-friction", &[0.1]);
+    let sticky = smooth.with(by_id("support-stiction").unwrap(), &[1.5, 0.005]).unwrap();
+    let tilted = |share: f64, step: &StepInput| {
+        let tilt = [share * 0.1 * 9.81, 0.0];
+        sticky.clone().with(by_id("table-tilt").unwrap(), &tilt).unwrap().predict(step)
+    };
+    assert!(tilted(1.5 - 1e-6, &rest).is_ok());
+    assert!(tilted(1.5 + 1e-6, &rest).unwrap_err().to_string().contains("slides without a push"));
+    // Uphill it can be pushed at a speed at which friction has faded.
+    let uphill = tilted(-1.2, &push(0.0, 4e-3)).unwrap();
+    near(uphill.force_normal, (1.0 + 1.2) * 0.1 * MASS * 9.81, 1e-6);
+}
+
 /// A rig on a surface of the user's, in the frame of the outline.
-fn given(surface: impl mechanics::LimitSurface + 'static) -> PushPhysics {
+fn given(surface: impl LimitSurface + 'static) -> PushPhysics {
     PushPhysics::new(rig(Surface::Given(Arc::new(surface))))
 }
 

@@ -113,6 +113,27 @@ pub enum GpError {
         /// Its gradient norm, in nats per log-parameter.
         gradient_norm: f64,
     },
+    /// Inputs that do not tell the slopes of a linear mean.
+    #[error(
+        "the {n_rows} rows do not tell the mean's slope along input {input} (from 0) from the \
+         constant and the slopes before it; give rows that differ in it otherwise, leave the input \
+         out, or take a constant mean"
+    )]
+    UndeterminedSlope {
+        /// The input, from zero.
+        input: usize,
+        /// Number of rows.
+        n_rows: usize,
+    },
+    /// A row without which the others do not tell the mean.
+    #[error(
+        "without row {row} (from 0) the others do not tell the learnt mean, so they do not predict it; \
+         give more rows, or a known mean"
+    )]
+    UndeterminedWithout {
+        /// The row, from zero.
+        row: usize,
+    },
     /// A linear mean of a process that learns constants only.
     #[error(
         "this process learns a constant mean only; add a `Linear` kernel, or learn the slopes first \
@@ -132,6 +153,15 @@ pub enum GpError {
         found: u32,
         /// Version that can be read.
         supported: u32,
+    },
+    /// A saved model without what its learnt mean leaves open.
+    #[error(
+        "the model was saved (format version {found}) without the uncertainty of its learnt mean, and \
+         its data are not with it; learn it again"
+    )]
+    NoMeanUncertainty {
+        /// Version in the model.
+        found: u32,
     },
     /// A matrix that is no covariance.
     #[error("the {what} is not symmetric, or negative along some direction")]

@@ -11,6 +11,7 @@ use faer::{Accum, Mat, Par};
 pub use self::bumps::{AveragedBumps, Bumps};
 use crate::checks::check_count;
 use crate::kernel::column;
+use crate::triangle::add_outer;
 use crate::vector::dot;
 use crate::{GaussianInput, GpError};
 
@@ -48,20 +49,27 @@ pub struct Averages {
 }
 
 /// A belief about a function f with independent parts: a mean m(x) = c + gᵀx + Σᵢ αᵢ φᵢ(x) and a
-/// variance v(x) = v₀ + Σᵣ ±|Fᵣ φ(x)|².
+/// variance v(x) = v₀ + Σᵣ ±|Fᵣ φ(x)|² + Σ d(x)², where each deviation d has the form of m.
 ///
 /// An exact Gaussian process, a sparse one, and one on random features all are of this form. With it
 /// the moments of f at an input that is Gaussian itself need no points and no linearisation.
 #[derive(Clone, Debug)]
 pub struct Expansion<B> {
     basis: B,
+    mean: Combination,
+    variance: f64,
+    roots: Vec<(f64, Mat<f64>)>,
+    deviations: Vec<Combination>,
+    /// Σᵣ ±FᵣᵀFᵣ + Σ w wᵀ over the weights of deviations; the lower triangle.
+    square: Mat<f64>,
+}
+
+/// c + gᵀx + Σᵢ wᵢ φᵢ(x).
+#[derive(Clone, Debug)]
+struct Combination {
     constant: f64,
     slopes: Vec<f64>,
     weights: Vec<f64>,
-    variance: f64,
-    roots: Vec<(f64, Mat<f64>)>,
-    /// Σᵣ ±FᵣᵀFᵣ.
-    square: Mat<f64>,
 }
 
 /// What independent functions f₁ … f_E are at one input that is Gaussian: no observation noise.
@@ -104,7 +112,29 @@ impl<B: Basis> Expansion<B> {
             let sum = square.as_mut();
             matmul(sum, Accum::Add, root.transpose(), root, *sign, Par::Seq);
         }
-        Ok(Self { basis, constant, slopes: slopes.to_vec(), weights, variance, roots, square })
+        let mean = Combination { constant, slopes: slopes.to_vec(), weights };
+        Ok(Self { basis, mean, variance, roots, deviations: Vec::new(), square })
+    }
+
+    /// The same with one more deviation d, c + gᵀx + Σᵢ wᵢ φᵢ(x).
+    ///
+    /// - `trend`: c, and g, one an input or none; - `weights`: w, N.
+    ///
+    /// # Errors
+    /// `ShapeMismatch` for slopes or weights that do not fit the basis.
+    pub fn with_deviation(
+        mut self,
+        trend: (f64, &[f64]),
+        weights: Vec<f64>,
+    ) -> Result<Self, GpError> {
+        let (constant, slopes) = trend;
+        if !slopes.is_empty() {
+            check_count("slopes of a deviation", self.basis.n_inputs(), slopes.len())?;
+        }
+        check_count("weights of a deviation", self.mean.weights.len(), weights.len())?;
+        add_outer(&mut self.square, &weights);
+        self.deviations.push(Combination { constant, slopes: slopes.to_vec(), weights });
+        Ok(self)
     }
 
     /// The number of inputs D.
@@ -133,8 +163,8 @@ impl<B: Basis> Expansion<B> {
         }
         let known: Vec<B::Averaged> = all.iter().map(|one| one.basis.averaged(input)).collect();
         let sums: Vec<Vec<f64>> =
-            all.iter().zip(&known).map(|(one, known)| one.mean_slopes(known.as_ref(), d)).collect();
-        let mean = all.iter().zip(&known).map(|(one, known)| one.mean(known.as_ref(), input));
+            all.iter().zip(&known).map(|(one, known)| one.mean.slopes(known.as_ref(), d)).collect();
+        let mean = all.iter().zip(&known).map(|(one, known)| one.mean.value(known.as_ref(), input));
         let mut outputs = UncertainOutputs {
             mean: mean.collect(),
             variance: vec![0.0; n],
@@ -143,7 +173,7 @@ impl<B: Basis> Expansion<B> {
         };
         for a in 0..n {
             for b in 0..=a {
-                let trends = all[a].with_trends(all[b], [&sums[a], &sums[b]], input);
+                let trends = all[a].mean.with_trends(&all[b].mean, [&sums[a], &sums[b]], input);
                 let value = if a == b {
                     let (of_mean, of_variance) = all[a].own_covariance(&known[a], input);
                     outputs.variance[a] = of_variance;
@@ -159,28 +189,6 @@ impl<B: Basis> Expansion<B> {
         Ok(outputs)
     }
 
-    fn mean(&self, known: &Averages, input: &GaussianInput) -> f64 {
-        let trend: f64 = self.slopes.iter().zip(input.mean()).map(|(g, x)| g * x).sum();
-        self.constant + trend + dot(&self.weights, &known.values)
-    }
-
-    /// g + Σᵢ αᵢ E ∂φᵢ/∂x.
-    fn mean_slopes(&self, known: &Averages, d: usize) -> Vec<f64> {
-        let of_trend = |k: usize| self.slopes.get(k).copied().unwrap_or(0.0);
-        (0..d).map(|k| of_trend(k) + dot(column(&known.slopes, k), &self.weights)).collect()
-    }
-
-    /// What trends add to cov(m_a, m_b): by Stein's lemma cov(x, m) = S E ∂m/∂x.
-    fn with_trends(&self, other: &Self, sums: [&[f64]; 2], input: &GaussianInput) -> f64 {
-        let s = input.covariance();
-        let product = |a: &[f64], b: &[f64]| -> f64 {
-            let row = |i: usize| b.iter().enumerate().map(|(j, b)| s[(i, j)] * b).sum::<f64>();
-            a.iter().enumerate().map(|(i, a)| a * row(i)).sum()
-        };
-        let (own, others) = (&self.slopes, &other.slopes);
-        product(own, sums[1]) + product(sums[0], others) - product(own, others)
-    }
-
     /// Σᵢⱼ αᵢ cov(φᵢ, ψⱼ) βⱼ.
     fn covariance(
         &self,
@@ -191,7 +199,7 @@ impl<B: Basis> Expansion<B> {
     ) -> f64 {
         let mut sum = 0.0;
         B::covariances(known, others, input, false, |j, column| {
-            sum += other.weights[j] * dot(&self.weights, column);
+            sum += other.mean.weights[j] * dot(&self.mean.weights, column);
         });
         sum
     }
@@ -200,10 +208,10 @@ impl<B: Basis> Expansion<B> {
     /// Σᵢⱼ (Σᵣ ±FᵣᵀFᵣ)ᵢⱼ cov(φᵢ, φⱼ).
     fn own_covariance(&self, known: &B::Averaged, input: &GaussianInput) -> (f64, f64) {
         let (mut of_mean, mut of_variance) = (0.0, 0.0);
+        let weights = &self.mean.weights;
         B::covariances(known, known, input, true, |j, below| {
             let (own, rest) = (below[0], &below[1..]);
-            let weights = &self.weights[j + 1..];
-            of_mean += self.weights[j] * (self.weights[j] * own + 2.0 * dot(weights, rest));
+            of_mean += weights[j] * (weights[j] * own + 2.0 * dot(&weights[j + 1..], rest));
             let square = &column(&self.square, j)[j..];
             of_variance += square[0] * own + 2.0 * dot(&square[1..], rest);
         });
@@ -215,6 +223,38 @@ impl<B: Basis> Expansion<B> {
             sign * dot(&image, &image)
         });
         let at_average = self.variance + at_average.sum::<f64>();
-        (of_mean, (at_average + of_variance).max(0.0))
+        // The variance of a deviation's weighted sum is in the square.
+        let of_deviations = self.deviations.iter().map(|one| {
+            let sums = one.slopes(known.as_ref(), input.n_inputs());
+            let value = one.value(known.as_ref(), input);
+            value * value + one.with_trends(one, [&sums, &sums], input)
+        });
+        let total = at_average + of_deviations.sum::<f64>() + of_variance;
+        (of_mean, total.max(0.0))
+    }
+}
+
+impl Combination {
+    /// Its expectation.
+    fn value(&self, known: &Averages, input: &GaussianInput) -> f64 {
+        let trend: f64 = self.slopes.iter().zip(input.mean()).map(|(g, x)| g * x).sum();
+        self.constant + trend + dot(&self.weights, &known.values)
+    }
+
+    /// g + Σᵢ wᵢ E ∂φᵢ/∂x.
+    fn slopes(&self, known: &Averages, d: usize) -> Vec<f64> {
+        let of_trend = |k: usize| self.slopes.get(k).copied().unwrap_or(0.0);
+        (0..d).map(|k| of_trend(k) + dot(column(&known.slopes, k), &self.weights)).collect()
+    }
+
+    /// What trends add to a covariance of two: by Stein's lemma cov(x, m) = S E ∂m/∂x.
+    fn with_trends(&self, other: &Self, sums: [&[f64]; 2], input: &GaussianInput) -> f64 {
+        let s = input.covariance();
+        let product = |a: &[f64], b: &[f64]| -> f64 {
+            let row = |i: usize| b.iter().enumerate().map(|(j, b)| s[(i, j)] * b).sum::<f64>();
+            a.iter().enumerate().map(|(i, a)| a * row(i)).sum()
+        };
+        let (own, others) = (&self.slopes, &other.slopes);
+        product(own, sums[1]) + product(sums[0], others) - product(own, others)
     }
 }

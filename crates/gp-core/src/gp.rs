@@ -8,11 +8,12 @@ use faer::{Accum, Mat, MatRef, Par};
 use crate::checks::{
     check_count, check_distinct_rows, check_inputs, check_outputs, check_positive,
 };
-use crate::cholesky::{Cholesky, solve_with};
-use crate::kernel::{column_mut, column_of, copy_row, fill_cross, fill_lower_gram, mirror_lower};
+use crate::cholesky::Cholesky;
+use crate::kernel::{column_mut, column_of, fill_cross, fill_lower_gram, mirror_lower};
 use crate::likelihood::{COVARIANCE, Evaluator, Likelihood};
-use crate::mean::{Residual, Trend};
+use crate::mean::{Deviation, Residual, Trend};
 use crate::noise::Noise;
+use crate::triangle::add_outer;
 use crate::vector::{add_multiple, add_square};
 use crate::workspace::{PredictBlock, mean_in_blocks, predict_blocks_into, predict_in_blocks};
 use crate::{GpError, JointGaussian, Kernel, LeaveOneOut, Mean, Posterior, Workspace};
@@ -20,13 +21,16 @@ use crate::{GpError, JointGaussian, Kernel, LeaveOneOut, Mean, Posterior, Worksp
 /// A Gaussian process conditioned on data: y = f(x) + noise, f ~ GP(m, k), noise ~ N(0, σₙ²).
 ///
 /// - f mean: m* + k*ᵀ (K + σₙ² I)⁻¹ (y − m), in O(N) an input.
-/// - f variance: k** − k*ᵀ (K + σₙ² I)⁻¹ k*, in O(N²) an input.
+/// - f variance: k** − k*ᵀ (K + σₙ² I)⁻¹ k* + rᵀ (Hᵀ(K + σₙ² I)⁻¹H)⁻¹ r, in O(N²) an input.
 ///
-/// Hyperparameters, the mean m among them, are taken as known: their own uncertainty is not part
-/// of the variance, which therefore never exceeds the prior's.
+/// The last term, with r = h* − Hᵀ(K + σₙ² I)⁻¹ k*, is what the data leave open of a learnt mean hᵀβ
+/// (see [`Mean`]): far from them the variance is larger than the prior's, and grows without end with a
+/// linear mean. About a known mean it never exceeds the prior's. The hyperparameters of kernel and
+/// noise are taken as known.
 ///
 /// # Source
-/// Rasmussen & Williams, Gaussian Processes for Machine Learning (2006), ch. 2; the thesis, eq. 3.10.
+/// Rasmussen & Williams, Gaussian Processes for Machine Learning (2006), ch. 2, eq. 2.42; the thesis,
+/// eq. 3.10.
 #[derive(Clone, Debug)]
 pub struct Gp {
     kernel: Arc<dyn Kernel>,
@@ -36,7 +40,8 @@ pub struct Gp {
     /// Known noise of each row beside the common one; empty if there is none.
     pub(crate) row_noise: Vec<f64>,
     mean: Mean,
-    trend: Trend,
+    pub(crate) trend: Trend,
+    pub(crate) deviations: Vec<Deviation>,
     pub(crate) cholesky: Arc<Cholesky>,
     pub(crate) weights: Vec<f64>,
     log_marginal_likelihood: f64,
@@ -64,7 +69,7 @@ impl Gp {
     /// As `fit`, with a choice of the mean.
     ///
     /// # Errors
-    /// As `fit`.
+    /// As `fit`; `UndeterminedSlope` if the rows do not tell the slopes of a linear mean.
     pub fn fit_with_mean(
         kernel: impl Kernel + 'static,
         x: MatRef<'_, f64>,
@@ -115,7 +120,7 @@ impl Gp {
             matrix[(i, i)] += noise.of_row(i);
         }
         let cholesky = Cholesky::new(COVARIANCE, matrix)?;
-        let Residual { trend, weights, log_likelihood } =
+        let Residual { trend, deviations, weights, log_likelihood } =
             Residual::solve(cholesky.factor(), x.as_ref(), y, mean)?;
         Ok(Self {
             kernel,
@@ -125,6 +130,7 @@ impl Gp {
             row_noise: noise.of_rows.to_vec(),
             mean,
             trend,
+            deviations,
             cholesky: Arc::new(cholesky),
             weights,
             log_marginal_likelihood: log_likelihood,
@@ -149,6 +155,7 @@ impl Gp {
     pub(crate) fn solve(&mut self) -> Result<(), GpError> {
         let residual = Residual::solve(self.cholesky.factor(), self.inputs(), &self.y, self.mean)?;
         self.trend = residual.trend;
+        self.deviations = residual.deviations;
         self.weights = residual.weights;
         self.log_marginal_likelihood = residual.log_likelihood;
         Ok(())
@@ -196,7 +203,9 @@ impl Gp {
 
     /// ln p(y | X), the log density of the outputs in the user's units, in nats.
     ///
-    /// Outputs in a unit s times smaller lower it by N ln s (the Jacobian of that change).
+    /// With P learnt coefficients of the mean it is the density of the N − P combinations of outputs
+    /// that the mean does not touch, so that it compares kernels, and no means with each other.
+    /// Outputs in a unit s times smaller lower it by (N − P) ln s (the Jacobian of that change).
     pub fn log_marginal_likelihood(&self) -> f64 {
         self.log_marginal_likelihood
     }
@@ -223,63 +232,34 @@ impl Gp {
     }
 
     /// The prediction of every training row from all the others, in closed form; O(N³).
-    pub fn leave_one_out(&self) -> LeaveOneOut {
-        LeaveOneOut::new(&self.y, &self.weights, &self.cholesky.inverse_diagonal())
-    }
-
-    /// The gradient of the posterior mean by the inputs, M×D, one row an input.
     ///
     /// # Errors
-    /// `Empty`, `ShapeMismatch` or `NotFinite` if `x_star` is not a finite M×D matrix.
-    pub fn mean_gradient(&self, x_star: MatRef<'_, f64>) -> Result<Mat<f64>, GpError> {
-        check_inputs("inputs", x_star, self.n_inputs())?;
-        let n_inputs = self.n_inputs();
-        let (mut a, mut b) = (vec![0.0; n_inputs], vec![0.0; n_inputs]);
-        let mut slope = vec![0.0; n_inputs];
-        let mut gradient = Mat::zeros(x_star.nrows(), n_inputs);
-        for i in 0..x_star.nrows() {
-            copy_row(x_star, i, &mut a);
-            for (j, weight) in self.weights.iter().enumerate() {
-                copy_row(self.inputs(), j, &mut b);
-                self.kernel.input_gradient(&a, &b, &mut slope);
-                for (d, slope) in slope.iter().enumerate() {
-                    gradient[(i, d)] += weight * slope;
-                }
-            }
-            for (d, slope) in self.mean_slopes().iter().enumerate() {
-                gradient[(i, d)] += slope;
-            }
+    /// `UndeterminedWithout` where a learnt mean is not determined without some row.
+    pub fn leave_one_out(&self) -> Result<LeaveOneOut, GpError> {
+        let whole = self.cholesky.inverse_diagonal();
+        let mut diagonal = whole.clone();
+        for deviation in &self.deviations {
+            diagonal
+                .iter_mut()
+                .zip(&deviation.weights)
+                .for_each(|(p, weight)| *p -= weight * weight);
         }
-        Ok(gradient)
+        let rounding = 8.0 * self.y.len() as f64 * f64::EPSILON;
+        match (0..whole.len()).find(|&i| diagonal[i] <= rounding * whole[i]) {
+            Some(row) => Err(GpError::UndeterminedWithout { row }),
+            None => Ok(LeaveOneOut::new(&self.y, &self.weights, &diagonal)),
+        }
     }
 
-    /// The gradient of the posterior variance of f by the inputs, M×D, one row an input; O(N²) each.
-    ///
-    /// ∂k**/∂x − 2 (∂k*/∂x)ᵀ (K + σₙ² I)⁻¹ k*.
-    ///
-    /// # Errors
-    /// `Empty`, `ShapeMismatch` or `NotFinite` if `x_star` is not a finite M×D matrix.
-    pub fn variance_gradient(&self, x_star: MatRef<'_, f64>) -> Result<Mat<f64>, GpError> {
-        check_inputs("inputs", x_star, self.n_inputs())?;
-        let n_inputs = self.n_inputs();
-        let (mut a, mut slope) = (vec![0.0; n_inputs], vec![0.0; n_inputs]);
-        let mut values = vec![0.0; self.y.len()];
-        let mut gradient = Mat::zeros(x_star.nrows(), n_inputs);
-        for i in 0..x_star.nrows() {
-            copy_row(x_star, i, &mut a);
-            self.kernel.column(self.inputs(), &a, &mut values);
-            let mut weights = values.clone();
-            solve_with(self.cholesky.factor(), &mut weights);
-            self.kernel.input_gradient(&a, &a, &mut slope);
-            let mut explained = vec![0.0; n_inputs];
-            let of_input = &mut explained;
-            self.kernel.column_gradient(self.inputs(), &a, &values, &weights, &mut [], of_input);
-            for (d, (slope, explained)) in slope.iter().zip(&explained).enumerate() {
-                // k(x, x) moves with both of its arguments.
-                gradient[(i, d)] = 2.0 * (slope - explained);
-            }
-        }
-        Ok(gradient)
+    /// A trend and a weighted sum of the kernel's columns, at each row.
+    pub(crate) fn values(
+        &self,
+        trend: &Trend,
+        weights: &[f64],
+        x_star: MatRef<'_, f64>,
+    ) -> Result<Vec<f64>, GpError> {
+        let known = (self.inputs(), weights);
+        mean_in_blocks(&*self.kernel, x_star, known, |rows, values| trend.fill(rows, values))
     }
 }
 
@@ -289,8 +269,7 @@ impl Posterior for Gp {
     }
 
     fn predict_mean(&self, x_star: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {
-        let known = (self.inputs(), &*self.weights);
-        mean_in_blocks(&*self.kernel, x_star, known, |rows, mean| self.trend.fill(rows, mean))
+        self.values(&self.trend, &self.weights, x_star)
     }
 
     fn predict(&self, x_star: MatRef<'_, f64>) -> Result<(Vec<f64>, Vec<f64>), GpError> {
@@ -319,6 +298,9 @@ impl Posterior for Gp {
             let diagonal = &mut column_mut(&mut covariance, j)[j];
             *diagonal = diagonal.max(0.0);
         }
+        for Deviation { trend, weights } in &self.deviations {
+            add_outer(&mut covariance, &self.values(trend, weights, x_star)?);
+        }
         mirror_lower(&mut covariance);
         JointGaussian::new(mean, covariance)
     }
@@ -340,11 +322,19 @@ impl PredictBlock for Gp {
         variance: &mut [f64],
     ) {
         let n = self.y.len();
-        let (mut cross, _) = workspace.matrices(x_star.nrows(), n);
+        let (mut cross, mut moved) = workspace.matrices(x_star.nrows(), n);
         fill_cross(&*self.kernel, x_star, self.inputs(), cross.as_mut());
         self.trend.fill(x_star, mean);
         for (j, weight) in self.weights.iter().enumerate() {
             add_multiple(mean, *weight, column_of(cross.as_mut(), j));
+        }
+        // There are no more learnt coefficients than rows of data.
+        for (c, Deviation { trend, weights }) in self.deviations.iter().enumerate() {
+            let moved = column_of(moved.as_mut(), c);
+            trend.fill(x_star, moved);
+            for (j, weight) in weights.iter().enumerate() {
+                add_multiple(moved, *weight, column_of(cross.as_mut(), j));
+            }
         }
         self.cholesky.solve_rows(cross.as_mut());
         self.kernel.diagonal(x_star, variance);
@@ -353,5 +343,8 @@ impl PredictBlock for Gp {
         }
         // Rounding alone can make the difference of two nearly equal variances negative.
         variance.iter_mut().for_each(|variance| *variance = variance.max(0.0));
+        for c in 0..self.deviations.len() {
+            add_square(variance, 1.0, column_of(moved.as_mut(), c));
+        }
     }
 }

@@ -40,20 +40,24 @@ impl Gp {
     ///
     /// # Errors
     /// `OutOfRange` if there is no such row; `TooFewRows` if it is the only one;
-    /// `NotPositiveDefinite` if the others do not tell the slopes of a linear mean.
+    /// `UndeterminedSlope` if the others do not tell the slopes of a linear mean. The process is left
+    /// as it was.
     pub fn remove_row(&mut self, index: usize) -> Result<(), GpError> {
         let n = self.y.len();
         check_range("row", index as f64, 0.0, n as f64 - 1.0)?;
         if n == 1 {
             return Err(GpError::TooFewRows { needed: 2, actual: 1 });
         }
-        self.cholesky = Arc::new(self.cholesky.without_row(index));
+        let mut rest = self.clone();
+        rest.cholesky = Arc::new(self.cholesky.without_row(index));
         let entry = |i: usize, j: usize| self.x[(i + usize::from(i >= index), j)];
-        self.x = Arc::new(Mat::from_fn(n - 1, self.x.ncols(), entry));
-        self.y.remove(index);
-        if !self.row_noise.is_empty() {
-            self.row_noise.remove(index);
+        rest.x = Arc::new(Mat::from_fn(n - 1, self.x.ncols(), entry));
+        rest.y.remove(index);
+        if !rest.row_noise.is_empty() {
+            rest.row_noise.remove(index);
         }
-        self.solve()
+        rest.solve()?;
+        *self = rest;
+        Ok(())
     }
 }

@@ -10,8 +10,10 @@ use serde::{Deserialize, Serialize};
 use crate::checks::{check_count, check_inputs, check_outputs, check_positive};
 use crate::cholesky::Cholesky;
 use crate::kernel::{column, copy_row, fill_cross, fill_lower_gram, mirror_lower};
+use crate::mean::Deviation;
 use crate::noise_bound::{NoiseBound, NoisePoint, beta};
-use crate::vector::dot;
+use crate::triangle::add_outer;
+use crate::vector::{add_square, dot};
 use crate::{GpError, JointGaussian, Kernel, KernelSpec, Mean, Posterior};
 
 /// y = f(x) + ε with ε ~ N(0, e^g(x)), f ~ GP(m, k_f) and g ~ GP(μ₀, k_g), conditioned on data.
@@ -30,6 +32,7 @@ pub struct HeteroscedasticGp {
     y: Vec<f64>,
     mean: Mean,
     constant: f64,
+    deviations: Vec<Deviation>,
     log_noise_mean: f64,
     precisions: Vec<f64>,
     weights: Vec<f64>,
@@ -88,7 +91,7 @@ impl HeteroscedasticGp {
         };
         let value = bound.value(&point)?;
         check_outputs("bound", &[value], 1)?;
-        let (constant, weights) = (bound.constant, bound.weights);
+        let (constant, weights, deviations) = (bound.constant, bound.weights, bound.deviations);
         let cholesky = Cholesky::from_factor(bound.factor);
         let noise_cholesky = Cholesky::from_factor(bound.noise_factor);
         Ok(Self {
@@ -98,6 +101,7 @@ impl HeteroscedasticGp {
             noise_kernel,
             mean,
             constant,
+            deviations,
             log_noise_mean,
             precisions,
             weights,
@@ -146,6 +150,7 @@ impl HeteroscedasticGp {
             kernel: &*self.noise_kernel,
             x: self.x.as_ref(),
             constant: self.log_noise_mean,
+            deviations: &[],
             weights: &beta,
             scales: Some(&scales),
             cholesky: &self.noise_cholesky,
@@ -158,6 +163,7 @@ impl HeteroscedasticGp {
             kernel: &*self.kernel,
             x: self.x.as_ref(),
             constant: self.constant,
+            deviations: &self.deviations,
             weights: &self.weights,
             scales: None,
             cholesky: &self.cholesky,
@@ -250,6 +256,7 @@ impl Posterior for HeteroscedasticGp {
         let mean = self.predict_mean(x_star)?;
         let mut cross = Mat::zeros(self.y.len(), x_star.nrows());
         fill_cross(&*self.kernel, self.x.as_ref(), x_star, cross.as_mut());
+        let moved = moved(&self.deviations, &cross, x_star);
         self.cholesky.solve_lower(cross.as_mut());
         let mut covariance = Mat::zeros(x_star.nrows(), x_star.nrows());
         fill_lower_gram(&*self.kernel, x_star, &mut covariance);
@@ -257,6 +264,7 @@ impl Posterior for HeteroscedasticGp {
         for j in 0..covariance.ncols() {
             covariance[(j, j)] = covariance[(j, j)].max(0.0);
         }
+        moved.iter().for_each(|moved| add_outer(&mut covariance, moved));
         mirror_lower(&mut covariance);
         JointGaussian::new(mean, covariance)
     }
@@ -272,6 +280,7 @@ struct Belief<'a> {
     kernel: &'a dyn Kernel,
     x: MatRef<'a, f64>,
     constant: f64,
+    deviations: &'a [Deviation],
     weights: &'a [f64],
     /// What multiplies the rows of k(X, x*) before the factor divides them; 1 if there are none.
     scales: Option<&'a [f64]>,
@@ -298,6 +307,7 @@ impl Belief<'_> {
         for (j, mean) in mean.iter_mut().enumerate() {
             *mean = self.constant + dot(column(&cross, j), self.weights);
         }
+        let moved = moved(self.deviations, &cross, x_star);
         if let Some(scales) = self.scales {
             for j in 0..cross.ncols() {
                 let values = crate::kernel::column_mut(&mut cross, j);
@@ -311,7 +321,21 @@ impl Belief<'_> {
             // Rounding alone can make the difference of two nearly equal variances negative.
             *variance = (*variance - explained).max(0.0);
         }
+        moved.iter().for_each(|moved| add_square(variance, 1.0, moved));
     }
+}
+
+/// The deviations of the mean at each row, from k(X, X*).
+fn moved(deviations: &[Deviation], cross: &Mat<f64>, x_star: MatRef<'_, f64>) -> Vec<Vec<f64>> {
+    let at_rows = |Deviation { trend, weights }: &Deviation| {
+        let mut moved = vec![0.0; x_star.nrows()];
+        trend.fill(x_star, &mut moved);
+        for (j, moved) in moved.iter_mut().enumerate() {
+            *moved += dot(column(cross, j), weights);
+        }
+        moved
+    };
+    deviations.iter().map(at_rows).collect()
 }
 
 /// Inputs predicted together; the results do not depend on who computes which block.

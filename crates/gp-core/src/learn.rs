@@ -96,7 +96,9 @@ pub struct StartReport {
 }
 
 impl Gp {
-    /// Learns all kernel parameters and the noise variance by maximising ln p(y | X).
+    /// Learns all kernel parameters and the noise variance by maximising ln p(y | X), in which a learnt
+    /// mean is integrated out: unlike at its most likely value, noise is not underestimated where there
+    /// are few rows for the coefficients.
     ///
     /// `kernel` gives the family, and the start of periods and of parameters without unit; starts
     /// of lengthscales (√D times the spread of the input) and variances come from the data.
@@ -107,7 +109,8 @@ impl Gp {
     /// The starts run in parallel; the result does not depend on the number of threads.
     ///
     /// # Errors
-    /// As `fit`; `TooFewRows` below two rows, `ConstantOutputs`, `NotConverged`.
+    /// As `fit`; `TooFewRows` below two rows, or one more than learnt coefficients of the mean;
+    /// `ConstantOutputs`, `NotConverged`.
     ///
     /// # Source
     /// Rasmussen & Williams, Gaussian Processes for Machine Learning (2006), ch. 5; the thesis,
@@ -228,8 +231,9 @@ pub fn check_learnable(
         check_positive("scale_sd of the prior", scale_sd)?;
     }
     options.mean.check()?;
-    if y.len() < 2 {
-        return Err(GpError::TooFewRows { needed: 2, actual: y.len() });
+    let needed = 2.max(1 + options.mean.n_coefficients(x.ncols()));
+    if y.len() < needed {
+        return Err(GpError::TooFewRows { needed, actual: y.len() });
     }
     if y.iter().all(|value| *value == y[0]) {
         return Err(GpError::ConstantOutputs { value: y[0], n_rows: y.len() });

@@ -4,11 +4,13 @@ use std::f64::consts::PI;
 
 /// The prediction of every training observation from all the others.
 ///
-/// mean_i = y_i − α_i / K⁻¹ᵢᵢ and variance_i = 1 / K⁻¹ᵢᵢ, with α = K⁻¹(y − m). Hyperparameters and
-/// the constant mean m stay as they were with all rows.
+/// mean_i = y_i − α_i / Pᵢᵢ and variance_i = 1 / Pᵢᵢ, with α = K⁻¹(y − m), and P = K⁻¹ of a known mean,
+/// K⁻¹ − K⁻¹H(HᵀK⁻¹H)⁻¹HᵀK⁻¹ of a learnt one, which is learnt from the others too. Hyperparameters stay
+/// as they were with all rows.
 ///
 /// # Source
-/// Rasmussen & Williams, Gaussian Processes for Machine Learning (2006), ch. 5.
+/// Rasmussen & Williams, Gaussian Processes for Machine Learning (2006), ch. 5; Dubrule, Cross
+/// validation of kriging in a unique neighborhood (1983).
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeaveOneOut {
     /// Predicted mean of each output.

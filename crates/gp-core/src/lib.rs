@@ -9,6 +9,7 @@ mod error;
 mod expansion;
 mod gaussian_input;
 mod gp;
+mod gp_gradients;
 mod gp_rows;
 mod heteroscedastic;
 mod joint_gaussian;

@@ -5,7 +5,7 @@ use rayon::prelude::{IndexedParallelIterator, ParallelIterator};
 
 use crate::cholesky::{factorize, invert};
 use crate::kernel::{COLUMNS, column, column_of, copy_row, fill_lower_gram};
-use crate::mean::Residual;
+use crate::mean::{Deviation, Residual};
 use crate::noise::Noise;
 use crate::triangle::scratch_rows;
 use crate::{GpError, Kernel, Mean};
@@ -14,9 +14,9 @@ pub(crate) const COVARIANCE: &str = "covariance of the observations";
 
 /// ln p(y | X, θ) for one data set and many θ; owns the matrices so that they are allocated once.
 ///
-/// ln p = −½ rᵀ K⁻¹ r − ½ ln |K| − ½ N ln 2π, K = K(X, X) + σₙ² I, r = y − m.
-/// A learnt mean stands at its maximum-likelihood value, where the likelihood is stationary in its
-/// coefficients, so that the gradient in θ needs no further term.
+/// ln p = −½ rᵀ K⁻¹ r − ½ ln |K| − ½ N ln 2π, K = K(X, X) + σₙ² I, r = y − m. A learnt mean is
+/// integrated out (see [`Residual::solve`]), after which P = K⁻¹ − Σ w wᵀ over its deviations stands
+/// wherever the inverse stood.
 ///
 /// # Source
 /// Rasmussen & Williams, Gaussian Processes for Machine Learning (2006), ch. 5.
@@ -93,7 +93,7 @@ impl<'a> Likelihood<'a> {
         }
     }
 
-    /// Replaces the covariance by its inverse.
+    /// Replaces the covariance by its inverse, less what a learnt mean may explain.
     ///
     /// # Errors
     /// `NotPositiveDefinite`.
@@ -101,6 +101,7 @@ impl<'a> Likelihood<'a> {
         factorize(COVARIANCE, self.work.as_mut())?;
         let residual = Residual::solve(self.work.as_ref(), self.x, self.y, self.mean)?;
         invert(self.work.as_mut(), self.scratch.as_mut());
+        Deviation::project(&residual.deviations, &mut self.work);
         Ok(residual)
     }
 
@@ -109,7 +110,7 @@ impl<'a> Likelihood<'a> {
         self.work[(i, i)]
     }
 
-    /// ½ Σᵢⱼ (αᵢ αⱼ − K⁻¹ᵢⱼ) ∂Kᵢⱼ/∂ ln θ over the lower triangle, the diagonal counted half; spoils
+    /// ½ Σᵢⱼ (αᵢ αⱼ − Pᵢⱼ) ∂Kᵢⱼ/∂ ln θ over the lower triangle, the diagonal counted half; spoils
     /// the inverse.
     pub(crate) fn contract(
         &mut self,

@@ -6,7 +6,7 @@ use faer::{Accum, Mat, MatRef, Par};
 use crate::cholesky::{factorize, invert, log_determinant};
 use crate::kernel::{column, column_mut, copy_row, fill_lower_gram, mirror_lower};
 use crate::likelihood::COVARIANCE;
-use crate::mean::Residual;
+use crate::mean::{Deviation, Residual};
 use crate::triangle::scratch_rows;
 use crate::vector::dot;
 use crate::{GpError, Kernel, Mean};
@@ -19,7 +19,7 @@ pub(crate) const NOISE_PRECISION: &str = "precision of the noise process";
 /// The belief about g is N(μ, Σ) with Σ⁻¹ = K_g⁻¹ + Λ and μ = K_gβ + μ₀, β = λ − ½: the best
 /// Gaussian has this form, with one positive λ a row. With Rᵢᵢ = exp(μᵢ − Σᵢᵢ/2):
 ///
-/// F = ln N(y | m, K_f + R) − ¼ tr Σ − KL, in which B = I + Λ^½K_gΛ^½ gives Λ^½ΣΛ^½ = I − B⁻¹ and
+/// F = ln N(y | m, K_f + R) − ¼ tr Σ − KL, over a learnt m integrated, in which B = I + Λ^½K_gΛ^½ gives Λ^½ΣΛ^½ = I − B⁻¹ and
 /// KL = ½ (tr B⁻¹ + βᵀK_gβ − N + ln |B|).
 ///
 /// # Source
@@ -41,6 +41,7 @@ pub(crate) struct NoiseBound<'a> {
     /// w = (K_f + R)⁻¹(y − m).
     pub(crate) weights: Vec<f64>,
     pub(crate) constant: f64,
+    pub(crate) deviations: Vec<Deviation>,
 }
 
 /// What the bound is a function of.
@@ -81,6 +82,7 @@ impl<'a> NoiseBound<'a> {
             scratch: Mat::zeros(scratch_rows(n), n),
             weights: vec![0.0; n],
             constant: 0.0,
+            deviations: Vec::new(),
         }
     }
 
@@ -102,6 +104,7 @@ impl<'a> NoiseBound<'a> {
         factorize(COVARIANCE, self.factor.as_mut())?;
         let residual = Residual::solve(self.factor.as_ref(), self.x, self.y, self.mean)?;
         (self.constant, self.weights) = (residual.trend.constant(), residual.weights);
+        self.deviations = residual.deviations;
         Ok(residual.log_likelihood - 0.25 * trace - divergence)
     }
 
@@ -143,13 +146,14 @@ impl<'a> NoiseBound<'a> {
 
     /// The slopes at the place of the last `value`; O(N³).
     ///
-    /// With C = (K_f + R)⁻¹, ρ = ½R(w² − diag C) and τ = −½ρ − ¼:
+    /// With C = (K_f + R)⁻¹, less what a learnt mean may explain, ρ = ½R(w² − diag C) and τ = −½ρ − ¼:
     /// ∂F/∂K_f = ½(wwᵀ − C), ∂F/∂λ = K_g(ρ − β) − (Σ∘Σ)(τ + ½λ), ∂F/∂μ₀ = Σρ, and
     /// ∂F/∂K_g = ½(ρβᵀ + βρᵀ − ββᵀ) + Λ^½(B⁻¹(τ/λ + ½)B⁻¹ − ½B⁻¹)Λ^½.
     pub(crate) fn differentiate(&mut self, point: &NoisePoint<'_>, slopes: NoiseSlopes<'_>) {
         let n = self.y.len();
         self.inverse.copy_from(&self.factor);
         invert(self.inverse.as_mut(), self.scratch.as_mut());
+        Deviation::project(&self.deviations, &mut self.inverse);
         let noise_mean = self.noise_mean(point);
         let by_log_noise: Vec<f64> = (0..n)
             .map(|i| {

@@ -13,7 +13,8 @@ use crate::{GpError, Kernel, Mean};
 ///
 /// A Student t is a normal distribution of random precision. With beliefs about f and about every
 /// row's precision that do not depend on each other, f has the posterior of Gaussian noise rᵢ a row,
-/// and with sᵢ = E((yᵢ − fᵢ)²), C = (K + R)⁻¹ and w = C(y − m):
+/// and with sᵢ = E((yᵢ − fᵢ)²), w = (K + R)⁻¹(y − m) and C = (K + R)⁻¹, less what a learnt mean may
+/// explain:
 ///
 /// F = ln N(y | m, K + R) + Σᵢ (½ ln 2πrᵢ + sᵢ/2rᵢ + ln t(√sᵢ)), sᵢ = rᵢ + rᵢ²(wᵢ² − Cᵢᵢ).
 ///

@@ -7,6 +7,7 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 
+use crate::kernel::column_mut;
 use crate::tile::{TILE, factorize_tile, invert_tile, solve_tile};
 use crate::vector::{add_multiple, dot};
 
@@ -113,6 +114,13 @@ pub fn inverse(factor: MatRef<'_, f64>) -> Mat<f64> {
     invert(inverse.as_mut(), Mat::zeros(scratch_rows(n), n).as_mut());
     clear_above(inverse.as_mut());
     inverse
+}
+
+/// Adds the lower triangle of v vᵀ.
+pub fn add_outer(sum: &mut Mat<f64>, v: &[f64]) {
+    for (j, factor) in v.iter().enumerate() {
+        add_multiple(&mut column_mut(sum, j)[j..], *factor, &v[j..]);
+    }
 }
 
 /// Replaces the lower triangle M by that of MᵀM, where [`invert`] has left M; n³/3 operations.

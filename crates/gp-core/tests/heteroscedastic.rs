@@ -7,7 +7,7 @@ use faer::{Mat, Side};
 use gp_core::scores::{coverage, nlpd};
 use gp_core::{
     Gp, GpError, HeteroscedasticGp, HeteroscedasticGpModel, HeteroscedasticReport, LearnOptions,
-    Matern32, Posterior, SquaredExponential,
+    Matern32, Mean, Posterior, SquaredExponential,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -78,7 +78,10 @@ fn variances_are_between_zero_and_the_prior_and_agree_with_the_joint_ones() {
     let x_star = Mat::from_fn(20, 1, |i, _| 0.1 * i as f64 - 0.5);
     let (mean, variance) = gp.predict(x_star.as_ref()).unwrap();
     let prior = report.kernel[1];
-    assert!(variance.iter().all(|variance| (0.0..=prior).contains(variance)));
+    let known = HeteroscedasticGpModel { mean: Mean::Fixed(0.2), ..gp.to_model().unwrap() };
+    let known = HeteroscedasticGp::from_model(&known).unwrap().predict(x_star.as_ref()).unwrap().1;
+    assert!(known.iter().all(|variance| (0.0..=prior).contains(variance)));
+    assert!(known.iter().zip(&variance).all(|(known, learnt)| known <= learnt));
     assert_eq!(gp.predict_mean(x_star.as_ref()).unwrap(), mean);
     let joint = gp.predict_joint(x_star.as_ref()).unwrap();
     let mut covariance = joint.covariance().to_owned();

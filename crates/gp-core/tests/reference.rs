@@ -51,7 +51,7 @@ impl Reference {
         let (mean, variance) = gp.predict(self.column("/x_test").as_ref()).unwrap();
         close(&mean, &self.numbers(&at("mean")));
         close(&variance, &self.numbers(&at("var_f")));
-        let left_out = gp.leave_one_out();
+        let left_out = gp.leave_one_out().unwrap();
         close(&[left_out.total_log_density()], &[self.number(&at("loo_log_pred_density_sum"))]);
         close(&[left_out.mean[0]], &[self.number(&at("loo_mean_0"))]);
         close(&[left_out.variance[0]], &[self.number(&at("loo_var_y_0"))]);

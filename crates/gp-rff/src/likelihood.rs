@@ -5,11 +5,11 @@ use faer::{Accum, Mat, MatRef, Par};
 use gp_core::cholesky::invert;
 use gp_core::kernel::{column, column_of};
 use gp_core::triangle::scratch_rows;
-use gp_core::vector::{dot, multiply, subtract_products};
+use gp_core::vector::{add_multiple, dot, multiply, subtract_products};
 use gp_core::{GpError, Mean};
 use rayon::prelude::{IntoParallelRefMutIterator, ParallelIterator};
 
-use crate::evidence::Evidence;
+use crate::evidence::{Evidence, Response};
 use crate::statistics::{BLOCK, FeatureRows, rows_of_part};
 use crate::{Form, RandomFeatures, SufficientStatistics};
 
@@ -86,11 +86,13 @@ impl Likelihood {
         }
         let evidence = Evidence::new(&self.statistics, signal_variance, noise_variance, self.mean)?;
         let trace = self.invert(&evidence, signal_variance.sqrt(), noise_variance);
-        let (m, n) = (evidence.weights.len() as f64, self.statistics.n_rows() as f64);
-        let (d, t) = (features.n_inputs(), &evidence.weights);
-        gradient[d] = 0.5 * (dot(t, t) - m + noise_variance * trace);
+        let (m, n) = (features.n_features() as f64, self.statistics.n_rows() as f64);
+        let d = features.n_inputs();
+        let squares: f64 = evidence.responses().map(|one| dot(&one.weights, &one.weights)).sum();
+        gradient[d] = 0.5 * (squares - m + noise_variance * trace);
         let free = n - m + noise_variance * trace;
-        gradient[d + 1] = 0.5 * (evidence.squared_residual / noise_variance - free);
+        let residuals: f64 = evidence.responses().map(|one| one.squared_residual).sum();
+        gradient[d + 1] = 0.5 * (residuals / noise_variance - free);
         let slope_factor = self.slope_factor.as_ref();
         self.parts.par_iter_mut().for_each(|part| part.differentiate(features, slope_factor));
         for (d, slope) in gradient[..d].iter_mut().enumerate() {
@@ -104,20 +106,23 @@ impl Likelihood {
 
     /// Fills what (Φ, y, 1) is multiplied by for the slope, and returns the trace of B⁻¹.
     ///
-    /// With r = y − m − sΦt and the features scaled by s, ∂ ln p/∂Φ = r tᵀ/σₙ² − sΦB⁻¹.
+    /// With the features scaled by s, ∂ ln p/∂Φ = Σ (r − sΦt) tᵀ/σₙ² − sΦB⁻¹ over the responses.
     fn invert(&mut self, evidence: &Evidence, signal_sd: f64, noise_variance: f64) -> f64 {
         self.inverse.copy_from(&evidence.root);
         invert(self.inverse.as_mut(), self.scratch.as_mut());
-        let (m, t) = (evidence.weights.len(), &evidence.weights);
+        let m = self.inverse.ncols();
         for j in 0..m {
-            let of_residual = t[j] / noise_variance;
             let factors = column_of(self.slope_factor.as_mut(), j);
             for (i, factor) in factors[..m].iter_mut().enumerate() {
-                let inverse = self.inverse[(i.max(j), i.min(j))];
-                *factor = -signal_sd * (inverse + t[i] * of_residual);
+                *factor = -signal_sd * self.inverse[(i.max(j), i.min(j))];
             }
-            factors[m] = of_residual;
-            factors[m + 1] = -evidence.constant * of_residual;
+            factors[m..].fill(0.0);
+            for Response { of_y, constant, weights, .. } in evidence.responses() {
+                let of_residual = weights[j] / noise_variance;
+                add_multiple(&mut factors[..m], -signal_sd * of_residual, weights);
+                factors[m] += of_y * of_residual;
+                factors[m + 1] -= constant * of_residual;
+            }
         }
         (0..m).map(|j| self.inverse[(j, j)]).sum()
     }

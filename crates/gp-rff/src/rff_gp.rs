@@ -4,7 +4,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use gp_core::checks::{check_inputs, check_outputs, check_positive};
 use gp_core::kernel::{column_of, mirror_lower};
-use gp_core::triangle::{inverse, multiply_rows_transposed};
+use gp_core::triangle::{add_outer, inverse, multiply_rows_transposed};
 use gp_core::vector::{add_multiple, add_square};
 use gp_core::workspace::{PredictBlock, predict_blocks_into, predict_in_blocks};
 use gp_core::{GpError, JointGaussian, Mean, Posterior, Workspace};
@@ -17,7 +17,9 @@ use crate::{RandomFeatures, SufficientStatistics};
 /// f(x) = m + s φ(x)ᵀw with w ~ N(0, I), conditioned on the statistics of the data.
 ///
 /// - f mean: m + s φ*ᵀt, in O(M) an input.
-/// - f variance: σₙ² s² φ*ᵀB⁻¹φ* with B = s²ΦᵀΦ + σₙ² I, in O(M²) an input.
+/// - f variance: σₙ² s² φ*ᵀB⁻¹φ* with B = s²ΦᵀΦ + σₙ² I, in O(M²) an input, to which is added, of a
+///   learnt mean m, what the data leave open of it: that of one more feature, 1, whose weight has a
+///   prior without end.
 ///
 /// The thesis leaves the variance out. Far from all data it returns to the prior only as far as the
 /// features reach: with few of them it is too small there.
@@ -30,6 +32,8 @@ pub struct RffGp {
     pub(crate) mean: Mean,
     constant: f64,
     pub(crate) weights: Vec<f64>,
+    /// c and t of the deviation c + s φᵀt, by which f moves with a standard deviation of a learnt mean.
+    pub(crate) deviation: Option<(f64, Vec<f64>)>,
     /// R⁻¹ with B = R Rᵀ, and zeros above the diagonal.
     pub(crate) root_inverse: Mat<f64>,
     log_evidence: f64,
@@ -80,8 +84,9 @@ impl RffGp {
         }
         let evidence = Evidence::new(&statistics, signal_variance, noise_variance, mean)?;
         Ok(Self {
-            constant: statistics.origin() + evidence.constant,
-            weights: evidence.weights,
+            constant: statistics.origin() + evidence.mean.constant,
+            weights: evidence.mean.weights,
+            deviation: evidence.deviation.map(|one| (one.constant, one.weights)),
             root_inverse: inverse(evidence.root.as_ref()),
             log_evidence: evidence.value,
             features,
@@ -139,27 +144,32 @@ impl RffGp {
         self.log_evidence
     }
 
-    /// Means, and φR⁻ᵀ by rows.
+    /// Means, φ by rows, and φR⁻ᵀ.
     fn whiten<'a>(
         &self,
         x_star: MatRef<'_, f64>,
         workspace: &'a mut Workspace,
         mean: &mut [f64],
-    ) -> MatMut<'a, f64> {
+    ) -> [MatMut<'a, f64>; 2] {
         let (mut phi, mut whitened) = workspace.matrices(x_star.nrows(), self.weights.len());
         self.evaluate(x_star, phi.as_mut(), mean);
         let root_inverse = self.root_inverse.as_ref();
         multiply_rows_transposed(whitened.as_mut(), phi.as_ref(), root_inverse);
-        whitened
+        [phi, whitened]
     }
 
     /// Means, and φ by rows.
     fn evaluate(&self, x_star: MatRef<'_, f64>, mut phi: MatMut<'_, f64>, mean: &mut [f64]) {
         self.features.fill(x_star, phi.as_mut(), None);
+        self.combine(self.constant, &self.weights, phi, mean);
+    }
+
+    /// c + s φᵀt of each row.
+    fn combine(&self, c: f64, t: &[f64], mut phi: MatMut<'_, f64>, values: &mut [f64]) {
         let signal_sd = self.signal_variance.sqrt();
-        mean.fill(self.constant);
-        for (j, weight) in self.weights.iter().enumerate() {
-            add_multiple(mean, signal_sd * weight, column_of(phi.as_mut(), j));
+        values.fill(c);
+        for (j, weight) in t.iter().enumerate() {
+            add_multiple(values, signal_sd * weight, column_of(phi.as_mut(), j));
         }
     }
 }
@@ -199,12 +209,17 @@ impl Posterior for RffGp {
         let n = x_star.nrows();
         let mut mean = vec![0.0; n];
         let mut workspace = Workspace::new();
-        let half = self.whiten(x_star, &mut workspace, &mut mean);
+        let [phi, half] = self.whiten(x_star, &mut workspace, &mut mean);
         let half = half.as_ref();
         let mut covariance = Mat::zeros(n, n);
         let scale = self.noise_variance * self.signal_variance;
         let sum = covariance.as_mut();
         matmul(sum, Accum::Replace, half, half.transpose(), scale, Par::Seq);
+        if let Some((c, t)) = &self.deviation {
+            let mut moved = vec![0.0; n];
+            self.combine(*c, t, phi, &mut moved);
+            add_outer(&mut covariance, &moved);
+        }
         mirror_lower(&mut covariance);
         JointGaussian::new(mean, covariance)
     }
@@ -225,11 +240,16 @@ impl PredictBlock for RffGp {
         mean: &mut [f64],
         variance: &mut [f64],
     ) {
-        let mut whitened = self.whiten(x_star, workspace, mean);
+        let [phi, mut whitened] = self.whiten(x_star, workspace, mean);
         let scale = self.noise_variance * self.signal_variance;
         variance.fill(0.0);
         for j in 0..whitened.ncols() {
             add_square(variance, scale, column_of(whitened.as_mut(), j));
+        }
+        if let Some((c, t)) = &self.deviation {
+            let moved = column_of(whitened, 0);
+            self.combine(*c, t, phi, moved);
+            add_square(variance, 1.0, moved);
         }
     }
 }

@@ -113,10 +113,15 @@ impl RffGp {
     /// None that a process can have.
     pub fn expansion(&self) -> Result<Expansion<Waves>, GpError> {
         let signal_sd = self.signal_variance.sqrt();
-        let weights = self.weights.iter().map(|weight| signal_sd * weight).collect();
+        let scaled = |weights: &[f64]| weights.iter().map(|weight| signal_sd * weight).collect();
         let root =
             faer::Scale((self.noise_variance * self.signal_variance).sqrt()) * &self.root_inverse;
         let roots = vec![(1.0, root)];
-        Expansion::new(Waves::new(&self.features), (self.mean(), &[]), weights, 0.0, roots)
+        let (basis, weights) = (Waves::new(&self.features), scaled(&self.weights));
+        let whole = Expansion::new(basis, (self.mean(), &[]), weights, 0.0, roots)?;
+        match &self.deviation {
+            Some((constant, weights)) => whole.with_deviation((*constant, &[]), scaled(weights)),
+            None => Ok(whole),
+        }
     }
 }

@@ -106,8 +106,44 @@ proptest! {
     }
 
     #[test]
+    fn a_learnt_mean_is_one_more_feature_of_which_nothing_is_known(case in case()) {
+        let gp = case.gp();
+        let with_one = |x: &Mat<f64>| {
+            let phi = gp.features().evaluate(x.as_ref()).unwrap();
+            Mat::from_fn(x.nrows(), 21, |i, j| if j < 20 { phi[(i, j)] } else { 1.0 })
+        };
+        let off = |wide: f64| {
+            let variance = |j: usize| if j < 20 { SIGNAL_VARIANCE } else { wide };
+            let prior = Mat::from_fn(21, 21, |i, j| if i == j { variance(j) } else { 0.0 });
+            let phi = with_one(&case.x);
+            let linear = BayesianLinear::fit(phi.as_ref(), &case.y, prior.as_ref(), NOISE_VARIANCE);
+            let linear = linear.unwrap();
+            let expected = linear.predict_joint(with_one(&case.x_star).as_ref()).unwrap();
+            let joint = gp.predict_joint(case.x_star.as_ref()).unwrap();
+            let scale = 1.0 + expected.covariance().norm_max();
+            let means = joint.mean().iter().zip(expected.mean()).map(|(a, b)| (a - b).abs());
+            let touched = (std::f64::consts::TAU * wide * case.y.len() as f64).ln();
+            let evidence = linear.log_evidence() + 0.5 * touched - gp.log_evidence();
+            [
+                means.fold(0.0, f64::max) / scale,
+                (joint.covariance() - expected.covariance()).norm_max() / scale,
+                evidence.abs(),
+            ]
+        };
+        let [narrow, wide] = [1e3, 1e6].map(off);
+        for (narrow, wide) in narrow.iter().zip(&wide) {
+            prop_assert!(*wide < 0.01 * narrow + 1e-7 && *wide < 1e-3, "{narrow} {wide}");
+        }
+    }
+
+    #[test]
     fn posterior_variance_lies_between_zero_and_the_prior(case in case()) {
-        let (_, variance) = case.gp().predict(case.x_star.as_ref()).unwrap();
+        let mut statistics = SufficientStatistics::new(&case.features(20), 0.0).unwrap();
+        statistics.update(&case.features(20), case.x.as_ref(), &case.y).unwrap();
+        let (features, mean) = (case.features(20), Mean::Fixed(0.4));
+        let gp =
+            RffGp::from_statistics(features, statistics, SIGNAL_VARIANCE, NOISE_VARIANCE, mean);
+        let (_, variance) = gp.unwrap().predict(case.x_star.as_ref()).unwrap();
         let phi = case.gp().features().evaluate(case.x_star.as_ref()).unwrap();
         for (i, variance) in variance.iter().enumerate() {
             let square: f64 = (0..phi.ncols()).map(|j| phi[(i, j)].powi(2)).sum();

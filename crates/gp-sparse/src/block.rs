@@ -5,7 +5,7 @@ use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matm
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use gp_core::Kernel;
 use gp_core::kernel::{column, column_mut};
-use gp_core::triangle::{multiply_rows, multiply_rows_transposed};
+use gp_core::triangle::{multiply_rows, multiply_rows_transposed, solve_upper};
 use gp_core::vector::{add_multiple, add_products, add_square, multiply, subtract_from_multiple};
 
 use crate::Approximation;
@@ -33,7 +33,8 @@ pub(crate) struct Block {
 pub(crate) struct Scratch {
     product: Mat<f64>,
     slope: Mat<f64>,
-    weights: Vec<f64>,
+    /// w of each response.
+    weights: [Vec<f64>; 2],
     row_slopes: Vec<f64>,
 }
 
@@ -72,19 +73,53 @@ pub(crate) struct Shared<'a> {
 pub(crate) struct Solution<'a> {
     /// B⁻¹ with B = I + VᵀD⁻¹V, both triangles.
     pub(crate) inverse: MatRef<'a, f64>,
-    /// t = B⁻¹VᵀD⁻¹(y − m).
-    pub(crate) whitened: &'a [f64],
-    /// u = L⁻ᵀt.
-    pub(crate) weights: &'a [f64],
-    /// m less the data's origin.
-    pub(crate) constant: f64,
+    pub(crate) responses: &'a [Response],
     pub(crate) has_free_z: bool,
+}
+
+/// What the process makes of outputs r = b y − c: at x it is c + k(x, Z) u.
+#[derive(Clone)]
+pub(crate) struct Response {
+    /// b: 1 of the mean, and 0 of its standard deviation.
+    of_y: f64,
+    /// c.
+    pub(crate) constant: f64,
+    /// t = B⁻¹VᵀD⁻¹r.
+    whitened: Vec<f64>,
+    /// u = L⁻ᵀt.
+    pub(crate) weights: Vec<f64>,
+}
+
+impl Response {
+    /// Of nothing, with `m` pseudo-inputs.
+    pub(crate) fn new(m: usize) -> Self {
+        Self { of_y: 0.0, constant: 0.0, whitened: vec![0.0; m], weights: vec![0.0; m] }
+    }
+
+    /// To b y − c.
+    ///
+    /// - `known`: R⁻¹VᵀD⁻¹y and R⁻¹VᵀD⁻¹1; - `factors`: R and L.
+    pub(crate) fn solve(
+        &mut self,
+        (of_y, constant): (f64, f64),
+        [y, one]: [&[f64]; 2],
+        [root, factor]: [MatRef<'_, f64>; 2],
+    ) {
+        (self.of_y, self.constant) = (of_y, constant);
+        for ((t, y), one) in self.whitened.iter_mut().zip(y).zip(one) {
+            *t = of_y * y - constant * one;
+        }
+        solve_upper(root, &mut self.whitened);
+        self.weights.copy_from_slice(&self.whitened);
+        solve_upper(factor, &mut self.weights);
+    }
 }
 
 impl Scratch {
     pub(crate) fn new(m: usize) -> Self {
         let matrix = || Mat::zeros(BLOCK, m);
-        let (weights, row_slopes) = (vec![0.0; BLOCK], vec![0.0; BLOCK]);
+        let row = || vec![0.0; BLOCK];
+        let (weights, row_slopes) = ([row(), row()], row());
         Self { product: matrix(), slope: matrix(), weights, row_slopes }
     }
 }
@@ -145,8 +180,8 @@ impl Block {
 
     /// The second pass: the gradient; rows × 4M² operations.
     ///
-    /// With r = y − m, w = (Q + D)⁻¹r and H = ½(wwᵀ − (Q + D)⁻¹) − diag(e), where e is the slope by
-    /// the leftover variance: ∂F/∂K_fu = 2HK_fuK_uu⁻¹ = w uᵀ − D^−½ G L⁻¹ with G = AB⁻¹ + 2eDA.
+    /// With w = (Q + D)⁻¹r of each response and H = ½(Σ wwᵀ − (Q + D)⁻¹) − diag(e), where e is the slope
+    /// by the leftover variance: ∂F/∂K_fu = 2HK_fuK_uu⁻¹ = Σ w uᵀ − D^−½ G L⁻¹ with G = AB⁻¹ + 2eDA.
     pub(crate) fn differentiate(
         &self,
         shared: &Shared<'_>,
@@ -158,8 +193,10 @@ impl Block {
         let a = self.whitened.as_ref().subcols(0, m);
         let mut product = scratch.product.as_mut().subrows_mut(0, n);
         matmul(product.as_mut(), Accum::Replace, a, solution.inverse, 1.0, Par::Seq);
-        self.set_weights(solution, &mut scratch.weights[..n]);
-        self.set_row_slopes(shared, scratch, slopes);
+        for (response, weights) in solution.responses.iter().zip(&mut scratch.weights) {
+            self.set_weights(response, &mut weights[..n]);
+        }
+        self.set_row_slopes(shared, solution, scratch, slopes);
         for j in 0..m {
             let product = &mut column_mut(&mut scratch.product, j)[..n];
             add_products(product, &scratch.row_slopes[..n], column(&self.whitened, j));
@@ -171,11 +208,12 @@ impl Block {
     }
 
     /// w = D^−½ (D^−½ r − D^−½ V t).
-    fn set_weights(&self, solution: &Solution<'_>, weights: &mut [f64]) {
+    fn set_weights(&self, response: &Response, weights: &mut [f64]) {
         let m = self.k.ncols();
-        weights.copy_from_slice(column(&self.whitened, m));
-        add_multiple(weights, -solution.constant, &self.root_precision);
-        for (a, t) in solution.whitened.iter().enumerate() {
+        weights.fill(0.0);
+        add_multiple(weights, response.of_y, column(&self.whitened, m));
+        add_multiple(weights, -response.constant, &self.root_precision);
+        for (a, t) in response.whitened.iter().enumerate() {
             add_multiple(weights, -t, column(&self.whitened, a));
         }
         multiply(weights, &self.root_precision);
@@ -184,7 +222,13 @@ impl Block {
     /// 2eD, and the slopes by the noise and by the prior variance on the way.
     ///
     /// The diagonal of (Q + D)⁻¹ is D⁻¹ (1 − diag(AB⁻¹Aᵀ)); `product` holds AB⁻¹ here.
-    fn set_row_slopes(&self, shared: &Shared<'_>, scratch: &mut Scratch, slopes: &mut Slopes) {
+    fn set_row_slopes(
+        &self,
+        shared: &Shared<'_>,
+        solution: &Solution<'_>,
+        scratch: &mut Scratch,
+        slopes: &mut Slopes,
+    ) {
         let alpha = shared.approximation.alpha();
         let penalty = if shared.approximation.has_penalty() { 0.5 * (1.0 - alpha) } else { 0.0 };
         let n = self.y.len();
@@ -197,7 +241,9 @@ impl Block {
         for (i, slope) in row_slopes.iter_mut().enumerate() {
             let precision = self.root_precision[i] * self.root_precision[i];
             let diagonal = precision * (1.0 - *slope);
-            let by_variance = 0.5 * (scratch.weights[i].powi(2) - diagonal);
+            let weights = scratch.weights.iter().take(solution.responses.len());
+            let squares: f64 = weights.map(|weights| weights[i].powi(2)).sum();
+            let by_variance = 0.5 * (squares - diagonal);
             let by_penalty = penalty * precision;
             slopes.noise += shared.noise_variance * by_variance + by_penalty * self.leftover[i];
             *slope = alpha * by_variance - by_penalty;
@@ -220,8 +266,13 @@ impl Block {
         let rows = shared.z.chunks_exact(n_inputs).zip(slopes.z.chunks_exact_mut(n_inputs));
         for (a, (z, of_z)) in rows.enumerate() {
             let by_k = &mut column_mut(&mut scratch.slope, a)[..n];
-            let weights = &scratch.weights[..n];
-            subtract_from_multiple(by_k, &self.root_precision, solution.weights[a], weights);
+            let mut known = solution.responses.iter().zip(&scratch.weights);
+            let (response, weights) = known.next().expect("the mean is always there");
+            let (own, weights) = (response.weights[a], &weights[..n]);
+            subtract_from_multiple(by_k, &self.root_precision, own, weights);
+            for (response, weights) in known {
+                add_multiple(by_k, response.weights[a], &weights[..n]);
+            }
             let of_z = if solution.has_free_z { of_z } else { &mut [] };
             let (x, k) = (self.x.as_ref(), column(&self.k, a));
             shared.kernel.column_gradient(x, z, k, by_k, &mut slopes.kernel, of_z);

@@ -13,6 +13,11 @@ impl SparseGp {
         let basis = Bumps::new(self.kernel(), self.pseudo_inputs())?;
         let prior = basis.signal_variance();
         let roots = vec![(-1.0, self.reduction.clone())];
-        Expansion::new(basis, (self.mean(), &[]), self.weights.clone(), prior, roots)
+        let weights = self.weights.clone();
+        let whole = Expansion::new(basis, (self.mean(), &[]), weights, prior, roots)?;
+        match &self.deviation {
+            Some(one) => whole.with_deviation((one.constant, &[]), one.weights.clone()),
+            None => Ok(whole),
+        }
     }
 }

@@ -4,6 +4,7 @@
 mod approximation;
 mod block;
 mod choose_size;
+mod deviation;
 mod expansion;
 mod learn;
 mod model;
@@ -15,6 +16,7 @@ mod sparse_gp;
 
 pub use approximation::{Approximation, SparseSettings};
 pub use choose_size::SizeScore;
+pub use deviation::Deviation;
 pub use learn::{SparseOptions, SparseReport, SparseStart};
 pub use model::SparseGpModel;
 pub use placement::{Placement, PseudoInputs};

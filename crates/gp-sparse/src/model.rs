@@ -10,6 +10,7 @@ use gp_core::triangle::inverse;
 use gp_core::{GpError, KernelSpec};
 use serde::{Deserialize, Serialize};
 
+use crate::deviation::Deviation;
 use crate::objective::PSEUDO_COVARIANCE;
 use crate::reduction::reduction;
 use crate::{SparseGp, SparseSettings};
@@ -37,13 +38,17 @@ pub struct SparseGpModel {
     pub pseudo_inputs: Vec<Vec<f64>>,
     /// The weights of the mean, one a pseudo-input.
     pub weights: Vec<f64>,
+    /// What a learnt mean leaves open; none of a known one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deviation: Option<Deviation>,
     /// The Cholesky factor of the whitened precision of the pseudo-outputs, lower triangle by rows.
     pub precision_factor: Vec<f64>,
 }
 
 impl SparseGpModel {
-    /// The version that this release writes and reads.
-    pub const VERSION: u32 = 1;
+    /// The version that this release writes. Of version 1 it reads processes about a known mean; of
+    /// those with a learnt one that version did not keep what the data leave open of it.
+    pub const VERSION: u32 = 2;
 }
 
 impl SparseGp {
@@ -65,6 +70,7 @@ impl SparseGp {
             objective: self.objective(),
             pseudo_inputs: (0..z.nrows()).map(row).collect(),
             weights: self.weights.clone(),
+            deviation: self.deviation.clone(),
             precision_factor: (0..z.nrows()).flat_map(of_row).collect(),
         })
     }
@@ -72,11 +78,14 @@ impl SparseGp {
     /// The process that `to_model` described.
     ///
     /// # Errors
-    /// `UnsupportedVersion`; else as `fit`, since a file may have been edited.
+    /// `UnsupportedVersion`, `NoMeanUncertainty`; else as `fit`, since a file may have been edited.
     pub fn from_model(model: &SparseGpModel) -> Result<Self, GpError> {
-        if model.version != SparseGpModel::VERSION {
-            let supported = SparseGpModel::VERSION;
-            return Err(GpError::UnsupportedVersion { found: model.version, supported });
+        let (found, supported) = (model.version, SparseGpModel::VERSION);
+        let n_deviations = model.settings.mean.n_coefficients(0);
+        match found {
+            1 if n_deviations > 0 => return Err(GpError::NoMeanUncertainty { found }),
+            1 | SparseGpModel::VERSION => {}
+            _ => return Err(GpError::UnsupportedVersion { found, supported }),
         }
         let kernel = model.kernel.build()?;
         let (m, d) = (model.pseudo_inputs.len(), kernel.n_inputs());
@@ -89,6 +98,12 @@ impl SparseGp {
         check_positive("noise variance", model.noise_variance)?;
         check_outputs("mean and objective", &[model.mean, model.objective], 2)?;
         check_outputs("weights", &model.weights, m)?;
+        let deviations = model.deviation.as_slice();
+        check_count("deviations of the mean", n_deviations, deviations.len())?;
+        for Deviation { constant, weights } in deviations {
+            check_outputs("deviation of the mean", &[*constant], 1)?;
+            check_outputs("weights of the mean's deviation", weights, m)?;
+        }
         check_outputs("precision factor", &model.precision_factor, m * (m + 1) / 2)?;
         let root = Mat::from_fn(m, m, |a, b| match b <= a {
             true => model.precision_factor[a * (a + 1) / 2 + b],
@@ -111,6 +126,7 @@ impl SparseGp {
             z,
             constant: model.mean,
             weights: model.weights.clone(),
+            deviation: model.deviation.clone(),
             reduction: reduction(factor_inverse.as_ref(), root_inverse.as_ref())?,
             factor_inverse,
             root_inverse,

@@ -6,13 +6,14 @@ use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::{Mat, MatRef, Par};
 use gp_core::cholesky::{factorize, invert, log_determinant};
 use gp_core::kernel::{column, column_mut, fill_lower_gram, mirror_lower};
-use gp_core::triangle::{self, clear_above, scratch_rows, solve_lower, solve_upper};
-use gp_core::vector::dot;
+use gp_core::triangle::{self, clear_above, scratch_rows, solve_lower};
+use gp_core::vector::{add_multiple, dot};
 use gp_core::{GpError, Kernel, Mean};
 use rayon::prelude::{IntoParallelRefMutIterator, ParallelIterator};
 
 use crate::SparseSettings;
-use crate::block::{Shared, Solution};
+use crate::block::{Response, Shared, Solution};
+use crate::deviation::Deviation;
 use crate::part::Part;
 
 pub(crate) const PSEUDO_COVARIANCE: &str = "covariance of the pseudo-outputs";
@@ -42,10 +43,8 @@ pub(crate) struct Objective {
     inverse: Mat<f64>,
     scratch: Mat<f64>,
     slope: Mat<f64>,
-    whitened: Vec<f64>,
-    /// u: the mean at x is m + k(x, Z) u.
-    pub(crate) weights: Vec<f64>,
-    constant: f64,
+    /// That of the mean, less the data's origin, and that of its standard deviation if it is learnt.
+    responses: Vec<Response>,
 }
 
 impl Objective {
@@ -75,15 +74,20 @@ impl Objective {
             inverse: square(),
             scratch: Mat::zeros(scratch_rows(m), m),
             slope: square(),
-            whitened: vec![0.0; m],
-            weights: vec![0.0; m],
-            constant: 0.0,
+            responses: vec![Response::new(m); 1 + settings.mean.n_coefficients(0)],
         }
     }
 
-    /// The constant mean m.
-    pub(crate) fn mean(&self) -> f64 {
-        self.origin + self.constant
+    /// The mean at x is c + k(x, Z) u.
+    pub(crate) fn mean(&self) -> Deviation {
+        let Response { constant, weights, .. } = &self.responses[0];
+        Deviation { constant: self.origin + constant, weights: weights.clone() }
+    }
+
+    /// By how much the function moves with a standard deviation of a learnt mean.
+    pub(crate) fn deviation(&self) -> Option<Deviation> {
+        let Response { constant, weights, .. } = self.responses.get(1)?;
+        Some(Deviation { constant: *constant, weights: weights.clone() })
     }
 
     /// The objective in nats for pseudo-inputs `z`, M×D by rows.
@@ -97,7 +101,7 @@ impl Objective {
         z: &[f64],
     ) -> Result<f64, GpError> {
         let d = self.z_columns.ncols();
-        let m = self.whitened.len();
+        let m = self.z_columns.nrows();
         self.z.copy_from_slice(z);
         for (i, value) in z.iter().enumerate() {
             self.z_columns[(i / d, i % d)] = *value;
@@ -123,8 +127,11 @@ impl Objective {
     }
 
     /// Merges the parts' sums and solves for the weights.
+    ///
+    /// With a learnt mean the value is a density of what the mean does not touch, as in
+    /// [`gp_core::Gp::log_marginal_likelihood`].
     fn solve(&mut self) -> Result<f64, GpError> {
-        let m = self.whitened.len();
+        let m = self.z_columns.nrows();
         merge_lower(&mut self.sums, self.parts.iter().map(|part| &part.sums.square));
         self.root.copy_from(self.sums.as_ref().get(..m, ..m));
         for a in 0..m {
@@ -138,21 +145,26 @@ impl Objective {
         let one_one = self.sums[(m + 1, m + 1)] - dot(&of_one, &of_one);
         let one_y = self.sums[(m + 1, m)] - dot(&of_one, &of_y);
         let y_y = self.sums[(m, m)] - dot(&of_y, &of_y);
-        self.constant = match self.settings.mean {
+        let constant = match self.settings.mean {
             Mean::Fixed(value) => value - self.origin,
             _ => one_y / one_one,
         };
-        let constant = self.constant;
         let quadratic = y_y - 2.0 * constant * one_y + constant * constant * one_one;
-        for ((t, y), one) in self.whitened.iter_mut().zip(&of_y).zip(&of_one) {
-            *t = y - constant * one;
-        }
-        solve_upper(self.root.as_ref(), &mut self.whitened);
-        self.weights.copy_from_slice(&self.whitened);
-        solve_upper(self.factor.as_ref(), &mut self.weights);
-        let determinant =
+        let factors = [self.root.as_ref(), self.factor.as_ref()];
+        self.responses[0].solve((1.0, constant), [&of_y, &of_one], factors);
+        let mut determinant =
             log_determinant(self.root.as_ref()) + total(|part| part.sums.log_determinant);
-        let normalization = self.n_rows as f64 * (2.0 * PI).ln();
+        let mut n_told = self.n_rows;
+        if let Some(deviation) = self.responses.get_mut(1) {
+            if one_one <= m as f64 * f64::EPSILON * self.sums[(m + 1, m + 1)] {
+                let what = "precision of the mean";
+                return Err(GpError::NotPositiveDefinite { what, size: 1, pivot: 0 });
+            }
+            deviation.solve((0.0, one_one.sqrt().recip()), [&of_y, &of_one], factors);
+            determinant += (one_one / self.n_rows as f64).ln();
+            n_told -= 1;
+        }
+        let normalization = n_told as f64 * (2.0 * PI).ln();
         let approximation = self.settings.approximation;
         let penalty = (1.0 - approximation.alpha()) * total(|part| part.sums.penalty);
         Ok(-0.5 * (quadratic + determinant + normalization + penalty))
@@ -178,9 +190,7 @@ impl Objective {
         };
         let solution = Solution {
             inverse: self.inverse.as_ref(),
-            whitened: &self.whitened,
-            weights: &self.weights,
-            constant: self.constant,
+            responses: &self.responses,
             has_free_z: !of_z.is_empty(),
         };
         self.parts.par_iter_mut().for_each(|part| part.differentiate(&shared, &solution));
@@ -201,7 +211,7 @@ impl Objective {
         mirror_lower(&mut self.inverse);
     }
 
-    /// What K_uu contributes: its slope is ½ (L⁻ᵀ GᵀA L⁻¹ − uuᵀ) with GᵀA from the parts.
+    /// What K_uu contributes: its slope is ½ (L⁻ᵀ GᵀA L⁻¹ − Σ uuᵀ) with GᵀA from the parts.
     fn differentiate_pseudo_covariance(
         &mut self,
         kernel: &dyn Kernel,
@@ -217,11 +227,12 @@ impl Objective {
         mirror_lower(&mut self.gram);
         of_parameters.fill(0.0);
         of_z.fill(0.0);
-        for b in 0..self.weights.len() {
+        for b in 0..self.z_columns.nrows() {
             let slope = column_mut(&mut self.slope, b);
-            for (slope, weight) in slope.iter_mut().zip(&self.weights) {
-                *slope = 0.5 * (*slope - weight * self.weights[b]);
+            for Response { weights, .. } in &self.responses {
+                add_multiple(slope, -weights[b], weights);
             }
+            slope.iter_mut().for_each(|slope| *slope *= 0.5);
             slope[b] *= 1.0 + self.settings.jitter;
             let (z, z_b) = (self.z_columns.as_ref(), &self.z[b * d..(b + 1) * d]);
             let values = column(&self.gram, b);

@@ -6,12 +6,13 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use gp_core::checks::{check_inputs, check_outputs, check_positive};
 use gp_core::kernel::{column_of, fill_cross, fill_lower_gram, mirror_lower};
-use gp_core::triangle::{inverse, multiply_rows_transposed};
+use gp_core::triangle::{add_outer, inverse, multiply_rows_transposed};
 use gp_core::vector::{add_multiple, add_square};
 use gp_core::workspace::{PredictBlock, mean_in_blocks, predict_blocks_into, predict_in_blocks};
 use gp_core::{GpError, JointGaussian, Kernel, Posterior, Workspace};
 
 use crate::SparseSettings;
+use crate::deviation::Deviation;
 use crate::objective::Objective;
 use crate::reduction::reduction;
 
@@ -19,8 +20,13 @@ use crate::reduction::reduction;
 ///
 /// - f mean: m + k*ᵀ w with w = K_uu⁻¹ (E(u) − m), in O(M) an input.
 /// - f variance: k** − k*ᵀ (K_uu⁻¹ − Σ) k* with Σ = (K_uu + K_uf D⁻¹ K_fu)⁻¹, in O(M²) an input.
+/// - to which is added, of a learnt mean m, what the data leave open of it: the variance 1/(1ᵀC1) of m
+///   times (1 − k*ᵀ K_uu⁻¹ K_uf C 1)², with C the inverse of what [`Approximation`] takes for the
+///   covariance of the data. It is the exact process' term with that covariance.
 ///
 /// The thesis' eq. 3.24 adds σₙ² and is the variance of an observation.
+///
+/// [`Approximation`]: crate::Approximation
 #[derive(Clone, Debug)]
 pub struct SparseGp {
     pub(crate) kernel: Arc<dyn Kernel>,
@@ -29,6 +35,8 @@ pub struct SparseGp {
     pub(crate) z: Mat<f64>,
     pub(crate) constant: f64,
     pub(crate) weights: Vec<f64>,
+    /// Of a learnt mean.
+    pub(crate) deviation: Option<Deviation>,
     /// L⁻¹ with K_uu = L Lᵀ, and zeros above the diagonal.
     pub(crate) factor_inverse: Mat<f64>,
     /// R with R Rᵀ = I + L⁻¹ K_uf D⁻¹ K_fu L⁻ᵀ.
@@ -107,13 +115,15 @@ impl SparseGp {
         let value = objective.value(&*kernel, noise_variance, z)?;
         check_outputs("objective", &[value], 1)?;
         let root_inverse = inverse(objective.root.as_ref());
+        let Deviation { constant, weights } = objective.mean();
         Ok(Self {
             kernel,
             settings,
             noise_variance,
             z: Mat::from_fn(m, d, |a, j| z[a * d + j]),
-            constant: objective.mean(),
-            weights: objective.weights,
+            constant,
+            weights,
+            deviation: objective.deviation(),
             reduction: reduction(objective.factor_inverse.as_ref(), root_inverse.as_ref())?,
             factor_inverse: objective.factor_inverse,
             root_inverse,
@@ -224,6 +234,13 @@ impl Posterior for SparseGp {
         for j in 0..covariance.ncols() {
             covariance[(j, j)] = covariance[(j, j)].max(0.0);
         }
+        if let Some(Deviation { constant, weights }) = &self.deviation {
+            let known = (self.z.as_ref(), &**weights);
+            let moved = mean_in_blocks(&*self.kernel, x_star, known, |_, moved| {
+                moved.fill(*constant);
+            })?;
+            add_outer(&mut covariance, &moved);
+        }
         mirror_lower(&mut covariance);
         JointGaussian::new(mean, covariance)
     }
@@ -258,6 +275,14 @@ impl PredictBlock for SparseGp {
         }
         // Rounding alone can make the difference of two nearly equal variances negative.
         variance.iter_mut().for_each(|variance| *variance = variance.max(0.0));
+        if let Some(Deviation { constant, weights }) = &self.deviation {
+            let moved = column_of(whitened, 0);
+            moved.fill(*constant);
+            for (a, weight) in weights.iter().enumerate() {
+                add_multiple(moved, *weight, column_of(cross.as_mut(), a));
+            }
+            add_square(variance, 1.0, moved);
+        }
     }
 }
 

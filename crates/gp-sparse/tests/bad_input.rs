@@ -108,6 +108,26 @@ fn sizes_that_cannot_be_chosen() {
     assert!(matches!(choose(20, &[3], &options), GpError::ShapeMismatch { .. }));
 }
 
+/// Version 1 did not keep what the data leave open of a learnt mean.
+#[test]
+fn older_models_are_read_where_nothing_is_missing_from_them() {
+    let saved = |mean| {
+        let settings = SparseSettings { mean, ..SparseSettings::default() };
+        let (x, z) = (line(5), line(2));
+        let gp = SparseGp::fit(kernel(), x.as_ref(), &waves(5), z.as_ref(), 0.1, settings).unwrap();
+        let model = SparseGpModel { version: 1, deviation: None, ..gp.to_model().unwrap() };
+        let text = serde_json::to_string(&model).unwrap();
+        assert!(!text.contains("deviation"));
+        (gp, SparseGp::from_model(&serde_json::from_str(&text).unwrap()))
+    };
+    let (gp, loaded) = saved(Mean::Fixed(0.2));
+    let at = line(7);
+    assert_eq!(loaded.unwrap().predict(at.as_ref()).unwrap(), gp.predict(at.as_ref()).unwrap());
+    let error = saved(Mean::Estimated).1.unwrap_err();
+    assert_eq!(error, GpError::NoMeanUncertainty { found: 1 });
+    assert!(error.to_string().contains("learn it again"), "{error}");
+}
+
 #[test]
 fn saved_models_that_were_edited() {
     let settings = SparseSettings::default();
@@ -115,9 +135,15 @@ fn saved_models_that_were_edited() {
     let model = gp.unwrap().to_model().unwrap();
     let refused = |model: SparseGpModel| SparseGp::from_model(&model).unwrap_err();
     assert_eq!(
-        refused(SparseGpModel { version: 2, ..model.clone() }),
-        GpError::UnsupportedVersion { found: 2, supported: 1 }
+        refused(SparseGpModel { version: 3, ..model.clone() }),
+        GpError::UnsupportedVersion { found: 3, supported: 2 }
     );
+    let sure = SparseGpModel { deviation: None, ..model.clone() };
+    let what = "deviations of the mean";
+    assert_eq!(refused(sure), GpError::ShapeMismatch { what, expected: 1, actual: 0 });
+    let mut short = model.clone();
+    short.deviation.as_mut().unwrap().weights.pop();
+    assert!(matches!(refused(short), GpError::ShapeMismatch { .. }));
     let short = SparseGpModel { weights: vec![1.0], ..model.clone() };
     assert!(matches!(refused(short), GpError::ShapeMismatch { what: "weights", .. }));
     let ragged = SparseGpModel { pseudo_inputs: vec![vec![0.0], vec![]], ..model.clone() };

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use faer::linalg::solvers::Llt;
+use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 use gp_core::{
     Gp, GpError, Kernel, Matern32, Matern52, Mean, Periodic, Posterior, Product,
@@ -104,7 +104,9 @@ proptest! {
     #[test]
     fn posterior_variance_lies_between_zero_and_the_prior(case in case()) {
         for approximation in ALL {
-            let gp = case.fit(approximation);
+            let settings = SparseSettings { mean: Mean::Fixed(0.4), ..settings(approximation) };
+            let (x, z) = (case.x.as_ref(), case.z.as_ref());
+            let gp = SparseGp::fit(case.kernel(), x, &case.y, z, NOISE_VARIANCE, settings).unwrap();
             let (_, variance) = gp.predict(case.x_star.as_ref()).unwrap();
             let prior = SIGNAL_VARIANCE * (1.0 + 1e-12);
             prop_assert!(variance.iter().all(|variance| (0.0..=prior).contains(variance)));
@@ -172,6 +174,51 @@ proptest! {
                 let expected = (8.0 * near - far) / (12.0 * h);
                 let tolerance = 1e-6 * (1.0 + value.abs() + slope.abs());
                 prop_assert!((slope - expected).abs() < tolerance, "{index} {slope} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_learnt_mean_is_as_unsure_as_with_that_covariance_of_the_data(case in case()) {
+        let known = |z: &Mat<f64>, x: &Mat<f64>| {
+            gp_core::cross(&case.kernel(), z.as_ref(), x.as_ref()).unwrap()
+        };
+        let mut prior = known(&case.z, &case.z);
+        (0..prior.nrows()).for_each(|a| prior[(a, a)] *= 1.0 + 1e-4);
+        let prior = Llt::new(prior.as_ref(), Side::Lower).unwrap();
+        let (of_x, of_star) = (known(&case.z, &case.x), known(&case.z, &case.x_star));
+        let (q, q_star) = (of_x.transpose() * prior.solve(&of_x), of_x.transpose() * prior.solve(&of_star));
+        for approximation in ALL {
+            let jitter = 1e-4;
+            let fit = |mean| {
+                let settings = SparseSettings { mean, jitter, ..settings(approximation) };
+                let (x, z) = (case.x.as_ref(), case.z.as_ref());
+                SparseGp::fit(case.kernel(), x, &case.y, z, NOISE_VARIANCE, settings).unwrap()
+            };
+            let (learnt, about_zero) = (fit(Mean::Estimated), fit(Mean::Fixed(0.0)));
+            let mut covariance = q.clone();
+            for i in 0..case.y.len() {
+                covariance[(i, i)] +=
+                    NOISE_VARIANCE + approximation.alpha() * (SIGNAL_VARIANCE - q[(i, i)]).max(0.0);
+            }
+            let precision = Llt::new(covariance.as_ref(), Side::Lower).unwrap();
+            let of_one = precision.solve(&Mat::full(case.y.len(), 1, 1.0));
+            let told = of_one.sum();
+            let joint = learnt.predict_joint(case.x_star.as_ref()).unwrap();
+            let (known, plain) = (
+                about_zero.predict_joint(case.x_star.as_ref()).unwrap(),
+                learnt.predict(case.x_star.as_ref()).unwrap().1,
+            );
+            let rest = q_star.transpose() * &of_one;
+            let moved = |s: usize| (1.0 - rest[(s, 0)]) / told.sqrt();
+            for (s, plain) in plain.iter().enumerate() {
+                let found = joint.covariance()[(s, s)];
+                prop_assert!((found - plain).abs() < 1e-9 * (1.0 + plain));
+                for t in 0..5 {
+                    let found = joint.covariance()[(s, t)] - known.covariance()[(s, t)];
+                    let expected = moved(s) * moved(t);
+                    prop_assert!((found - expected).abs() < 1e-7 * (1.0 + expected.abs()));
+                }
             }
         }
     }
@@ -302,7 +349,10 @@ fn a_single_row_is_remembered_there_and_forgotten_far_away() {
         let (mean, variance) = gp.predict(x_star.as_ref()).unwrap();
         let posterior = SIGNAL_VARIANCE * noise / (SIGNAL_VARIANCE + noise);
         assert!(close(&mean, &[3.0; 2], 1e-12), "{mean:?}");
-        assert!(close(&variance, &[posterior, SIGNAL_VARIANCE], 1e-6), "{variance:?}");
+        // On the row the mean adds what it leaves of the noise, and far away what it knows itself.
+        let (known, open) = (SIGNAL_VARIANCE + noise, noise / (SIGNAL_VARIANCE + noise));
+        let expected = [posterior + open * open * known, SIGNAL_VARIANCE + known];
+        assert!(close(&variance, &expected, 1e-6), "{variance:?}");
         let (value, gradient) = gp.objective_and_gradient(x.as_ref(), &[3.0]).unwrap();
         assert!(value.is_finite() && gradient.iter().all(|slope| slope.is_finite()));
     }

@@ -54,6 +54,20 @@ pub enum MechanicsError {
         /// What was asked for.
         tolerance: f64,
     },
+    /// A bracket that holds no root of an increasing function.
+    #[error(
+        "{what} is not where it was looked for: the function is {} at {} and {} at {}, which must be \
+         negative and positive",
+        from[1], from[0], to[1], to[0]
+    )]
+    NoSignChange {
+        /// What was being solved.
+        what: &'static str,
+        /// The lower end and the function there.
+        from: [f64; 2],
+        /// The upper end and the function there.
+        to: [f64; 2],
+    },
     /// The load besides the pusher's is more than friction can bear.
     #[error(
         "the external load is {level} times what the limit surface bears: the object slides without a push, lower the load or raise the friction"

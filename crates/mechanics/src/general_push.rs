@@ -33,6 +33,17 @@ pub fn predict_under<S: LimitSurface + ?Sized>(
     external_s: &Wrench,
 ) -> Result<PushMotion, MechanicsError> {
     push.validate()?;
+    let scale = push.speed_scale();
+    let motion = at_unit_speed(surface, &push.slowed_by(scale), external_s)?;
+    motion.sped_up_by(scale)
+}
+
+/// [`predict_under`] for a velocity whose squares neither over- nor underflow.
+fn at_unit_speed<S: LimitSurface + ?Sized>(
+    surface: &S,
+    push: &Push,
+    external_s: &Wrench,
+) -> Result<PushMotion, MechanicsError> {
     let external_level = surface.level(external_s)?;
     if external_level >= 1.0 {
         return Err(MechanicsError::SlidesByItself { level: external_level });
@@ -68,8 +79,9 @@ fn largest_force<S: LimitSurface + ?Sized>(
     let excess = |share: f64| -> Result<f64, MechanicsError> {
         Ok(surface.level(&(*external_s + push.wrench_of(&(share * alone))))? - 1.0)
     };
-    // The gauge is symmetric: level(external + s·alone) ≥ s − level(external) > 1 at s = 2.
-    let (low, high) = ((0.0, excess(0.0)?), (2.0, excess(2.0)?));
+    // A gauge is subadditive: s = level(s·alone) ≤ level(external + s·alone) + level(−external).
+    let most = 2.0 + surface.level(&(-1.0 * *external_s))?;
+    let (low, high) = ((0.0, excess(0.0)?), (most, excess(most)?));
     let (low, high) = root_bracket("the force on the cone's edge", low, high, TOLERANCE, excess)?;
     Ok(0.5 * (low.0 + high.0) * alone)
 }
@@ -93,7 +105,8 @@ fn stick<S: LimitSurface + ?Sized>(
         Ok(if value.abs() <= reach { 0.0 } else { value })
     };
     let speed = push.v_wp_s.norm() / c;
-    let guess = arm.dot(&push.v_wp_s) / (c * c + arm.norm_squared());
+    let size = c * c + arm.norm_squared();
+    let guess = if size > 0.0 { arm.dot(&push.v_wp_s) / size } else { 0.0 };
     let (low, high) = sign_change(guess, 1e-3 * speed, moment)?;
     let tolerance = TOLERANCE * (speed + guess.abs());
     let (low, high) = root_bracket("the sticking push", low, high, tolerance, moment)?;
@@ -117,17 +130,20 @@ fn stick<S: LimitSurface + ?Sized>(
     Ok((twist, force_in_cone(push, middle - external_s.force, half)))
 }
 
-/// Two samples between which an increasing function changes its sign.
+/// Two samples between which an increasing function changes its sign; one of them twice at a root.
 fn sign_change(
     guess: f64,
     step: f64,
     function: impl Fn(f64) -> Result<f64, MechanicsError>,
 ) -> Result<(Sample, Sample), MechanicsError> {
     let mut near = (guess, function(guess)?);
+    if near.1 == 0.0 {
+        return Ok((near, near));
+    }
     let mut reach = -near.1.signum() * step;
     for _ in 0..MAX_DOUBLINGS {
         let far = (guess + reach, function(guess + reach)?);
-        if near.1 * far.1 <= 0.0 {
+        if far.1 == 0.0 || (far.1 > 0.0) != (near.1 > 0.0) {
             return Ok(if near.0 < far.0 { (near, far) } else { (far, near) });
         }
         near = far;

@@ -31,6 +31,18 @@ pub fn predict_joint<S: LimitSurface + ?Sized>(
             return Err(MechanicsError::PushersDiffer);
         }
     }
+    let scale = pushes.first().map_or(1.0, Push::speed_scale);
+    let slow: Vec<Push> = pushes.iter().map(|push| push.slowed_by(scale)).collect();
+    let motions = at_unit_speed(surface, &slow, external_s)?;
+    motions.into_iter().map(|motion| motion.sped_up_by(scale)).collect()
+}
+
+/// [`predict_joint`] for a velocity whose squares neither over- nor underflow.
+fn at_unit_speed<S: LimitSurface + ?Sized>(
+    surface: &S,
+    pushes: &[Push],
+    external_s: &Wrench,
+) -> Result<Vec<PushMotion>, MechanicsError> {
     if pushes.iter().all(|push| push.approach_speed() <= 0.0) {
         let level = surface.level(external_s)?;
         if level >= 1.0 {
@@ -169,7 +181,7 @@ fn slide<S: LimitSurface + ?Sized>(
         Ok(scaled(&(surface.wrench(&at(share))? - *external_s), scale))
     };
     let (start, end) = (across.dot(&load(0.0)?), across.dot(&load(1.0)?));
-    if start * end > 0.0 || start == end {
+    if start == end || (start != 0.0 && end != 0.0 && (start > 0.0) == (end > 0.0)) {
         return Ok(None);
     }
     let rising = (end - start).signum();

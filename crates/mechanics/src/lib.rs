@@ -27,6 +27,7 @@ mod rotation;
 mod runge_kutta;
 mod single_point;
 mod slider;
+mod travel;
 
 pub use edge_push::{EdgePush, StraightPush};
 pub use ellipsoid::Ellipsoid;
@@ -48,4 +49,4 @@ pub use quadratic_patch::QuadraticTraction;
 pub use quartic::{QUARTIC_EXPONENTS, Quartic};
 pub use rotation::{CenterOfRotation, Sense, sense_of_rotation};
 pub use single_point::SinglePoint;
-pub use slider::{Pusher, Slider};
+pub use slider::{Pusher, Slider, UniformSupport};

@@ -14,6 +14,9 @@ use planar::{Twist, Wrench};
 /// - `dissipation(t) = max_w w·t` is the support function, homogeneous of degree one in t;
 /// - `level(w)` is the gauge, homogeneous of degree one in w, below 1 inside and 1 on the surface.
 ///
+/// The origin is inside. The surface need not be symmetric about it: friction may resist one way more
+/// than the other.
+///
 /// # Source
 /// Goyal, Ruina & Papadopoulos (1991), "Planar sliding with dry friction", part 1.
 pub trait LimitSurface: std::fmt::Debug + Send + Sync {

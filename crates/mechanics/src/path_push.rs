@@ -2,6 +2,7 @@
 
 use crate::root::root_bracket;
 use crate::runge_kutta::{Step, step};
+use crate::travel::{mean_speed, within_travel};
 use crate::{
     ContactMode, ContactPhase, MechanicsError, PathMotion, PathSample, PathSettings, Place, Push,
     Pusher, PusherPath, Slider, predict_joint,
@@ -185,11 +186,11 @@ impl<'a> Run<'a> {
             self.state = self.closed(piece, self.time, self.state);
             return Ok(());
         }
-        let speed = self.path.velocity(piece, self.time).norm();
-        let reach = if speed > 0.0 { gap.max(CREEP) / speed } else { longest };
-        let next = (self.time + reach.min(longest)).min(end);
+        let left = end - self.time;
+        let wait = within_travel(self.path, piece, self.time, longest.min(left), gap.max(CREEP));
+        let next = if wait < left { self.time + wait } else { end };
         let (next_gap, next_approach) = gap_and_speed(next);
-        let tolerance = SWITCH * reach / CREEP.max(gap);
+        let tolerance = SWITCH / mean_speed(self.path, piece, self.time, wait);
         let touch = if gap > TOUCH && next_gap < 0.0 {
             let (low, high) = ((self.time, -gap), (next, -next_gap));
             Some(root_bracket("the time of touch", low, high, tolerance, |t| {
@@ -218,15 +219,17 @@ impl<'a> Run<'a> {
             self.touching = false;
             return Ok(());
         }
-        let speed = self.path.velocity(piece, self.time).norm();
         let remaining = end - self.time;
-        let mut h = self.trial.min(remaining).min(self.settings.max_travel / speed);
+        let longest = self.trial.min(remaining);
+        let travel = self.settings.max_travel;
+        let mut h = within_travel(self.path, piece, self.time, longest, travel);
         let mut rejected = false;
         let (h, after, growth) = loop {
             let (mut taken, mut step) = (h, self.step(piece, h, &here)?);
             if !self.keeps(piece, h, &step, &here.kind)? {
                 let mut low = 0.0;
-                while taken - low > SWITCH / speed {
+                let tolerance = SWITCH / mean_speed(self.path, piece, self.time, h);
+                while taken - low > tolerance {
                     let middle = 0.5 * (low + taken);
                     let candidate = self.step(piece, middle, &here)?;
                     if self.keeps(piece, middle, &candidate, &here.kind)? {

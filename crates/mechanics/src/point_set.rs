@@ -114,8 +114,10 @@ impl PointSet {
 
 impl LimitSurface for PointSet {
     fn dissipation(&self, twist_s: &Twist) -> Result<f64, MechanicsError> {
-        direction_of_twist(twist_s)?;
-        Ok(self.points.iter().map(|(r, f)| f * twist_s.velocity_at(r).norm()).sum())
+        let (direction, size) = direction_of_twist(twist_s)?;
+        let motion = Twist::from_vector(&direction);
+        let sum: f64 = self.points.iter().map(|(r, f)| f * motion.velocity_at(r).norm()).sum();
+        Ok(size * sum)
     }
 
     fn wrenches(&self, twist_s: &Twist) -> Result<WrenchSet, MechanicsError> {

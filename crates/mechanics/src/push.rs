@@ -110,6 +110,22 @@ impl Push {
         self.motion(ContactMode::Separated, Twist::new(0.0, 0.0, 0.0), Vector2::zeros())
     }
 
+    /// The speed's power of two, in m/s: divided by it, a velocity keeps all its digits and its squares
+    /// neither over- nor underflow.
+    pub(crate) fn speed_scale(&self) -> f64 {
+        const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
+        let largest = self.v_wp_s.amax();
+        if largest == 0.0 {
+            return 1.0;
+        }
+        f64::from_bits(largest.to_bits() & EXPONENT).max(f64::MIN_POSITIVE)
+    }
+
+    /// The same push at a velocity `scale` times smaller.
+    pub(crate) fn slowed_by(&self, scale: f64) -> Self {
+        Self { v_wp_s: self.v_wp_s / scale, ..*self }
+    }
+
     /// Refuses what is not finite and negative friction.
     pub(crate) fn validate(&self) -> Result<(), MechanicsError> {
         for (name, vector, unit) in [
@@ -117,8 +133,7 @@ impl Push {
             ("the contact normal", &*self.normal_s, "(dimensionless)"),
             ("the pusher's velocity", &self.v_wp_s, "m/s"),
         ] {
-            let value = vector.x + vector.y;
-            if !value.is_finite() {
+            if let Some(&value) = vector.iter().find(|x| !x.is_finite()) {
                 return Err(MechanicsError::NotFinite { name, value, unit });
             }
         }
@@ -128,5 +143,24 @@ impl Push {
             return Err(MechanicsError::Negative { name, value, unit });
         }
         Ok(())
+    }
+}
+
+impl PushMotion {
+    /// The motion of the push that is `scale` times faster.
+    ///
+    /// # Errors
+    /// `NotFinite` where it is beyond all numbers.
+    pub(crate) fn sped_up_by(self, scale: f64) -> Result<Self, MechanicsError> {
+        let (twist_ws_s, slip) = (scale * self.twist_ws_s, scale * self.slip);
+        for (name, vector, unit) in [
+            ("the slider's velocity", twist_ws_s.to_vector(), "m/s or rad/s"),
+            ("the contact force", self.force_s.push(slip), "N, or m/s of slip"),
+        ] {
+            if let Some(&value) = vector.iter().find(|x| !x.is_finite()) {
+                return Err(MechanicsError::NotFinite { name, value, unit });
+            }
+        }
+        Ok(Self { twist_ws_s, slip, ..self })
     }
 }

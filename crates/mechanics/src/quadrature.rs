@@ -2,7 +2,7 @@
 
 use crate::MechanicsError;
 use nalgebra::{Vector2, Vector3};
-use planar::{Polygon, Shape, cross};
+use planar::{Shape, cross};
 use std::f64::consts::FRAC_PI_2;
 
 /// A shape cut into triangles: of the plane itself, or of the polar coordinates of an ellipse.
@@ -18,7 +18,7 @@ const MAX_CELLS: usize = 20_000;
 impl Cells {
     pub(crate) fn new(shape: &Shape) -> Self {
         match shape {
-            Shape::Polygon(polygon) => Self { triangles: triangulation(polygon), ellipse: None },
+            Shape::Polygon(polygon) => Self { triangles: polygon.triangles(), ellipse: None },
             Shape::Ellipse(ellipse) => {
                 let corner = |s: f64, k: u32| Vector2::new(s, FRAC_PI_2 * f64::from(k));
                 let sector = |k: u32| {
@@ -157,43 +157,6 @@ fn cut(triangle: &[Vector2<f64>; 3], kink: Option<&Vector2<f64>>) -> Vec<[Vector
     }
     let wide = parts.into_iter().filter(|(_, _, area)| sense * area > 1e-12 * twice_area);
     wide.map(|(from, to, _)| [p, from, to]).collect()
-}
-
-/// Cuts ears off a simple polygon.
-fn triangulation(polygon: &Polygon) -> Vec<[Vector2<f64>; 3]> {
-    let mut rest = polygon.vertices().to_vec();
-    let mut triangles = Vec::with_capacity(rest.len());
-    while rest.len() > 3 {
-        let n = rest.len();
-        let corners = |i: usize| [rest[(i + n - 1) % n], rest[i], rest[(i + 1) % n]];
-        let ear = (0..n)
-            .filter(|&i| is_ear(&corners(i), &rest))
-            .max_by(|&i, &j| roundness(&corners(i)).total_cmp(&roundness(&corners(j))));
-        // A simple polygon always has an ear; rounding may hide the last flat ones.
-        let ear = ear.unwrap_or(0);
-        triangles.push(corners(ear));
-        rest.remove(ear);
-    }
-    triangles.push([rest[0], rest[1], rest[2]]);
-    triangles
-}
-
-fn is_ear([a, b, c]: &[Vector2<f64>; 3], outline: &[Vector2<f64>]) -> bool {
-    let inside = |p: &Vector2<f64>| {
-        p != a
-            && p != b
-            && p != c
-            && cross(&(b - a), &(p - a)) >= 0.0
-            && cross(&(c - b), &(p - b)) >= 0.0
-            && cross(&(a - c), &(p - c)) >= 0.0
-    };
-    cross(&(b - a), &(c - b)) >= 0.0 && !outline.iter().any(inside)
-}
-
-/// Area over the square of the longest side.
-fn roundness([a, b, c]: &[Vector2<f64>; 3]) -> f64 {
-    let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
-    cross(&(b - a), &(c - a)) / longest
 }
 
 /// The eight Gauss–Legendre points and weights on [0, 1].

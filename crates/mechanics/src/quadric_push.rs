@@ -11,13 +11,15 @@ use planar::Twist;
 /// cone, the force is on the cone's edge and G f matches the normal velocity only.
 ///
 /// # Errors
-/// A push with a component that is not finite or a negative friction.
+/// A push with a component that is not finite or a negative friction; a motion beyond all numbers.
 #[allow(non_snake_case, reason = "the symbols of the derivation")]
 pub(crate) fn quadric_push(A: &Matrix3<f64>, push: &Push) -> Result<PushMotion, MechanicsError> {
     push.validate()?;
+    let scale = push.speed_scale();
+    let push = &push.slowed_by(scale);
     let approach = push.approach_speed();
     if approach <= 0.0 {
-        return Ok(push.separated());
+        return push.separated().sped_up_by(scale);
     }
     let p = &push.p_sc;
     let J = Matrix2x3::new(1.0, 0.0, -p.y, 0.0, 1.0, p.x);
@@ -35,7 +37,7 @@ pub(crate) fn quadric_push(A: &Matrix3<f64>, push: &Push) -> Result<PushMotion, 
         (mode, edge * (approach / push.normal_s.dot(&(G * edge))))
     };
     let level = f.dot(&(G * f)).sqrt();
-    Ok(push.motion(mode, Twist::from_vector(&(AJt * f)), f / level))
+    push.motion(mode, Twist::from_vector(&(AJt * f)), f / level).sped_up_by(scale)
 }
 
 /// G⁻¹ v for a positive definite G.

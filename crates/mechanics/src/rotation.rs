@@ -1,7 +1,7 @@
 //! Centers of rotation, and the vote on which way a pushed object turns.
 
 use crate::MechanicsError;
-use crate::{FrictionCone, Push};
+use crate::{ContactMode, Push};
 use nalgebra::{Unit, UnitVector2, Vector2};
 use planar::{Twist, cross, perpendicular};
 use std::cmp::Ordering;
@@ -40,7 +40,9 @@ impl CenterOfRotation {
         if twist.angular != 0.0 && at.norm().is_finite() {
             return Self::Point { at, sense: Sense::of(twist.angular) };
         }
-        Unit::try_new(twist.linear, 0.0).map_or(Self::Rest, Self::Translation)
+        // The largest component is divided out: its square may underflow.
+        let linear = twist.linear / twist.linear.amax();
+        Unit::try_new(linear, 0.0).map_or(Self::Rest, Self::Translation)
     }
 
     /// The twist about this center: turning at `rate` ≥ 0 in rad/s or, for a translation, moving at
@@ -82,9 +84,10 @@ impl Sense {
 /// Which way a push turns the object, whatever the pressure under it: Mason's voting theorem.
 ///
 /// The two edges of the friction cone and the pusher's velocity each vote by the side on which
-/// they pass the center of friction, the origin of S; the majority wins. A ray through it does
-/// not vote, and a tie, as with all three through it, is no rotation. `Sense::None`, too, for a pusher
-/// that does not approach.
+/// they pass the center of friction, the origin of S, and the middle one of the three decides: where
+/// both edges are on one side that is the majority. A ray through the center votes for no rotation,
+/// and wins where it is the middle one: a velocity through it between the edges, or an edge through it
+/// that the velocity is on or beyond. `Sense::None`, too, for a pusher that does not approach.
 ///
 /// # Errors
 /// A push with a component that is not finite or a negative friction.
@@ -96,8 +99,10 @@ pub fn sense_of_rotation(push: &Push) -> Result<Sense, MechanicsError> {
     if push.approach_speed() <= 0.0 {
         return Ok(Sense::None);
     }
-    let [left, right] = FrictionCone::new(push.normal_s, push.friction)?.edges();
-    let votes = [left.into_inner(), right.into_inner(), push.v_wp_s]
-        .map(|ray| Sense::of(cross(&push.p_sc, &ray)).sign());
-    Ok(Sense::of(votes.iter().sum()))
+    let [left, right] =
+        [ContactMode::SlidingLeft, ContactMode::SlidingRight].map(|mode| push.edge_of(mode));
+    let velocity = push.v_wp_s / push.speed_scale();
+    let mut votes = [left, right, velocity].map(|ray| Sense::of(cross(&push.p_sc, &ray)).sign());
+    votes.sort_by(f64::total_cmp);
+    Ok(Sense::of(votes[1]))
 }

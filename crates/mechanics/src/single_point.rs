@@ -52,11 +52,8 @@ impl SinglePoint {
 
 impl LimitSurface for SinglePoint {
     fn dissipation(&self, twist_s: &Twist) -> Result<f64, MechanicsError> {
-        let (_, size) = direction_of_twist(twist_s)?;
-        if size == 0.0 {
-            return Ok(0.0);
-        }
-        Ok(self.f_max * twist_s.velocity_at(&self.at).norm())
+        let (direction, size) = direction_of_twist(twist_s)?;
+        Ok(size * self.f_max * Twist::from_vector(&direction).velocity_at(&self.at).norm())
     }
 
     fn wrenches(&self, twist_s: &Twist) -> Result<WrenchSet, MechanicsError> {

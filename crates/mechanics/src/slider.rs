@@ -1,6 +1,6 @@
 //! What is pushed, and by what.
 
-use crate::{LimitSurface, MechanicsError, Push, PushMotion};
+use crate::{Ellipsoid, LimitSurface, MechanicsError, Push, PushMotion};
 use nalgebra::{Unit, Vector2};
 use planar::{Contact, Pose, Shape, Twist};
 
@@ -11,8 +11,56 @@ pub struct Slider<'a> {
     pub shape: &'a Shape,
     /// Friction with the table, frame S.
     pub surface: &'a dyn LimitSurface,
-    /// Where the center of friction is in the tracked body, frame B.
+    /// Where the frame of `surface` is in the tracked body B.
+    ///
+    /// It is the identity for a surface in the shape's own frame, as [`Ellipsoid::uniform`] and
+    /// [`crate::Patch::uniform`] are: they know where the centroid is, and moving them there shifts the
+    /// friction twice. A surface about its center of friction has that center here;
+    /// [`UniformSupport`] is one that goes with its place.
     pub pose_bs: Pose,
+}
+
+/// Uniform pressure on an ellipsoid about the centroid, with its place: what [`Slider::pose_bs`] and a
+/// surface that is centered on S have to say together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UniformSupport {
+    surface: Ellipsoid,
+    pose_bs: Pose,
+}
+
+impl UniformSupport {
+    /// Under `shape`, bearing `f_max` in N, with the characteristic length of uniform pressure.
+    ///
+    /// # Errors
+    /// `NotPositive` if the force is not positive and finite.
+    pub fn new(shape: &Shape, f_max: f64) -> Result<Self, MechanicsError> {
+        Self::with_length(shape, f_max, shape.mean_distance(&shape.centroid()))
+    }
+
+    /// The same with another characteristic length Mmax/Fmax, in m.
+    ///
+    /// # Errors
+    /// `NotPositive` if force or moment are not positive and finite.
+    pub fn with_length(shape: &Shape, f_max: f64, length: f64) -> Result<Self, MechanicsError> {
+        let center = shape.centroid();
+        let surface = Ellipsoid::new(f_max, f_max * length)?;
+        Ok(Self { surface, pose_bs: Pose::new(center.x, center.y, 0.0) })
+    }
+
+    /// The surface, upright and about the origin of S.
+    pub fn surface(&self) -> &Ellipsoid {
+        &self.surface
+    }
+
+    /// Where S is in B: at the centroid.
+    pub fn pose_bs(&self) -> &Pose {
+        &self.pose_bs
+    }
+
+    /// The object of this support; `shape` is the one that it was made for.
+    pub fn slider<'a>(&'a self, shape: &'a Shape) -> Slider<'a> {
+        Slider { shape, surface: &self.surface, pose_bs: self.pose_bs }
+    }
 }
 
 /// A round pusher that does not turn.

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use planar::{Pose, Shape};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{not_negative, positive};
+use crate::error::{not_negative, within};
 use crate::surface_kind::Support;
 use crate::{
     Base, Description, Estimate, ModelError, Noise, Parts, PushModel, StepInput, StepPrediction,
@@ -39,6 +39,11 @@ pub enum CharacteristicLength {
     Given(Estimate),
 }
 
+/// Of the coefficient between pusher and object: rubber on rubber has about 1.2.
+pub(crate) const FRICTION_RANGE: (f64, f64) = (0.0, 10.0);
+/// Of the characteristic length, in m: it is below the object's size.
+pub(crate) const LENGTH_RANGE: (f64, f64) = (1e-6, 10.0);
+
 impl Analytical {
     /// The nominal model: μp from the manifest, c from uniform pressure, no scatter.
     ///
@@ -58,17 +63,20 @@ impl Analytical {
     /// pusher's way squared: for a way d the predicted covariance is d² · scatter.
     ///
     /// # Errors
-    /// `InvalidValue` if μp or a variance is negative, c not positive, or one of them not finite.
+    /// `InvalidValue` if μp, its standard error or that of c is not from 0 to 10, c not from 1e-6 m
+    /// to 10 m, or a variance negative or not finite.
     pub fn new(
         pusher_friction: Estimate,
         length: CharacteristicLength,
         scatter: Matrix3<f64>,
     ) -> Result<Self, ModelError> {
-        not_negative("pusher friction", pusher_friction.value, "(dimensionless)")?;
-        not_negative("se of the pusher friction", pusher_friction.se, "(dimensionless)")?;
-        if let CharacteristicLength::Given(length) = &length {
-            positive("characteristic length", length.value, "m")?;
-            not_negative("se of the characteristic length", length.se, "m")?;
+        let (range, unit) = (FRICTION_RANGE, "(dimensionless)");
+        within("pusher friction", pusher_friction.value, range, "from 0 to 10", unit)?;
+        within("se of the pusher friction", pusher_friction.se, range, "from 0 to 10", unit)?;
+        if let CharacteristicLength::Given(Estimate { value, se, .. }) = &length {
+            let (low, high) = LENGTH_RANGE;
+            within("characteristic length", *value, (low, high), "from 1e-6 to 10", "m")?;
+            within("se of the characteristic length", *se, (0.0, high), "from 0 to 10", "m")?;
         }
         for variance in scatter.diagonal().iter() {
             not_negative("variance of the scatter", *variance, "(m or rad per m)²")?;
@@ -185,7 +193,9 @@ impl Analytical {
             let mut at =
                 |(friction, place)| self.outputs_with(friction, place, &steps, &mut supports);
             let (low, high) = (at(low)?, at(high)?);
-            let change = |(high, low): (Vector3<f64>, Vector3<f64>)| se / width * (high - low);
+            // An error that the value's own rounding hides changes nothing.
+            let slope = if width > 0.0 { se / width } else { 0.0 };
+            let change = |(high, low): (Vector3<f64>, Vector3<f64>)| slope * (high - low);
             Ok::<_, ModelError>(high.into_iter().zip(low).map(change).collect())
         };
         let mut changes = Vec::new();

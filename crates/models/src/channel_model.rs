@@ -5,8 +5,10 @@ use std::sync::Arc;
 use dataset::SupportSpec;
 use effects::{
     Channels, Effect, EffectError, Object, PressureRadius, PushPhysics, Rig, Setting, StepInput,
-    Surface,
+    Surface, Track, TrueOutline,
 };
+use nalgebra::Vector2;
+use planar::{Pose, Twist};
 
 use crate::{Analytical, Base, CharacteristicLength, Description, ModelError, SurfaceKind};
 
@@ -81,6 +83,31 @@ impl ChannelModel {
             Ok(known[index].1.predict(step)?)
         };
         steps.into_iter().map(&mut predict).collect()
+    }
+
+    /// Outline and pusher as the effects have them at the start of a push in the middle of a set.
+    ///
+    /// - `pusher_radius`: as stated, in m.
+    ///
+    /// # Errors
+    /// `Effects` for corners that do not fit on the outline.
+    pub fn true_outline(
+        &self,
+        object: &Arc<Object>,
+        pusher_radius: f64,
+    ) -> Result<TrueOutline, ModelError> {
+        let start = StepInput {
+            object: object.clone(),
+            pusher_radius,
+            pose_wb: Pose::default(),
+            twist_wb: Twist::default(),
+            track: Track::straight(Vector2::zeros(), Vector2::x(), 1.0),
+            touching: true,
+            since_contact: 0.0,
+            progress: 0.5,
+            session: 0,
+        };
+        Ok(self.with_effects(self.rig(Surface::Ellipsoid)?)?.true_outline(&start)?)
     }
 
     fn with_effects(&self, rig: Rig) -> Result<PushPhysics, EffectError> {

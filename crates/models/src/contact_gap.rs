@@ -2,9 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::RecordedPush;
-
-/// The gap between pusher and outline, as it is measured, while contact holds:
+/// The gap between pusher and outline as a model has them, as it is measured, while contact holds:
 /// offset + kept · (the gap when contact began) ± sd.
 ///
 /// An outline and a pusher that are not as they are nominally keep their gap through a push, and
@@ -29,13 +27,9 @@ impl Default for ContactGap {
 }
 
 impl ContactGap {
-    /// By least squares over the steps of recorded pushes; the sd is as of so many pushes, not steps.
-    pub(crate) fn of<'a>(pushes: impl IntoIterator<Item = &'a RecordedPush>) -> Self {
-        Self::of_gaps(&pushes.into_iter().map(RecordedPush::gaps).collect::<Vec<_>>())
-    }
-
-    /// Of the gaps of each push, at its start and after each step.
-    fn of_gaps(pushes: &[Vec<f64>]) -> Self {
+    /// By least squares over the gaps of each push, at its start and after each step
+    /// ([`crate::RecordedPush::gaps`]); the sd is as of so many pushes, not steps.
+    pub(crate) fn of_gaps(pushes: &[Vec<f64>]) -> Self {
         let pairs = || pushes.iter().flat_map(|gaps| gaps[1..].iter().map(|gap| (gaps[0], *gap)));
         let n = pairs().count().max(1) as f64;
         let mean = |of: &dyn Fn((f64, f64)) -> f64| pairs().map(of).sum::<f64>() / n;

@@ -91,6 +91,19 @@ pub enum ModelError {
         /// Cosine between residual and Jacobian at the end; 0 at a minimum.
         gradient: f64,
     },
+    /// A file cannot be read.
+    #[error(transparent)]
+    Dataset(Box<dataset::DatasetError>),
+    /// Something would be computed in more pieces than memory holds.
+    #[error("{number:e} {name}, at most {most} are taken; shorten the path, or take larger steps")]
+    TooMany {
+        /// What the pieces are.
+        name: &'static str,
+        /// How many there would be.
+        number: f64,
+        /// How many there may be.
+        most: usize,
+    },
     /// A model file says something that cannot be.
     #[error("{}:{line}: {key}: {problem}", path.display())]
     Invalid {
@@ -220,10 +233,13 @@ pub enum ModelError {
         /// What is wrong, and what to do.
         problem: String,
     },
-    /// A file could not be read or written.
+    /// A file could not be written.
+    #[error(transparent)]
+    Output(#[from] output::OutputError),
+    /// A file could not be read or removed.
     #[error("cannot {action} {}", path.display())]
     Io {
-        /// `read` or `write`.
+        /// `read` or `remove`.
         action: &'static str,
         /// The file.
         path: PathBuf,
@@ -280,6 +296,12 @@ pub enum ModelError {
     },
 }
 
+impl From<dataset::DatasetError> for ModelError {
+    fn from(error: dataset::DatasetError) -> Self {
+        Self::Dataset(Box::new(error))
+    }
+}
+
 /// Refuses a value that is not positive and finite.
 pub(crate) fn positive(
     name: &'static str,
@@ -290,6 +312,21 @@ pub(crate) fn positive(
         Ok(value)
     } else {
         Err(ModelError::InvalidValue { name, expected: "positive and finite", value, unit })
+    }
+}
+
+/// Refuses a value outside of a range, which `expected` states.
+pub(crate) fn within(
+    name: &'static str,
+    value: f64,
+    (low, high): (f64, f64),
+    expected: &'static str,
+    unit: &'static str,
+) -> Result<f64, ModelError> {
+    if (low..=high).contains(&value) {
+        Ok(value)
+    } else {
+        Err(ModelError::InvalidValue { name, expected, value, unit })
     }
 }
 

@@ -1,5 +1,6 @@
 //! The analytical model with learnt processes on what it leaves over.
 
+use effects::TrueOutline;
 use gp_core::{LearnOptions, Mean};
 use nalgebra::Vector3;
 
@@ -8,8 +9,8 @@ use crate::physics::{Physics, Setup};
 use crate::step_processes::StepProcesses;
 use crate::{
     Analytical, Base, BesidePhysics, Description, ModelEffect, ModelError, Noise, Parts,
-    ProcessReport, PushModel, SeenSteps, StepInput, StepObservation, StepPrediction, Training,
-    Unexplained, Weights,
+    ProcessReport, PushModel, Pushed, SeenSteps, StepInput, StepObservation, StepPrediction,
+    Training, Unexplained, Weights,
 };
 
 /// An analytical model with its effects, plus three independent processes on its residuals.
@@ -175,6 +176,10 @@ impl PushModel for Hybrid {
         let [physics, left] = self.physics_and_left(steps)?;
         let inputs: Vec<_> = steps.iter().collect();
         Ok(self.beside.unexplained_of(&inputs, &physics, &left))
+    }
+
+    fn true_outline(&self, pushed: &Pushed) -> Result<TrueOutline, ModelError> {
+        self.physics.true_outline(pushed)
     }
 
     fn seen(&self) -> Option<&SeenSteps> {

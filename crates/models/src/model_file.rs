@@ -8,7 +8,9 @@ mod weights_file;
 
 use std::path::Path;
 
+use dataset::DatasetError;
 use effects::Effect;
+use output::{Existing, OutputFile};
 
 use self::raw::{Raw, RawBase, RawEffect, RawOut};
 use self::source::Source;
@@ -58,38 +60,50 @@ impl ModelFile {
         Ok(Self { name: raw.name, description: Description { base, effects, weights }, split })
     }
 
-    /// Writes the model, and beside it its weights as `<stem>.weights.json` if it has some.
-    ///
-    /// Each file is written under a temporary name and renamed when it is whole, the weights first.
+    /// Writes the model, in place of one that is there, and beside it its weights if it has some.
     ///
     /// # Errors
-    /// `Io`; `Weights` if they cannot be written as JSON.
+    /// As [`Self::write_to`].
     pub fn write(&self, path: &Path) -> Result<(), ModelError> {
+        self.write_to(OutputFile::new(path, Existing::Replace)?)
+    }
+
+    /// Writes the model to a place that is taken, and its weights beside it, if it has some, as
+    /// `<stem>.<digest>.weights.json`.
+    ///
+    /// The weights are whole before the model names them, and have a name of their own for each
+    /// content: wherever a run is killed, the model that is there has the weights that it was
+    /// written with. Those of a model that was replaced are removed last, unless another model of
+    /// the folder names them.
+    ///
+    /// # Errors
+    /// `Output`; `Weights` if they cannot be written as JSON; `Io` if old ones cannot be removed.
+    pub fn write_to(&self, output: OutputFile) -> Result<(), ModelError> {
+        let path = output.path().to_owned();
+        let replaced = weights_file::named_by(&path);
         let learned = match &self.description.weights {
-            Some(weights) => Some(weights_file::write(path, weights)?),
+            Some(weights) => Some(weights_file::write(&path, weights)?),
             None => None,
         };
         let base = RawBase::of(&self.description.base);
         let effects = self.description.effects.iter().map(RawEffect::of).collect();
         let (name, split) = (&self.name, self.split.as_ref());
+        let kept = learned.as_ref().map(|learned| learned.weights.clone());
         let raw = RawOut { schema: Self::SCHEMA, name, base, effects, learned, split };
         let text = toml::to_string(&raw).map_err(|error| ModelError::Weights {
-            path: path.into(),
+            path: path.clone(),
             problem: format!("cannot be written as TOML: {error}"),
         })?;
-        write_whole(path, &text)
+        output.write(text)?;
+        weights_file::remove(&path, replaced.filter(|name| Some(name) != kept.as_ref()))
     }
 }
 
 fn read_text(path: &Path) -> Result<String, ModelError> {
-    std::fs::read_to_string(path).map_err(|source| io("read", path, source))
-}
-
-fn write_whole(path: &Path, text: &str) -> Result<(), ModelError> {
-    let temporary = path.with_added_extension("part");
-    std::fs::write(&temporary, text)
-        .and_then(|()| std::fs::rename(&temporary, path))
-        .map_err(|source| io("write", path, source))
+    dataset::read_text(path).map_err(|error| match error {
+        DatasetError::Io { action, path, source } => ModelError::Io { action, path, source },
+        other => other.into(),
+    })
 }
 
 fn io(action: &'static str, path: &Path, source: std::io::Error) -> ModelError {

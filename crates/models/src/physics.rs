@@ -1,12 +1,12 @@
 //! An analytical model with its effects as one function of the parameters that a fit may move.
 
 use dataset::SupportSpec;
-use effects::{About, Effect, Rig, Role, by_id};
+use effects::{About, Effect, Rig, Role, TrueOutline, by_id};
 use nalgebra::Vector3;
 
 use crate::{
     Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelEffect,
-    ModelError, StepInput, SurfaceKind,
+    ModelError, Pushed, StepInput, SurfaceKind,
 };
 
 /// The physics of a hybrid: the motion of steps, and what moves it.
@@ -52,6 +52,23 @@ pub(crate) const DIFFERENCE: f64 = 0.02;
 /// μp and c are not moved by more than a factor of e².
 const FARTHEST: f64 = 2.0;
 
+impl Free {
+    /// The number nearest to `u` whose value is within its range.
+    fn within(&self, u: f64) -> f64 {
+        match self.place {
+            Place::Effect { at, secant, range: (low, high), .. } => {
+                let moved = at + u * secant;
+                if (low..=high).contains(&moved) {
+                    u
+                } else {
+                    (moved.clamp(low, high) - at) / secant
+                }
+            }
+            Place::Friction(_) | Place::Length(_) => u,
+        }
+    }
+}
+
 impl Physics {
     /// The physics of a base with effects, which need a set-up.
     ///
@@ -78,6 +95,15 @@ impl Physics {
         let wholes = steps.iter().map(whole).collect::<Result<Vec<_>, _>>()?;
         let found = self.channels()?.predict(&wholes)?;
         Ok(found.iter().map(|found| Vector3::new(found.dx, found.dy, found.dtheta)).collect())
+    }
+
+    /// Outline and pusher as the effects have them.
+    pub(crate) fn true_outline(&self, pushed: &Pushed) -> Result<TrueOutline, ModelError> {
+        if self.effects.is_empty() {
+            return Ok(pushed.stated());
+        }
+        let object = pushed.object.as_ref().ok_or_else(|| self.needs_more())?;
+        self.channels()?.true_outline(object, pushed.pusher_radius)
     }
 
     /// What a fit to such steps may move: μp, on an ellipsoid c, and the numbers of the effects.
@@ -148,10 +174,11 @@ impl Physics {
                 u[k] = size;
                 self.moved(free, &u)?.outputs(steps)
             };
-            let (above, below) = (at(DIFFERENCE)?, at(-DIFFERENCE)?);
-            let slope = |(above, below): (&Vector3<f64>, &Vector3<f64>)| {
-                (above - below) / (2.0 * DIFFERENCE)
-            };
+            // To one side where the range ends.
+            let (high, low) = (free[k].within(DIFFERENCE), free[k].within(-DIFFERENCE));
+            let (above, below) = (at(high)?, at(low)?);
+            let slope =
+                |(above, below): (&Vector3<f64>, &Vector3<f64>)| (above - below) / (high - low);
             Ok(above.iter().zip(&below).map(slope).collect())
         };
         (0..free.len()).map(column).collect()

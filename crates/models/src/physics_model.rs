@@ -1,10 +1,12 @@
 //! An analytical model with its effects as a Gaussian over the motion.
 
+use effects::TrueOutline;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::physics::Physics;
 use crate::{
-    Base, Description, ModelError, Noise, Parts, PushModel, StepInput, StepPrediction, Unexplained,
+    Base, Description, ModelError, Noise, Parts, PushModel, Pushed, StepInput, StepPrediction,
+    Unexplained,
 };
 
 /// An analytical model with effects, asked about whole steps ([`StepInput::of`]).
@@ -67,6 +69,10 @@ impl PushModel for PhysicsModel {
 
     fn unexplained(&self, _steps: &[StepInput]) -> Result<Unexplained, ModelError> {
         Ok(Unexplained::default())
+    }
+
+    fn true_outline(&self, pushed: &Pushed) -> Result<TrueOutline, ModelError> {
+        self.0.true_outline(pushed)
     }
 
     fn describe(&self) -> Result<Description, ModelError> {

@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::roll_out::settle::gap_slope;
 use crate::step_correlation::root;
 use crate::{ModelError, Noise, PushModel, RecordedPush, Slip, StepInput, StepPrediction};
 
@@ -24,7 +25,7 @@ impl PushErrors {
     /// # Errors
     /// `NoVariance` for a model that claims none; what the model refuses.
     pub(crate) fn of(model: &dyn PushModel, push: &RecordedPush) -> Result<Self, ModelError> {
-        let n = push.steps.len();
+        let (n, outline) = (push.steps.len(), model.true_outline(&push.pushed)?);
         let (mut errors, mut free) = (Vec::with_capacity(n), Vec::with_capacity(n));
         let centers = push.path.points().iter().skip(1).map(|(_, center_w)| center_w);
         let ends = push.poses_wb.iter().skip(1).zip(centers);
@@ -36,7 +37,7 @@ impl PushErrors {
                 .solve_lower_triangular(&(step.outputs - said.mean))
                 .ok_or(ModelError::NoVariance { kind: model.kind() })?;
             let along_w = push.poses_wb[errors.len()].rotate(&step.input.direction_b());
-            let slope = push.pushed.gap_slope(pose_wb, center_w, &along_w);
+            let slope = gap_slope(&outline, pose_wb, center_w, &along_w);
             let held = (root.transpose() * slope.transpose()).normalize();
             let projection = Matrix3::identity() - held * held.transpose();
             errors.push(projection * error);

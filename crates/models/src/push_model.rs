@@ -2,9 +2,12 @@
 
 use std::fmt::Debug;
 
+use effects::TrueOutline;
 use nalgebra::{Matrix3, Vector3};
 
-use crate::{Description, GpPushModel, ModelError, SeenSteps, SlipMixture, StepInput, Unexplained};
+use crate::{
+    Description, GpPushModel, ModelError, Pushed, SeenSteps, SlipMixture, StepInput, Unexplained,
+};
 
 /// A model of what a step of a push does to the object.
 pub trait PushModel: Debug + Send + Sync {
@@ -29,6 +32,16 @@ pub trait PushModel: Debug + Send + Sync {
     /// # Errors
     /// As [`PushModel::predict`].
     fn unexplained(&self, steps: &[StepInput]) -> Result<Unexplained, ModelError>;
+
+    /// Outline and pusher as the model has them: just as stated, but for what its effects change.
+    ///
+    /// Whoever asks whether pusher and object touch by this model has to ask these.
+    ///
+    /// # Errors
+    /// `Effects` for what the effects refuse; `EffectsNeedMore` for effects without an object.
+    fn true_outline(&self, pushed: &Pushed) -> Result<TrueOutline, ModelError> {
+        Ok(pushed.stated())
+    }
 
     /// The span of the steps that it has learnt from; none of physics alone.
     fn seen(&self) -> Option<&SeenSteps> {

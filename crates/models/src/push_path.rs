@@ -39,6 +39,10 @@ const FASTEST: f64 = 3.0;
 const SAGITTA: f64 = 1e-6;
 /// Chords between two points of a spline.
 const PIECES: usize = 64;
+/// Most chords of an arc or a spline: an arc of 100 km has as many.
+const MOST_CHORDS: usize = 1_000_000;
+/// Most steps along a path: 80 m in steps of 4 mm.
+const MOST_STEPS: usize = 20_000;
 
 impl PushPath {
     /// A straight way at a constant speed in m/s.
@@ -81,7 +85,7 @@ impl PushPath {
         }
         let arm = start_w - center_w;
         let widest = (8.0 * SAGITTA / arm.norm().max(SAGITTA)).sqrt();
-        let n = (angle.abs() / widest).ceil().max(1.0) as usize;
+        let n = count("chords of the arc", (angle.abs() / widest).ceil().max(1.0), MOST_CHORDS)?;
         let place = |k: usize| {
             let turn = nalgebra::Rotation2::new(angle * k as f64 / n as f64);
             center_w + turn * arm
@@ -103,7 +107,7 @@ impl PushPath {
         };
         let [x, y] = [axis(0)?, axis(1)?];
         let end = knots[knots.len() - 1];
-        let n = PIECES * (knots.len() - 1);
+        let n = count("chords of the spline", (PIECES * (knots.len() - 1)) as f64, MOST_CHORDS)?;
         let place = |k: usize| {
             let at = (end * k as f64 / n as f64).min(end);
             let value = |axis: &CubicSpline| {
@@ -167,7 +171,7 @@ impl PushPath {
     /// steps that are longer are divided. The chord of a step is its way.
     ///
     /// # Errors
-    /// `InvalidValue` for a length that is not positive.
+    /// `InvalidValue` for a length that is not positive, or of which the path has more than 20 000.
     pub fn steps(&self, longest: f64) -> Result<Vec<PathStep>, ModelError> {
         positive("length of a step", longest, "m")?;
         let mut steps = Vec::new();
@@ -176,7 +180,9 @@ impl PushPath {
             let ways = ways(piece);
             let whole = ways[ways.len() - 1];
             // A recorded step of 4 mm is one step of 4 mm, for all its rounding.
-            let n = ((whole / longest - 1e-6).ceil().max(1.0)) as usize;
+            let n = (whole / longest - 1e-6).ceil().max(1.0);
+            let all = count("steps along the path", steps.len() as f64 + n, MOST_STEPS)?;
+            let n = all - steps.len();
             let at = |k: usize| along(piece, &ways, whole * k as f64 / n as f64, k == n);
             for k in 0..n {
                 let ((time, start_w), (end, end_w)) = (at(k), at(k + 1));
@@ -192,6 +198,14 @@ impl PathStep {
     pub fn distance(&self) -> f64 {
         (self.end_w - self.start_w).norm()
     }
+}
+
+/// A number of pieces, unless they are too many.
+fn count(name: &'static str, number: f64, most: usize) -> Result<usize, ModelError> {
+    if number <= most as f64 {
+        return Ok(number as usize);
+    }
+    Err(ModelError::TooMany { name, number, most })
 }
 
 /// The way to each point of a piece, in m.
@@ -348,6 +362,21 @@ mod tests {
     }
 
     #[test]
+    fn a_path_of_too_many_pieces_is_refused_with_number_and_limit() {
+        let far = PushPath::straight(at(0.0, 0.0), at(1e6, 0.0), 0.02).unwrap();
+        assert_eq!(
+            far.steps(0.004).unwrap_err().to_string(),
+            "2.5e8 steps along the path, at most 20000 are taken; shorten the path, or take larger \
+             steps"
+        );
+        assert_eq!(far.steps(50.0).unwrap().len(), 20_000);
+        let endless = PushPath::straight(at(-1e308, 0.0), at(1e308, 0.0), 0.02).unwrap();
+        assert!(endless.steps(0.004).is_err());
+        let error = PushPath::arc(at(1e12, 0.0), at(0.0, 0.0), 6.0, 0.02).unwrap_err();
+        assert!(error.to_string().contains("chords of the arc, at most 1000000"), "{error}");
+    }
+
+    #[test]
     fn recorded_steps_are_kept_and_longer_ones_divided() {
         let points = [(5.0, at(0.0, 0.0)), (5.2, at(0.004, 0.0)), (5.6, at(0.012, 0.0))];
         let path = PushPath::stepwise(&points).unwrap();
@@ -357,6 +386,16 @@ mod tests {
         assert!((path.duration() - 0.6).abs() < 1e-12);
         // Without the stops of a table the same way is divided evenly.
         assert_eq!(PushPath::timed(&points).unwrap().steps(0.007).unwrap().len(), 2);
+    }
+
+    #[test]
+    fn a_path_there_and_back_has_the_steps_of_its_whole_way() {
+        let points = [(0.0, at(0.0, 0.0)), (1.0, at(0.02, 0.0)), (2.0, at(0.0, 0.0))];
+        let steps = PushPath::timed(&points).unwrap().steps(0.004).unwrap();
+        assert_eq!(steps.len(), 10);
+        assert!(steps.iter().all(|step| (step.distance() - 0.004).abs() < 1e-12));
+        let farthest = steps.iter().map(|step| step.end_w.x).fold(0.0, f64::max);
+        assert!((farthest - 0.02).abs() < 1e-12);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use dataset::{ObjectChoice, StepRow, Table};
+use effects::TrueOutline;
 use nalgebra::Vector3;
 use planar::{Pose, Shape, perpendicular};
 
@@ -29,14 +30,11 @@ pub struct RecordedPush {
 }
 
 impl RecordedPush {
-    /// The measured gap between pusher and outline at the start and after each step, in m.
-    pub fn gaps(&self) -> Vec<f64> {
+    /// The gap between pusher and outline at the start and after each step, in m: as measured, and
+    /// as a model has outline and pusher.
+    pub fn gaps(&self, outline: &TrueOutline) -> Vec<f64> {
         let centers = self.path.points().iter().map(|(_, center_w)| center_w);
-        self.poses_wb
-            .iter()
-            .zip(centers)
-            .map(|(pose, center)| self.pushed.gap(pose, center))
-            .collect()
+        self.poses_wb.iter().zip(centers).map(|(pose, center)| outline.gap(pose, center)).collect()
     }
 }
 

@@ -4,12 +4,12 @@ mod exact;
 mod matched;
 mod motion;
 mod particle;
-mod settle;
+pub(crate) mod settle;
 mod touch;
 
 use std::sync::Arc;
 
-use effects::Object;
+use effects::{Object, TrueOutline};
 use filter::{ParticleFilter, PlanarSummary, Settings};
 use nalgebra::Vector3;
 use planar::{Pose, Shape};
@@ -27,17 +27,25 @@ use crate::{ContactGap, ModelError, PathStep, PushModel, PushPath, StepCorrelati
 /// What is pushed, and with what.
 #[derive(Clone, Debug)]
 pub struct Pushed {
-    /// The outline, in B.
+    /// The outline as stated, in B.
     pub shape: Arc<Shape>,
-    /// In m.
+    /// As stated, in m.
     pub pusher_radius: f64,
     /// All that effects act on; needed by models that carry some.
     pub object: Option<Arc<Object>>,
 }
 
+impl Pushed {
+    /// Outline and pusher just as stated.
+    pub fn stated(&self) -> TrueOutline {
+        TrueOutline::stated(&self.shape, self.pusher_radius)
+    }
+}
+
 /// A push rolled out: particles that a model moves step by step along a path of the pusher.
 ///
-/// At every step the contact of each particle is found anew on the outline:
+/// At every step the contact of each particle is found anew on the outline, with outline and pusher as
+/// the model has them ([`PushModel::true_outline`]):
 ///
 /// - The pusher that **touches** pushes for the whole step; place p and angle β are those of the
 ///   nearest point of the outline, at a vertex those of the edge that faces the pusher more, as in the
@@ -153,7 +161,7 @@ impl RollOut<'_> {
         };
         note(0.0, path.start_w().into(), &filter)?;
         for step in &steps {
-            filter.predict(&self.motion(step))?;
+            filter.predict(&self.motion(step)?)?;
             note(step.time + step.duration, step.end_w.into(), &filter)?;
         }
         Ok(moments)
@@ -193,9 +201,13 @@ impl RollOut<'_> {
     }
 
     /// One step as a motion of particles.
-    pub fn motion(&self, step: &PathStep) -> PushMotion<'_> {
+    ///
+    /// # Errors
+    /// As [`PushModel::true_outline`].
+    pub fn motion(&self, step: &PathStep) -> Result<PushMotion<'_>, ModelError> {
         let Self { model, pushed, settings } = *self;
-        PushMotion { model, pushed, settings, step: *step }
+        let outline = model.true_outline(pushed)?;
+        Ok(PushMotion { model, pushed, outline, settings, step: *step })
     }
 
     fn check(&self) -> Result<(), ModelError> {
@@ -229,11 +241,13 @@ impl RollOut<'_> {
         ] {
             finite(name, value, "m or rad")?;
         }
-        let Pushed { shape, pusher_radius, .. } = self.pushed;
+        let outline = self.model.true_outline(self.pushed)?;
         let center_b = start_wb.inverse_transform_point(&path.start_w());
-        let gap = shape.contact(&center_b, *pusher_radius).gap;
+        let gap = outline.contact(&center_b).gap;
         let RollOutSettings { touching, tolerance, .. } = self.settings;
-        if shape.contains(&center_b) || (!touching && gap < -tolerance) {
+        // Deeper than its center at least; that of a pusher without extent may be in by a measuring error.
+        let deepest = if *touching { outline.pusher_radius().max(*tolerance) } else { *tolerance };
+        if gap < -deepest {
             return Err(ModelError::PusherInside { depth: -gap });
         }
         let held =

@@ -74,7 +74,10 @@ impl StepCorrelation {
         let pushes: Vec<_> = pushes.into_iter().collect();
         let errors = pushes.iter().map(|(model, push)| PushErrors::of(*model, push));
         let errors = errors.collect::<Result<Vec<_>, _>>()?;
-        let gap = ContactGap::of(pushes.iter().map(|(_, push)| *push));
+        let gaps = pushes.iter().map(|(model, push)| {
+            Ok::<_, ModelError>(push.gaps(&model.true_outline(&push.pushed)?))
+        });
+        let gap = ContactGap::of_gaps(&gaps.collect::<Result<Vec<_>, _>>()?);
         Ok(Self { gap, ..Self::of_errors(&errors)? })
     }
 

@@ -99,6 +99,8 @@ impl StepProcesses {
             }
             .map_err(of_output(k))?;
             for ((i, mean), variance) in beyond.iter().zip(mean).zip(variance) {
+                check_number(mean)?;
+                check_number(variance)?;
                 let (distance, prediction) = (steps[*i].distance(), &mut predictions[*i]);
                 prediction.mean[k] = mean * distance;
                 prediction.covariance[(k, k)] = variance * distance * distance;
@@ -150,6 +152,7 @@ impl StepProcesses {
         for (k, process) in self.outputs.iter().enumerate() {
             let found = process.posterior().predict_mean(x.as_ref()).map_err(of_output(k))?;
             for ((mean, found), step) in means.iter_mut().zip(found).zip(steps) {
+                check_number(found)?;
                 mean[k] = found * step.distance();
             }
         }
@@ -246,6 +249,14 @@ impl StepProcesses {
             last = Some(shape);
         }
         Ok(())
+    }
+}
+
+/// Refuses what a process says if it is no number: its weights are finite, but not of any data.
+fn check_number(value: f64) -> Result<(), ModelError> {
+    match value.is_finite() {
+        true => Ok(()),
+        false => Err(ModelError::UnsoundWeights { what: "outputs" }),
     }
 }
 

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use mechanics::{
-    EdgePush, Ellipsoid, LimitSurface, Patch, PointSet, WrenchTwist, fit_quartic, mesh,
+    EdgePush, Ellipsoid, LimitSurface, Patch, PointSet, UniformSupport, WrenchTwist, fit_quartic,
+    mesh,
 };
 use planar::{Pose, Shape};
 
@@ -52,24 +53,20 @@ impl SurfaceKind {
             let (surface, pose_bs) = (self.in_body(shape, 1.0)?, Pose::default());
             return Ok(Support { surface, pose_bs, at_edge: None });
         }
-        let center = shape.centroid();
-        let pose_bs = Pose::new(center.x, center.y, 0.0);
-        let surface = Ellipsoid::new(1.0, length)?;
+        let support = UniformSupport::with_length(shape, 1.0, length)?;
+        let (surface, pose_bs) = (*support.surface(), *support.pose_bs());
         let at_edge = EdgePush::new(shape, &surface, &pose_bs);
         Ok(Support { surface: Arc::new(surface), pose_bs, at_edge })
     }
 
-    /// The surface in the body's frame under a shape that bears `force`, in N; an ellipsoid about
-    /// the frame's origin.
+    /// The surface in the body's frame under a shape that bears `force`, in N.
     pub(crate) fn in_body(
         self,
         shape: &Shape,
         force: f64,
     ) -> Result<Arc<dyn LimitSurface>, ModelError> {
         Ok(match self {
-            Self::Ellipsoid => {
-                Arc::new(Ellipsoid::new(force, shape.mean_distance(&shape.centroid()))?)
-            }
+            Self::Ellipsoid => Arc::new(Ellipsoid::uniform(shape, force)?),
             Self::UniformPatch => Arc::new(Patch::uniform(shape, force)?),
             Self::Points { n_points } => Arc::new(PointSet::sampling(shape, force, n_points)?),
             Self::Quartic => {
@@ -104,6 +101,21 @@ mod tests {
     use super::SurfaceKind;
     use mechanics::{LimitSurface, Patch};
     use planar::{Shape, Twist, mit_object};
+
+    #[test]
+    fn in_the_frame_of_the_body_every_kind_bears_as_much() {
+        for shape in [Shape::square(0.09).unwrap(), mit_object("tri1").unwrap().shape] {
+            let exact = Patch::uniform(&shape, 3.0).unwrap();
+            for kind in [SurfaceKind::Ellipsoid, SurfaceKind::UniformPatch] {
+                let surface = kind.in_body(&shape, 3.0).unwrap();
+                for twist_b in [Twist::new(0.3, -0.8, 0.0), Twist::new(0.0, 0.0, 1.0)] {
+                    let power = surface.dissipation(&twist_b).unwrap();
+                    let expected = exact.dissipation(&twist_b).unwrap();
+                    assert!((power / expected - 1.0).abs() < 0.03, "{kind:?} {power} {expected}");
+                }
+            }
+        }
+    }
 
     /// Every surface stands for the same pressure, so their largest forces and moments are alike.
     #[test]

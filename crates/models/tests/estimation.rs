@@ -85,8 +85,8 @@ fn a_filter_beats_rare_and_noisy_motion_capture_and_the_blind_model() {
         let start = push.poses_wb[0];
         let mut last_seen = [start.position.x, start.position.y, start.angle];
         for (k, step) in push.path.steps(settings.step).unwrap().iter().enumerate() {
-            filter.predict(&roll_out.motion(step)).unwrap();
-            without.predict(&roll_out.motion(step)).unwrap();
+            filter.predict(&roll_out.motion(step).unwrap()).unwrap();
+            without.predict(&roll_out.motion(step).unwrap()).unwrap();
             let truth = &push.poses_wb[k + 1];
             let noise: [f64; 3] = std::array::from_fn(|_| random.sample(StandardNormal));
             let fails = random.random::<f64>() < 1.0 / 3.0;
@@ -147,8 +147,8 @@ fn force_alone_finds_back_an_object_that_was_laid_down_turned() {
                 threshold: 0.3,
             };
             filter.update(&seen).unwrap();
-            filter.predict(&roll_out.motion(step)).unwrap();
-            blind.predict(&roll_out.motion(step)).unwrap();
+            filter.predict(&roll_out.motion(step).unwrap()).unwrap();
+            blind.predict(&roll_out.motion(step).unwrap()).unwrap();
         }
         let truth = &push.poses_wb[push.poses_wb.len() - 1];
         let mean = |particles: &[models::PushParticle], weights: &Weights| -> [f64; 3] {

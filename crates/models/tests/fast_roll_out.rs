@@ -56,7 +56,7 @@ fn allocations(model: &dyn PushModel, n_particles: usize) -> AllocationInfo {
     let mut filter = roll_out.start(&Pose::default(), &path).unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     // Counted is the thread that works, which is the pool's.
-    let motion = roll_out.motion(&step);
+    let motion = roll_out.motion(&step).unwrap();
     pool.install(|| {
         // The pool's own first allocations are not the step's.
         filter.clone().predict(&motion).unwrap();

@@ -4,11 +4,12 @@
 
 use models::{
     Analytical, Base, CharacteristicLength, Description, Estimate, GpPushModel, Hybrid, ModelError,
-    ModelFile, Noise, PushModel, StepInput, StepObservation, SurfaceKind, learn_options,
-    model_kinds,
+    ModelFile, Noise, ProcessKind, ProcessModel, PushModel, StepInput, StepObservation,
+    SurfaceKind, Training, learn_options, model_kinds,
 };
 use nalgebra::{Matrix3, Vector3};
 use planar::Shape;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 const MU_P: f64 = 0.22;
@@ -294,6 +295,43 @@ fn mirrored_steps_have_mirrored_motions() {
     }
 }
 
+/// The weights files of a folder.
+fn weights(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries.filter(|path| path.to_string_lossy().ends_with(".weights.json")).collect()
+}
+
+#[test]
+fn a_model_keeps_its_weights_until_another_one_is_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("square.toml");
+    let file = |n: usize| {
+        let description = trained(n).pop().unwrap().describe().unwrap();
+        ModelFile { name: "square".into(), description, split: None }
+    };
+    let (old, new) = (file(30), file(40));
+    assert!(old.description.weights.is_some() && old != new);
+    old.write(&path).unwrap();
+    let before = weights(folder.path());
+    // As if the run was killed when the new weights were whole, and the model not yet.
+    let aside = folder.path().join("aside");
+    std::fs::create_dir(&aside).unwrap();
+    new.write(&aside.join("square.toml")).unwrap();
+    for whole in weights(&aside) {
+        std::fs::copy(&whole, folder.path().join(whole.file_name().unwrap())).unwrap();
+    }
+    assert_eq!(ModelFile::read(&path).unwrap(), old);
+    new.write(&path).unwrap();
+    assert_eq!(ModelFile::read(&path).unwrap(), new);
+    let after = weights(folder.path());
+    assert!(after.len() == 1 && after != before, "{after:?}");
+    // Another model of the folder may name them, too.
+    std::fs::copy(&path, folder.path().join("copy.toml")).unwrap();
+    old.write(&path).unwrap();
+    assert_eq!(ModelFile::read(&folder.path().join("copy.toml")).unwrap(), new);
+    assert_eq!(ModelFile::read(&path).unwrap(), old);
+}
+
 #[test]
 fn weights_that_were_changed_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -301,13 +339,31 @@ fn weights_that_were_changed_are_refused() {
     let (model, _) = GpPushModel::learn(&steps(20, 1.0), &learn_options()).unwrap();
     let description: Description = model.describe().unwrap();
     ModelFile { name: "square".into(), description, split: None }.write(&path).unwrap();
-    let weights = folder.path().join("square.weights.json");
+    let weights = weights(folder.path()).pop().unwrap();
     let text = std::fs::read_to_string(&weights).unwrap();
     std::fs::write(&weights, text.replacen('1', "2", 1)).unwrap();
     let error = ModelFile::read(&path).unwrap_err();
     assert!(matches!(&error, ModelError::Weights { .. }) && error.to_string().contains("SHA-256"));
     std::fs::remove_file(&weights).unwrap();
     assert!(matches!(ModelFile::read(&path), Err(ModelError::Io { action: "read", .. })));
+}
+
+/// Its sparse processes did not keep what the steps leave open of their mean.
+#[test]
+fn weights_of_an_older_release_say_what_they_lack() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("square.toml");
+    let training = Training::with(ProcessKind::Spgp);
+    let (model, _) = GpPushModel::train(&steps(30, 1.0), &training).unwrap();
+    let mut description = model.describe().unwrap();
+    for process in &mut description.weights.as_mut().unwrap().outputs {
+        let ProcessModel::Spgp(model) = process else { panic!("not sparse") };
+        (model.version, model.deviation) = (1, None);
+    }
+    ModelFile { name: "square".into(), description, split: None }.write(&path).unwrap();
+    let rebuilt = ModelFile::read(&path).and_then(|file| file.description.build());
+    let ModelError::Gp { source, .. } = rebuilt.err().unwrap() else { panic!("another error") };
+    assert!(source.to_string().contains("without the uncertainty of its learnt mean"), "{source}");
 }
 
 /// The analytical model of a file, as people would write it.
@@ -389,12 +445,12 @@ fn every_impossible_file_names_its_line_and_key() {
             "from 4 to 10000, got 3",
         ),
         (good.replace("0.25", "-0.25"), 9, "base.pusher_friction.value", "-0.25"),
-        (good.replace("0.25", "nan"), 9, "base.pusher_friction.value", "finite"),
+        (good.replace("0.25", "nan"), 9, "base.pusher_friction.value", "from 0 to 10, got NaN"),
         (good.replace("se = 0.0", "se = -1.0"), 9, "base.pusher_friction.se", "-1"),
         (good.replace("se = 0.0", "sd = 0.0"), 11, "sd", "unknown field"),
         (good.replace("pressure = \"uniform\"\n", ""), 4, "base.pressure", "either"),
         (format!("{good}{length}"), 4, "base.pressure", "either"),
-        (given().replace("0.03", "0.0"), 13, "base.characteristic_length.value", "positive"),
+        (given().replace("0.03", "0.0"), 13, "base.characteristic_length.value", "to 10, got 0.0"),
         (
             given().replace("ellipsoid", "quartic"),
             13,
@@ -417,4 +473,21 @@ fn every_impossible_file_names_its_line_and_key() {
         assert_eq!((*found, named.as_str()), (line, key), "{error}");
         assert!(problem.contains(part), "{error}");
     }
+}
+
+#[test]
+fn a_standard_error_that_rounding_hides_changes_nothing() {
+    let length = CharacteristicLength::Given(Estimate::exact(0.035, "test"));
+    let with_se = |se: f64| {
+        let friction = Estimate { se, ..Estimate::exact(0.25, "test") };
+        Analytical::new(friction, length.clone(), Matrix3::zeros()).unwrap()
+    };
+    let shape = Arc::new(Shape::square(0.09).unwrap());
+    let step = StepInput::on_edge(shape, 0.00475, 1, 0.3, 0.8, 0.004).unwrap();
+    let said =
+        |model: &Analytical| model.predict(std::slice::from_ref(&step), Noise::Included).unwrap();
+    for se in [1e-308, 1e-20] {
+        assert_eq!(said(&with_se(se)), said(&with_se(0.0)), "{se}");
+    }
+    assert_ne!(said(&with_se(0.05)), said(&with_se(0.0)));
 }

@@ -173,6 +173,9 @@ fn the_schema_refuses_what_the_reader_refuses() {
         ("/base", "characteristic_length", json!({ "value": 0.03 })),
         ("/base", "scatter_per_m", json!([[1.0, 0.0, 0.0]])),
         ("/base/pusher_friction", "value", json!(-0.25)),
+        ("/base/pusher_friction", "value", json!(1e308)),
+        ("/base/pusher_friction", "se", json!(-1e9)),
+        ("/base/pusher_friction", "se", json!(1e308)),
         ("/base/pusher_friction", "se", json!("small")),
         ("/base/pusher_friction", "sd", json!(0.0)),
     ] {

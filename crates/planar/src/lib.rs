@@ -8,6 +8,7 @@ mod mit_object;
 mod polygon;
 mod pose;
 mod shape;
+mod triangulation;
 mod twist;
 mod wrench;
 

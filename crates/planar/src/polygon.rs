@@ -1,5 +1,6 @@
 //! Simple polygons, convex or not.
 
+use crate::triangulation::triangulation;
 use crate::{PlanarError, cross, perpendicular};
 use nalgebra::Vector2;
 
@@ -95,6 +96,13 @@ impl Polygon {
     /// between its ends, R² = h² + s².
     pub fn distance_integral(&self, about: &Vector2<f64>) -> f64 {
         self.edges().map(|(a, b)| triangle_distance_integral(&(a - about), &(b - about))).sum()
+    }
+
+    /// Triangles that make up the area, each counter-clockwise and of positive area, in m.
+    ///
+    /// Ears are cut off, the roundest first; costs O(n²) and more where ears are hidden.
+    pub fn triangles(&self) -> Vec<[Vector2<f64>; 3]> {
+        triangulation(&self.vertices)
     }
 
     /// Whether `point` (m) lies inside or on the outline.

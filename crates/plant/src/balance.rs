@@ -48,7 +48,66 @@ struct Trial {
     size: f64,
 }
 
+/// An object is at rest where it moves slower than so many times the creep speed, and friction bears
+/// what acts on it with no more of it: below 97 % of its limit.
+const REST: f64 = 4.0;
+
 impl Balance<'_> {
+    /// Whether the object rests under a load: the tip does not push it, friction bears all else, and it
+    /// moves no faster than it creeps under that.
+    ///
+    /// Rounded friction alone would let it creep on for ever; without any load it stops it by itself.
+    pub(crate) fn rests(&self) -> bool {
+        self.external != Vector3::zeros()
+            && self.speed(&self.start) <= REST * self.creep
+            && self.contact.response(&Vector3::zeros()).load == Vector3::zeros()
+            && self.external_is_borne()
+    }
+
+    /// The balance of an object that stays where it is.
+    pub(crate) fn resting(&self) -> Solved {
+        let motion = Vector3::zeros();
+        Solved { motion, support: self.external, response: self.contact.response(&motion) }
+    }
+
+    /// Whether friction balances the external load at a speed of creeping, by Newton's method.
+    fn external_is_borne(&self) -> bool {
+        let mut motion = Vector3::zeros();
+        for _ in 0..MAX_ITERATIONS {
+            let friction = self.footing.resistance(
+                self.frictions,
+                &motion,
+                &self.metric,
+                self.creep,
+                self.rate,
+            );
+            let left_over = friction.load - self.external;
+            if self.size(&left_over) <= self.goal {
+                return true;
+            }
+            let Some(inverse) = friction.slope.try_inverse() else { return false };
+            motion -= inverse * left_over;
+            // The slope falls with the speed, so that the method comes from below.
+            let is_slow = self.speed(&motion) <= REST * self.creep;
+            if !is_slow {
+                return false;
+            }
+        }
+        false
+    }
+
+    /// Size of a motion, turns by the speed of the outline, in m/s.
+    fn speed(&self, motion: &Vector3<f64>) -> f64 {
+        let turn = self.arm * motion.z;
+        sqrt(motion.x * motion.x + motion.y * motion.y + turn * turn)
+    }
+
+    /// Size of a force and moment, in N.
+    fn size(&self, load: &Vector3<f64>) -> f64 {
+        let moment = load.z / self.arm;
+        sqrt(load.x * load.x + load.y * load.y + moment * moment)
+    }
+
     /// The motion under which no force is left over, by Newton's method from the last motion.
     ///
     /// Steps are halved until less is left over: friction has kinks that a whole step may overshoot.
@@ -87,11 +146,10 @@ impl Balance<'_> {
         let response = self.contact.response(&motion);
         let inertial = self.inertia.component_mul(&(motion - self.start));
         let left_over = inertial + support.load - response.load - self.external;
-        let moment = left_over.z / self.arm;
         Trial {
             left_over,
             slope: Matrix3::from_diagonal(&self.inertia) + support.slope + response.slope,
-            size: sqrt(left_over.x * left_over.x + left_over.y * left_over.y + moment * moment),
+            size: self.size(&left_over),
             solved: Solved { motion, support: support.load, response },
         }
     }

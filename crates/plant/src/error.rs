@@ -99,7 +99,10 @@ pub enum PlantError {
     /// A shape that is not possible or not known.
     #[error(transparent)]
     Shape(#[from] planar::PlanarError),
-    /// A file that could not be written.
+    /// A file or folder that could not be written.
+    #[error(transparent)]
+    Output(#[from] output::OutputError),
+    /// A file that could not be read.
     #[error("cannot {what} {}", path.display())]
     Io {
         /// What was tried.

@@ -1,9 +1,9 @@
 //! Recording sets with a sealed truth.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use dataset::{Recording, RecordingWriter, all_writers};
+use output::{Existing, OutputFile, OutputFolder};
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use crate::design::push_name;
@@ -99,6 +99,43 @@ pub struct SimulatedPush {
     pub recording: Recording,
 }
 
+/// Where a recording set goes, and the truth beside it.
+#[derive(Debug)]
+pub struct SetOutput {
+    folder: OutputFolder,
+    sealed_truth: OutputFile,
+    comment: String,
+}
+
+impl SetOutput {
+    /// Takes the places of a new or empty folder and of `OUT.truth.toml` beside it.
+    ///
+    /// # Errors
+    /// `Output` if `out` has no name of its own (as `.`), has files in it or cannot be written, or
+    /// if the file for its truth is there.
+    pub fn new(out: &Path) -> Result<Self, PlantError> {
+        Self::apart_from(&[], out)
+    }
+
+    /// The same, and makes sure first that neither is one of the inputs, or lies in one.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn apart_from(inputs: &[PathBuf], out: &Path) -> Result<Self, PlantError> {
+        let folder = OutputFolder::apart_from(inputs, out, Existing::Refuse)?;
+        let name = out.file_name().unwrap_or_default().to_string_lossy();
+        let path = out.with_file_name(format!("{name}.truth.toml"));
+        let sealed_truth = OutputFile::apart_from(inputs, &path, Existing::Refuse)?;
+        Ok(Self { folder, sealed_truth, comment: String::new() })
+    }
+
+    /// The same with lines at the end of the truth, as `# made by …`.
+    #[must_use]
+    pub fn with_comment(self, comment: String) -> Self {
+        Self { comment, ..self }
+    }
+}
+
 /// Simulates pushes and writes them as a recording set, with the truth sealed in a file beside it.
 ///
 /// `out` gets `dataset.toml`, `sessions.csv` and `pushes/`; the truth goes to `OUT.truth.toml`,
@@ -106,31 +143,31 @@ pub struct SimulatedPush {
 /// threads.
 ///
 /// # Errors
-/// `Io` if `out` has no name of its own (as `.`), has files in it or cannot be written, or if the
-/// file for its truth is there; an error of the settings; `Push` with the
-/// name of a push that could not be simulated.
+/// As [`SetOutput::new`] and [`generate_each`].
 pub fn generate(settings: &GenerateSettings, out: &Path) -> Result<GenerateReport, PlantError> {
-    generate_each(settings, out, |_| {})
+    generate_each(settings, SetOutput::new(out)?, |_| {})
 }
 
 /// As [`generate`], and calls `after_push` after each push, in no certain order, with the number of
 /// pushes that the set will have.
 ///
+/// The folder appears when it is whole, after the truth: there is no set without its truth.
+///
 /// # Errors
-/// As [`generate`].
+/// An error of the settings; `Push` with the name of a push that could not be simulated; `Output`
+/// if a file cannot be written.
 pub fn generate_each(
     settings: &GenerateSettings,
-    out: &Path,
+    out: SetOutput,
     after_push: impl Fn(usize) + Sync,
 ) -> Result<GenerateReport, PlantError> {
     let writer = writer(&settings.format)?;
     let set = Set::new(settings)?;
-    let sealed_truth = sealed_path(out)?;
-    make_folder(out, &sealed_truth)?;
-    let folder = out.join("pushes");
+    let part = out.folder.begin()?;
+    let pushes_folder = part.path().join("pushes");
     let written = set.pushes().map(|push| {
         let push = push?;
-        writer.write(&push.recording, &folder)?;
+        writer.write(&push.recording, &pushes_folder)?;
         after_push(set.plan.len());
         let SimulatedPush { plan, variation, start, trajectory, recording } = push;
         let place = [start.position.x, start.position.y, start.angle];
@@ -143,21 +180,23 @@ pub fn generate_each(
         format!("{},session-{},{}\n", push.recording, push.plan.session, push.plan.repeat)
     });
     let sessions: String = std::iter::once(SESSIONS_HEADER.to_owned()).chain(sessions).collect();
-    write_file(&out.join("sessions.csv"), &sessions)?;
+    part.write("sessions.csv", sessions)?;
     let n_pushes = pushes.len();
-    write_file(&sealed_truth, &SealedTruth::new(settings, &set, pushes).to_text()?)?;
-    // The manifest comes last: a set without it is a set that was not finished.
     let format = writer.format();
     let manifest = manifest_text(&settings.name, &settings.object, &settings.nominal, format)
         + &streams_text(format, &settings.sensors);
-    write_file(&out.join(dataset::MANIFEST_NAME), &manifest)?;
-    Ok(GenerateReport {
-        set: out.to_owned(),
-        sealed_truth,
+    part.write(dataset::MANIFEST_NAME, manifest)?;
+    let report = GenerateReport {
+        set: out.folder.path().to_owned(),
+        sealed_truth: out.sealed_truth.path().to_owned(),
         n_pushes,
         n_blocked: set.n_blocked,
         rig_time: durations.iter().sum(),
-    })
+    };
+    let truth = SealedTruth::new(settings, &set, pushes).to_text()?;
+    out.sealed_truth.write(truth + &out.comment)?;
+    out.folder.finish(part)?;
+    Ok(report)
 }
 
 /// Simulates the pushes of a set without writing anything, in order.
@@ -263,41 +302,4 @@ fn writer(name: &str) -> Result<&'static dyn RecordingWriter, PlantError> {
         name: name.to_owned(),
         allowed: all_writers().iter().map(|writer| writer.id()).collect::<Vec<_>>().join(", "),
     })
-}
-
-/// Makes the set's folder; neither files in it nor a truth that is there are touched.
-fn make_folder(out: &Path, sealed_truth: &Path) -> Result<(), PlantError> {
-    let is_full = out.exists() && {
-        let mut entries = fs::read_dir(out).map_err(|error| PlantError::io("read", out, error))?;
-        entries.next().is_some()
-    };
-    if is_full {
-        return Err(refused("write a set to", out, "the folder is not empty; choose a new one"));
-    }
-    if sealed_truth.exists() {
-        let why = "the file exists; remove it or name another set";
-        return Err(refused("seal a truth in", sealed_truth, why));
-    }
-    fs::create_dir_all(out).map_err(|error| PlantError::io("create", out, error))
-}
-
-/// `OUT.truth.toml`, beside the folder.
-fn sealed_path(out: &Path) -> Result<PathBuf, PlantError> {
-    let name = out.file_name().ok_or_else(|| {
-        refused("seal a truth beside", out, "the folder needs a name; name a new one")
-    })?;
-    Ok(out.with_file_name(format!("{}.truth.toml", name.to_string_lossy())))
-}
-
-fn refused(what: &'static str, path: &Path, why: &str) -> PlantError {
-    PlantError::io(what, path, std::io::Error::other(why))
-}
-
-/// Writes under a temporary name first: a killed run leaves no half file.
-fn write_file(path: &Path, text: &str) -> Result<(), PlantError> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let temporary = path.with_file_name(format!(".{name}.part"));
-    fs::write(&temporary, text)
-        .and_then(|()| fs::rename(&temporary, path))
-        .map_err(|error| PlantError::io("write", path, error))
 }

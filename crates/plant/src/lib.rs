@@ -33,7 +33,7 @@ pub use design::{Design, Layout};
 pub use energy::Energy;
 pub use error::PlantError;
 pub use generate::{
-    GenerateReport, GenerateSettings, SimulatedPush, generate, generate_each, simulate,
+    GenerateReport, GenerateSettings, SetOutput, SimulatedPush, generate, generate_each, simulate,
 };
 pub use hidden::{EffectKind, Hidden, HiddenEffect, Parameter, Quantity, effect_kinds};
 pub use numerics::Numerics;

@@ -14,7 +14,11 @@ pub struct Numerics {
     pub tolerance: f64,
     /// Longest step, in s.
     pub longest_step: f64,
-    /// Speed at which a loaded pad creeps below its limit of friction, in m/s.
+    /// Speed at which a loaded pad creeps below its limit of friction, in m/s: v/√(v² + creep²) of its
+    /// friction resists at v.
+    ///
+    /// An object that the tip does not push rests all the same, up to 97 % of the limit. One that the
+    /// tip holds with a share s of the limit creeps at s/√(1 − s²) times this.
     pub creep: f64,
 }
 

@@ -108,7 +108,9 @@ impl Side {
         } else {
             let point = if share < 0.0 { self.from } else { self.to };
             let distance = (point - center).norm();
-            Touch { point, normal: (point - center) / distance, gap: distance }
+            // The tip of a point that is just there has the side's normal.
+            let normal = if distance > 0.0 { (point - center) / distance } else { -self.outward };
+            Touch { point, normal, gap: distance }
         };
         let corner = self.corner.and_then(|corner| corner.touch(&self.outward, center));
         std::iter::once(side).chain(corner)

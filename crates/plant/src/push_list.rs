@@ -53,7 +53,7 @@ pub fn read_push_list(path: &Path) -> Result<Vec<PlannedPush>, PlantError> {
         line: line as u64,
         what,
     };
-    let text = std::fs::read_to_string(path).map_err(|e| PlantError::io("read", path, e))?;
+    let text = dataset::read_text(path)?;
     let text = text.trim_start_matches('\u{feff}');
     let mut lines = text
         .lines()

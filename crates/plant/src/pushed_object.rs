@@ -129,7 +129,7 @@ impl PushedObject {
 /// by the names of its recordings.
 pub fn read_rig(path: &Path) -> Result<(PushedObject, Nominal), PlantError> {
     let path = if path.is_dir() { path.join(dataset::MANIFEST_NAME) } else { path.to_owned() };
-    let text = std::fs::read_to_string(&path).map_err(|e| PlantError::io("read", &path, e))?;
+    let text = dataset::read_text(&path)?;
     let manifest = Manifest::parse(&text, &path)?;
     if manifest.object == ObjectChoice::ByFileName {
         let what = "tells the object by the names of its recordings; name an object instead";

@@ -120,7 +120,7 @@ impl<'a> Rig<'a> {
             arm: self.radius(),
             goal: RESIDUAL * plant.mass * plant.gravity,
         };
-        let solved = balance.solve()?;
+        let solved = if balance.rests() { balance.resting() } else { balance.solve()? };
         let mut next = self.advanced(step, state, &turn, &solved);
         let base_way = self.path.position(time + step) - self.path.position(time);
         next.energy.pusher_work += next.force.dot(&base_way);
@@ -179,6 +179,10 @@ impl<'a> Rig<'a> {
             next.grip += slip;
         }
         energy.support_heat += step * solved.support.dot(&solved.motion);
+        if solved.motion == Vector3::zeros() {
+            // What is left of the motion of an object that comes to rest.
+            energy.support_heat += energy.kinetic;
+        }
         energy.slip_heat += step * response.slip_power;
         energy.tip_heat += step * self.damping * rate.dot(&rate);
         let v = &next.motion;

@@ -179,3 +179,93 @@ fn the_torque_on_a_sliding_tip_is_its_radius_times_friction() {
     let mirrored = run(&plant, &self::push(0.0, -1.2, 0.02, 0.03)).mean_torque(from, to);
     assert!((torque + mirrored).abs() < 1e-6, "{torque} {mirrored}");
 }
+
+/// A table that leans by an angle (rad) along −y.
+fn tilted(angle: f64) -> Truth {
+    let mut truth = Truth::default();
+    truth.height_map.downhill = [0.0, -9.81 * angle.sin()];
+    truth
+}
+
+#[test]
+fn an_object_that_nothing_pushes_rests_on_a_tilted_table() {
+    let away = TipPath { direction: [-1.0, 0.0], hold: 20.0, ..push(0.0, 0.0, 0.1, 0.05) };
+    let start = Pose::new(0.01, -0.02, 0.3);
+    // Friction bears atan 0.25 = 14.04°.
+    for degrees in [0.5_f64, 2.0, 8.0, 13.0] {
+        let plant = square(&tilted(degrees.to_radians()));
+        let motion = plant.push(&start, &away, &NONE).unwrap();
+        assert_eq!(motion.end_pose(), start, "{degrees}°");
+    }
+    let steep = square(&tilted(15.0_f64.to_radians()));
+    let slid = steep.push(&start, &away, &NONE).unwrap();
+    let (time, angle) = (away.duration(), 15.0_f64.to_radians());
+    // The weight on the table is that of a level one.
+    let acceleration = 9.81 * (angle.sin() - 0.25);
+    let expected = 0.5 * acceleration * time * time;
+    let way = start.position.y - slid.end_pose().position.y;
+    assert!((way / expected - 1.0).abs() < 1e-3, "{way} m, expected {expected} m");
+}
+
+#[test]
+fn an_object_that_slides_ahead_of_the_tip_comes_to_rest_on_a_tilted_table() {
+    let plant = square(&tilted(2.0_f64.to_radians()));
+    let path = TipPath { hold: 5.0, ..push(0.01, 0.1, 0.5, 0.05) };
+    let motion = plant.push(&Pose::default(), &path, &NONE).unwrap();
+    let (end, before) = (path.duration(), path.duration() - 4.0);
+    assert!(!motion.touches_at(end));
+    assert_eq!(motion.pose_at(end), motion.pose_at(before));
+    assert_eq!(motion.motion_at(end), (Vector2::zeros(), 0.0));
+    let energy = motion.energy();
+    assert!(energy.residual().abs() < 1e-3 * energy.pusher_work, "{energy:?}");
+}
+
+/// The bound that the documentation of the creep speed states.
+#[test]
+fn an_object_that_the_tip_holds_creeps_no_faster_than_stated_and_then_rests() {
+    let angle = 2.0_f64.to_radians();
+    let plant = square(&tilted(angle));
+    let path = TipPath { hold: 5.0, ..push(0.0, 0.0, 0.02, 0.02) };
+    let motion = plant.push(&Pose::default(), &path, &NONE).unwrap();
+    let (stop, end) = (path.duration() - path.hold, path.duration());
+    let step = 0.02;
+    let mut n_creeping = 0;
+    for k in 1..100 {
+        let time = stop + step * f64::from(k);
+        let moved = (motion.pose_at(time + step).position - motion.pose_at(time).position).norm();
+        // Friction holds the tilt's pull and what is left in the tip's spring.
+        let pull = 0.8374 * Vector2::new(0.0, -9.81 * angle.sin()) + motion.force_at(time);
+        let share = pull.norm() / (0.25 * 0.8374 * 9.81);
+        let creep = plant::Numerics::default().creep * share / (1.0 - share * share).sqrt();
+        // It turns a little, and so creeps a little farther from its center.
+        assert!(moved <= 1.1 * step * creep, "{time} s: {moved} m, {share} of the limit");
+        n_creeping += usize::from(moved > 0.0);
+    }
+    assert!(n_creeping > 10, "{n_creeping}");
+    let (last, before) = (motion.pose_at(end), motion.pose_at(end - 1.0));
+    assert!((last.position - before.position).norm() < 1e-15, "{last:?} {before:?}");
+    assert!((last.angle - before.angle).abs() < 1e-15, "{last:?} {before:?}");
+    let crept = (motion.end_pose().position - motion.pose_at(stop).position).norm();
+    let spring = plant.truth().tip.compliance * 0.25 * 0.8374 * 9.81;
+    assert!(crept < 1.5 * spring, "{crept} m on a spring that is wound up by {spring} m");
+}
+
+#[test]
+fn a_tip_may_be_a_point() {
+    let with_radius = |radius: f64| {
+        let mut truth = Truth::default();
+        truth.tip.radius = radius;
+        let path = push(0.02, 0.5, 0.02, 0.03);
+        // The centers go the same way; the thin tip touches just later.
+        let start = Vector2::from(path.start) + Vector2::new(RADIUS, 0.0);
+        run(&square(&truth), &TipPath { start: start.into(), ..path }).end_pose()
+    };
+    let (point, thin) = (with_radius(0.0), with_radius(1e-5));
+    assert!((point.position - thin.position).norm() < 2e-5, "{point:?} {thin:?}");
+    assert!((point.angle - thin.angle).abs() < 1e-3 && point.angle.abs() > 0.05, "{point:?}");
+    let mut truth = Truth::default();
+    truth.tip.radius = 0.0;
+    // Off the edge over its end.
+    let over = run(&square(&truth), &push(0.043, 1.2, 0.05, 0.05)).end_pose();
+    assert!(over.position.norm().is_finite());
+}

@@ -2,16 +2,17 @@
 
 mod result;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
 use dataset::RecordingSet;
 use diagnosis::{Fit, FitSettings, NoiseModel, Observations, fit_with_noise, split, steady_ingest};
 use effects::About;
 use models::{ModelFile, Split};
+use output::OutputFile;
 
 pub(crate) use self::result::Fitted;
-use crate::destination::Destination;
+use crate::destination::{Force, Inputs};
 use crate::origin::{Input, Origin, readable};
 use crate::recorded_steps::RecordedSteps;
 use crate::suspected::{refuse, suspected};
@@ -78,27 +79,28 @@ impl Fitting {
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub(crate) fn write(self, fit: Fit, name: String, to: &Destination) -> Result<Fitted> {
+    pub(crate) fn write(self, fit: Fit, name: String, to: OutputFile) -> Result<Fitted> {
         let description = fit.description.clone();
         let n_kept = self.split.confirm.len();
         let model = ModelFile { name, description, split: Some(self.split) };
-        model.write(to.path())?;
-        Ok(Fitted::new(fit, &self.set, to.path(), n_kept))
+        let path = to.path().to_owned();
+        model.write_to(to)?;
+        Ok(Fitted::new(fit, &self.set, &path, n_kept))
     }
 }
 
 /// Reads a model file for a command that writes another one.
 ///
 /// # Errors
-/// If it cannot be read, or is the one to be written.
+/// If it cannot be read, or the other one cannot be written or is one of the inputs.
 pub(crate) fn model_for(
-    path: &Path,
-    output: &Path,
+    path: &PathBuf,
+    (output, force): (&Path, &Force),
+    inputs: Inputs,
     origin: &mut Origin,
-) -> Result<(ModelFile, Destination)> {
+) -> Result<(ModelFile, OutputFile)> {
     readable(path)?;
-    let destination = Destination::new(output)?;
-    destination.spare(&[path.to_owned()])?;
+    let destination = force.file(output, &inputs.with([path]))?;
     origin.inputs.push(Input::file(path)?);
     let model = ModelFile::read(path)?;
     let has_mechanics = matches!(model.description.base, models::Base::Analytical(_));

@@ -11,6 +11,7 @@ pub use filter;
 pub use gp_core;
 pub use mechanics;
 pub use models;
+pub use output;
 pub use planar;
 pub use plant;
 pub use report;

@@ -1,11 +1,11 @@
 //! What made an output: the tool, the arguments that decide it, the inputs by their hashes.
 
-use std::fs::{self, File, Metadata};
+use std::fs::{self, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use dataset::Provenance;
+use dataset::{Provenance, ReadLimits, open_regular};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
@@ -92,8 +92,9 @@ impl Input {
     /// If it cannot be read.
     pub(crate) fn file(path: &Path) -> Result<Self> {
         let mut hash = Sha256::new();
-        let mut copy = || io::copy(&mut File::open(path)?, &mut hash);
-        copy().with_context(|| format!("cannot read {}", path.display()))?;
+        let (mut file, _) = open_regular(path, &ReadLimits::default())?;
+        io::copy(&mut file, &mut hash)
+            .with_context(|| format!("cannot read {}", path.display()))?;
         let sha256 = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
         Ok(Self::known(path, sha256))
     }

@@ -10,6 +10,7 @@ use dataset::{
 use diagnosis::{Observations, Suspicion, steady_ingest, step_suspicions};
 
 use crate::command_line::preset_parser;
+use crate::destination::Inputs;
 use crate::failure::WrongUsage;
 use crate::origin::{Input, readable};
 use crate::recorded_steps::RecordedSteps;
@@ -139,6 +140,12 @@ impl StepSource {
     /// A set or table of which this is known.
     pub(crate) fn of(set: &Path, known: Known) -> Self {
         Self { set: set.to_owned(), known }
+    }
+
+    /// The paths that are read.
+    pub(crate) fn inputs(&self) -> Inputs {
+        let files = self.known.manifest.iter().chain(&self.known.mapping);
+        Inputs::default().with_set(&self.set, self.known.preset).with(files)
     }
 
     /// Another set, of which the same is known.

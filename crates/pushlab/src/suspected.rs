@@ -11,8 +11,7 @@ use crate::terminal::{Terminal, WARNING};
 pub(crate) fn suspected(set: &RecordingSet) -> Vec<Suspicion> {
     let all = set.recordings();
     let stride = all.len().div_ceil(SUSPECTED_RECORDINGS).max(1);
-    let streams = &set.manifest().streams;
-    let read = all.iter().step_by(stride).filter_map(|path| set.format().read(path, streams).ok());
+    let read = all.iter().step_by(stride).filter_map(|path| set.read(path).ok());
     suspicions(read, set.manifest())
 }
 

@@ -63,7 +63,12 @@ impl Axis {
             let reach = if low == 0.0 || self.logarithmic { 0.5 } else { 0.1 * low.abs() };
             (low - reach, high + reach)
         };
-        Ok(if self.logarithmic { (10f64.powf(low), 10f64.powf(high)) } else { (low, high) })
+        let (low, high) =
+            if self.logarithmic { (10f64.powf(low), 10f64.powf(high)) } else { (low, high) };
+        if low < high && (high - low).is_finite() && (low > 0.0 || !self.logarithmic) {
+            return Ok((low, high));
+        }
+        Err(ReportError::Range { axis: self.label.clone(), low, high })
     }
 
     pub(crate) fn ticks(&self, range: (f64, f64), limit: f64) -> Ticks {
@@ -126,6 +131,19 @@ mod tests {
             Axis::new("x").range(0.0, 1.0).log(),
         ] {
             assert!(matches!(axis.resolve(None, [true; 2]), Err(ReportError::Range { .. })));
+        }
+    }
+
+    #[test]
+    fn data_whose_range_is_no_number_are_refused() {
+        let axis = Axis::new("x");
+        for (axis, low, high) in [
+            (axis.clone(), -f64::MAX, f64::MAX),
+            (axis.clone(), f64::MAX, f64::MAX),
+            (axis.log(), 5e-324, f64::MAX),
+        ] {
+            let range = axis.resolve(Some((low, high)), [true; 2]);
+            assert!(matches!(range, Err(ReportError::Range { .. })), "{low} {high}: {range:?}");
         }
     }
 

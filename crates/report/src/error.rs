@@ -135,10 +135,13 @@ pub enum ReportError {
     /// The picture could not be encoded as PNG.
     #[error("cannot encode the picture: {0}")]
     Encode(String),
-    /// A file or folder that cannot be written.
+    /// A file that cannot be written.
+    #[error(transparent)]
+    Output(#[from] output::OutputError),
+    /// A folder that cannot be made.
     #[error("cannot write {}", .path.display())]
     Write {
-        /// The file or folder.
+        /// The folder.
         path: PathBuf,
         /// What the system answered.
         source: std::io::Error,

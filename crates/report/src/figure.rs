@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::data::Data;
 use crate::error::ReportError;
-use crate::files::{Drawn, write_atomically};
+use crate::files::{Drawn, write};
 use crate::frame::Margins;
 use crate::legend::{LegendPlace, draw_below, height_below};
 use crate::mark::LegendKey;
@@ -120,9 +120,9 @@ impl Figure {
         let scene = self.scene(usize::MAX)?;
         let drawn = Drawn::new(folder, name, self.name(), self.light_svg(&scene)?, data)?;
         let numbers = data.to_text(name)?;
-        write_atomically(&drawn.path("svg"), drawn.svg.as_bytes())?;
-        write_atomically(&drawn.path("png"), &to_png(&scene, png_scale(&scene))?)?;
-        write_atomically(&drawn.path(drawn.data_extension), numbers.as_bytes())?;
+        write(&drawn.path("svg"), drawn.svg.as_bytes())?;
+        write(&drawn.path("png"), &to_png(&scene, png_scale(&scene))?)?;
+        write(&drawn.path(drawn.data_extension), numbers.as_bytes())?;
         Ok(drawn)
     }
 

@@ -59,21 +59,12 @@ pub(crate) fn check_name(name: &str) -> Result<(), ReportError> {
     Err(ReportError::Name { name: name.to_owned() })
 }
 
-/// Writes beside the target under a temporary name, then renames.
-pub(crate) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {
-    let failed = |path: &Path, source| ReportError::Write { path: path.to_owned(), source };
+/// Writes a whole file into a folder, which is made where it is missing.
+pub(crate) fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), ReportError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     if !folder.as_os_str().is_empty() {
-        fs::create_dir_all(folder).map_err(|source| failed(folder, source))?;
+        let made = fs::create_dir_all(folder);
+        made.map_err(|source| ReportError::Write { path: folder.to_owned(), source })?;
     }
-    let mut hidden = std::ffi::OsString::from(".");
-    hidden.push(path.file_name().unwrap_or_default());
-    hidden.push(format!(".{}.tmp", std::process::id()));
-    let temporary = folder.join(hidden);
-    let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
-    written.map_err(|source| {
-        // The rename's failure is reported; a leftover that cannot be removed adds nothing to it.
-        let _ = fs::remove_file(&temporary);
-        failed(path, source)
-    })
+    Ok(output::write(path, bytes)?)
 }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use crate::error::ReportError;
-use crate::files::{Drawn, check_name, write_atomically};
+use crate::files::{Drawn, check_name, write};
 use crate::html::escape;
 use crate::section::Section;
 
@@ -66,7 +66,7 @@ impl Page {
     /// An anchor twice or with other characters than letters, digits, `.`, `_`, `-`; a figure
     /// outside the folder; a folder that cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), ReportError> {
-        write_atomically(&folder.join("index.html"), self.html(folder)?.as_bytes())
+        write(&folder.join("index.html"), self.html(folder)?.as_bytes())
     }
 
     /// The page as HTML text without files beside it.

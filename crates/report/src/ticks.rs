@@ -7,9 +7,17 @@ pub(crate) struct Ticks {
     pub(crate) minor: Vec<f64>,
 }
 
-/// Ticks at multiples of 1, 2 or 5 times a power of ten, at most `limit` (but at least 2) wide.
+/// More ticks than this nobody reads; rounding of tiny or huge ranges may ask for them.
+const MOST: i64 = 64;
+
+/// Ticks at multiples of 1, 2 or 5 times a power of ten, at most `limit` (but at least 2) wide; a
+/// range that is too narrow for numbers between its ends has a tick at each end.
 pub(crate) fn linear(low: f64, high: f64, limit: f64) -> Ticks {
-    let raw = (high - low) / limit.max(1.0);
+    // Halves first: the width of the widest range is no number.
+    let raw = 2.0 * ((0.5 * high - 0.5 * low) / limit.max(1.0));
+    if !(raw.is_normal() && raw > 4.0 * f64::EPSILON * low.abs().max(high.abs())) {
+        return ends(low, high);
+    }
     let mut exponent = raw.log10().floor() as i32;
     let lead = raw / 10f64.powi(exponent);
     let factor = match lead {
@@ -23,6 +31,9 @@ pub(crate) fn linear(low: f64, high: f64, limit: f64) -> Ticks {
     };
     let step = factor * 10f64.powi(exponent);
     let (first, last) = ((low / step - 1e-6).ceil() as i64, (high / step + 1e-6).floor() as i64);
+    if last.saturating_sub(first) >= MOST {
+        return ends(low, high);
+    }
     let reach = low.abs().max(high.abs());
     // Dividing by the exact power of ten keeps 0.3 from becoming 0.30000000000000004.
     let at = |i: i64| {
@@ -31,6 +42,12 @@ pub(crate) fn linear(low: f64, high: f64, limit: f64) -> Ticks {
     };
     let major = (first..=last).map(|i| (at(i), label(at(i), exponent, reach))).collect();
     Ticks { major, minor: Vec::new() }
+}
+
+/// A tick at each end of a range.
+fn ends(low: f64, high: f64) -> Ticks {
+    let tick = |value: f64| (value, minus(&format!("{value:e}")));
+    Ticks { major: vec![tick(low), tick(high)], minor: Vec::new() }
 }
 
 /// Ticks at powers of ten, or at 1, 2 and 5 times them where there are few; 2 to 9 between.
@@ -132,6 +149,38 @@ mod tests {
         assert_eq!(labels(&logarithmic(1.0, 1000.0, 6.0)), ["1", "10", "100", "1000"]);
         assert_eq!(labels(&logarithmic(1e-6, 1e-3, 6.0)), ["10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³"]);
         assert_eq!(labels(&logarithmic(20.0, 400.0, 6.0)), ["20", "50", "100", "200"]);
+    }
+
+    #[test]
+    fn ranges_at_the_ends_of_what_numbers_can_be_have_few_ticks() {
+        for (low, high) in [
+            (0.0, 1e-307),
+            (-1e-307, 1e-307),
+            (0.0, 5e-324),
+            (1e-320, 2e-320),
+            (1.0, 1.0 + 1e-15),
+            (1e16, 1e16 + 2.0),
+            (-1e300, 1e300),
+            (-f64::MAX, f64::MAX),
+            (0.0, f64::MAX),
+        ] {
+            let ticks = linear(low, high, 6.0).major;
+            assert!((2..=12).contains(&ticks.len()), "{low} {high}: {}", ticks.len());
+            for (value, label) in ticks {
+                // As in the law of all ranges: powers of ten are rounded.
+                let slack = 1e-5 * (0.5 * high - 0.5 * low);
+                assert!((low - slack..=high + slack).contains(&value), "{low} {high}: {value}");
+                assert!(!label.is_empty() && label.len() < 40, "{low} {high}: {label}");
+            }
+        }
+        for (low, high) in [(5e-324, 1e-307), (1e-307, 2e-307), (1e-300, 1e300), (1e-320, 1.0)] {
+            let ticks = logarithmic(low, high, 6.0);
+            assert!((2..=12).contains(&ticks.major.len()), "{low} {high}");
+            assert!(ticks.minor.len() < 10_000, "{low} {high}");
+            for (value, label) in ticks.major {
+                assert!(value.is_finite() && label.len() < 40, "{low} {high}: {value} {label}");
+            }
+        }
     }
 
     proptest! {

@@ -126,13 +126,7 @@ fn learnt(
     let mut row = |name: &str, model: &GpPushModel| -> Result<Row> {
         let roll_out = RollOut { model, pushed, settings: &settings };
         let start = roll_out.start(&Pose::default(), &path)?;
-        let candidate = || {
-            let mut filter = start.clone();
-            steps
-                .iter()
-                .try_for_each(|step| filter.predict(&roll_out.motion(step)))
-                .map(|()| filter)
-        };
+        let candidate = || moved(&start, &roll_out, &steps);
         candidate()?;
         let case = Case { name, size: N_PARTICLES, threads, rounds: 5, calls: 1 };
         let floor = || steps.iter().map(|_| products.multiply(1) + exponentials()).sum::<f64>();
@@ -140,6 +134,19 @@ fn learnt(
     };
     let (table, _) = model.tabulated()?;
     Ok([row(name, &model)?, row(&format!("{name}, table"), &table)?])
+}
+
+/// Particles after all steps.
+fn moved(
+    start: &ParticleFilter<models::PushParticle>,
+    roll_out: &RollOut<'_>,
+    steps: &[PathStep],
+) -> Result<ParticleFilter<models::PushParticle>> {
+    let mut filter = start.clone();
+    for step in steps {
+        filter.predict(&roll_out.motion(step)?)?;
+    }
+    Ok(filter)
 }
 
 fn analytical(pushed: &Pushed, threads: usize) -> Result<Row> {
@@ -154,10 +161,7 @@ fn analytical(pushed: &Pushed, threads: usize) -> Result<Row> {
         StepInput::between(shape, RADIUS, &particle.pose_wb, &step.start_w, &step.end_w)
     };
     let inputs = start.particles().iter().map(input).collect::<Result<Vec<_>, _>>()?;
-    let candidate = || {
-        let mut filter = start.clone();
-        steps.iter().try_for_each(|step| filter.predict(&roll_out.motion(step))).map(|()| filter)
-    };
+    let candidate = || moved(&start, &roll_out, &steps);
     candidate()?;
     let means = || -> f64 {
         let all = || model.parts(&inputs).ok()?.first().map(|parts| parts.physics.z);

@@ -120,8 +120,8 @@ fn generated(folder: &Path, n_pushes: usize) -> Result<RecordingSet> {
     for i in 0..n_pushes {
         writer.write(&recording(i), &pushes)?;
     }
-    fs::write(
-        dir.join("dataset.toml"),
+    output::write(
+        &dir.join("dataset.toml"),
         format!(
             "name = \"bench\"\n[object]\nshape = \"square\"\nside_m = {}\nmass_kg = 0.8\n\
              [pusher]\nradius_m = {RADIUS}\nfriction = 0.25\n[support]\nfriction = 0.25\n\

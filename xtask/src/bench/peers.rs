@@ -59,7 +59,7 @@ pub(super) fn run(folder: &Path) -> Result<()> {
     print!("{}", table(&rows));
     let path = folder.join("gp-peers.json");
     let json = serde_json::to_string_pretty(&rows).context("cannot write the rows as JSON")?;
-    fs::write(&path, json + "\n").with_context(|| format!("cannot write {}", path.display()))
+    Ok(output::write(&path, json + "\n")?)
 }
 
 /// What one library took for one task.
@@ -103,7 +103,7 @@ impl Data {
             writeln!(text, "{},{},{y},{split}", self.x[(i, 0)], self.x[(i, 1)])?;
         }
         let path = folder.join(format!("surface-{}.csv", self.n));
-        fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        output::write(&path, text)?;
         Ok(path)
     }
 

@@ -59,15 +59,11 @@ fn duration(seconds: f64) -> String {
     format!("{:.2} {unit}", seconds / scale)
 }
 
-/// Writes under a temporary name first: a killed run leaves no half file.
 fn write(name: &str, rows: &[Row], folder: &Path) -> Result<PathBuf> {
     let path = folder.join(format!("{name}.json"));
-    let temporary = folder.join(format!(".{name}.json.{}", std::process::id()));
     let json = serde_json::to_string_pretty(rows).context("cannot write the rows as JSON")? + "\n";
-    fs::create_dir_all(folder)
-        .and_then(|()| fs::write(&temporary, json))
-        .and_then(|()| fs::rename(&temporary, &path))
-        .with_context(|| format!("cannot write {}", path.display()))?;
+    fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    output::write(&path, json)?;
     Ok(path)
 }
 

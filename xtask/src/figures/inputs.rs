@@ -137,7 +137,7 @@ impl Inputs {
         let report = self.ingest_report()?;
         let found = report.recordings.iter().find(|recording| recording.name == name);
         let path = &found.with_context(|| format!("there is no recording {name}"))?.path;
-        Ok(set.format().read(path, &set.manifest().streams)?)
+        Ok(set.read(path)?)
     }
 
     /// The steps, [`STEP_WAY`] each where they are made from recordings.

@@ -2,8 +2,11 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::Duration;
 
 use anyhow::{Context, Result};
+use output::{Existing, OutputError, OutputFolder};
 use plant::GenerateSettings;
 use sha2::{Digest, Sha256};
 
@@ -24,37 +27,35 @@ pub(crate) fn key(settings: &[GenerateSettings]) -> Result<String> {
     Ok(format!("{settings:?}\n{}", digest(&workspace_root(), files)?))
 }
 
+/// How often a folder that another run is making is looked at.
+const GLANCE: Duration = Duration::from_millis(200);
+
 /// Fills a folder by `make`, unless it was filled for the same key and is as it was left.
+///
+/// Where another run is making it, waits for that one's.
 pub(crate) fn made_once(
     folder: &Path,
     key: &str,
     make: impl FnOnce(&Path) -> Result<()>,
 ) -> Result<()> {
+    if let Some(parent) = folder.parent() {
+        let made = fs::create_dir_all(parent);
+        made.with_context(|| format!("cannot create {}", parent.display()))?;
+    }
+    let output = loop {
+        match OutputFolder::new(folder, Existing::Replace) {
+            Err(OutputError::Busy { .. }) => thread::sleep(GLANCE),
+            taken => break taken?,
+        }
+    };
     let sealed = fs::read_to_string(folder.join(SEAL)).unwrap_or_default();
     if !sealed.is_empty() && seal(folder, key).is_ok_and(|seal| seal == sealed) {
         return Ok(());
     }
-    // Another run may be at work: each makes its own, and the last one's stays.
-    let own = folder.with_added_extension(format!("{}.part", std::process::id()));
-    remove(&own)?;
-    fs::create_dir_all(&own).with_context(|| format!("cannot create {}", own.display()))?;
-    let moved = || {
-        make(&own)?;
-        fs::write(own.join(SEAL), seal(&own, key)?)?;
-        remove(folder)?;
-        fs::rename(&own, folder).with_context(|| format!("cannot write {}", folder.display()))
-    };
-    // What failed is said; that its files could not be removed besides would add nothing.
-    moved().inspect_err(|_| drop(remove(&own)))
-}
-
-fn remove(folder: &Path) -> Result<()> {
-    match fs::remove_dir_all(folder) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(error).with_context(|| format!("cannot remove {}", folder.display()))
-        }
-        _ => Ok(()),
-    }
+    output.fill(|part| {
+        make(part.path())?;
+        Ok(part.write(SEAL, seal(part.path(), key)?)?)
+    })
 }
 
 /// Digest of a key and of every file below a folder but the seal itself.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
-use plant::{Design, GenerateSettings, Layout, generate_each};
+use plant::{Design, GenerateSettings, Layout, SetOutput, generate_each};
 
 use super::made_once::{key, made_once};
 use crate::cargo::workspace_root;
@@ -53,7 +53,8 @@ fn simulate(settings: &[GenerateSettings], folder: &Path) -> Result<()> {
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} pushes, {eta} left")?;
     let bar = ProgressBar::new(n_pushes).with_style(style);
     for (settings, speed) in settings.iter().zip(SPEEDS_MM_S) {
-        generate_each(settings, &folder.join(set_name(speed)), |_| bar.inc(1))?;
+        let out = SetOutput::new(&folder.join(set_name(speed)))?;
+        generate_each(settings, out, |_| bar.inc(1))?;
     }
     bar.finish_and_clear();
     Ok(())

@@ -53,7 +53,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         };
         text = if args.only.is_empty() { text + &section } else { page::with(&text, &section)? };
     }
-    write_whole(&page, &text)?;
+    write(&page, &text)?;
     println!("written: {}", page.display());
     Ok(())
 }
@@ -65,7 +65,7 @@ impl Part {
             Self::Table => {
                 let table = source::one_step_table(&table)?;
                 let corner = corner::Corner::of(&table)?;
-                write_whole(&args.out.join("real-data-corner.svg"), &corner.picture(&table)?)?;
+                write(&args.out.join("real-data-corner.svg"), &corner.picture(&table)?)?;
                 page::one_step_text(&table, &corner)
             }
             Self::Learned => learned::Learned::of(&table)?.text(),
@@ -77,13 +77,10 @@ impl Part {
     }
 }
 
-/// Writes under a temporary name and renames, so that a killed run leaves no half file.
-fn write_whole(path: &Path, text: &str) -> Result<()> {
-    let temporary = path.with_added_extension("part");
-    let write = || {
-        std::fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
-        std::fs::write(&temporary, text)?;
-        std::fs::rename(&temporary, path)
-    };
-    write().with_context(|| format!("cannot write {}", path.display()))
+/// Writes a whole file, in a folder that is made where it is missing.
+fn write(path: &Path, text: &str) -> Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot create {}", folder.display()))?;
+    Ok(output::write(path, text)?)
 }

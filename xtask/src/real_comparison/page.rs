@@ -5,7 +5,7 @@ use std::fmt::Write;
 use anyhow::{Context, Result};
 use diagnosis::{Comparison, FloorSource, PushEnds, Spread};
 
-use super::corner::{Corner, NUMBERS};
+use super::corner::{Corner, Errors, N_EXCHANGES, NUMBERS};
 use super::source::{Compared, Fitted};
 
 /// How a section begins.
@@ -190,17 +190,22 @@ fn corner_text(corner: &Corner) -> String {
         "\n### One corner and its mirror image\n\n\
          ![Root mean square error of the three outputs over p and β](real-data-corner.svg)\n\n\
          The nominal square, its pressure and its friction are symmetric, so a push at 1 − p with −β is\n\
-         the mirror image of one at p with β, and the model should err alike on both. It does not:\n\n\
-         | | p > 0.8 and β > 0.3 rad, {} steps | mirror image, {} steps | ratio of mean squares |\n\
-         |---|---|---|---|\n",
-        here.n_steps, mirrored.n_steps
+         the mirror image of one at p with β, and the model should err alike on both.\n{}\n\
+         By chance is how often steps exchanged at random between the two are as far apart ({N_EXCHANGES} \
+         exchanges;\nsure: below 0.05/3, for there are three; that the corner was chosen among others is \
+         not counted).\n\n\
+         | | p > 0.8 and β > 0.3 rad, {} steps | mirror image, {} steps | ratio of mean squares | by chance |\n\
+         |---|---|---|---|---|\n",
+        symmetry(corner),
+        here.n_steps,
+        mirrored.n_steps
     );
     for (k, (_, sign, unit, _)) in NUMBERS.iter().enumerate() {
         let ratio = (here.rms[k] / mirrored.rms[k]).powi(2);
         let _ = writeln!(
             text,
-            "| {sign} / {unit}, RMS (median of the size) | {:.2} ({:.2}) | {:.2} ({:.2}) | {ratio:.1} |",
-            here.rms[k], here.median[k], mirrored.rms[k], mirrored.median[k]
+            "| {sign} / {unit}, RMS (median of the size) | {:.2} ({:.2}) | {:.2} ({:.2}) | {ratio:.1} | {:.4} |",
+            here.rms[k], here.median[k], mirrored.rms[k], mirrored.median[k], corner.chance[k]
         );
     }
     let shares: Vec<String> = NUMBERS
@@ -210,11 +215,46 @@ fn corner_text(corner: &Corner) -> String {
         .collect();
     let _ = writeln!(
         text,
-        "\nA hundredth of all pushes carries {} squared error.\nIn the corner the median is far below the \
-         root mean square: a few pushes fail, not each a little.\nNobody has established why.",
-        shares.join(", ")
+        "\nA hundredth of all pushes carries {} squared error.\n{}",
+        shares.join(", "),
+        few_or_all(here)
     );
     text
+}
+
+/// Whether the model errs alike on the corner and its mirror image.
+fn symmetry(corner: &Corner) -> String {
+    match named(|k| corner.chance[k] < 0.05 / 3.0) {
+        Some(names) => format!("It does not, in {names}."),
+        None => "Nothing shows that it does not: the differences may be chance.".to_owned(),
+    }
+}
+
+/// Whether a few pushes fail or each a little: of normal errors the median of the size is 0.67 of the
+/// root mean square.
+fn few_or_all(errors: &Errors) -> String {
+    let is_few = |k: usize| errors.median[k] < 0.5 * errors.rms[k];
+    let rule = "of normal errors it is two thirds";
+    match (named(is_few), named(|k| !is_few(k))) {
+        (Some(few), None) => format!(
+            "In the corner the median of the size is below half of the root mean square in {few} \
+             ({rule}):\na few pushes fail, not each a little."
+        ),
+        (Some(few), Some(all)) => format!(
+            "In the corner the median of the size is below half of the root mean square in {few} \
+             ({rule}), where\na few pushes fail, not each a little; in {all} it is not."
+        ),
+        (None, _) => format!(
+            "In the corner the median of the size is not below half of the root mean square ({rule}):\n\
+             not a few pushes alone fail."
+        ),
+    }
+}
+
+/// The outputs of which something is so.
+fn named(is_so: impl Fn(usize) -> bool) -> Option<String> {
+    let names: Vec<&str> = (0..3).filter(|&k| is_so(k)).map(|k| NUMBERS[k].1).collect();
+    (!names.is_empty()).then(|| names.join(" and "))
 }
 
 fn ends(ends: Option<&PushEnds>) -> String {
@@ -246,7 +286,33 @@ fn people(unit: &str) -> (f64, &str) {
 
 #[cfg(test)]
 mod tests {
-    use super::{sections, with};
+    use super::{Corner, Errors, corner_text, sections, with};
+
+    fn corner(chance: [f64; 3], median: [f64; 3]) -> Corner {
+        let errors = |n_steps, rms| Errors { n_steps, rms, median };
+        let (here, mirrored) = (errors(80, [0.9, 0.4, 0.8]), errors(70, [0.3, 0.3, 0.4]));
+        Corner { here, mirrored, chance, worst_hundredth: [0.3, 0.2, 0.1] }
+    }
+
+    #[test]
+    fn a_corner_that_differs_by_chance_is_not_told_to_differ() {
+        let says = |chance: [f64; 3]| corner_text(&corner(chance, [0.1; 3]));
+        assert!(says([0.001, 0.4, 0.01]).contains("It does not, in Δx and Δθ."));
+        let text = says([0.02, 0.4, 0.3]);
+        assert!(text.contains("Nothing shows that it does not") && !text.contains("It does not,"));
+    }
+
+    #[test]
+    fn few_pushes_fail_only_where_the_median_says_so() {
+        let says = |median: [f64; 3]| corner_text(&corner([0.5; 3], median));
+        let few = says([0.2, 0.1, 0.3]);
+        assert!(few.contains("in Δx and Δy and Δθ") && few.contains("a few pushes fail"), "{few}");
+        let some = says([0.2, 0.3, 0.3]);
+        assert!(some.contains("in Δx and Δθ (of") && some.contains("in Δy it is not"), "{some}");
+        let all = says([0.6, 0.3, 0.5]);
+        assert!(!all.contains("a few pushes fail") && all.contains("not a few pushes"), "{all}");
+        assert!(![few, some, all].concat().contains("Nobody"));
+    }
 
     const PAGE: &str = "# Head\n\nWords.\n\n## One\n\nold\n\n### Part\n\nold\n\n## Two\n\ntwo\n";
 

@@ -81,7 +81,7 @@ pub(super) fn raw_pushes(dir: &Path) -> Result<Compared> {
     let pusher_friction = set.manifest().pusher.friction;
     let model = Analytical::nominal(pusher_friction)?.describe()?;
     let (predictions, nominal) = compared(&model, &observations)?;
-    let ends = push_ends(&roll_out(&model, &[], &observations)?, &observations);
+    let ends = push_ends(&roll_out(&model, &[], &observations)?);
     Ok(Compared { observations, predictions, nominal, pusher_friction, fitted: None, ends })
 }
 

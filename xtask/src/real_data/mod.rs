@@ -59,7 +59,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     }
     print!("{}", row::table(&rows));
     let path = args.out.join("real-data.json");
-    write_whole(&path, &serde_json::to_string_pretty(&Value::Object(json))?)?;
+    write(&path, &serde_json::to_string_pretty(&Value::Object(json))?)?;
     println!("written: {}", path.display());
     let outside: Vec<String> = rows.iter().filter_map(Row::complaint).collect();
     if outside.is_empty() {
@@ -68,13 +68,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     bail!("{} numbers are not as expected:\n{}", outside.len(), outside.join("\n"))
 }
 
-/// Writes under a temporary name and renames, so that a killed run leaves no half file.
-fn write_whole(path: &Path, text: &str) -> Result<()> {
-    let temporary = path.with_added_extension("part");
-    let write = || {
-        std::fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
-        std::fs::write(&temporary, text)?;
-        std::fs::rename(&temporary, path)
-    };
-    write().with_context(|| format!("cannot write {}", path.display()))
+/// Writes a whole file, in a folder that is made where it is missing.
+fn write(path: &Path, text: &str) -> Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot create {}", folder.display()))?;
+    Ok(output::write(path, text)?)
 }

@@ -6,7 +6,6 @@ mod figure;
 mod page;
 mod words;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
@@ -57,10 +56,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 }
 
 fn write(path: &Path, text: &str) -> Result<()> {
-    let part = path.with_added_extension("part");
-    fs::write(&part, text)
-        .and_then(|()| fs::rename(&part, path))
-        .with_context(|| format!("cannot write {}", path.display()))?;
+    output::write(path, text)?;
     println!("written: {}", path.display());
     Ok(())
 }

@@ -17,18 +17,29 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("planar", &[]),
     ("mechanics", &["planar"]),
     ("effects", &["planar", "mechanics"]),
-    ("dataset", &["planar"]),
+    ("output", &[]),
+    ("dataset", &["planar", "output"]),
     ("gp-core", &[]),
     ("gp-sparse", &["gp-core"]),
     ("gp-rff", &["gp-core"]),
     ("filter", &[]),
     (
         "models",
-        &["planar", "mechanics", "effects", "gp-core", "gp-sparse", "gp-rff", "filter", "dataset"],
+        &[
+            "planar",
+            "mechanics",
+            "effects",
+            "gp-core",
+            "gp-sparse",
+            "gp-rff",
+            "filter",
+            "dataset",
+            "output",
+        ],
     ),
-    ("plant", &["planar", "dataset"]),
+    ("plant", &["planar", "dataset", "output"]),
     ("diagnosis", &["planar", "mechanics", "effects", "models", "dataset", "gp-core"]),
-    ("report", &[]),
+    ("report", &["output"]),
     ("pushlab", LIBRARIES),
     ("xtask", ALL_BUT_XTASK),
 ];
@@ -47,6 +58,7 @@ const ALL_BUT_XTASK: &[&str] = &[
     "plant",
     "diagnosis",
     "report",
+    "output",
 ];
 
 const LIBRARIES: &[&str] = ALL_BUT_XTASK.split_at(1).1;

@@ -11,6 +11,7 @@ mod crate_weight;
 mod file_head;
 mod fixture_readme;
 mod glob_import;
+mod half_written;
 mod library_root;
 mod module_name;
 mod project;
@@ -67,6 +68,7 @@ const RULES: &[Rule] = &[
     file_head::RULE,
     fixture_readme::RULE,
     glob_import::RULE,
+    half_written::RULE,
     library_root::RULE,
     module_name::RULE,
     size::RULE,

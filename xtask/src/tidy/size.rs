@@ -47,7 +47,7 @@ fn n_lines(text: &str) -> usize {
 }
 
 /// Lines before the test module, which is the last thing in a file.
-fn lines_without_tests(code: &str) -> usize {
+pub(super) fn lines_without_tests(code: &str) -> usize {
     let lines: Vec<_> = code.lines().map(str::trim).collect();
     let begins_tests =
         |pair: &[&str]| pair[0] == "#[cfg(test)]" && pair[1].starts_with("mod tests");

@@ -129,7 +129,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         FIRST_REPORTED_SEED.. => workspace_root().join(PAGE),
         seed => folder.join(format!("{seed}.md")),
     };
-    fs::write(&out, page.text()).with_context(|| format!("cannot write {}", out.display()))?;
+    output::write(&out, page.text())?;
     println!("written: {}", out.display());
     Ok(())
 }
@@ -170,7 +170,7 @@ fn run_one(args: &Args, name: &str, oracle: &mut Oracle) -> Result<()> {
     }
     let record = trial::run(&case, oracle, &folder)?;
     if let Some(path) = &args.record {
-        fs::write(path, serde_json::to_string(&record)?)?;
+        output::write(path, serde_json::to_string(&record)?)?;
         return Ok(());
     }
     print!("{}", tell(&record)?);

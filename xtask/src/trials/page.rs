@@ -6,7 +6,7 @@ use super::detectable::detectable;
 use super::oracle::Oracle;
 use super::power::Power;
 use super::record::{Outcome, Record};
-use super::row::Row;
+use super::row::{Row, Standing};
 use super::rows::rows;
 
 /// Everything that the page tells.
@@ -50,6 +50,11 @@ of a set share for that reason is no hidden effect, and right where it is named 
 times as wide, for there may be three) hold it. Outside the catalogue these say the same:
 `pusher-compliance` of a tip that flexes, `rate-dependent-friction` and `support-stiction` of a film of
 liquid, `edge-rounding` of a chipped corner, `table-tilt` of a cable.
+
+**A mark** *holds* if all of the 95 % interval (Wilson's) of the share keeps it, is *refuted* if none of
+it does, and is *open* otherwise: not refuted, and not shown by so few trials. A median keeps its mark if
+more than half of the values do, by the interval of that share. That something is always so no number of
+trials shows; one exception refutes it.
 ";
 
 impl Page<'_> {
@@ -185,18 +190,15 @@ cargo xtask diagnosis-trials --seed {}
 }
 
 fn line(row: &Row) -> String {
-    let holds = match row.holds {
-        Some(true) => "holds",
-        Some(false) => "**does not hold**",
-        None => "",
-    };
-    format!("| {} | {} | {} | {holds} |\n", row.figure, row.mark, row.measured)
+    let standing = row.standing.map_or("", Standing::text);
+    format!("| {} | {} | {} | {standing} |\n", row.figure, row.mark, row.measured)
 }
 
 fn failures(rows: &[Row]) -> String {
-    let mut text = "\n## What did not hold\n\n`cargo xtask diagnosis-trials --seed S --case NAME` \
+    let mut text =
+        "\n## What spoke against the marks\n\n`cargo xtask diagnosis-trials --seed S --case NAME` \
                     runs one again and prints its answer.\n"
-        .to_owned();
+            .to_owned();
     for row in rows.iter().filter(|row| !row.failed.is_empty()) {
         text += &format!("\n{}:\n\n{}", row.figure, list(row.failed.iter().cloned()));
     }
@@ -210,4 +212,51 @@ fn list(lines: impl ExactSizeIterator<Item = String>) -> String {
         text += &format!("- and {} more\n", n - MOST_LINES);
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::INTRODUCTION;
+    use crate::cargo::workspace_root;
+    use crate::trials::row::Mark;
+    use crate::trials::wilson::Share;
+
+    /// The marks of the page in its own words.
+    fn mark(text: &str) -> Option<Mark> {
+        let percent =
+            |text: &str| text.trim_end_matches(" %").parse::<f64>().map(|x| x / 100.0).ok();
+        let text = text.split(" (").next()?;
+        match text.split_once(' ') {
+            Some(("≥", least)) => percent(least).map(Mark::AtLeast),
+            Some(("≤", most)) => percent(most).map(Mark::AtMost),
+            _ if ["always", "every effect", "100 %"].contains(&text) => Some(Mark::AtLeast(1.0)),
+            _ => {
+                let (least, most) = text.trim_end_matches(" %").split_once('–')?;
+                Some(Mark::Within(percent(least)?, percent(most)?))
+            }
+        }
+    }
+
+    /// From `93 % (86 to 97, n = 96)`.
+    fn share(text: &str) -> Option<Share> {
+        let (percent, rest) = text.split_once(" % (")?;
+        let of: usize = rest.split_once("n = ")?.1.trim_end_matches(')').parse().ok()?;
+        let hits = (percent.parse::<f64>().ok()? / 100.0 * of as f64).round() as usize;
+        Some(Share { hits, of }).filter(|share| share.text() == text)
+    }
+
+    #[test]
+    fn what_the_committed_page_concludes_follows_from_its_numbers() {
+        let page = std::fs::read_to_string(workspace_root().join(crate::trials::PAGE)).unwrap();
+        assert!(page.starts_with(INTRODUCTION), "its introduction is another than the generator's");
+        let mut n_judged = 0;
+        for line in page.lines().filter(|line| line.starts_with("| ") && line.contains("n = ")) {
+            let cells: Vec<&str> = line.trim_matches('|').split(" | ").map(str::trim).collect();
+            let (text, measured, said) = (cells[1], cells[2], cells.get(3).copied().unwrap_or(""));
+            let Some((mark, share)) = mark(text).zip(share(measured)) else { continue };
+            assert_eq!(mark.standing(share).unwrap().text(), said, "{line}");
+            n_judged += 1;
+        }
+        assert!(n_judged >= 20, "{n_judged}");
+    }
 }

@@ -63,7 +63,7 @@ fn nothing_hidden(records: &[Record]) -> [Row; 4] {
             unexplained,
         ),
         Row {
-            holds: None,
+            standing: None,
             ..row("no hint either where nothing is hidden, right base", ("no mark", ALWAYS.1), none)
         },
     ]

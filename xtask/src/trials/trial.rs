@@ -64,6 +64,7 @@ impl Sealed {
         let shares = case.hidden.iter().map(|asked| oracle.share(asked, &case.setup));
         let shares = shares.collect::<Result<Vec<_>>>()?;
         let made = folder.join("made");
+        fs::create_dir_all(&made)?;
         let report = generate(&case.rig(&shares)?, &made.join("set"))?;
         let given = folder.join("given");
         fs::rename(&report.set, &given)?;

@@ -29,7 +29,10 @@ impl Share {
         let share = self.hits as f64 / n;
         let (middle, weight) = (share + 0.5 * Z * Z / n, 1.0 + Z * Z / n);
         let half = Z * (share * (1.0 - share) / n + 0.25 * Z * Z / (n * n)).sqrt();
-        [((middle - half) / weight).max(0.0), ((middle + half) / weight).min(1.0)]
+        // Where all or none are hits its end is exact, which rounding would miss.
+        let low = if self.hits == 0 { 0.0 } else { (middle - half) / weight };
+        let high = if self.hits >= self.of { 1.0 } else { (middle + half) / weight };
+        [low, high]
     }
 
     /// As `93 % (86 to 97, n = 96)`.
@@ -48,7 +51,8 @@ mod tests {
     fn the_interval_is_that_of_the_textbook() {
         // Agresti & Coull (1998), The American Statistician 52(2): 0 of 10 gives (0, 0.278).
         let [low, high] = Share { hits: 0, of: 10 }.interval();
-        assert!(low.abs() < 1e-12 && (high - 0.2775).abs() < 1e-3, "{low} {high}");
+        assert!(low == 0.0 && (high - 0.2775).abs() < 1e-3, "{low} {high}");
+        assert!((1..200).all(|of| Share { hits: of, of }.interval()[1] == 1.0));
         assert_eq!(Share::of([]).text(), "not run");
     }
 }

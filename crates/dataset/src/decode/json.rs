@@ -4,6 +4,10 @@ use serde_json::Value;
 
 use super::{MessageError, Row, Slot, Wanted, split_path};
 
+/// Longest message that is read, in bytes: the tree of a message takes many times its own bytes.
+const LONGEST: usize = 1 << 26;
+const TOO_LONG: &str = "a message of more than 64 MiB";
+
 /// The structure of a JSON channel, taken from one of its messages.
 pub(crate) struct JsonSchema {
     sample: Value,
@@ -12,6 +16,9 @@ pub(crate) struct JsonSchema {
 impl JsonSchema {
     pub(crate) fn parse(sample: Option<&[u8]>) -> Result<Self, String> {
         let sample = sample.ok_or("the channel has no message to see its fields in")?;
+        if sample.len() > LONGEST {
+            return Err(format!("its first message is {TOO_LONG}"));
+        }
         let sample = serde_json::from_slice(sample)
             .map_err(|error| format!("its first message is no JSON: {error}"))?;
         Ok(Self { sample })
@@ -60,6 +67,9 @@ impl JsonPlan {
         message: &[u8],
         emit: &mut dyn FnMut(&Row<'_>),
     ) -> Result<(), MessageError> {
+        if message.len() > LONGEST {
+            return Err(MessageError { byte: LONGEST, what: TOO_LONG });
+        }
         let value: Value = serde_json::from_slice(message)
             .map_err(|error| MessageError { byte: error.column(), what: "no valid JSON" })?;
         let mut row = Row::default();

@@ -2,20 +2,56 @@
 
 use prost_reflect::{DescriptorPool, FieldDescriptor, Kind, MessageDescriptor};
 
-use super::{MessageError, Row, Slot, Wanted, ros_schema::MAX_DEPTH, split_path};
+use super::{MessageError, Row, Slot, Wanted, split_path};
+use crate::caught::caught_text;
 
 /// The message type of a protobuf channel.
 pub(crate) struct ProtobufSchema {
     message: MessageDescriptor,
+    /// How deep types may be nested.
+    nesting: usize,
+}
+
+/// Parts of a file descriptor set that hold named parts in turn.
+#[derive(Clone, Copy)]
+enum Part {
+    Set,
+    File,
+    Message,
+    Other,
+}
+
+/// How many messages, fields and names a file descriptor set declares, before it is read.
+pub(super) fn n_entries(set: &[u8]) -> u64 {
+    let mut n = 0_u64;
+    let mut parts = vec![(Part::Set, set)];
+    while let Some((part, mut bytes)) = parts.pop() {
+        while let Some((number, wire)) = next_field(&mut bytes) {
+            let Wire::Bytes(inner) = wire else { continue };
+            n += 1;
+            let inner_part = match (part, number) {
+                (Part::Set, 1) => Part::File,
+                (Part::File, 4) | (Part::Message, 3) => Part::Message,
+                // Enumerations, services, and where in its source each part stood.
+                (Part::File, 5 | 6 | 9) | (Part::Message, 4) => Part::Other,
+                _ => continue,
+            };
+            parts.push((inner_part, inner));
+        }
+    }
+    n
 }
 
 impl ProtobufSchema {
-    pub(crate) fn parse(type_name: &str, schema: &[u8]) -> Result<Self, String> {
-        let pool = DescriptorPool::decode(schema)
+    pub(crate) fn parse(type_name: &str, schema: &[u8], nesting: usize) -> Result<Self, String> {
+        // A damaged set can make the library panic.
+        let pool = caught_text(|| DescriptorPool::decode(schema));
+        let pool = pool
+            .and_then(|pool| pool.map_err(|error| error.to_string()))
             .map_err(|error| format!("the schema is no FileDescriptorSet: {error}"))?;
         let message = pool.get_message_by_name(type_name);
         let message = message.ok_or_else(|| format!("the schema does not define {type_name}"))?;
-        Ok(Self { message })
+        Ok(Self { message, nesting })
     }
 
     /// Whether a path leads to a number, or to a text if `text`.
@@ -76,7 +112,7 @@ impl ProtobufPlan {
     pub(crate) fn compile(schema: &ProtobufSchema, wanted: &[Wanted]) -> Result<Self, String> {
         let mut root = Node::default();
         for Wanted { slot, path } in wanted {
-            root.add(&schema.message, path, *slot, 0)?;
+            root.add(&schema.message, path, *slot, schema.nesting)?;
         }
         Ok(Self { root, rows_in_list: wanted.iter().any(|w| w.path.contains("[]")) })
     }
@@ -101,13 +137,13 @@ impl Node {
         message: &MessageDescriptor,
         path: &str,
         slot: Slot,
-        depth: usize,
+        depth_left: usize,
     ) -> Result<(), String> {
         let (name, is_list, rest) = split_path(path);
         let field = message.get_field_by_name(name).ok_or_else(|| format!("no field `{name}`"))?;
-        if depth >= MAX_DEPTH {
-            return Err(format!("`{path}` is nested more than {MAX_DEPTH} deep"));
-        }
+        let depth_left = depth_left.checked_sub(1).ok_or_else(|| {
+            format!("`{path}` is nested too deep; raise nesting in [limits] of dataset.toml")
+        })?;
         let number = field.number();
         match field.kind() {
             Kind::Message(inner) => {
@@ -117,7 +153,7 @@ impl Node {
                     self.fields.len() - 1
                 });
                 if let (_, Target::Message { node, .. }) = &mut self.fields[place] {
-                    node.add(&inner, rest, slot, depth + 1)?;
+                    node.add(&inner, rest, slot, depth_left)?;
                 }
             }
             Kind::String => self.fields.push((number, Target::Text(slot))),
@@ -240,137 +276,4 @@ fn varint(bytes: &mut &[u8]) -> Option<u64> {
 }
 
 #[cfg(test)]
-mod tests {
-    use proptest::{
-        prelude::{ProptestConfig, any, prop, prop_assert, proptest},
-        test_runner::RngSeed,
-    };
-    use prost_reflect::{
-        DynamicMessage,
-        prost::Message,
-        prost_types::{
-            DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet,
-            field_descriptor_proto::{Label, Type},
-        },
-    };
-
-    use super::{ProtobufPlan, ProtobufSchema};
-    use crate::decode::{Row, Slot, Wanted};
-
-    fn field(
-        name: &str,
-        number: i32,
-        kind: Type,
-        of: Option<&str>,
-        list: bool,
-    ) -> FieldDescriptorProto {
-        FieldDescriptorProto {
-            name: Some(name.into()),
-            number: Some(number),
-            label: Some(if list { Label::Repeated } else { Label::Optional }.into()),
-            r#type: Some(kind.into()),
-            type_name: of.map(String::from),
-            ..Default::default()
-        }
-    }
-
-    fn schema() -> ProtobufSchema {
-        let message = |name: &str, field: Vec<_>| DescriptorProto {
-            name: Some(name.into()),
-            field,
-            ..Default::default()
-        };
-        let file = FileDescriptorProto {
-            name: Some("thing.proto".into()),
-            package: Some("p".into()),
-            syntax: Some("proto3".into()),
-            message_type: vec![
-                message(
-                    "Item",
-                    vec![
-                        field("child", 1, Type::String, None, false),
-                        field("y", 2, Type::Float, None, false),
-                        field("s", 3, Type::Sint32, None, false),
-                    ],
-                ),
-                message(
-                    "Thing",
-                    vec![
-                        field("seconds", 1, Type::Int64, None, false),
-                        field("items", 2, Type::Message, Some(".p.Item"), true),
-                        field("one", 3, Type::Message, Some(".p.Item"), false),
-                        field("f", 4, Type::Fixed32, None, false),
-                    ],
-                ),
-            ],
-            ..Default::default()
-        };
-        let set = FileDescriptorSet { file: vec![file] };
-        ProtobufSchema::parse("p.Thing", &set.encode_to_vec()).unwrap()
-    }
-
-    fn plan(fields: &[(Slot, &str)]) -> ProtobufPlan {
-        let wanted: Vec<_> =
-            fields.iter().map(|&(slot, path)| Wanted { slot, path: path.into() }).collect();
-        ProtobufPlan::compile(&schema(), &wanted).unwrap()
-    }
-
-    fn message() -> Vec<u8> {
-        let text = r#"{"seconds": "-5", "f": 7, "one": {"y": 0.5, "s": -3},
-                       "items": [{"child": "a", "y": 1.25}, {"child": "b", "y": 2.5}]}"#;
-        let mut json = serde_json::Deserializer::from_str(text);
-        DynamicMessage::deserialize(schema().message, &mut json).unwrap().encode_to_vec()
-    }
-
-    #[test]
-    fn the_plan_reads_what_the_reference_encoder_writes() {
-        let fields = [
-            (Slot::Sec, "seconds"),
-            (Slot::Value(0), "one.y"),
-            (Slot::Value(1), "one.s"),
-            (Slot::Value(2), "f"),
-        ];
-        let mut seen = Vec::new();
-        plan(&fields).decode(&message(), &mut |row| seen.push((row.sec, row.values))).unwrap();
-        assert_eq!(seen, [(-5.0, [0.5, -3.0, 7.0, 0.0, 0.0, 0.0, 0.0, 0.0])]);
-    }
-
-    #[test]
-    fn each_element_of_a_list_is_a_row() {
-        let mut rows = Vec::new();
-        plan(&[(Slot::Value(0), "items[].y"), (Slot::Child, "items[].child")])
-            .decode(&message(), &mut |row: &Row<'_>| rows.push((row.values[0], row.child.to_vec())))
-            .unwrap();
-        assert_eq!(rows, [(1.25, b"a".to_vec()), (2.5, b"b".to_vec())]);
-    }
-
-    #[test]
-    fn paths_follow_the_schema() {
-        let schema = schema();
-        assert!(schema.has("items[].y", false) && schema.has("one.child", true));
-        assert!(!schema.has("items.y", false) && !schema.has("one", false));
-        assert!(!schema.has("one.child", false) && !schema.has("nothing", false));
-        assert!(ProtobufSchema::parse("p.Thing", b"\xff").is_err());
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig {
-            failure_persistence: None,
-            rng_seed: RngSeed::Fixed(7),
-            ..ProptestConfig::default()
-        })]
-        #[test]
-        fn damaged_messages_never_panic(random in prop::collection::vec(any::<u8>(), 0..60),
-                                        at in 0..30_usize, byte in any::<u8>()) {
-            let plan = plan(&[(Slot::Value(0), "items[].y"), (Slot::Sec, "seconds")]);
-            let mut damaged = message();
-            let at = at % damaged.len();
-            damaged[at] = byte;
-            for bytes in [&random, &damaged] {
-                let mut n = 0;
-                let _ = plan.decode(bytes, &mut |_| n += 1);
-                prop_assert!(n <= bytes.len());
-            }
-        }
-    }
-}
+mod tests;

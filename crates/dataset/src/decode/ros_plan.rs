@@ -1,10 +1,15 @@
 //! The plan that walks ROS messages: numbers to take and bytes to pass over.
 
+use std::rc::Rc;
+
 use super::{
     MessageError, Row, Slot, Wanted,
-    ros_schema::{Count, FieldKind, MAX_DEPTH, NumberKind, RosSchema},
+    ros_schema::{Count, FieldKind, NumberKind, RosSchema},
     split_path,
 };
+
+/// Longest plan of a type that is repeated wherever the type stands; a longer one is shared.
+const REPEATED: usize = 4;
 
 /// A schema compiled for the wanted fields; decoding allocates nothing.
 pub(crate) struct RosPlan {
@@ -14,7 +19,7 @@ pub(crate) struct RosPlan {
     rows_in_list: bool,
 }
 
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 enum Step {
     /// Passes over bytes that begin at a multiple of `align`.
     Skip { align: usize, size: usize },
@@ -27,7 +32,9 @@ enum Step {
     /// Passes over a counted list of elements of fixed size.
     SkipList { align: usize, size: usize },
     /// Walks a list; the count is on the wire if none is given.
-    Each { count: Option<usize>, steps: Vec<Step>, emits: bool },
+    Each { count: Option<usize>, steps: Rc<[Step]>, emits: bool },
+    /// Walks a type of which nothing is wanted.
+    Pass(Rc<[Step]>),
 }
 
 /// A wanted path, as far as it is still to be followed.
@@ -38,7 +45,8 @@ impl RosPlan {
     pub(crate) fn compile(schema: &RosSchema, wanted: &[Wanted]) -> Result<Self, String> {
         let wishes: Vec<Wish<'_>> = wanted.iter().map(|w| (w.path.as_str(), w.slot)).collect();
         let mut steps = Vec::new();
-        compile_struct(schema, 0, &wishes, 0, &mut steps)?;
+        let mut compiler = Compiler { schema, passed: vec![None; schema.n_types()] };
+        compiler.compile_struct(0, &wishes, 0, &mut steps)?;
         let needed = steps.iter().rposition(Step::yields).map_or(0, |last| last + 1);
         steps.truncate(needed);
         let rows_in_list = wanted.iter().any(|w| w.path.contains("[]"));
@@ -68,95 +76,151 @@ impl Step {
             Self::Number { .. } => true,
             Self::Text { slot } => slot.is_some(),
             Self::Each { emits, .. } => *emits,
-            Self::Skip { .. } | Self::WideText | Self::SkipList { .. } => false,
+            Self::Skip { .. } | Self::WideText | Self::SkipList { .. } | Self::Pass(_) => false,
         }
     }
 }
 
-fn compile_struct(
-    schema: &RosSchema,
-    type_index: usize,
-    wishes: &[Wish<'_>],
-    depth: usize,
-    steps: &mut Vec<Step>,
-) -> Result<(), String> {
-    if depth >= MAX_DEPTH {
-        return Err(format!(
-            "type {} is nested more than {MAX_DEPTH} deep",
-            schema.type_name(type_index)
-        ));
+/// Compiles a schema, each type of which nothing is wanted only once: types that hold others twice,
+/// one in the other, would double the plan with each.
+struct Compiler<'s> {
+    schema: &'s RosSchema,
+    /// What passes over each type, and how many types are nested in it, itself included.
+    passed: Vec<Option<(Rc<[Step]>, usize)>>,
+}
+
+impl Compiler<'_> {
+    /// Appends the steps of a type and returns how many types are nested in it, itself included.
+    fn compile_struct(
+        &mut self,
+        type_index: usize,
+        wishes: &[Wish<'_>],
+        depth: usize,
+        steps: &mut Vec<Step>,
+    ) -> Result<usize, String> {
+        let known = self.passed[type_index].as_ref().filter(|_| wishes.is_empty());
+        if depth + known.map_or(1, |(_, height)| *height) > self.schema.nesting {
+            return Err(format!(
+                "type {} is nested more than {} deep; if it should be, raise nesting in [limits] \
+                 of dataset.toml",
+                self.schema.type_name(type_index),
+                self.schema.nesting
+            ));
+        }
+        if let Some((body, height)) = known {
+            append(steps, body);
+            return Ok(*height);
+        }
+        if !wishes.is_empty() {
+            return self.compile_fields(type_index, wishes, depth, steps);
+        }
+        let mut body = Vec::new();
+        let height = self.compile_fields(type_index, wishes, depth, &mut body)?;
+        let body: Rc<[Step]> = body.into();
+        append(steps, &body);
+        self.passed[type_index] = Some((body, height));
+        Ok(height)
     }
-    let fields = schema.fields(type_index);
-    if fields.is_empty() && schema.cdr {
-        push_skip(steps, 1, 1);
-    }
-    for field in fields {
-        let inner: Vec<Wish<'_>> = wishes
-            .iter()
-            .filter_map(|&(path, slot)| {
+
+    fn compile_fields(
+        &mut self,
+        type_index: usize,
+        wishes: &[Wish<'_>],
+        depth: usize,
+        steps: &mut Vec<Step>,
+    ) -> Result<usize, String> {
+        let schema = self.schema;
+        let fields = schema.fields(type_index);
+        if fields.is_empty() && schema.cdr {
+            push_skip(steps, 1, 1);
+        }
+        let mut height = 1;
+        // Of several fields of one name the first is taken.
+        let mut left = wishes.to_vec();
+        for field in fields {
+            let mut inner: Vec<Wish<'_>> = Vec::new();
+            left.retain(|&(path, slot)| {
                 let (name, is_list, rest) = split_path(path);
-                (name == field.name && is_list == (field.count != Count::One))
-                    .then_some((rest, slot))
-            })
-            .collect();
-        match field.count {
-            Count::One => compile_one(schema, &field.kind, &inner, depth, steps)?,
-            Count::Fixed(count) => {
-                compile_list(schema, &field.kind, &inner, depth, Some(count), steps)?;
+                let is_here = name == field.name && is_list == (field.count != Count::One);
+                inner.extend(is_here.then_some((rest, slot)));
+                !is_here
+            });
+            let below = match field.count {
+                Count::One => self.compile_one(&field.kind, &inner, depth, steps)?,
+                Count::Fixed(count) => {
+                    self.compile_list(&field.kind, &inner, depth, Some(count), steps)?
+                }
+                Count::Sequence => self.compile_list(&field.kind, &inner, depth, None, steps)?,
+            };
+            height = height.max(1 + below);
+        }
+        Ok(height)
+    }
+
+    fn compile_one(
+        &mut self,
+        kind: &FieldKind,
+        wishes: &[Wish<'_>],
+        depth: usize,
+        steps: &mut Vec<Step>,
+    ) -> Result<usize, String> {
+        match kind {
+            FieldKind::Number(number) => match wishes {
+                [] => push_skip(steps, alignment(self.schema, *number), number.size()),
+                [(_, slot)] => steps.push(Step::Number { kind: *number, slot: *slot }),
+                _ => return Err("one field cannot serve as two quantities".into()),
+            },
+            FieldKind::Text => steps.push(Step::Text { slot: wishes.first().map(|wish| wish.1) }),
+            FieldKind::WideText => steps.push(Step::WideText),
+            FieldKind::Struct(inner) => {
+                return self.compile_struct(*inner, wishes, depth + 1, steps);
             }
-            Count::Sequence => compile_list(schema, &field.kind, &inner, depth, None, steps)?,
+            FieldKind::Undefined(name) => {
+                return Err(format!("the schema uses type {name} but does not define it"));
+            }
         }
+        Ok(0)
     }
-    Ok(())
+
+    fn compile_list(
+        &mut self,
+        kind: &FieldKind,
+        wishes: &[Wish<'_>],
+        depth: usize,
+        count: Option<usize>,
+        steps: &mut Vec<Step>,
+    ) -> Result<usize, String> {
+        let mut body = Vec::new();
+        let below = self.compile_one(kind, wishes, depth, &mut body)?;
+        match (body.as_slice(), count) {
+            // Elements without bytes leave only their count.
+            ([], None) => push_skip(steps, if self.schema.cdr { 4 } else { 1 }, 4),
+            ([], Some(_)) | (_, Some(0)) => {}
+            (&[Step::Skip { align, size }], Some(count)) if size % align == 0 => {
+                let total = size.checked_mul(count).ok_or("an array of the schema is too large")?;
+                push_skip(steps, align, total);
+            }
+            (&[Step::Skip { align, size }], None) if size % align == 0 => {
+                steps.push(Step::SkipList { align, size });
+            }
+            _ => steps.push(Step::Each { count, emits: !wishes.is_empty(), steps: body.into() }),
+        }
+        Ok(below)
+    }
 }
 
-fn compile_one(
-    schema: &RosSchema,
-    kind: &FieldKind,
-    wishes: &[Wish<'_>],
-    depth: usize,
-    steps: &mut Vec<Step>,
-) -> Result<(), String> {
-    match kind {
-        FieldKind::Number(number) => match wishes {
-            [] => push_skip(steps, alignment(schema, *number), number.size()),
-            [(_, slot)] => steps.push(Step::Number { kind: *number, slot: *slot }),
-            _ => return Err("one field cannot serve as two quantities".into()),
-        },
-        FieldKind::Text => steps.push(Step::Text { slot: wishes.first().map(|wish| wish.1) }),
-        FieldKind::WideText => steps.push(Step::WideText),
-        FieldKind::Struct(inner) => compile_struct(schema, *inner, wishes, depth + 1, steps)?,
-        FieldKind::Undefined(name) => {
-            return Err(format!("the schema uses type {name} but does not define it"));
+/// Appends the steps that pass over a type.
+fn append(steps: &mut Vec<Step>, body: &Rc<[Step]>) {
+    if body.len() > REPEATED {
+        steps.push(Step::Pass(Rc::clone(body)));
+        return;
+    }
+    for step in body.iter() {
+        match step {
+            Step::Skip { align, size } => push_skip(steps, *align, *size),
+            other => steps.push(other.clone()),
         }
     }
-    Ok(())
-}
-
-fn compile_list(
-    schema: &RosSchema,
-    kind: &FieldKind,
-    wishes: &[Wish<'_>],
-    depth: usize,
-    count: Option<usize>,
-    steps: &mut Vec<Step>,
-) -> Result<(), String> {
-    let mut body = Vec::new();
-    compile_one(schema, kind, wishes, depth, &mut body)?;
-    match (body.as_slice(), count) {
-        // Elements without bytes leave only their count.
-        ([], None) => push_skip(steps, if schema.cdr { 4 } else { 1 }, 4),
-        ([], Some(_)) | (_, Some(0)) => {}
-        (&[Step::Skip { align, size }], Some(count)) if size % align == 0 => {
-            let total = size.checked_mul(count).ok_or("an array of the schema is too large")?;
-            push_skip(steps, align, total);
-        }
-        (&[Step::Skip { align, size }], None) if size % align == 0 => {
-            steps.push(Step::SkipList { align, size });
-        }
-        _ => steps.push(Step::Each { count, emits: !wishes.is_empty(), steps: body }),
-    }
-    Ok(())
 }
 
 fn alignment(schema: &RosSchema, number: NumberKind) -> usize {
@@ -227,6 +291,7 @@ impl<'m> Cursor<'m> {
                         row.set_text(*slot, text.strip_suffix(b"\0").unwrap_or(text));
                     }
                 }
+                Step::Pass(steps) => self.run(steps, row, emit)?,
                 Step::WideText => self.skip_list(2, 2)?,
                 Step::SkipList { align, size } => self.skip_list(*align, *size)?,
                 Step::Each { count, steps, emits } => {

@@ -1,15 +1,16 @@
 //! ROS message definitions as logs carry them: the type's text, then those of all it contains.
 
-use super::split_path;
+use std::collections::HashMap;
 
-/// Deepest nesting of types that is followed.
-pub(super) const MAX_DEPTH: usize = 32;
+use super::split_path;
 
 /// The definition of a message type and of everything inside it.
 pub(crate) struct RosSchema {
     types: Vec<StructType>,
     /// Whether messages are CDR (ROS 2) and not the unaligned ROS 1 serialisation.
     pub(super) cdr: bool,
+    /// How deep types may be nested.
+    pub(super) nesting: usize,
 }
 
 struct StructType {
@@ -66,8 +67,16 @@ impl NumberKind {
 }
 
 impl RosSchema {
-    /// Reads the definition of `type_name`; `cdr` tells ROS 2 from ROS 1.
-    pub(crate) fn parse(type_name: &str, schema: &[u8], cdr: bool) -> Result<Self, String> {
+    /// Reads the definition of `type_name`.
+    ///
+    /// - `cdr`: ROS 2 and not ROS 1.
+    /// - `nesting`: how deep types may be nested.
+    pub(crate) fn parse(
+        type_name: &str,
+        schema: &[u8],
+        cdr: bool,
+        nesting: usize,
+    ) -> Result<Self, String> {
         let text = std::str::from_utf8(schema)
             .map_err(|error| format!("the schema is no UTF-8 text: {error}"))?;
         let mut sections = vec![(plain_name(type_name), Vec::new())];
@@ -82,12 +91,14 @@ impl RosSchema {
                 lines.push(line);
             }
         }
-        let mut names: Vec<String> = sections.iter().map(|(name, _)| name.clone()).collect();
-        let builtins = builtin_times(cdr).into_iter().filter(|(name, _)| !names.contains(name));
-        let builtins: Vec<_> = builtins.collect();
-        names.extend(builtins.iter().map(|(name, _)| name.clone()));
+        sections.extend(builtin_times(cdr));
+        // Of several definitions of a type the first one counts.
+        let mut names: HashMap<String, usize> = HashMap::new();
+        for (i, (name, _)) in sections.iter().enumerate() {
+            names.entry(name.clone()).or_insert(i);
+        }
         let mut types = Vec::new();
-        for (name, lines) in sections.into_iter().chain(builtins) {
+        for (name, lines) in sections {
             let package = name.split_once('/').map_or("", |(package, _)| package);
             let mut fields = Vec::new();
             for line in lines {
@@ -95,7 +106,12 @@ impl RosSchema {
             }
             types.push(StructType { name, fields });
         }
-        Ok(Self { types, cdr })
+        Ok(Self { types, cdr, nesting })
+    }
+
+    /// How many types there are.
+    pub(super) fn n_types(&self) -> usize {
+        self.types.len()
     }
 
     /// The fields of a type; number 0 is the message itself.
@@ -111,7 +127,7 @@ impl RosSchema {
     /// Whether a path leads to a number, or to a text if `text`.
     pub(crate) fn has(&self, path: &str, text: bool) -> bool {
         let (mut type_index, mut rest) = (0, path);
-        for _ in 0..MAX_DEPTH {
+        for _ in 0..self.nesting {
             let (name, is_list, tail) = split_path(rest);
             let Some(field) = self.fields(type_index).iter().find(|field| field.name == name)
             else {
@@ -153,7 +169,11 @@ fn builtin_times(cdr: bool) -> Vec<(String, Vec<&'static str>)> {
 }
 
 /// The field that a line declares; none for a comment or a constant.
-fn parse_field(line: &str, package: &str, names: &[String]) -> Result<Option<Field>, String> {
+fn parse_field(
+    line: &str,
+    package: &str,
+    names: &HashMap<String, usize>,
+) -> Result<Option<Field>, String> {
     let line = line.split('#').next().unwrap_or_default().trim();
     let Some((type_text, rest)) = line.split_once(char::is_whitespace) else {
         if line.is_empty() {
@@ -183,7 +203,7 @@ fn parse_field(line: &str, package: &str, names: &[String]) -> Result<Option<Fie
     Ok(Some(Field { name: name.into(), kind: field_kind(element, package, names), count }))
 }
 
-fn field_kind(element: &str, package: &str, names: &[String]) -> FieldKind {
+fn field_kind(element: &str, package: &str, names: &HashMap<String, usize>) -> FieldKind {
     let number = match element {
         "bool" | "byte" | "char" | "uint8" => NumberKind::U8,
         "int8" => NumberKind::I8,
@@ -204,7 +224,7 @@ fn field_kind(element: &str, package: &str, names: &[String]) -> FieldKind {
                 _ if element.contains('/') => vec![plain],
                 _ => vec![format!("{package}/{element}"), plain],
             };
-            let index = candidates.iter().find_map(|name| names.iter().position(|n| n == name));
+            let index = candidates.iter().find_map(|name| names.get(name).copied());
             return index.map_or_else(|| FieldKind::Undefined(element.into()), FieldKind::Struct);
         }
     };
@@ -224,7 +244,7 @@ mod tests {
 
     #[test]
     fn paths_lead_through_relative_and_full_type_names() {
-        let schema = RosSchema::parse("my_msgs/msg/Thing", SCHEMA.as_bytes(), false).unwrap();
+        let schema = RosSchema::parse("my_msgs/msg/Thing", SCHEMA.as_bytes(), false, 32).unwrap();
         for path in
             ["header.stamp.sec", "header.stamp.nsec", "other.depth", "points[].x", "v[]", "count"]
         {
@@ -238,14 +258,14 @@ mod tests {
 
     #[test]
     fn a_type_within_itself_is_no_endless_path() {
-        let schema = RosSchema::parse("a/B", b"B b\nfloat64 x\n", true).unwrap();
+        let schema = RosSchema::parse("a/B", b"B b\nfloat64 x\n", true, 32).unwrap();
         assert!(schema.has("b.b.b.x", false));
         assert!(!schema.has(&"b.".repeat(100), false));
     }
 
     #[test]
     fn a_broken_schema_is_refused_with_its_line() {
-        let refusal = |text: &[u8]| RosSchema::parse("a/B", text, true).err().unwrap();
+        let refusal = |text: &[u8]| RosSchema::parse("a/B", text, true, 32).err().unwrap();
         assert!(refusal(b"float64\n").contains("`float64` is no field"));
         assert!(refusal(b"float64[x] y\n").contains("wrong array size"));
         assert!(refusal(b"\xff").contains("UTF-8"));

@@ -1,25 +1,30 @@
 //! ROS 1 bags, version 2.0, whole or damaged.
 
 use std::{
-    io::Read,
-    ops::{ControlFlow, Range},
+    collections::BTreeMap,
+    ops::ControlFlow,
     path::{Path, PathBuf},
 };
 
-use super::find::{find_recordings, is_file_ending};
+use super::{
+    bag_record::Record,
+    find::{find_recordings, is_file_ending},
+};
 use crate::{
+    caught::caught,
+    channel::{Channel, ChannelList},
     error::DatasetError,
     format::{Inspection, LogFormat},
-    log::{Channel, Container, Message, Sink, inspect_log, nothing_to_read, read_log},
+    limits::ReadLimits,
+    log::{Container, Message, Sink, inspect_log, nothing_to_read, read_log},
     map::FileBytes,
     recording::Recording,
     remark::{Remark, RemarkKind},
     settings::Streams,
+    unpack::{Compression, UnpackError, Unpacker},
 };
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
-/// A chunk may grow to this many times the file's size; a damaged size beyond it is refused.
-const LARGEST_GROWTH: usize = 256;
 
 /// Kinds of records, by the `op` field of their header.
 mod op {
@@ -47,108 +52,40 @@ impl LogFormat for BagFormat {
         find_recordings(dir, self.id(), "files NAME.bag", &is_recording)
     }
 
-    fn read(&self, path: &Path, streams: &Streams) -> Result<Recording, DatasetError> {
-        let file = FileBytes::open(path)?;
-        let log = Bag::open(path, file.bytes())?;
-        read_log(path, file.sha256(), &log, streams)
+    fn read(
+        &self,
+        path: &Path,
+        streams: &Streams,
+        limits: &ReadLimits,
+    ) -> Result<Recording, DatasetError> {
+        caught(path, || {
+            let file = FileBytes::open(path, limits)?;
+            let log = Bag::open(path, file.bytes(), limits)?;
+            read_log(path, file.sha256(), &log, streams, limits)
+        })
     }
 
-    fn inspect(&self, path: &Path) -> Result<Inspection, DatasetError> {
-        let file = FileBytes::open(path)?;
-        Ok(inspect_log(&Bag::open(path, file.bytes())?))
+    fn inspect(&self, path: &Path, limits: &ReadLimits) -> Result<Inspection, DatasetError> {
+        caught(path, || {
+            let file = FileBytes::open(path, limits)?;
+            inspect_log(path, &Bag::open(path, file.bytes(), limits)?, limits)
+        })
     }
 }
 
 /// A bag in memory.
 struct Bag<'a> {
+    path: &'a Path,
     bytes: &'a [u8],
+    limits: &'a ReadLimits,
     channels: Vec<Channel>,
     /// Where the chunks begin, as far as the index tells.
     chunk_starts: Vec<usize>,
     remarks: Vec<Remark>,
 }
 
-/// A record: its header's fields, its data, and the byte after it.
-struct Record<'r> {
-    header: &'r [u8],
-    data: &'r [u8],
-    end: usize,
-}
-
-impl<'r> Record<'r> {
-    /// The record that begins at a byte; none if it is not whole.
-    fn at(bytes: &'r [u8], at: usize) -> Option<Self> {
-        let header = block(bytes, at)?;
-        let data = block(bytes, header.end)?;
-        Some(Self { end: data.end, header: &bytes[header], data: &bytes[data] })
-    }
-
-    /// A field of the header.
-    fn field(&self, name: &str) -> Option<&'r [u8]> {
-        field(self.header, name)
-    }
-
-    fn op(&self) -> Option<u8> {
-        match self.field("op") {
-            Some([op]) => Some(*op),
-            _ => None,
-        }
-    }
-
-    fn number(&self, name: &str) -> Option<u32> {
-        Some(u32::from_le_bytes(self.field(name)?.try_into().ok()?))
-    }
-
-    fn offset(&self, name: &str) -> Option<usize> {
-        usize::try_from(u64::from_le_bytes(self.field(name)?.try_into().ok()?)).ok()
-    }
-
-    /// The message's time in ns.
-    fn time(&self) -> Option<i64> {
-        let time: [u8; 8] = self.field("time")?.try_into().ok()?;
-        let [s0, s1, s2, s3, n0, n1, n2, n3] = time;
-        let sec = u32::from_le_bytes([s0, s1, s2, s3]);
-        Some(i64::from(sec) * 1_000_000_000 + i64::from(u32::from_le_bytes([n0, n1, n2, n3])))
-    }
-
-    /// The channel that a connection record declares.
-    fn channel(&self) -> Option<Channel> {
-        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        Some(Channel {
-            id: self.number("conn")?,
-            topic: text(self.field("topic")?),
-            type_name: text(field(self.data, "type")?),
-            message_encoding: "ros1".into(),
-            schema_encoding: "ros1msg".into(),
-            schema: field(self.data, "message_definition")?.to_vec(),
-            count: 0,
-        })
-    }
-}
-
-/// The bytes that follow a length at `at`.
-fn block(bytes: &[u8], at: usize) -> Option<Range<usize>> {
-    let length = u32::from_le_bytes(*bytes.get(at..)?.first_chunk()?) as usize;
-    let start = at + 4;
-    let end = start.checked_add(length)?;
-    (end <= bytes.len()).then_some(start..end)
-}
-
-/// The value of `name=value` among counted fields.
-fn field<'b>(fields: &'b [u8], name: &str) -> Option<&'b [u8]> {
-    let mut at = 0;
-    while let Some(range) = block(fields, at) {
-        at = range.end;
-        let value = fields[range].strip_prefix(name.as_bytes());
-        if let Some(value) = value.and_then(|value| value.strip_prefix(b"=")) {
-            return Some(value);
-        }
-    }
-    None
-}
-
 impl<'a> Bag<'a> {
-    fn open(path: &Path, bytes: &'a [u8]) -> Result<Self, DatasetError> {
+    fn open(path: &'a Path, bytes: &'a [u8], limits: &'a ReadLimits) -> Result<Self, DatasetError> {
         if bytes.is_empty() {
             return Err(nothing_to_read(path, 0, "the file is empty; record it again"));
         }
@@ -157,10 +94,10 @@ impl<'a> Bag<'a> {
                         `format` in [recordings], or convert an older bag with `rosbag migrate`";
             return Err(nothing_to_read(path, 0, what));
         }
-        let mut bag =
-            Self { bytes, channels: Vec::new(), chunk_starts: Vec::new(), remarks: Vec::new() };
-        if bag.read_index().is_none() {
-            bag.scan();
+        let (channels, chunk_starts, remarks) = (Vec::new(), Vec::new(), Vec::new());
+        let mut bag = Self { path, bytes, limits, channels, chunk_starts, remarks };
+        if !bag.read_index()? {
+            bag.scan()?;
         }
         if bag.channels.is_empty() {
             let what = "the file holds no connection that can be read; record it again";
@@ -169,75 +106,82 @@ impl<'a> Bag<'a> {
         Ok(bag)
     }
 
-    /// Reads connections and chunk places from the end of the bag; none if it is not whole.
-    fn read_index(&mut self) -> Option<()> {
+    /// Reads connections and chunk places from the end of the bag; false if it is not whole.
+    fn read_index(&mut self) -> Walked<bool> {
+        let Some((records, n_connections)) = self.index_records() else { return Ok(false) };
+        let mut list = ChannelList::new(self.path, self.limits);
+        let mut counts: BTreeMap<u32, u64> = BTreeMap::new();
+        let mut chunk_starts = Vec::new();
+        for record in &records {
+            if record.op() == Some(op::CHUNK_INFO) {
+                let Some(start) = record.offset("chunk_pos") else { return Ok(false) };
+                chunk_starts.push(start);
+                for [a, b, c, d, n @ ..] in record.data.as_chunks::<8>().0 {
+                    let count = counts.entry(u32::from_le_bytes([*a, *b, *c, *d])).or_default();
+                    *count = count.saturating_add(u32::from_le_bytes(*n).into());
+                }
+            } else {
+                let Some(channel) = record.channel() else { return Ok(false) };
+                list.push(channel)?;
+            }
+        }
+        let mut channels = list.finish();
+        if channels.len() != n_connections {
+            return Ok(false);
+        }
+        for channel in &mut channels {
+            channel.count = counts.get(&channel.id).copied().unwrap_or_default();
+        }
+        chunk_starts.sort_unstable();
+        (self.channels, self.chunk_starts) = (channels, chunk_starts);
+        Ok(true)
+    }
+
+    /// The records of the index, and how many connections the bag should have.
+    fn index_records(&self) -> Option<(Vec<Record<'a>>, usize)> {
         let header = Record::at(self.bytes, MAGIC.len())?;
         let n_connections = header.number("conn_count")? as usize;
         let mut at = header.offset("index_pos").filter(|at| *at > 0)?;
-        let mut counts: Vec<(u32, u64)> = Vec::new();
-        let mut channels = Vec::new();
-        let mut chunk_starts = Vec::new();
+        let mut records = Vec::new();
         while at < self.bytes.len() {
             let record = Record::at(self.bytes, at)?;
-            match record.op()? {
-                op::CONNECTION => channels.push(record.channel()?),
-                op::CHUNK_INFO => {
-                    chunk_starts.push(record.offset("chunk_pos")?);
-                    counts.extend(record.data.chunks_exact(8).map(|pair| {
-                        let number = |at: usize| {
-                            u32::from_le_bytes([pair[at], pair[at + 1], pair[at + 2], pair[at + 3]])
-                        };
-                        (number(0), u64::from(number(4)))
-                    }));
-                }
-                _ => return None,
-            }
+            matches!(record.op()?, op::CONNECTION | op::CHUNK_INFO).then_some(())?;
             at = record.end;
+            records.push(record);
         }
-        for channel in &mut channels {
-            let own = counts.iter().filter(|(id, _)| *id == channel.id);
-            channel.count = own.map(|(_, count)| count).sum();
-        }
-        chunk_starts.sort_unstable();
-        (channels.len() == n_connections).then(|| {
-            self.channels = channels;
-            self.chunk_starts = chunk_starts;
-        })
+        Some((records, n_connections))
     }
 
     /// Collects the connections from the whole file, for want of an index.
-    fn scan(&mut self) {
-        let mut channels: Vec<Channel> = Vec::new();
+    fn scan(&mut self) -> Walked<()> {
+        let mut list = ChannelList::new(self.path, self.limits);
+        let mut counts: BTreeMap<u32, u64> = BTreeMap::new();
         self.walk(&|_| true, &mut |record, _| {
-            match record.op() {
-                Some(op::CONNECTION) => {
-                    let channel = record.channel();
-                    let new = channel.filter(|new| channels.iter().all(|old| old.id != new.id));
-                    channels.extend(new);
-                }
-                _ => {
-                    let id = record.number("conn");
-                    if let Some(channel) = channels.iter_mut().find(|c| Some(c.id) == id) {
-                        channel.count += 1;
-                    }
+            if let Some(id) = record.number("conn") {
+                if record.op() != Some(op::CONNECTION) {
+                    counts.entry(id).and_modify(|n| *n += 1);
+                } else if let (false, Some(channel)) = (counts.contains_key(&id), record.channel())
+                {
+                    list.push(channel)?;
+                    counts.insert(id, 0);
                 }
             }
-            ControlFlow::Continue(())
-        });
-        self.channels = channels;
+            Ok(ControlFlow::Continue(()))
+        })?;
+        self.channels = list.finish();
+        for channel in &mut self.channels {
+            channel.count = counts.get(&channel.id).copied().unwrap_or_default();
+        }
         let text = "the index of the bag is missing or damaged; the file was scanned";
         let (kind, stream) = (RemarkKind::NoIndex, None);
         self.remarks.push(Remark { kind, stream, count: 1, text: text.into() });
+        Ok(())
     }
 
     /// Walks messages and connections, inside chunks and outside.
-    fn walk(
-        &self,
-        wanted: &dyn Fn(u32) -> bool,
-        take: &mut dyn FnMut(&Record<'_>, usize) -> ControlFlow<()>,
-    ) -> Vec<Remark> {
+    fn walk(&self, wanted: &dyn Fn(u32) -> bool, take: &mut Take<'_>) -> Walked<Vec<Remark>> {
         let mut remarks: Vec<Remark> = Vec::new();
-        let mut buffer = Vec::new();
+        let mut unpacker = Unpacker::new(self.path, self.limits);
         let mut lost: Option<u64> = None;
         let mut at = MAGIC.len();
         while at < self.bytes.len() {
@@ -246,7 +190,8 @@ impl<'a> Bag<'a> {
             let known = known.filter(|(op, _)| (op::MESSAGE..=op::CONNECTION).contains(op));
             let Some((kind, record)) = known else {
                 report_lost(&mut remarks, lost.take());
-                match self.chunk_starts.iter().find(|start| **start > at) {
+                let next = self.chunk_starts.partition_point(|start| *start <= at);
+                match self.chunk_starts.get(next) {
                     Some(start) => {
                         let text = format!("bytes {at} to {start} hold no valid record");
                         remarks.push(chunk_skipped(text));
@@ -256,14 +201,14 @@ impl<'a> Bag<'a> {
                     }
                     None => {
                         remarks.push(truncated(at, self.bytes.len()));
-                        return remarks;
+                        return Ok(remarks);
                     }
                 }
             };
             let flow = match kind {
                 op::CHUNK => {
                     report_lost(&mut remarks, lost.take());
-                    let (flow, problem) = self.read_chunk(&record, at, &mut buffer, take);
+                    let (flow, problem) = read_chunk(&record, at, &mut unpacker, take)?;
                     if let Some(problem) = problem {
                         remarks.push(chunk_skipped(format!("the chunk at byte {at}: {problem}")));
                         lost = Some(0);
@@ -277,7 +222,7 @@ impl<'a> Bag<'a> {
                     }
                     ControlFlow::Continue(())
                 }
-                op::MESSAGE | op::CONNECTION => take(&record, at),
+                op::MESSAGE | op::CONNECTION => take(&record, at)?,
                 _ => ControlFlow::Continue(()),
             };
             if flow.is_break() {
@@ -286,61 +231,61 @@ impl<'a> Bag<'a> {
             at = record.end;
         }
         report_lost(&mut remarks, lost);
-        remarks
+        Ok(remarks)
     }
+}
 
-    /// Hands over the records of a chunk, and says what is wrong with it.
-    fn read_chunk(
-        &self,
-        chunk: &Record<'_>,
-        byte: usize,
-        buffer: &mut Vec<u8>,
-        take: &mut dyn FnMut(&Record<'_>, usize) -> ControlFlow<()>,
-    ) -> (ControlFlow<()>, Option<String>) {
-        let data = match self.unpack(chunk, buffer) {
-            Ok(()) if buffer.is_empty() => chunk.data,
-            Ok(()) => buffer.as_slice(),
-            Err(problem) => return (ControlFlow::Continue(()), Some(problem)),
-        };
-        let mut at = 0;
-        while at < data.len() {
-            let Some(record) = Record::at(data, at) else {
-                let problem = format!("its records end at byte {at} of {}", data.len());
-                return (ControlFlow::Continue(()), Some(problem));
-            };
-            if take(&record, byte).is_break() {
-                return (ControlFlow::Break(()), None);
-            }
-            at = record.end;
-        }
-        (ControlFlow::Continue(()), None)
-    }
+/// Outcome of a walk that a limit may end.
+type Walked<T> = Result<T, DatasetError>;
+/// Takes records, with the byte of the file where they or their chunk begin, until it breaks.
+type Take<'t> = dyn FnMut(&Record<'_>, usize) -> Walked<ControlFlow<()>> + 't;
 
-    /// Decompresses a chunk into the buffer, which stays empty for an uncompressed one.
-    fn unpack(&self, chunk: &Record<'_>, buffer: &mut Vec<u8>) -> Result<(), String> {
-        buffer.clear();
-        let size = chunk.number("size").ok_or("no size in its header")? as usize;
-        let limit = self.bytes.len().saturating_mul(LARGEST_GROWTH);
-        if size > limit {
-            return Err(format!("its size of {size} bytes is impossible for this file"));
+/// Hands over the records of a chunk, and says what is wrong with it.
+fn read_chunk(
+    chunk: &Record<'_>,
+    byte: usize,
+    unpacker: &mut Unpacker<'_>,
+    take: &mut Take<'_>,
+) -> Walked<(ControlFlow<()>, Option<String>)> {
+    let data = match unpacked(chunk, byte, unpacker) {
+        Ok(data) => data,
+        Err(UnpackError::OverLimit(error)) => return Err(error),
+        Err(UnpackError::Damaged(problem)) => {
+            return Ok((ControlFlow::Continue(()), Some(problem)));
         }
-        let limit = size as u64 + 1;
-        let unpacked = match chunk.field("compression") {
-            Some(b"none") => return Ok(()),
-            Some(b"bz2") => bzip2::read::BzDecoder::new(chunk.data).take(limit).read_to_end(buffer),
-            Some(b"lz4") => lz4::Decoder::new(chunk.data)
-                .and_then(|decoder| decoder.take(limit).read_to_end(buffer)),
-            other => {
-                let name = String::from_utf8_lossy(other.unwrap_or_default());
-                return Err(format!("compression `{name}` is none of none, bz2 and lz4"));
-            }
+    };
+    let mut at = 0;
+    while at < data.len() {
+        let Some(record) = Record::at(data, at) else {
+            let problem = format!("its records end at byte {at} of {}", data.len());
+            return Ok((ControlFlow::Continue(()), Some(problem)));
         };
-        match unpacked {
-            Ok(length) if length == size => Ok(()),
-            Ok(length) => Err(format!("it unpacks to {length} bytes, not {size}")),
-            Err(error) => Err(format!("it does not unpack: {error}")),
+        if take(&record, byte)?.is_break() {
+            return Ok((ControlFlow::Break(()), None));
         }
+        at = record.end;
     }
+    Ok((ControlFlow::Continue(()), None))
+}
+
+/// The records of a chunk.
+fn unpacked<'c>(
+    chunk: &Record<'c>,
+    byte: usize,
+    unpacker: &'c mut Unpacker<'_>,
+) -> Result<&'c [u8], UnpackError> {
+    let damaged = |what: String| Err(UnpackError::Damaged(what));
+    let Some(size) = chunk.number("size") else { return damaged("no size in its header".into()) };
+    let compression = match chunk.field("compression") {
+        Some(b"none") => return Ok(chunk.data),
+        Some(b"bz2") => Compression::Bzip2,
+        Some(b"lz4") => Compression::Lz4,
+        other => {
+            let name = String::from_utf8_lossy(other.unwrap_or_default());
+            return damaged(format!("compression `{name}` is none of none, bz2 and lz4"));
+        }
+    };
+    unpacker.unpack(compression, chunk.data, size.into(), byte as u64)
 }
 
 impl Container for Bag<'_> {
@@ -352,14 +297,14 @@ impl Container for Bag<'_> {
         &self.remarks
     }
 
-    fn visit(&self, wanted: &dyn Fn(u32) -> bool, sink: &mut Sink<'_>) -> Vec<Remark> {
+    fn visit(&self, wanted: &dyn Fn(u32) -> bool, sink: &mut Sink<'_>) -> Walked<Vec<Remark>> {
         self.walk(wanted, &mut |record, byte| {
             let message = (record.op() == Some(op::MESSAGE)).then(|| {
                 let channel = record.number("conn").filter(|id| wanted(*id))?;
                 let (data, byte) = (record.data, byte as u64);
                 Some(Message { channel, log_time: record.time()?, data, byte })
             });
-            message.flatten().map_or(ControlFlow::Continue(()), |message| sink(&message))
+            message.flatten().map_or(Ok(ControlFlow::Continue(())), |message| sink(&message))
         })
     }
 }

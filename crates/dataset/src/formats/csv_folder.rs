@@ -10,10 +10,12 @@ use csv::{ErrorKind, Reader, ReaderBuilder, StringRecord};
 use super::find::find_recordings;
 use crate::{
     assemble::{Assembly, RawStream, nanoseconds, wrong_time_unit},
+    caught::caught,
     decode::N_VALUES,
     error::DatasetError,
     format::{Inspection, LogFormat, StreamInfo},
     frames::Frames,
+    limits::{Limit, ReadLimits},
     log::fixed_transform,
     map::{FileBytes, sha256},
     recording::Recording,
@@ -43,38 +45,55 @@ impl LogFormat for CsvFormat {
         find_recordings(dir, self.id(), &expected, &is_recording)
     }
 
-    fn read(&self, path: &Path, streams: &Streams) -> Result<Recording, DatasetError> {
-        let file_of = |role| file_of(path, role, streams);
-        let open = |role| FileBytes::open(&file_of(role));
-        let has_wrench = streams.wrench.topic.is_some() || file_of(StreamRole::Wrench).exists();
-        let files = [open(StreamRole::Robot)?, open(StreamRole::Object)?];
-        let wrench_file = has_wrench.then(|| open(StreamRole::Wrench)).transpose()?;
-        let bytes = || files.iter().chain(&wrench_file).map(FileBytes::bytes);
-        let mut raw = Vec::new();
-        for (role, bytes) in StreamRole::ALL.into_iter().zip(bytes()) {
-            raw.push(read_rows(&file_of(role), bytes, role, streams.of(role))?);
-        }
-        let lengths: Vec<[u8; 8]> = bytes().map(|b| (b.len() as u64).to_le_bytes()).collect();
-        let parts = lengths.iter().map(|length| length.as_slice()).zip(bytes());
-        let sha256 = sha256(parts.flat_map(|(length, bytes)| [length, bytes]));
-        let mut assembly = Assembly { path, sha256, remarks: Vec::new() };
-        let mut placed = Vec::new();
-        for (raw, role) in raw.iter().zip(StreamRole::ALL) {
-            let transform = streams.of(role).transform.as_ref();
-            let frames = Frames::default();
-            let pose = fixed_transform(path, role, transform, &frames, &mut assembly.remarks)?;
-            placed.push((raw, pose));
-        }
-        let wrench = placed.get(2).map(|(raw, pose)| (*raw, *pose, &streams.wrench));
-        assembly.finish(placed[0], placed[1], wrench)
+    fn read(
+        &self,
+        path: &Path,
+        streams: &Streams,
+        limits: &ReadLimits,
+    ) -> Result<Recording, DatasetError> {
+        caught(path, || read_folder(path, streams, limits))
     }
 
-    fn inspect(&self, path: &Path) -> Result<Inspection, DatasetError> {
-        let is_csv = |file: &Path| super::find::is_file_ending(file, &["csv"]);
-        let files = find_recordings(path, self.id(), "files NAME.csv", &is_csv)?;
-        let streams = files.iter().map(|file| inspect_file(file)).collect::<Result<_, _>>()?;
-        Ok(Inspection { streams, ..Inspection::default() })
+    fn inspect(&self, path: &Path, limits: &ReadLimits) -> Result<Inspection, DatasetError> {
+        caught(path, || inspect_folder(path, limits))
     }
+}
+
+fn read_folder(
+    path: &Path,
+    streams: &Streams,
+    limits: &ReadLimits,
+) -> Result<Recording, DatasetError> {
+    let file_of = |role| file_of(path, role, streams);
+    let open = |role| FileBytes::open(&file_of(role), limits);
+    let has_wrench = streams.wrench.topic.is_some() || file_of(StreamRole::Wrench).exists();
+    let files = [open(StreamRole::Robot)?, open(StreamRole::Object)?];
+    let wrench_file = has_wrench.then(|| open(StreamRole::Wrench)).transpose()?;
+    let bytes = || files.iter().chain(&wrench_file).map(FileBytes::bytes);
+    let mut raw = Vec::new();
+    for (role, bytes) in StreamRole::ALL.into_iter().zip(bytes()) {
+        raw.push(read_rows(&file_of(role), bytes, role, streams.of(role), limits)?);
+    }
+    let lengths: Vec<[u8; 8]> = bytes().map(|b| (b.len() as u64).to_le_bytes()).collect();
+    let parts = lengths.iter().map(|length| length.as_slice()).zip(bytes());
+    let sha256 = sha256(parts.flat_map(|(length, bytes)| [length, bytes]));
+    let mut assembly = Assembly { path, sha256, remarks: Vec::new() };
+    let mut placed = Vec::new();
+    for (raw, role) in raw.iter().zip(StreamRole::ALL) {
+        let transform = streams.of(role).transform.as_ref();
+        let frames = Frames::default();
+        let pose = fixed_transform(path, role, transform, &frames, &mut assembly.remarks)?;
+        placed.push((raw, pose));
+    }
+    let wrench = placed.get(2).map(|(raw, pose)| (*raw, *pose, &streams.wrench));
+    assembly.finish(placed[0], placed[1], wrench)
+}
+
+fn inspect_folder(path: &Path, limits: &ReadLimits) -> Result<Inspection, DatasetError> {
+    let is_csv = |file: &Path| super::find::is_file_ending(file, &["csv"]);
+    let files = find_recordings(path, CsvFormat.id(), "files NAME.csv", &is_csv)?;
+    let streams = files.iter().map(|file| inspect_file(file, limits)).collect::<Result<_, _>>()?;
+    Ok(Inspection { streams, ..Inspection::default() })
 }
 
 /// The name of a stream's file, as the manifest tells it.
@@ -113,9 +132,10 @@ fn read_rows(
     bytes: &[u8],
     role: StreamRole,
     settings: &StreamSettings,
+    limits: &ReadLimits,
 ) -> Result<RawStream, DatasetError> {
     let mut reader = reader(bytes);
-    let headers = headers(file, &mut reader)?;
+    let headers = headers(file, &mut reader, limits)?;
     let source = file.file_name().unwrap_or_default().to_string_lossy();
     let mut raw = RawStream::new(role, &source, "line", &settings.columns);
     let column_of = |quantity: Quantity| {
@@ -149,6 +169,7 @@ fn read_rows(
     let mut record = StringRecord::new();
     while reader.read_record(&mut record).map_err(|error| csv_error(file, &error))? {
         let line = record.position().map_or(0, csv::Position::line);
+        limits.check(file, Limit::Samples, || "rows".into(), raw.rows.len() as u64 + 1)?;
         let parse = |column: usize| number(file, line, &headers[column], &record[column]);
         let seconds = parse(time)?;
         let stamp = stamp(&record[time], seconds, time_map);
@@ -185,8 +206,13 @@ fn reader(bytes: &[u8]) -> Reader<&[u8]> {
     ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes)
 }
 
-fn headers(file: &Path, reader: &mut Reader<&[u8]>) -> Result<Vec<String>, DatasetError> {
+fn headers(
+    file: &Path,
+    reader: &mut Reader<&[u8]>,
+    limits: &ReadLimits,
+) -> Result<Vec<String>, DatasetError> {
     let headers = reader.headers().map_err(|error| csv_error(file, &error))?;
+    limits.check(file, Limit::Columns, || "columns".into(), headers.len() as u64)?;
     if headers.is_empty() {
         let what = "the file is empty, expected a line of column names".into();
         return Err(DatasetError::Parse { path: file.into(), line: 1, what });
@@ -236,10 +262,10 @@ fn csv_error(file: &Path, error: &csv::Error) -> DatasetError {
     DatasetError::Parse { path: file.into(), line, what }
 }
 
-fn inspect_file(file: &Path) -> Result<StreamInfo, DatasetError> {
-    let bytes = FileBytes::open(file)?;
+fn inspect_file(file: &Path, limits: &ReadLimits) -> Result<StreamInfo, DatasetError> {
+    let bytes = FileBytes::open(file, limits)?;
     let mut reader = reader(bytes.bytes());
-    let columns = headers(file, &mut reader)?;
+    let columns = headers(file, &mut reader, limits)?;
     let mut record = StringRecord::new();
     let (mut count, mut first, mut last) = (0_u64, f64::INFINITY, f64::NEG_INFINITY);
     while reader.read_record(&mut record).map_err(|error| csv_error(file, &error))? {

@@ -21,7 +21,7 @@ pub(super) fn find_recordings(
     let mut found = Vec::new();
     for entry in fs::read_dir(dir).map_err(io)? {
         let path = entry.map_err(io)?.path();
-        if is_recording(&path) {
+        if !is_unfinished(&path) && is_recording(&path) {
             found.push(path);
         }
     }
@@ -31,6 +31,12 @@ pub(super) fn find_recordings(
     }
     found.sort();
     Ok(found)
+}
+
+/// Whether a path is what a killed run left of a recording, under its temporary name.
+fn is_unfinished(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().as_encoded_bytes();
+    name.starts_with(b".") && name.ends_with(b".part")
 }
 
 /// The files of a folder with one of these endings, sorted by name; such a file itself alone.

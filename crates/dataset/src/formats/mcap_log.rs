@@ -1,31 +1,31 @@
 //! MCAP logs of any profile, whole or damaged.
 
 use std::{
+    collections::{BTreeMap, btree_map::Entry},
     ops::ControlFlow,
     path::{Path, PathBuf},
 };
 
-use mcap::{
-    MAGIC, McapError, McapResult, Summary, parse_record,
-    records::{Record, op},
-    sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions},
-};
+use mcap::{MAGIC, records::op};
 
-use super::find::{find_recordings, is_file_ending};
+use super::{
+    find::{find_recordings, is_file_ending},
+    mcap_damage::Damage,
+    mcap_record::{ChannelRecord, Chunk, PREFIX, Record, Schema, Summary, record_at},
+};
 use crate::{
+    caught::caught,
+    channel::{Channel, ChannelList},
     error::DatasetError,
     format::{Inspection, LogFormat},
-    log::{Channel, Container, Message, Sink, inspect_log, nothing_to_read, read_log},
+    limits::ReadLimits,
+    log::{Container, Message, Sink, inspect_log, nothing_to_read, read_log},
     map::FileBytes,
     recording::Recording,
     remark::{Remark, RemarkKind},
     settings::Streams,
+    unpack::{Compression, UnpackError, Unpacker},
 };
-
-/// Opcode and length before each record.
-const PREFIX: usize = 9;
-/// A chunk may grow to this many times the file's size; a damaged size beyond it is refused.
-const LARGEST_GROWTH: usize = 256;
 
 /// The MCAP format.
 pub(crate) struct McapFormat;
@@ -44,35 +44,40 @@ impl LogFormat for McapFormat {
         find_recordings(dir, self.id(), "files NAME.mcap", &is_recording)
     }
 
-    fn read(&self, path: &Path, streams: &Streams) -> Result<Recording, DatasetError> {
-        let file = FileBytes::open(path)?;
-        let log = McapLog::open(path, file.bytes())?;
-        read_log(path, file.sha256(), &log, streams)
+    fn read(
+        &self,
+        path: &Path,
+        streams: &Streams,
+        limits: &ReadLimits,
+    ) -> Result<Recording, DatasetError> {
+        caught(path, || {
+            let file = FileBytes::open(path, limits)?;
+            let log = McapLog::open(path, file.bytes(), limits)?;
+            read_log(path, file.sha256(), &log, streams, limits)
+        })
     }
 
-    fn inspect(&self, path: &Path) -> Result<Inspection, DatasetError> {
-        let file = FileBytes::open(path)?;
-        Ok(inspect_log(&McapLog::open(path, file.bytes())?))
+    fn inspect(&self, path: &Path, limits: &ReadLimits) -> Result<Inspection, DatasetError> {
+        caught(path, || {
+            let file = FileBytes::open(path, limits)?;
+            inspect_log(path, &McapLog::open(path, file.bytes(), limits)?, limits)
+        })
     }
 }
 
 /// An MCAP file in memory.
 struct McapLog<'a> {
+    path: &'a Path,
     bytes: &'a [u8],
+    limits: &'a ReadLimits,
     channels: Vec<Channel>,
     /// Where the chunks begin, and which channels they hold if the index tells.
     chunks: Vec<(usize, Vec<u16>)>,
     remarks: Vec<Remark>,
 }
 
-/// A record that matters, from inside a chunk or outside.
-enum Item<'r> {
-    Message { channel: u16, log_time: u64, data: &'r [u8] },
-    Other(Record<'r>),
-}
-
 impl<'a> McapLog<'a> {
-    fn open(path: &Path, bytes: &'a [u8]) -> Result<Self, DatasetError> {
+    fn open(path: &'a Path, bytes: &'a [u8], limits: &'a ReadLimits) -> Result<Self, DatasetError> {
         if bytes.is_empty() {
             return Err(nothing_to_read(path, 0, "the file is empty; record it again"));
         }
@@ -81,12 +86,14 @@ impl<'a> McapLog<'a> {
                         [recordings]";
             return Err(nothing_to_read(path, 0, what));
         }
-        let summary = Summary::read(bytes).ok().flatten();
-        let summary = summary.filter(|summary| !summary.channels.is_empty());
-        let mut log = Self { bytes, channels: Vec::new(), chunks: Vec::new(), remarks: Vec::new() };
-        match summary {
-            Some(summary) => log.use_summary(summary),
-            None => log.scan(),
+        let (channels, chunks, remarks) = (Vec::new(), Vec::new(), Vec::new());
+        let mut log = Self { path, bytes, limits, channels, chunks, remarks };
+        let summary = Summary::read(bytes);
+        let reason = if summary.is_some() { "lists no channels" } else { "is missing or damaged" };
+        if !log.use_summary(summary.unwrap_or_default())? {
+            log.scan()?;
+            let text = format!("the index at the end of the file {reason}; the file was scanned");
+            log.remarks.push(Remark { kind: RemarkKind::NoIndex, stream: None, count: 1, text });
         }
         log.channels.sort_by_key(|channel| channel.id);
         if log.channels.is_empty() {
@@ -96,140 +103,169 @@ impl<'a> McapLog<'a> {
         Ok(log)
     }
 
-    fn use_summary(&mut self, summary: Summary) {
-        let counts = summary.stats.map(|stats| stats.channel_message_counts);
-        for channel in summary.channels.into_values() {
-            let schema = channel.schema.as_deref();
-            self.channels.push(Channel {
-                id: channel.id.into(),
-                topic: channel.topic.clone(),
-                type_name: schema.map_or(String::new(), |schema| schema.name.clone()),
-                message_encoding: channel.message_encoding.clone(),
-                schema_encoding: schema.map_or(String::new(), |schema| schema.encoding.clone()),
-                schema: schema.map_or(Vec::new(), |schema| schema.data.to_vec()),
-                count: counts
-                    .as_ref()
-                    .map_or(1, |counts| counts.get(&channel.id).copied().unwrap_or(0)),
-            });
+    /// Takes the channels from the summary; false if it has none, or not all that belongs to them.
+    fn use_summary(&mut self, summary: Summary<'_>) -> Walked<bool> {
+        self.chunks = summary.chunks;
+        // The first of several with the same number is the one that counts.
+        let schemas: BTreeMap<_, _> =
+            summary.schemas.iter().rev().map(|schema| (schema.id, schema)).collect();
+        let records: BTreeMap<_, _> =
+            summary.channels.iter().rev().map(|channel| (channel.id, channel)).collect();
+        let mut list = ChannelList::new(self.path, self.limits);
+        for record in records.into_values() {
+            let mut channel = channel(record);
+            match schemas.get(&record.schema) {
+                Some(schema) => channel.set_schema(schema),
+                None if record.schema == 0 => {}
+                None => return Ok(false),
+            }
+            list.push(channel)?;
         }
-        self.chunks = summary
-            .chunk_indexes
-            .iter()
-            .map(|index| {
-                let held = index.message_index_offsets.keys().copied().collect();
-                (index.chunk_start_offset as usize, held)
-            })
-            .collect();
-        self.chunks.sort();
+        self.channels = list.finish();
+        if self.channels.is_empty() {
+            return Ok(false);
+        }
+        // Statistics need not count by channel.
+        let told = summary.counts.filter(|(all, counts)| {
+            *all > 0 && counts.iter().try_fold(0, |sum: u64, n| sum.checked_add(n.1)) == Some(*all)
+        });
+        let mut counts = counts();
+        match told {
+            Some((_, told)) => told.iter().for_each(|(id, n)| counts[usize::from(*id)] = *n),
+            None => {
+                self.walk(&|_| true, &mut |record, _| {
+                    if let Record::Message { channel, .. } = record {
+                        counts[usize::from(channel)] += 1;
+                    }
+                    Ok(ControlFlow::Continue(()))
+                })?;
+            }
+        }
+        for channel in &mut self.channels {
+            channel.count = counts[channel.id as usize];
+        }
+        Ok(true)
     }
 
     /// Collects the channels from the whole file, for want of a summary.
-    fn scan(&mut self) {
-        let mut schemas: Vec<(u16, String, String, Vec<u8>)> = Vec::new();
-        let mut channels: Vec<(Channel, u16)> = Vec::new();
-        self.walk(&|_| true, &mut |item, _| {
-            match item {
-                Item::Message { channel, .. } => {
-                    let channel =
-                        channels.iter_mut().find(|(known, _)| known.id == u32::from(channel));
-                    if let Some((channel, _)) = channel {
-                        channel.count += 1;
+    fn scan(&mut self) -> Result<(), DatasetError> {
+        let mut list = ChannelList::new(self.path, self.limits);
+        let mut schemas: BTreeMap<u16, Channel> = BTreeMap::new();
+        let mut found: BTreeMap<u16, (Channel, u16)> = BTreeMap::new();
+        let mut counts = counts();
+        self.walk(&|_| true, &mut |record, _| {
+            match record {
+                Record::Message { channel, .. } => counts[usize::from(channel)] += 1,
+                Record::Schema(schema) => {
+                    if let Entry::Vacant(place) = schemas.entry(schema.id) {
+                        list.note([schema.name, schema.encoding, "", ""], schema.data)?;
+                        place.insert(Channel::default()).set_schema(&schema);
                     }
                 }
-                Item::Other(Record::Schema { header, data }) => {
-                    schemas.push((header.id, header.name, header.encoding, data.into_owned()));
-                }
-                Item::Other(Record::Channel(record)) => {
-                    if !channels.iter().any(|(known, _)| known.id == u32::from(record.id)) {
-                        let channel = Channel {
-                            id: record.id.into(),
-                            topic: record.topic,
-                            message_encoding: record.message_encoding,
-                            ..Channel::default()
-                        };
-                        channels.push((channel, record.schema_id));
+                Record::Channel(record) => {
+                    if let Entry::Vacant(place) = found.entry(record.id) {
+                        list.note([record.topic, record.message_encoding, "", ""], &[])?;
+                        place.insert((channel(&record), record.schema));
                     }
                 }
-                Item::Other(_) => {}
             }
-            ControlFlow::Continue(())
-        });
-        for (mut channel, schema_id) in channels {
-            if let Some((_, name, encoding, data)) =
-                schemas.iter().find(|(id, ..)| *id == schema_id)
-            {
-                channel.type_name.clone_from(name);
-                channel.schema_encoding.clone_from(encoding);
-                channel.schema.clone_from(data);
-            }
-            self.channels.push(channel);
+            Ok(ControlFlow::Continue(()))
+        })?;
+        for (channel, schema) in found.into_values() {
+            let count = counts[channel.id as usize];
+            let schema = schemas.get(&schema).cloned().unwrap_or_default();
+            let Channel { id, topic, message_encoding, .. } = channel;
+            list.push(Channel { id, topic, message_encoding, count, ..schema })?;
         }
-        let text = "the index at the end of the file is missing or damaged; the file was scanned";
-        let (kind, stream) = (RemarkKind::NoIndex, None);
-        self.remarks.push(Remark { kind, stream, count: 1, text: text.into() });
+        self.channels = list.finish();
+        Ok(())
     }
 
     /// Walks the records of the file; `wants` spares chunks without a wanted channel.
-    fn walk(
-        &self,
-        wants: &dyn Fn(u16) -> bool,
-        take: &mut dyn FnMut(Item<'_>, usize) -> ControlFlow<()>,
-    ) -> Vec<Remark> {
+    fn walk(&self, wants: &dyn Fn(u16) -> bool, take: &mut Take<'_>) -> Walked<Vec<Remark>> {
         let mut damage = Damage::default();
-        let mut chunk_reader = ChunkReader::new(self.bytes.len());
+        let mut unpacker = Unpacker::new(self.path, self.limits);
         let mut at = MAGIC.len();
         while at < self.bytes.len() {
             let Some((opcode, body)) = record_at(self.bytes, at) else {
-                match self.chunks.iter().find(|(start, _)| *start > at) {
+                let next = self.chunks.partition_point(|(start, _)| *start <= at);
+                match self.chunks.get(next) {
                     Some((start, _)) => {
                         damage.unreadable(at, *start);
                         at = *start;
                         continue;
                     }
-                    None => {
-                        damage.truncated(at, self.bytes.len());
-                        return damage.finish();
-                    }
+                    None => break,
                 }
             };
-            let end = at + PREFIX + body.len();
             let flow = match opcode {
                 op::CHUNK if self.holds_none(at, wants) => ControlFlow::Continue(()),
-                op::CHUNK => {
-                    damage.note_checksum(body);
-                    let mut flow = ControlFlow::Continue(());
-                    let outcome = chunk_reader.read(&self.bytes[at..end], &mut |item| {
-                        if flow.is_continue() {
-                            flow = take(item, at);
-                        }
-                    });
-                    if let Err(error) = outcome {
-                        damage.chunk(at, &error);
-                        chunk_reader = ChunkReader::new(self.bytes.len());
-                    }
-                    flow
-                }
+                op::CHUNK => self.walk_chunk(body, at, &mut unpacker, &mut damage, take)?,
                 op::MESSAGE_INDEX => {
                     damage.count_lost(body, wants);
                     ControlFlow::Continue(())
                 }
-                op::MESSAGE | op::SCHEMA | op::CHANNEL => match item(opcode, body) {
-                    Ok(item) => take(item, at),
-                    Err(error) => {
-                        damage.chunk(at, &error);
+                op::MESSAGE | op::SCHEMA | op::CHANNEL => match Record::parse(opcode, body) {
+                    Some(record) => take(record, at)?,
+                    None => {
+                        damage.chunk(at, NO_RECORD);
                         ControlFlow::Continue(())
                     }
                 },
-                op::DATA_END | op::FOOTER => return damage.finish(),
+                op::DATA_END | op::FOOTER => return Ok(damage.finish()),
                 _ => ControlFlow::Continue(()),
             };
             if flow.is_break() {
-                return damage.finish();
+                return Ok(damage.finish());
             }
-            at = end;
+            at += PREFIX + body.len();
         }
         damage.truncated(at, self.bytes.len());
-        damage.finish()
+        Ok(damage.finish())
+    }
+
+    /// Hands over the records of one chunk after checking its check sum.
+    fn walk_chunk(
+        &self,
+        body: &[u8],
+        at: usize,
+        unpacker: &mut Unpacker<'_>,
+        damage: &mut Damage,
+        take: &mut Take<'_>,
+    ) -> Walked<ControlFlow<()>> {
+        let Some(chunk) = Chunk::parse(body) else {
+            damage.chunk(at, NO_RECORD);
+            return Ok(ControlFlow::Continue(()));
+        };
+        damage.note_checksum(chunk.crc);
+        let records = match unpacked(&chunk, at, unpacker) {
+            Ok(records) => records,
+            Err(UnpackError::OverLimit(error)) => return Err(error),
+            Err(UnpackError::Damaged(what)) => {
+                damage.chunk(at, &what);
+                return Ok(ControlFlow::Continue(()));
+            }
+        };
+        let mut inner = 0;
+        while inner < records.len() {
+            let record = record_at(records, inner);
+            let Some((opcode, body)) = record else {
+                damage.part(at, &format!("its records end at byte {inner} of {}", records.len()));
+                break;
+            };
+            if matches!(opcode, op::MESSAGE | op::SCHEMA | op::CHANNEL) {
+                match Record::parse(opcode, body) {
+                    Some(record) => {
+                        if take(record, at)?.is_break() {
+                            return Ok(ControlFlow::Break(()));
+                        }
+                    }
+                    None => damage.part(at, NO_RECORD),
+                }
+            }
+            inner += PREFIX + body.len();
+        }
+        Ok(ControlFlow::Continue(()))
     }
 
     fn holds_none(&self, chunk_start: usize, wants: &dyn Fn(u16) -> bool) -> bool {
@@ -248,153 +284,83 @@ impl Container for McapLog<'_> {
         &self.remarks
     }
 
-    fn visit(&self, wanted: &dyn Fn(u32) -> bool, sink: &mut Sink<'_>) -> Vec<Remark> {
+    fn visit(&self, wanted: &dyn Fn(u32) -> bool, sink: &mut Sink<'_>) -> Walked<Vec<Remark>> {
         // Looked up for each message of a chunk, so asked only once for each channel.
-        let mut table = vec![false; usize::from(u16::MAX) + 1];
+        let mut table = vec![false; N_CHANNELS];
         for channel in &self.channels {
             table[channel.id as usize] = wanted(channel.id);
         }
-        self.walk(&|id| table[usize::from(id)], &mut |item, byte| match item {
-            Item::Message { channel, log_time, data } if table[usize::from(channel)] => {
+        self.walk(&|id| table[usize::from(id)], &mut |record, byte| match record {
+            Record::Message { channel, log_time, data } if table[usize::from(channel)] => {
                 let log_time = i64::try_from(log_time).unwrap_or(i64::MAX);
                 sink(&Message { channel: channel.into(), log_time, data, byte: byte as u64 })
             }
-            Item::Message { .. } | Item::Other(_) => ControlFlow::Continue(()),
+            _ => Ok(ControlFlow::Continue(())),
         })
     }
 }
 
-/// The record that begins at a byte: opcode and body; none if it is not whole or not a record.
-fn record_at(bytes: &[u8], at: usize) -> Option<(u8, &[u8])> {
-    let prefix = bytes.get(at..)?.first_chunk::<PREFIX>()?;
-    let [opcode, length @ ..] = *prefix;
-    let length = usize::try_from(u64::from_le_bytes(length)).ok()?;
-    let start = at + PREFIX;
-    let body = bytes.get(start..start.checked_add(length)?)?;
-    // Opcodes above those of the specification belong to nobody, those from 0x80 on to anybody.
-    let known = (op::HEADER..=op::DATA_END).contains(&opcode) || opcode >= 0x80;
-    known.then_some((opcode, body))
+/// How many numbers of channels there are.
+const N_CHANNELS: usize = u16::MAX as usize + 1;
+const NO_RECORD: &str = "a record's fields reach beyond its end";
+
+/// Outcome of a walk that a limit may end.
+type Walked<T> = Result<T, DatasetError>;
+/// Takes records, with the byte of the file where they or their chunk begin, until it breaks.
+type Take<'t> = dyn FnMut(Record<'_>, usize) -> Walked<ControlFlow<()>> + 't;
+
+/// A count of messages for each number of a channel.
+fn counts() -> Vec<u64> {
+    vec![0; N_CHANNELS]
 }
 
-/// A record as an item; the head of a message is read by hand, as there are many of them.
-fn item(opcode: u8, body: &[u8]) -> McapResult<Item<'_>> {
-    const HEAD: usize = 22;
-    if opcode != op::MESSAGE {
-        return parse_record(opcode, body).map(Item::Other);
-    }
-    match body {
-        [c0, c1, _, _, _, _, t0, t1, t2, t3, t4, t5, t6, t7, ..] if body.len() >= HEAD => {
-            Ok(Item::Message {
-                channel: u16::from_le_bytes([*c0, *c1]),
-                log_time: u64::from_le_bytes([*t0, *t1, *t2, *t3, *t4, *t5, *t6, *t7]),
-                data: &body[HEAD..],
-            })
-        }
-        _ => Err(McapError::UnexpectedEoc),
+/// A channel without its schema.
+fn channel(record: &ChannelRecord<'_>) -> Channel {
+    Channel {
+        id: record.id.into(),
+        topic: record.topic.into(),
+        message_encoding: record.message_encoding.into(),
+        ..Channel::default()
     }
 }
 
-/// Unpacks chunks after checking their CRC; buffers are used again.
-struct ChunkReader(LinearReader);
-
-impl ChunkReader {
-    fn new(file_length: usize) -> Self {
-        let options = LinearReaderOptions::default()
-            .with_skip_start_magic(true)
-            .with_skip_end_magic(true)
-            .with_prevalidate_chunk_crcs(true)
-            .with_record_length_limit(file_length.saturating_mul(LARGEST_GROWTH));
-        Self(LinearReader::new_with_options(options))
-    }
-
-    /// Hands over the records of one chunk, given as a whole record of the file.
-    fn read(&mut self, chunk: &[u8], take: &mut dyn FnMut(Item<'_>)) -> McapResult<()> {
-        let mut rest = chunk;
-        while let Some(event) = self.0.next_event() {
-            match event? {
-                LinearReadEvent::ReadRequest(_) if rest.is_empty() => break,
-                LinearReadEvent::ReadRequest(wanted) => {
-                    let (now, later) = rest.split_at(wanted.min(rest.len()));
-                    self.0.insert(now.len()).copy_from_slice(now);
-                    self.0.notify_read(now.len());
-                    rest = later;
-                }
-                LinearReadEvent::Record { data, opcode } => match opcode {
-                    op::MESSAGE | op::SCHEMA | op::CHANNEL => take(item(opcode, data)?),
-                    _ => {}
-                },
-            }
-        }
-        Ok(())
+impl Channel {
+    fn set_schema(&mut self, schema: &Schema<'_>) {
+        self.type_name = schema.name.into();
+        self.schema_encoding = schema.encoding.into();
+        self.schema = schema.data.into();
     }
 }
 
-/// What is found damaged on a walk.
-#[derive(Default)]
-struct Damage {
-    remarks: Vec<Remark>,
-    n_unchecked: u64,
-    /// The remark on the chunk just before, whose messages its index can still count.
-    last_chunk: Option<usize>,
+/// The records of a chunk, whose check sum holds if it has one.
+fn unpacked<'c>(
+    chunk: &Chunk<'c>,
+    at: usize,
+    unpacker: &'c mut Unpacker<'_>,
+) -> Result<&'c [u8], UnpackError> {
+    let compression = match chunk.compression {
+        "" => None,
+        "lz4" => Some(Compression::Lz4),
+        "zstd" => Some(Compression::Zstd),
+        other => {
+            let what = format!("compression `{other}` is none of none, lz4 and zstd");
+            return Err(UnpackError::Damaged(what));
+        }
+    };
+    let records = match compression {
+        None => chunk.data,
+        Some(compression) => {
+            unpacker.unpack(compression, chunk.data, chunk.unpacked_size, at as u64)?
+        }
+    };
+    let crc = if chunk.crc == 0 { 0 } else { crc32fast::hash(records) };
+    if crc == chunk.crc {
+        return Ok(records);
+    }
+    Err(UnpackError::Damaged(format!("its check sum is {crc:08x}, not {:08x}", chunk.crc)))
 }
 
-impl Damage {
-    fn push(&mut self, kind: RemarkKind, count: u64, text: String) {
-        self.remarks.push(Remark { kind, stream: None, count, text });
-    }
-
-    fn chunk(&mut self, at: usize, error: &McapError) {
-        self.last_chunk = Some(self.remarks.len());
-        self.push(RemarkKind::ChunkSkipped, 0, format!("the chunk at byte {at}: {error}"));
-    }
-
-    fn unreadable(&mut self, at: usize, resumed: usize) {
-        self.last_chunk = None;
-        let text = format!("bytes {at} to {resumed} hold no valid record");
-        self.push(RemarkKind::ChunkSkipped, 0, text);
-    }
-
-    fn truncated(&mut self, at: usize, length: usize) {
-        let text = format!(
-            "the file ends at byte {length}, in the middle of what begins at byte {at}; all \
-             before was read"
-        );
-        self.push(RemarkKind::Truncated, 1, text);
-    }
-
-    /// Notes whether a chunk has a check sum: the field after two times and a size.
-    fn note_checksum(&mut self, chunk: &[u8]) {
-        self.last_chunk = None;
-        self.n_unchecked += u64::from(chunk.get(24..28) == Some(&[0; 4]));
-    }
-
-    /// Adds the messages that an index counts to the chunk lost before it.
-    fn count_lost(&mut self, index: &[u8], wants: &dyn Fn(u16) -> bool) {
-        if let Some(i) = self.last_chunk
-            && let Ok(Record::MessageIndex(index)) = parse_record(op::MESSAGE_INDEX, index)
-            && wants(index.channel_id)
-        {
-            self.remarks[i].count += index.records.len() as u64;
-        }
-    }
-
-    fn finish(mut self) -> Vec<Remark> {
-        for remark in &mut self.remarks {
-            if remark.kind == RemarkKind::ChunkSkipped {
-                let lost = match remark.count {
-                    0 => "an unknown number of messages is lost".to_owned(),
-                    count => format!("{count} wanted messages are lost"),
-                };
-                remark.text = format!("{}; {lost}", remark.text);
-            }
-        }
-        if self.n_unchecked > 0 {
-            let text = "chunks carry no check sums: damage in them could go unseen".into();
-            self.push(RemarkKind::NoChecksums, self.n_unchecked, text);
-        }
-        self.remarks
-    }
-}
-
+#[cfg(test)]
+mod conformance;
 #[cfg(test)]
 mod tests;

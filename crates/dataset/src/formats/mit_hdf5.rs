@@ -2,15 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use hdf5_pure::File;
+use hdf5_pure::{File, FormatError, Source};
 
 use super::{
     find::{find_recordings, is_file_ending},
     mit_rows::{Rows, inspect_rows, recording_of_rows},
 };
 use crate::{
+    caught::caught,
     error::DatasetError,
     format::{Inspection, LogFormat},
+    limits::{Limit, ReadLimits},
     map::FileBytes,
     recording::Recording,
     settings::Streams,
@@ -33,36 +35,75 @@ impl LogFormat for MitHdf5Format {
         find_recordings(dir, self.id(), "files NAME.h5", &is_recording)
     }
 
-    fn read(&self, path: &Path, streams: &Streams) -> Result<Recording, DatasetError> {
-        let (sha256, file, names) = open(path)?;
-        let mut rows_of = |name: &str| {
-            let there = names.iter().any(|known| known == name);
-            there.then(|| rows(path, &file, name)).transpose()
-        };
-        recording_of_rows(path, sha256, &names, streams, &mut rows_of)
+    fn read(
+        &self,
+        path: &Path,
+        streams: &Streams,
+        limits: &ReadLimits,
+    ) -> Result<Recording, DatasetError> {
+        caught(path, || {
+            let (sha256, file, names) = open(path, limits)?;
+            let mut rows_of = |name: &str| {
+                let there = names.iter().any(|known| known == name);
+                there.then(|| rows(path, &file, name, limits)).transpose()
+            };
+            recording_of_rows(path, sha256, &names, streams, &mut rows_of)
+        })
     }
 
-    fn inspect(&self, path: &Path) -> Result<Inspection, DatasetError> {
-        let (_, file, names) = open(path)?;
-        let sets: Vec<_> =
-            names.iter().filter_map(|name| Some((name, rows(path, &file, name).ok()?))).collect();
-        Ok(inspect_rows(sets.iter().map(|(name, rows)| (name.as_str(), rows.as_slice()))))
+    fn inspect(&self, path: &Path, limits: &ReadLimits) -> Result<Inspection, DatasetError> {
+        caught(path, || {
+            let (_, file, names) = open(path, limits)?;
+            let mut sets = Vec::new();
+            for name in &names {
+                match rows(path, &file, name, limits) {
+                    Ok(rows) => sets.push((name.as_str(), rows)),
+                    Err(error @ DatasetError::OverLimit { .. }) => return Err(error),
+                    // A data set of another shape is none of a push.
+                    Err(_) => {}
+                }
+            }
+            Ok(inspect_rows(sets.iter().map(|(name, rows)| (*name, rows.as_slice()))))
+        })
     }
 }
 
-fn open(path: &Path) -> Result<(String, File, Vec<String>), DatasetError> {
-    let bytes = FileBytes::open(path)?;
+/// A mapped file as the library reads it: it reserves no more for a part than the file holds.
+struct Mapped(FileBytes);
+
+impl Source for Mapped {
+    fn len(&self) -> u64 {
+        self.0.bytes().len() as u64
+    }
+
+    fn read_at(&self, offset: u64, buffer: &mut [u8]) -> Result<(), FormatError> {
+        let beyond = || FormatError::UnexpectedEof {
+            expected: usize::try_from(offset).unwrap_or(usize::MAX).saturating_add(buffer.len()),
+            available: self.0.bytes().len(),
+        };
+        let start = usize::try_from(offset).map_err(|_| beyond())?;
+        let end = start.checked_add(buffer.len()).ok_or_else(beyond)?;
+        let bytes = self.0.bytes().get(start..end).ok_or_else(beyond)?;
+        buffer.copy_from_slice(bytes);
+        Ok(())
+    }
+}
+
+fn open(path: &Path, limits: &ReadLimits) -> Result<(String, File, Vec<String>), DatasetError> {
+    let bytes = FileBytes::open(path, limits)?;
+    let sha256 = bytes.sha256();
     let damaged = |what| DatasetError::Damaged { path: path.into(), byte: 0, what };
-    let file = File::from_bytes(bytes.bytes().to_vec())
+    let file = File::from_source(Mapped(bytes))
         .map_err(|error| damaged(format!("no HDF5 file that can be read: {error}")))?;
     let names = file
         .root()
         .datasets()
         .map_err(|error| damaged(format!("its list of data sets cannot be read: {error}")))?;
-    Ok((bytes.sha256(), file, names))
+    limits.check(path, Limit::Channels, || "data sets".into(), names.len() as u64)?;
+    Ok((sha256, file, names))
 }
 
-fn rows(path: &Path, file: &File, name: &str) -> Result<Rows, DatasetError> {
+fn rows(path: &Path, file: &File, name: &str, limits: &ReadLimits) -> Result<Rows, DatasetError> {
     let damaged = |what: String| DatasetError::Damaged {
         path: path.into(),
         byte: 0,
@@ -70,8 +111,23 @@ fn rows(path: &Path, file: &File, name: &str) -> Result<Rows, DatasetError> {
     };
     let set = file.dataset(name).map_err(|error| damaged(error.to_string()))?;
     let shape = set.shape().map_err(|error| damaged(error.to_string()))?;
-    if !matches!(shape.as_slice(), [_, 4]) {
+    let &[n_rows, 4] = shape.as_slice() else {
         return Err(damaged(format!("shape {shape:?}, expected rows of four numbers")));
+    };
+    limits.check(path, Limit::Samples, || format!("rows of {name}"), n_rows)?;
+    let chunk = set.chunk_shape().map_err(|error| damaged(error.to_string()))?;
+    if let Some(chunk) = chunk {
+        let n_numbers = chunk.iter().fold(1_u64, |product, n| product.saturating_mul(*n));
+        let what = || format!("bytes in a chunk of {name}");
+        limits.check(path, Limit::ChunkBytes, what, n_numbers.saturating_mul(8))?;
+        // What no chunk holds is not in the file, and would read as zeros. One kind of index
+        // cannot be listed; its rows are bounded by the limit alone.
+        if let Ok(chunks) = set.chunks() {
+            let held = (chunks.len() as u64).saturating_mul(chunk.first().copied().unwrap_or(0));
+            if held < n_rows {
+                return Err(damaged(format!("{n_rows} rows, but its chunks hold at most {held}")));
+            }
+        }
     }
     let numbers = set.read_f64().map_err(|error| damaged(error.to_string()))?;
     let (rows, _) = numbers.as_chunks::<4>();
@@ -84,8 +140,8 @@ mod tests {
 
     use super::MitHdf5Format;
     use crate::{
-        error::DatasetError, format::LogFormat, recording::Recording, remark::StreamRole,
-        settings::Streams,
+        error::DatasetError, format::LogFormat, limits::ReadLimits, recording::Recording,
+        remark::StreamRole, settings::Streams,
     };
 
     fn read(sets: &[(&str, &[f64], [u64; 2])]) -> Result<Recording, DatasetError> {
@@ -96,7 +152,7 @@ mod tests {
             builder.create_dataset(name).with_f64_data(data).with_shape(shape);
         }
         fs::write(&path, builder.finish().unwrap()).unwrap();
-        MitHdf5Format.read(&path, &Streams::default())
+        MitHdf5Format.read(&path, &Streams::default(), &ReadLimits::default())
     }
 
     const ROWS: [f64; 8] = [7.25, 0.1, 0.2, 0.3, 7.5, 1.0, 2.0, 3.0];
@@ -125,7 +181,8 @@ mod tests {
         for content in [&b""[..], b"not a log"] {
             let path = dir.path().join("push.h5");
             fs::write(&path, content).unwrap();
-            let error = MitHdf5Format.read(&path, &Streams::default()).unwrap_err();
+            let error =
+                MitHdf5Format.read(&path, &Streams::default(), &ReadLimits::default()).unwrap_err();
             assert!(matches!(error, DatasetError::Damaged { byte: 0, .. }), "{error}");
         }
     }

@@ -2,7 +2,13 @@
 
 use std::{
     collections::BTreeMap,
+    fmt,
     path::{Path, PathBuf},
+};
+
+use serde::{
+    Deserializer,
+    de::{DeserializeSeed, MapAccess, SeqAccess, Visitor},
 };
 
 use super::{
@@ -10,8 +16,10 @@ use super::{
     mit_rows::{Rows, inspect_rows, recording_of_rows},
 };
 use crate::{
+    caught::caught,
     error::DatasetError,
     format::{Inspection, LogFormat},
+    limits::{Limit, ReadLimits},
     map::FileBytes,
     recording::Recording,
     settings::Streams,
@@ -34,30 +42,122 @@ impl LogFormat for MitJsonFormat {
         find_recordings(dir, self.id(), "files NAME.json", &is_recording)
     }
 
-    fn read(&self, path: &Path, streams: &Streams) -> Result<Recording, DatasetError> {
-        let file = FileBytes::open(path)?;
-        let mut sets = parse(path, file.bytes())?;
-        let names: Vec<String> = sets.keys().cloned().collect();
-        let mut take = |name: &str| Ok(sets.remove(name));
-        recording_of_rows(path, file.sha256(), &names, streams, &mut take)
+    fn read(
+        &self,
+        path: &Path,
+        streams: &Streams,
+        limits: &ReadLimits,
+    ) -> Result<Recording, DatasetError> {
+        caught(path, || {
+            let file = FileBytes::open(path, limits)?;
+            let mut sets = parse(path, file.bytes(), limits)?;
+            let names: Vec<String> = sets.keys().cloned().collect();
+            let mut take = |name: &str| Ok(sets.remove(name));
+            recording_of_rows(path, file.sha256(), &names, streams, &mut take)
+        })
     }
 
-    fn inspect(&self, path: &Path) -> Result<Inspection, DatasetError> {
-        let file = FileBytes::open(path)?;
-        let sets = parse(path, file.bytes())?;
-        Ok(inspect_rows(sets.iter().map(|(name, rows)| (name.as_str(), rows.as_slice()))))
+    fn inspect(&self, path: &Path, limits: &ReadLimits) -> Result<Inspection, DatasetError> {
+        caught(path, || {
+            let file = FileBytes::open(path, limits)?;
+            let sets = parse(path, file.bytes(), limits)?;
+            Ok(inspect_rows(sets.iter().map(|(name, rows)| (name.as_str(), rows.as_slice()))))
+        })
     }
 }
 
-fn parse(path: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Rows>, DatasetError> {
-    serde_json::from_slice(bytes).map_err(|error| DatasetError::Parse {
-        path: path.into(),
-        line: (error.line() as u64).max(1),
-        what: format!(
-            "{error}; expected lists of rows of four numbers under tip_pose, \
-                       object_pose and ft_wrench"
-        ),
+fn parse(
+    path: &Path,
+    bytes: &[u8],
+    limits: &ReadLimits,
+) -> Result<BTreeMap<String, Rows>, DatasetError> {
+    let mut refused = None;
+    let mut budget = Budget { path, limits, refused: &mut refused };
+    let mut json = serde_json::Deserializer::from_slice(bytes);
+    let parsed = SetsSeed(&mut budget).deserialize(&mut json);
+    let parsed = parsed.and_then(|sets| json.end().map(|()| sets));
+    parsed.map_err(|error| {
+        refused.unwrap_or_else(|| DatasetError::Parse {
+            path: path.into(),
+            line: (error.line() as u64).max(1),
+            what: format!(
+                "{error}; expected lists of rows of four numbers under tip_pose, object_pose and \
+                 ft_wrench"
+            ),
+        })
     })
+}
+
+/// Refuses, while a file is read, what is more than the limits allow.
+struct Budget<'b> {
+    path: &'b Path,
+    limits: &'b ReadLimits,
+    refused: &'b mut Option<DatasetError>,
+}
+
+impl Budget<'_> {
+    fn check<E: serde::de::Error>(&mut self, limit: Limit, n: usize) -> Result<(), E> {
+        let what = if limit == Limit::Channels { "data sets" } else { "rows of a data set" };
+        let checked = self.limits.check(self.path, limit, || what.to_owned(), n as u64);
+        checked.map_err(|error| E::custom(self.refused.insert(error)))
+    }
+}
+
+/// Reads the object of data sets.
+struct SetsSeed<'s, 'b>(&'s mut Budget<'b>);
+
+impl<'de> DeserializeSeed<'de> for SetsSeed<'_, '_> {
+    type Value = BTreeMap<String, Rows>;
+
+    fn deserialize<D: Deserializer<'de>>(self, json: D) -> Result<Self::Value, D::Error> {
+        json.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for SetsSeed<'_, '_> {
+    type Value = BTreeMap<String, Rows>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object of data sets")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        let mut sets = BTreeMap::new();
+        while let Some(name) = map.next_key::<String>()? {
+            let rows = map.next_value_seed(RowsSeed(self.0))?;
+            sets.insert(name, rows);
+            self.0.check(Limit::Channels, sets.len())?;
+        }
+        Ok(sets)
+    }
+}
+
+/// Reads the list of rows of one data set.
+struct RowsSeed<'s, 'b>(&'s mut Budget<'b>);
+
+impl<'de> DeserializeSeed<'de> for RowsSeed<'_, '_> {
+    type Value = Rows;
+
+    fn deserialize<D: Deserializer<'de>>(self, json: D) -> Result<Rows, D::Error> {
+        json.deserialize_seq(self)
+    }
+}
+
+impl<'de> Visitor<'de> for RowsSeed<'_, '_> {
+    type Value = Rows;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a list of rows")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Rows, A::Error> {
+        let mut rows = Rows::new();
+        while let Some(row) = list.next_element()? {
+            rows.push(row);
+            self.0.check(Limit::Samples, rows.len())?;
+        }
+        Ok(rows)
+    }
 }
 
 #[cfg(test)]
@@ -66,15 +166,40 @@ mod tests {
 
     use super::MitJsonFormat;
     use crate::{
-        error::DatasetError, format::LogFormat, recording::Recording, remark::StreamRole,
+        error::DatasetError,
+        format::LogFormat,
+        limits::{Limit, ReadLimits},
+        recording::Recording,
+        remark::StreamRole,
         settings::Streams,
     };
 
     fn read(text: &str) -> Result<Recording, DatasetError> {
+        read_within(text, &ReadLimits::default())
+    }
+
+    fn read_within(text: &str, limits: &ReadLimits) -> Result<Recording, DatasetError> {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("push.json");
         fs::write(&path, text).unwrap();
-        MitJsonFormat.read(&path, &Streams::default())
+        MitJsonFormat.read(&path, &Streams::default(), limits)
+    }
+
+    #[test]
+    fn more_rows_or_data_sets_than_allowed_are_refused() {
+        let text = r#"{"tip_pose": [[5,0,0,0], [6,1,2,3]], "object_pose": [[6,0,0,9]]}"#;
+        let limits = ReadLimits::default().with(Limit::Samples, 2).with(Limit::Channels, 2);
+        read_within(text, &limits).unwrap();
+        for (limit, what) in
+            [(Limit::Samples, "rows of a data set"), (Limit::Channels, "data sets")]
+        {
+            let error = read_within(text, &limits.clone().with(limit, 1)).unwrap_err();
+            assert!(matches!(error, DatasetError::OverLimit { needed: 2, limit: 1, .. }));
+            assert!(
+                error.to_string().contains(&format!("push.json: at least 2 {what}")),
+                "{error}"
+            );
+        }
     }
 
     #[test]

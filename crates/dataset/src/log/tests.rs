@@ -1,12 +1,14 @@
 //! Streams from logs held in memory: frames, misfits, named children.
 
-use std::{ops::ControlFlow, path::Path};
+use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::{Channel, Container, Message, Sink, inspect_log, read_log};
+use super::{Container, Message, Sink, inspect_log, read_log};
 use crate::{
+    channel::Channel,
     error::DatasetError,
+    limits::{Limit, ReadLimits},
     recording::Recording,
     remark::{Remark, RemarkKind, StreamRole},
     settings::Streams,
@@ -37,8 +39,12 @@ impl Memory {
     }
 
     fn read(&self, settings: &str) -> Result<Recording, DatasetError> {
+        self.read_within(settings, &ReadLimits::default())
+    }
+
+    fn read_within(&self, settings: &str, limits: &ReadLimits) -> Result<Recording, DatasetError> {
         let streams: Streams = toml::from_str(settings).unwrap();
-        read_log(Path::new("log"), String::new(), self, &streams)
+        read_log(Path::new("log"), String::new(), self, &streams, limits)
     }
 }
 
@@ -51,16 +57,20 @@ impl Container for Memory {
         &[]
     }
 
-    fn visit(&self, wanted: &dyn Fn(u32) -> bool, sink: &mut Sink<'_>) -> Vec<Remark> {
+    fn visit(
+        &self,
+        wanted: &dyn Fn(u32) -> bool,
+        sink: &mut Sink<'_>,
+    ) -> Result<Vec<Remark>, DatasetError> {
         for (i, (channel, message)) in self.messages.iter().enumerate() {
             let data = message.as_bytes();
             let message =
                 Message { channel: *channel, log_time: 7_000_000_000, data, byte: i as u64 };
-            if wanted(*channel) && sink(&message) == ControlFlow::Break(()) {
+            if wanted(*channel) && sink(&message)?.is_break() {
                 break;
             }
         }
-        Vec::new()
+        Ok(Vec::new())
     }
 }
 
@@ -101,7 +111,7 @@ fn poses_are_moved_by_the_logs_own_frames() {
     assert!((recording.object.y[0] - 0.5).abs() < 1e-12);
     assert!((recording.object.theta[0] - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
     assert_eq!((recording.remarks.as_slice(), recording.epoch_ns), (&[][..], 6_000_000_000));
-    let pairs = inspect_log(&memory).frames;
+    let pairs = inspect_log(Path::new("log"), &memory, &ReadLimits::default()).unwrap().frames;
     assert_eq!(pairs, [("map".into(), "base".into()), ("map".into(), "viconworld".into())]);
     let error = memory.read(&settings.replace("\"map\"", "\"world\"")).unwrap_err();
     assert!(matches!(error, DatasetError::FrameMissing { stream: StreamRole::Object, .. }));
@@ -128,7 +138,7 @@ fn one_child_of_a_list_of_transforms_is_taken() {
     let error = memory.read(&settings.replace("\"block\"", "\"hex\"")).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "log: no frame `hex` for the object stream; the recording has: tip, block"
+        "log: no frame `hex` for the object stream; the recording has: block, tip"
     );
     let error = memory.read(&settings.replace("child_frame = \"block\"", "")).unwrap_err();
     assert!(error.to_string().contains("none named: set streams.object.child_frame"), "{error}");
@@ -161,4 +171,28 @@ fn messages_that_arrive_late_are_named() {
     let [remark] = &recording.remarks[..] else { panic!("{:?}", recording.remarks) };
     assert_eq!((remark.kind, remark.stream), (RemarkKind::Late, Some(StreamRole::Object)));
     assert!(remark.text.contains("1 of 2 messages") && remark.text.contains("at most 1000 ms"));
+}
+
+#[test]
+fn more_samples_or_frames_than_allowed_are_refused() {
+    let tips = tf(&[transform("map", "tip", 1.0), transform("map", "tip", 2.0)]);
+    let memory = Memory::new(&[("/tf", tips), ("/vicon", pose(0.5)), ("/vicon", pose(0.6))]);
+    let settings = "[robot]\ntopic = \"/tf\"\nchild_frame = \"tip\"\n";
+    let error = |limit, most| {
+        let limits = ReadLimits::default().with(limit, most);
+        memory.read_within(settings, &limits).map(|_| ()).map_err(|error| error.to_string())
+    };
+    assert_eq!(error(Limit::Samples, 2), Ok(()));
+    // Both come in one message.
+    let message = error(Limit::Samples, 1).unwrap_err();
+    assert!(message.starts_with("log: at least 2 samples of the robot stream"), "{message}");
+    assert!(message.contains("raise samples in [limits] of dataset.toml"), "{message}");
+    assert_eq!(error(Limit::Channels, 1), Ok(()));
+    let both = tf(&[transform("map", "tip", 1.0), transform("map", "block", 2.0)]);
+    let memory = Memory::new(&[("/tf", both), ("/vicon", pose(0.5))]);
+    let limits = ReadLimits::default().with(Limit::Channels, 1);
+    let message = memory.read_within(settings, &limits).unwrap_err().to_string();
+    assert!(message.starts_with("log: at least 2 frames"), "{message}");
+    let message = inspect_log(Path::new("log"), &memory, &limits).unwrap_err().to_string();
+    assert!(message.starts_with("log: at least 2 frames"), "{message}");
 }

@@ -11,6 +11,7 @@ use super::all_writers;
 use crate::{
     error::DatasetError,
     format::format_by_id,
+    limits::ReadLimits,
     recording::{PoseStream, Recording, WrenchStream},
     settings::Streams,
 };
@@ -87,7 +88,7 @@ proptest! {
             let path = writer.write(&recording, &folder).unwrap();
             let format = format_by_id(writer.format()).unwrap();
             prop_assert_eq!(format.find(&folder).unwrap(), [path.clone()]);
-            let back = format.read(&path, &Streams::default()).unwrap();
+            let back = format.read(&path, &Streams::default(), &ReadLimits::default()).unwrap();
             prop_assert_eq!(&back.name, "push-0001");
             prop_assert_eq!(&back.remarks, &[], "{}", writer.id());
             let (before, after) = (columns(&recording), columns(&back));

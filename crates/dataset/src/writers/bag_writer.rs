@@ -14,7 +14,7 @@ use crate::{
     error::DatasetError,
     recording::Recording,
     remark::StreamRole,
-    writer::{RecordingWriter, make_dir, write_whole},
+    writer::{RecordingWriter, make_dir},
 };
 
 /// Writes a bag a recording, all of its messages in one chunk compressed by bzip2.
@@ -49,7 +49,7 @@ impl RecordingWriter for BagWriter {
             what: error.to_string(),
         })?;
         make_dir(dir)?;
-        write_whole(&path, &bytes)?;
+        output::write(&path, &bytes)?;
         Ok(path)
     }
 }

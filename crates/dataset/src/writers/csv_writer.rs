@@ -2,16 +2,17 @@
 
 use std::{
     fmt::Write as _,
-    fs,
     path::{Path, PathBuf},
 };
+
+use output::{Existing, OutputFolder};
 
 use super::sample::samples;
 use crate::{
     error::DatasetError,
     recording::Recording,
     remark::StreamRole,
-    writer::{RecordingWriter, make_dir, write_whole},
+    writer::{RecordingWriter, make_dir},
 };
 
 /// Writes a folder with a CSV file a stream.
@@ -29,7 +30,10 @@ impl RecordingWriter for CsvWriter {
     fn write(&self, recording: &Recording, dir: &Path) -> Result<PathBuf, DatasetError> {
         let folder = dir.join(&recording.name);
         let streams = samples(recording, &folder, self.id())?;
-        make_dir(&folder)?;
+        make_dir(dir)?;
+        // Forces of an earlier recording of this name would be read as this one's: none of it stays.
+        let output = OutputFolder::new(&folder, Existing::Replace)?;
+        let part = output.begin()?;
         let with_torque = recording.wrench.as_ref().is_some_and(|stream| !stream.tz.is_empty());
         for (role, samples) in streams {
             let (mut text, decimals) = match role {
@@ -46,13 +50,9 @@ impl RecordingWriter for CsvWriter {
                     _ => writeln!(text, ",{c:.6}"),
                 };
             }
-            write_whole(&folder.join(format!("{role}.csv")), text.as_bytes())?;
+            part.write(&format!("{role}.csv"), text)?;
         }
-        // Forces of an earlier recording of this name would be read as this one's.
-        let stale = folder.join("wrench.csv");
-        if recording.wrench.is_none() && stale.exists() {
-            fs::remove_file(&stale).map_err(|error| DatasetError::io("remove", &stale, error))?;
-        }
+        output.finish(part)?;
         Ok(folder)
     }
 }

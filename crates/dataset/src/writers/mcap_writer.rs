@@ -19,7 +19,7 @@ use crate::{
     error::DatasetError,
     recording::Recording,
     remark::StreamRole,
-    writer::{RecordingWriter, make_dir, write_whole},
+    writer::{RecordingWriter, make_dir},
 };
 
 /// Writes an MCAP file a recording, its chunks compressed by zstd and with check sums.
@@ -73,7 +73,7 @@ impl RecordingWriter for McapWriter {
             what: error.to_string(),
         })?;
         make_dir(dir)?;
-        write_whole(&path, &bytes)?;
+        output::write(&path, &bytes)?;
         Ok(path)
     }
 }

@@ -7,7 +7,7 @@ use crate::{
     error::DatasetError,
     formats::default_data_set,
     recording::Recording,
-    writer::{RecordingWriter, make_dir, write_whole},
+    writer::{RecordingWriter, make_dir},
 };
 
 /// Writes an HDF5 file a recording; a torque that was not recorded is written as 0.
@@ -39,7 +39,7 @@ impl RecordingWriter for MitHdf5Writer {
             what: error.to_string(),
         })?;
         make_dir(dir)?;
-        write_whole(&path, &bytes)?;
+        output::write(&path, &bytes)?;
         Ok(path)
     }
 }

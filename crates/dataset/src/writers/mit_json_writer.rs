@@ -10,7 +10,7 @@ use crate::{
     error::DatasetError,
     formats::default_data_set,
     recording::Recording,
-    writer::{RecordingWriter, make_dir, write_whole},
+    writer::{RecordingWriter, make_dir},
 };
 
 /// Writes a JSON file a recording; a torque that was not recorded is written as 0.
@@ -40,7 +40,7 @@ impl RecordingWriter for MitJsonWriter {
             format!("\"{}\": [{rows}]", default_data_set(*role))
         });
         let text = format!("{{{}}}\n", sets.collect::<Vec<_>>().join(",\n"));
-        write_whole(&path, text.as_bytes())?;
+        output::write(&path, text)?;
         Ok(path)
     }
 }

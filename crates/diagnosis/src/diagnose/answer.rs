@@ -1,9 +1,9 @@
 //! The answer to "which effect is missing?", for people and programs.
 
-use models::Split;
+use models::{Cluster, Split};
 use serde::{Deserialize, Serialize};
 
-use crate::{FloorSource, NoiseModel, Suspicion};
+use crate::{FloorSource, NoiseModel, Observations, Suspicion};
 
 /// What a diagnosis found; written and read as `diagnosis.json` (docs/diagnosis.schema.json).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -103,7 +103,9 @@ pub struct EffectFinding {
     pub id: String,
     /// What may be said of it.
     pub status: Status,
-    /// Probability of as strong a sign of any effect where none is missing; none if not tested.
+    /// Probability of as strong a sign of any effect where none is missing; none if not tested. By
+    /// flips of the signs of whole clusters; of a nominal number that is claimed by its estimate and
+    /// standard error, times the number of effects asked for.
     pub p_adjusted: Option<f64>,
     /// Share of the gap to the floor that opens without it, on pushes that no fit has seen.
     pub gap_closed: Option<f64>,
@@ -139,7 +141,7 @@ pub enum Status {
 pub struct Gain {
     /// The sum over the confirming clusters, none of which counts for more than 10, in nats.
     pub mean: f64,
-    /// Its standard error, from whole pushes.
+    /// Its standard error, from whole clusters.
     pub se: f64,
 }
 
@@ -209,6 +211,33 @@ pub struct DataUsed {
     pub pushes_confirming: usize,
     /// Steps used.
     pub steps: usize,
+    /// What is taken for independent among the pushes fitted to; none in answers of releases that
+    /// did not tell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clusters_fitted: Option<Clusters>,
+    /// The same among those that confirmed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clusters_confirming: Option<Clusters>,
+    /// Clusters to fit to that lack for an adjusted probability of 0.01, without which no effect is
+    /// named.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clusters_missing: Option<usize>,
+}
+
+/// What is taken for independent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Clusters {
+    /// What shares errors.
+    pub kind: Cluster,
+    /// How many there are.
+    pub n: usize,
+}
+
+impl Clusters {
+    pub(super) fn of(observations: &Observations) -> Self {
+        Self { kind: observations.cluster, n: observations.n_clusters() }
+    }
 }
 
 /// What made an answer.

@@ -7,7 +7,9 @@ use super::confirmation::Aside;
 use super::rules::{Objection, Rules};
 use super::search::{Accepted, Choice, Found, Progress, Refused, Search, ids};
 use crate::fit::Refit;
-use crate::{DiagnosisError, Fit, NoiseModel, NuisanceFit, Screen, Undetermined};
+use crate::{
+    DiagnosisError, EffectFit, Fit, NoiseModel, NuisanceFit, Screen, ScreenedEffect, Undetermined,
+};
 
 /// The numbers that every fit leaves open, and how exactly a manifest is taken to know them.
 const NOMINAL: [(&str, f64); 3] =
@@ -32,6 +34,7 @@ impl Search<'_> {
         };
         progress.refused.retain(|one| !one.objection.is_hint() || !is_explained(one.id));
         let numbers = self.wrong_numbers(here, &mut progress)?;
+        // Their probability is known once they are asked for.
         let as_choice = |id: &&'static str| Choice { id, p_adjusted: 1.0, rivals: Vec::new() };
         progress.chosen.splice(..0, numbers.iter().map(as_choice));
         let whole = here.asking(&ids(&progress.chosen)).settled()?;
@@ -108,7 +111,8 @@ impl Search<'_> {
         found
     }
 
-    /// The fit with intervals, without effects that it leaves open.
+    /// The fit with intervals, without effects that it leaves open and nominal numbers that it does not
+    /// make sure.
     fn without_open<'a>(
         &self,
         mut whole: Refit<'a>,
@@ -116,7 +120,9 @@ impl Search<'_> {
     ) -> Result<(Refit<'a>, Fit), DiagnosisError> {
         loop {
             let fit = whole.fit(&self.fit_settings(true))?;
-            let Some((id, objection)) = open(&fit, &progress.chosen) else {
+            let objection = open(&fit, &progress.chosen);
+            let objection = objection.or_else(|| unsure_number(&fit, progress));
+            let Some((id, objection)) = objection else {
                 return Ok((whole, fit));
             };
             progress.chosen.retain(|one| one.id != id);
@@ -145,10 +151,13 @@ impl Search<'_> {
                 let without = aside.outcome(&without)?;
                 let effect = fit.effects.iter().find(|effect| effect.id == choice.id);
                 let Some(effect) = effect.cloned() else { continue };
-                let is_number = NOMINAL.iter().any(|(id, _)| *id == choice.id);
+                let p_adjusted = match is_number(choice.id) {
+                    true => p_of_number(&effect, &progress.first_screen),
+                    false => choice.p_adjusted,
+                };
                 accepted.push(Accepted {
                     id: choice.id,
-                    p_adjusted: if is_number { effect.p } else { choice.p_adjusted },
+                    p_adjusted,
                     rivals: choice.rivals.clone(),
                     effect,
                     gain: aside.gain(&without, &after),
@@ -228,6 +237,27 @@ fn open(fit: &Fit, chosen: &[Choice]) -> Option<(&'static str, Objection)> {
     })
 }
 
+fn is_number(id: &str) -> bool {
+    NOMINAL.iter().any(|(number, _)| *number == id)
+}
+
+/// A nominal number that may be off by chance.
+fn unsure_number(fit: &Fit, progress: &Progress) -> Option<(&'static str, Objection)> {
+    let is_chosen = |id: &str| progress.chosen.iter().any(|one| one.id == id);
+    let numbers = fit.effects.iter().filter(|one| is_number(one.id) && is_chosen(one.id));
+    let with_p = numbers.map(|one| (one.id, p_of_number(one, &progress.first_screen)));
+    let unsure = with_p.into_iter().find(|(_, p)| *p > Rules::NAME);
+    unsure.map(|(id, p)| (id, Objection::NotSure { p }))
+}
+
+/// Probability of an estimate as far off, of any effect asked for: no flips tell it, for every screen
+/// leaves nominal numbers open, so it is that of the estimate alone times their number (Bonferroni).
+fn p_of_number(effect: &EffectFit, screen: &Screen) -> f64 {
+    let is_other = |one: &&ScreenedEffect| one.not_testable.is_none() && one.id != effect.id;
+    let n_others = screen.effects.iter().filter(is_other).count();
+    (effect.p * (1 + n_others) as f64).min(1.0)
+}
+
 /// Whether friction with the table is off by no more than friction along and across a direction: what
 /// is nominal may be either of them, so this is no second finding.
 fn is_mean_friction(here: &Refit, nuisance: &NuisanceFit) -> bool {
@@ -244,4 +274,38 @@ fn is_wrong(nuisance: &NuisanceFit) -> bool {
     let Some((_, tolerance)) = known else { return false };
     let miss = (nuisance.value - nuisance.nominal).abs();
     miss > 2.0 * tolerance * nuisance.nominal.abs() + 2.0 * nuisance.se
+}
+
+#[cfg(test)]
+mod tests {
+    use super::p_of_number;
+    use crate::screen::screen_at;
+    use crate::synthetic::{recorded, white};
+    use crate::tangent::Tangent;
+    use crate::{EffectFit, ScreenSettings};
+
+    #[test]
+    fn the_probability_of_a_nominal_number_counts_all_effects_asked_for() {
+        let (observations, model) = recorded(1);
+        let tangent = Tangent::of(&model, &[], &observations).unwrap();
+        let settings = ScreenSettings { n_flips: 9, ..ScreenSettings::default() };
+        let screen = screen_at(&tangent, &observations, &white(&observations), &settings);
+        let tested = screen.effects.iter().filter(|effect| effect.not_testable.is_none());
+        let n_tested = tested.count() as f64;
+        assert!(n_tested > 15.0 && n_tested < screen.effects.len() as f64 + 0.5, "{n_tested}");
+        let found = |p: f64| EffectFit {
+            id: "pusher-friction",
+            parameters: Vec::new(),
+            p,
+            resemblances: Vec::new(),
+            undetermined: None,
+        };
+        let adjusted = |p: f64| p_of_number(&found(p), &screen);
+        assert!((adjusted(1e-4) - 1e-4 * n_tested).abs() < 1e-15);
+        assert_eq!(adjusted(0.2), 1.0);
+        // One that the model carries is not in the screen, and still a test.
+        let mut carried = screen.clone();
+        carried.effects.retain(|effect| effect.id != "pusher-friction");
+        assert_eq!(p_of_number(&found(1e-4), &carried), adjusted(1e-4));
+    }
 }

@@ -1,7 +1,5 @@
 //! What the pushes say that were set aside.
 
-use std::collections::BTreeMap;
-
 use models::Description;
 
 use super::{DiagnoseSettings, ErrorFall, Gain, MotionError};
@@ -22,7 +20,7 @@ pub(super) struct Aside<'a> {
 /// A model on the pushes set aside.
 #[derive(Clone, Debug)]
 pub(super) struct Outcome {
-    /// Squares of the residuals as the best model whitens them, with their pushes.
+    /// Squares of the residuals as the best model whitens them, with their clusters.
     squares: Vec<(usize, f64)>,
     /// Log predictive density of each push, by its own.
     log_densities: Vec<f64>,
@@ -58,9 +56,10 @@ impl<'a> Aside<'a> {
         let densities = densities
             .map(|(rows, size)| -0.5 * (white.rows(rows.start, rows.len()).norm_squared() + size));
         let white = self.whitening.whiten(&values);
-        let pushes = self.whitening.rows().into_iter().enumerate();
-        let squares = pushes.flat_map(|(push, rows)| rows.map(move |row| (push, row)));
-        let squares = squares.map(|(push, row)| (push, white[row] * white[row])).collect();
+        let clusters = self.observations.clusters_of_pushes().into_iter();
+        let squares = clusters.zip(self.whitening.rows());
+        let squares = squares.flat_map(|(cluster, rows)| rows.map(move |row| (cluster, row)));
+        let squares = squares.map(|(cluster, row)| (cluster, white[row] * white[row])).collect();
         let rms = |number: usize| {
             let squares: Vec<_> = residuals.iter().filter_map(|step| step[number]).collect();
             let n = squares.len();
@@ -72,16 +71,12 @@ impl<'a> Aside<'a> {
 
     /// The gain in log predictive density from one model to another, by clusters.
     pub(super) fn gain(&self, one: &Outcome, other: &Outcome) -> Gain {
-        let mut gains: BTreeMap<usize, f64> = BTreeMap::new();
+        let mut gains = vec![0.0; self.observations.n_clusters()];
         let by_push = one.log_densities.iter().zip(&other.log_densities);
-        let clusters = self.observations.pushes_of_clusters().into_iter().enumerate();
-        let cluster_of: BTreeMap<usize, usize> = clusters
-            .flat_map(|(k, pushes)| pushes.into_iter().map(move |push| (push, k)))
-            .collect();
-        for (push, (one, other)) in by_push.enumerate() {
-            *gains.entry(cluster_of[&push]).or_default() += other - one;
+        for (cluster, (one, other)) in self.observations.clusters_of_pushes().iter().zip(by_push) {
+            gains[*cluster] += other - one;
         }
-        Gain::of(&gains.into_values().collect::<Vec<_>>())
+        Gain::of(&gains)
     }
 
     /// The fall of the error, beside the scatter of repeats about the best model in all of the set.
@@ -127,5 +122,32 @@ impl Gain {
         let mean = capped().sum::<f64>() / n;
         let squares = capped().map(|gain| (gain - mean).powi(2)).sum::<f64>();
         Self { mean: n * mean, se: (n * squares / (n - 1.0).max(1.0)).sqrt() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::Aside;
+    use crate::synthetic::recorded;
+    use crate::{DiagnoseSettings, NoiseModel, split};
+
+    #[test]
+    fn what_confirms_is_counted_by_sessions() {
+        let (all, model) = recorded(15);
+        let noise = NoiseModel::learn(&model, &[], &all).unwrap();
+        let aside = all.part(&split(&all, 7).unwrap().confirm).unwrap();
+        let settings = DiagnoseSettings::default();
+        let aside = Aside::new(&aside, &model, &noise, &settings).unwrap();
+        let outcome = aside.outcome(&model).unwrap();
+        let clusters: BTreeSet<usize> =
+            outcome.squares.iter().map(|(cluster, _)| *cluster).collect();
+        assert_eq!(clusters, (0..4).collect());
+        // Ten nats of each session at most, however many pushes it has.
+        let mut better = outcome.clone();
+        better.log_densities.iter_mut().for_each(|density| *density += 9.0);
+        let gain = aside.gain(&outcome, &better);
+        assert!((gain.mean - 40.0).abs() < 1e-12 && gain.se < 1e-12, "{gain:?}");
     }
 }

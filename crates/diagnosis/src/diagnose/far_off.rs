@@ -1,7 +1,9 @@
 //! The few pushes that are missed by far, and what they share.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
+use models::Cluster;
 use nalgebra::Vector2;
 use rand::SeedableRng;
 use rand::seq::index::sample;
@@ -16,7 +18,8 @@ use crate::{DiagnosisError, Observations, Predictions};
 pub(super) struct Shared {
     n_far: usize,
     n_pushes: usize,
-    /// Probability that as many pushes drawn at random lie together as closely.
+    /// Probability that as many pushes of each session, where sessions are the clusters, or of all
+    /// pushes, drawn at random, lie together as closely.
     pub(super) p: f64,
     /// Where they lie, in words.
     place: String,
@@ -25,6 +28,9 @@ pub(super) struct Shared {
 /// A push at its worst step.
 #[derive(Clone, Copy, Debug)]
 struct Worst {
+    /// Among which pushes another one could have been missed as well: those of its session where
+    /// sessions share errors, else all.
+    stratum: usize,
     /// Largest error of a number over its standard deviation.
     error: f64,
     /// Contact point on the object, in m.
@@ -56,9 +62,15 @@ pub(super) fn shared_by_far_off(
     parts: [&Observations; 2],
     settings: &DiagnoseSettings,
 ) -> Result<Option<Shared>, DiagnosisError> {
-    let mut pushes = Vec::new();
+    let mut pushes: Vec<Worst> = Vec::new();
     for observations in parts {
-        pushes.extend(worst_steps(found, observations, settings)?);
+        // Sessions stay whole, so those of the parts are different ones.
+        let first = match observations.cluster {
+            Cluster::Push => 0,
+            Cluster::Session => pushes.iter().map(|push| push.stratum + 1).max().unwrap_or(0),
+        };
+        let own = worst_steps(found, observations, settings)?;
+        pushes.extend(own.into_iter().map(|one| Worst { stratum: first + one.stratum, ..one }));
     }
     Ok(shared(&pushes, settings.seed))
 }
@@ -83,6 +95,10 @@ fn worst_steps(
         let (input, place) = (&observations.steps[step].input, &observations.places[step]);
         Some(Worst {
             error,
+            stratum: match observations.cluster {
+                Cluster::Push => 0,
+                Cluster::Session => observations.cluster_of[step],
+            },
             contact_b: input.object.shape().point_at(place.edge as usize, place.p),
             object_w: input.pose_wb.position,
             yaw: input.pose_wb.angle,
@@ -100,9 +116,7 @@ fn shared(pushes: &[Worst], seed: u64) -> Option<Shared> {
     if far.len() < FEWEST || far.len() > n_most {
         return None;
     }
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let draws: Vec<Vec<usize>> =
-        (0..N_DRAWS).map(|_| sample(&mut random, pushes.len(), far.len()).into_vec()).collect();
+    let draws = draws(pushes, &far, seed);
     let of_axis = |axis: &Axis| {
         let points: Vec<Vector2<f64>> = pushes.iter().map(axis.point).collect();
         let together = spread(&points, &far);
@@ -112,6 +126,22 @@ fn shared(pushes: &[Worst], seed: u64) -> Option<Shared> {
     };
     let (p, place) = AXES.iter().map(of_axis).min_by(|a, b| a.0.total_cmp(&b.0))?;
     Some(Shared { n_far: far.len(), n_pushes: pushes.len(), p, place })
+}
+
+/// As many pushes of each stratum as are missed by far, at random: that a session goes wrong as a whole
+/// says nothing of what its pushes share.
+fn draws(pushes: &[Worst], far: &[usize], seed: u64) -> Vec<Vec<usize>> {
+    let mut strata: BTreeMap<usize, (Vec<usize>, usize)> = BTreeMap::new();
+    for (push, worst) in pushes.iter().enumerate() {
+        let (members, n_far) = strata.entry(worst.stratum).or_default();
+        members.push(push);
+        *n_far += usize::from(far.contains(&push));
+    }
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut draw = |(members, n): &(Vec<usize>, usize)| -> Vec<usize> {
+        sample(&mut random, members.len(), *n).iter().map(|k| members[k]).collect()
+    };
+    (0..N_DRAWS).map(|_| strata.values().flat_map(&mut draw).collect()).collect()
 }
 
 /// Mean distance between the pushes of a draw.
@@ -203,6 +233,7 @@ mod tests {
         let push = |k: usize| {
             let mut at = |half: f64| random.random_range(-half..half);
             let mut push = Worst {
+                stratum: 0,
                 error: 2.0,
                 contact_b: Vector2::new(at(0.045), at(0.045)),
                 object_w: Vector2::new(at(0.1), at(0.1)),
@@ -229,6 +260,34 @@ mod tests {
     fn pushes_missed_in_a_part_of_the_set_share_the_time() {
         let found = shared(&pushes(4, |k, _| (60..66).contains(&k)), 7).unwrap();
         assert!(found.p <= 0.01 && found.sentence().ends_with("50 to 54 % of the recordings"));
+    }
+
+    #[test]
+    fn a_session_that_goes_wrong_says_nothing_of_its_place() {
+        // Each session of six is at a place of its own, and one of them is missed in five of six.
+        let all = |missed: fn(usize) -> bool| {
+            let mut all = pushes(6, |k, _| missed(k));
+            for (k, push) in all.iter_mut().enumerate() {
+                push.stratum = k / 6;
+                let place = Vector2::new((k / 6) as f64 * 0.02 - 0.2, 0.1);
+                push.object_w = place + 0.01 * push.object_w;
+            }
+            all
+        };
+        let wrong = all(|k| (60..65).contains(&k));
+        let found = shared(&wrong, 7).unwrap();
+        assert!(found.p > 0.05, "{found:?}");
+        let mut alone = wrong;
+        alone.iter_mut().for_each(|push| push.stratum = 0);
+        assert!(shared(&alone, 7).unwrap().p <= 0.01);
+        // What goes wrong in the same way in every session is found as before.
+        let mut all = all(|_| false);
+        let corner = Vector2::new(0.045, -0.045);
+        for push in &mut all {
+            let is_far = (push.contact_b - corner).norm() < 0.03;
+            push.error = if is_far { 4.0 * FAR } else { 2.0 };
+        }
+        assert!(shared(&all, 7).unwrap().p <= 0.01);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use effects::{Effect, Off, by_id};
 use super::rules::{Claims, Objection, Rules};
 use super::search::Found;
 use super::{DiagnoseSettings, EffectFinding, ParameterFinding, Status};
+use crate::quantile::student_975;
 use crate::{EffectFit, ParameterFit, ScreenedCoordinate, ScreenedEffect};
 
 /// Every effect that the model asked about lacks, those claimed first.
@@ -116,7 +117,11 @@ impl Finding<'_> {
                 coordinates.iter().map(unknown).collect()
             }
             // Beside what was added: before, it took what the added effects do for itself.
-            None => self.beside_the_added().iter().map(bounded).collect(),
+            None => {
+                let freedom = self.found.first_screen.calibration.n_clusters as f64 - 1.0;
+                let quantile = student_975(freedom);
+                self.beside_the_added().iter().map(|one| bounded(one, quantile)).collect()
+            }
         }
     }
 
@@ -159,14 +164,14 @@ impl Finding<'_> {
     }
 }
 
-/// A coordinate that was not seen: within two standard errors of its one-step estimate.
-fn bounded(coordinate: &ScreenedCoordinate) -> ParameterFinding {
+/// A coordinate that was not seen: within some standard errors of its one-step estimate.
+fn bounded(coordinate: &ScreenedCoordinate, quantile: f64) -> ParameterFinding {
     let ScreenedCoordinate { change, se, smallest_detectable, .. } = *coordinate;
     ParameterFinding {
         estimate: Some(change),
         se: Some(se),
-        low95: Some(change - 1.96 * se),
-        high95: Some(change + 1.96 * se),
+        low95: Some(change - quantile * se),
+        high95: Some(change + quantile * se),
         smallest_detectable: Some(smallest_detectable),
         ..unknown(coordinate)
     }

@@ -32,7 +32,7 @@ impl Search<'_> {
             if index == best || other.misfit() >= winner.misfit() + bound {
                 continue;
             }
-            let alone = here.misfit() - other.misfit();
+            let alone = here.misfit_by(there) - other.misfit_by(there);
             // What cannot be predicted beside the winner is no second effect.
             let beside =
                 there.trial(other.effect).map_or(0.0, |both| there.misfit() - both.misfit());
@@ -86,9 +86,10 @@ impl Search<'_> {
                 // A rival that does not settle explains nothing.
                 let without = self.with_instead(&there, last_id, rival);
                 let without = without.and_then(|other| other.roughly_without(&[id]).ok());
-                alone.extend(without.filter(|other| other.misfit() < most).map(|m| (*rival, m)));
+                alone.extend(without.filter(|m| m.misfit_by(&there) < most).map(|m| (*rival, m)));
             }
-            alone.sort_by(|a, b| a.1.misfit().total_cmp(&b.1.misfit()));
+            let by_misfit = |m: &Refit| m.misfit_by(&there);
+            alone.sort_by(|a, b| by_misfit(&a.1).total_cmp(&by_misfit(&b.1)));
             let also: Vec<&'static str> = alone.iter().skip(1).map(|one| one.0).collect();
             if let Some((rival, model)) = alone.into_iter().next() {
                 progress.chosen.retain(|one| ![id, last_id].contains(&one.id));

@@ -5,8 +5,7 @@ use std::fmt;
 use super::leftover::Left;
 use super::search::Found;
 use super::{Gain, Verdict};
-use crate::fit::Refit;
-use crate::{Fit, Observations, Tolerances, Undetermined};
+use crate::{DiagnosisError, Fit, Observations, Tolerances, Undetermined};
 
 /// Rules for an effect that explains more than those before it.
 pub(super) struct Rules {
@@ -26,6 +25,7 @@ pub(super) enum Objection {
     MeanFriction,
     RightBeside { rival: &'static str },
     NotPredictive { gain: Gain },
+    OneCluster { cluster: String },
     NotConfirmed { gain: Gain },
     Superfluous,
     Unsettled { why: String },
@@ -44,9 +44,20 @@ impl Objection {
             Self::NotSure { p } => *p <= Rules::HINT,
             Self::NotConfirmed { gain } => gain.mean >= gain.se,
             Self::NotPredictive { .. }
+            | Self::OneCluster { .. }
             | Self::RightBeside { .. }
             | Self::Undetermined { .. }
             | Self::Unsettled { .. } => true,
+        }
+    }
+}
+
+impl From<DiagnosisError> for Objection {
+    /// What speaks against an effect whose fit ends with an error.
+    fn from(why: DiagnosisError) -> Self {
+        match why {
+            DiagnosisError::OneCluster { cluster } => Self::OneCluster { cluster },
+            why => Self::Unsettled { why: why.to_string() },
         }
     }
 }
@@ -108,13 +119,16 @@ impl Rules {
     }
 
     /// What speaks against an effect by what it predicts of clusters that are left out of the fit:
-    /// the simpler model stays where it is within a standard error.
+    /// the simpler model stays where it is within a standard error. Of each push's part of the sum in
+    /// the simpler model and in the other one, where all clusters can be left out.
     pub(super) fn objection_to_gain(
         observations: &Observations,
-        without: &Refit,
-        with: &Refit,
+        left_out: [Result<Vec<f64>, DiagnosisError>; 2],
     ) -> Option<Objection> {
-        let (without, with) = (without.left_out()?, with.left_out()?);
+        let (without, with) = match left_out {
+            [Ok(without), Ok(with)] => (without, with),
+            [Err(why), _] | [_, Err(why)] => return Some(why.into()),
+        };
         let gains = observations.pushes_of_clusters().into_iter().map(|pushes| {
             pushes.iter().map(|push| 0.5 * (without[*push] - with[*push])).sum::<f64>()
         });
@@ -152,6 +166,9 @@ impl fmt::Display for Objection {
             Self::NotPredictive { gain } => {
                 let Gain { mean, se } = gain;
                 write!(f, "pushes left out of the fit gain {mean:.1} ± {se:.1} nats alone")
+            }
+            Self::OneCluster { cluster } => {
+                write!(f, "it rests on {cluster} alone: without that its fit leaves a number open")
             }
             Self::Superfluous => f.write_str("a later effect explains what it explained"),
             Self::Unsettled { why } => write!(f, "its fit does not settle: {why}"),
@@ -208,7 +225,8 @@ pub(super) fn claims(found: &Found, left: &Left) -> Claims {
 #[cfg(test)]
 mod tests {
     use super::{Objection, Rules};
-    use crate::Gain;
+    use crate::synthetic::recorded;
+    use crate::{DiagnosisError, Gain};
 
     #[test]
     fn a_name_is_sure_large_and_no_small_share() {
@@ -223,6 +241,30 @@ mod tests {
         // What is large needs no share, and a share needs no more than its size.
         assert_eq!(later.objection(0.005, 5.0, 0.8), None);
         assert_eq!(later.objection(0.005, 20.0, 0.5), None);
+    }
+
+    #[test]
+    fn what_rests_on_one_cluster_alone_is_told() {
+        let observations = recorded(1).0;
+        let parts = |each: f64| Ok(vec![each; observations.pushes().len()]);
+        let objection = |parts| Rules::objection_to_gain(&observations, parts);
+        assert_eq!(objection([parts(8.0), parts(2.0)]), None);
+        assert!(matches!(
+            objection([parts(2.0), parts(2.5)]),
+            Some(Objection::NotPredictive { .. })
+        ));
+        let alone = || {
+            let cluster = observations.name_of_cluster(3);
+            Err(DiagnosisError::OneCluster { cluster })
+        };
+        for parts in [[alone(), parts(2.0)], [parts(8.0), alone()], [alone(), alone()]] {
+            let found = objection(parts).unwrap();
+            let told = format!("it rests on push {} alone", observations.pushes()[3]);
+            assert!(found.is_hint() && found.to_string().starts_with(&told), "{found}");
+        }
+        let sessions = recorded(15).0;
+        let name = sessions.name_of_cluster(3);
+        assert!(name.starts_with("the session of push "), "{name}");
     }
 
     #[test]

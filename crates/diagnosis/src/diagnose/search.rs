@@ -76,8 +76,6 @@ pub(super) struct Progress {
     pub(super) chosen: Vec<Choice>,
     pub(super) refused: Vec<Refused>,
     pub(super) first_screen: Screen,
-    /// Fall of the sum by all that were chosen.
-    gain: f64,
 }
 
 /// An effect tried beside a model.
@@ -102,10 +100,7 @@ impl Search<'_> {
         let (_, whitening, first_screen) = self.linearised(self.model)?;
         let settings = self.fit_settings(false);
         let here = Refit::new(self.fitted, self.model, &whitening, &settings)?;
-        self.go_on(
-            &here,
-            Progress { first_screen, chosen: Vec::new(), refused: Vec::new(), gain: 0.0 },
-        )
+        self.go_on(&here, Progress { first_screen, chosen: Vec::new(), refused: Vec::new() })
     }
 
     /// Adds one effect after the other to a model at its minimum. Each time the noise is learnt anew,
@@ -121,7 +116,6 @@ impl Search<'_> {
             return self.concluded(&here, progress, screen, noise);
         };
         progress.refused.retain(|one| one.id != choice.id);
-        progress.gain += here.misfit() - there.misfit();
         progress.chosen.push(choice);
         let there = self.without_superfluous(there, &mut progress)?;
         self.go_on(&there, progress)
@@ -134,13 +128,14 @@ impl Search<'_> {
         screen: &Screen,
         progress: &mut Progress,
     ) -> Result<Option<(Choice, Refit<'a>)>, DiagnosisError> {
-        let rules = Rules { gain_so_far: progress.gain, is_first: progress.chosen.is_empty() };
+        let gain_so_far = gain_so_far(here, progress)?;
+        let rules = Rules { gain_so_far, is_first: progress.chosen.is_empty() };
         let tried = self.tried(here, screen, progress)?;
         for (index, Tried { trial, without, size }) in tried.iter().enumerate() {
             let (id, without) = (trial.id(), without.as_ref().unwrap_or(here));
             let screened = screen.effects.iter().find(|effect| effect.id == id);
             let p_adjusted = screened.map_or(1.0, |effect| effect.p_adjusted);
-            let gain = without.misfit() - trial.misfit();
+            let gain = without.misfit_by(here) - trial.misfit();
             let mut objection = rules.objection(p_adjusted, gain, *size);
             // An effect whose refit does not settle is no explanation.
             if objection.is_none() {
@@ -169,9 +164,13 @@ impl Search<'_> {
         there: &Refit,
         id: &str,
     ) -> Result<Option<Objection>, DiagnosisError> {
-        let fit = there.fit(&self.fit_settings(false))?;
+        let fit = match there.fit(&self.fit_settings(false)) {
+            Err(why @ DiagnosisError::OneCluster { .. }) => return Ok(Some(why.into())),
+            fit => fit?,
+        };
         let objection = Rules::objection_to(&fit, id, &self.settings.screen.tolerances);
-        Ok(objection.or_else(|| Rules::objection_to_gain(self.fitted, here, there)))
+        let left_out = || [here.left_out(there), there.left_out(there)];
+        Ok(objection.or_else(|| Rules::objection_to_gain(self.fitted, left_out())))
     }
 
     /// The likeliest effects of a screen beside those chosen, near their minima, the best first.
@@ -264,7 +263,7 @@ impl Search<'_> {
         let last = progress.chosen.len() - 1;
         for id in ids(&progress.chosen[..last]) {
             let without = there.roughly_without(&[id])?;
-            if without.misfit() - there.misfit() < Rules::APART * there.scale().powi(2) {
+            if without.misfit_by(&there) - there.misfit() < Rules::APART * there.scale().powi(2) {
                 progress.chosen.retain(|one| one.id != id);
                 progress.refused.push(Refused { id, objection: Objection::Superfluous });
                 return Ok(without);
@@ -307,6 +306,14 @@ impl Search<'_> {
         let mut own = self.settings.own.iter().copied();
         own.find(|effect| effect.about().id == id).or_else(|| by_id(id).ok())
     }
+}
+
+/// What all that were chosen take off the sum, under the covariance and with the thresholds of now.
+fn gain_so_far(here: &Refit, progress: &Progress) -> Result<f64, DiagnosisError> {
+    if progress.chosen.is_empty() {
+        return Ok(0.0);
+    }
+    Ok(here.roughly_without(&ids(&progress.chosen))?.misfit_by(here) - here.misfit())
 }
 
 impl Progress {

@@ -9,7 +9,7 @@ use crate::DiagnosisError;
 #[derive(Clone, Debug)]
 pub(super) struct Minimum {
     pub(super) at: Standing,
-    /// The numbers that are not held by a bound; columns of `slopes` and `curvature` are theirs.
+    /// The numbers that are not held by a bound, and shares; columns of `slopes` and `curvature` are theirs.
     pub(super) moved: Vec<usize>,
     /// −∂z/∂x, the rows of the data and then those of the priors.
     pub(super) slopes: DMatrix<f64>,
@@ -122,11 +122,11 @@ impl Problem<'_> {
             }
             let is_low = decrement < STUCK.max(near) || (is_fresh && !is_final);
             if is_enough && is_low {
-                return Ok(quadratic.end(at, whole, iterations));
+                return Ok(self.end(quadratic, at, whole, iterations));
             }
             if is_fresh && self.narrow(&mut widths) {
                 let Some(next) = self.poll(&at, &quadratic) else {
-                    return Ok(quadratic.within(POLL).end(at, whole, iterations));
+                    return Ok(self.end(quadratic.within(POLL), at, whole, iterations));
                 };
                 (widths, at, last) = (self.secants.clone(), next, f64::INFINITY);
             }
@@ -139,7 +139,7 @@ impl Problem<'_> {
         let whole = self.slopes(&at, &widths)?;
         let quadratic = self.quadratic(&at, &whole)?;
         match quadratic.decrement {
-            decrement if decrement < STUCK => Ok(quadratic.end(at, whole, iterations)),
+            decrement if decrement < STUCK => Ok(self.end(quadratic, at, whole, iterations)),
             decrement => Err(DiagnosisError::NotConverged { what, iterations, decrement }),
         }
     }
@@ -169,7 +169,7 @@ impl Problem<'_> {
                 true => None,
                 false => self.step_down(&at, &quadratic, &mut damping),
             };
-            let Some(next) = next else { return Ok(quadratic.end(at, whole, steps)) };
+            let Some(next) = next else { return Ok(self.end(quadratic, at, whole, steps)) };
             self.fit_widths(&mut widths, &quadratic, &at, &next);
             whole = updated(whole, &self.moved(), &widths, &at, &next);
             (at, steps) = (next, steps + 1);
@@ -186,12 +186,7 @@ impl Problem<'_> {
             !(x <= low && pull[*column] < 0.0 || x >= high && pull[*column] > 0.0)
         };
         let columns: Vec<usize> = (0..all.len()).filter(is_free).collect();
-        let slopes = whole.select_columns(&columns);
-        let mut weighted = slopes.clone();
-        for (mut row, weight) in weighted.row_iter_mut().zip(&weights) {
-            row *= *weight;
-        }
-        let curvature = slopes.tr_mul(&weighted);
+        let (slopes, curvature) = curved(whole, &columns, &weights);
         let pull = pull.select_rows(&columns);
         let moved = columns.iter().map(|column| all[*column]).collect();
         let factor = curvature.clone().cholesky().ok_or(DiagnosisError::Flat)?;
@@ -258,6 +253,26 @@ impl Problem<'_> {
         lowest
     }
 
+    /// Where a descent ends. A share at an end of its range is known as if it could go on, and its
+    /// column is there with the others.
+    fn end(
+        &self,
+        quadratic: Quadratic,
+        at: Standing,
+        whole: DMatrix<f64>,
+        iterations: usize,
+    ) -> Minimum {
+        let Quadratic { mut moved, mut slopes, weights, mut curvature, decrement, .. } = quadratic;
+        let all = self.moved();
+        let is_kept = |column: &usize| self.shares[all[*column]] || moved.contains(&all[*column]);
+        let columns: Vec<usize> = (0..all.len()).filter(is_kept).collect();
+        if columns.len() > moved.len() {
+            (slopes, curvature) = curved(&whole, &columns, &weights);
+            moved = columns.iter().map(|column| all[*column]).collect();
+        }
+        Minimum { at, moved, slopes, weights, curvature, whole, iterations, decrement }
+    }
+
     fn fit_widths(&self, widths: &mut [f64], at: &Quadratic, from: &Standing, to: &Standing) {
         for (column, &k) in at.moved.iter().enumerate() {
             let least = self.robust.scale() / at.curvature[(column, column)].sqrt();
@@ -283,11 +298,21 @@ impl Quadratic {
     fn within(self, standard_errors: f64) -> Self {
         Self { decrement: self.decrement.min(standard_errors.powi(2)), ..self }
     }
+}
 
-    fn end(self, at: Standing, whole: DMatrix<f64>, iterations: usize) -> Minimum {
-        let Self { moved, slopes, weights, curvature, decrement, .. } = self;
-        Minimum { at, moved, slopes, weights, curvature, whole, iterations, decrement }
+/// Some columns of slopes, and half the second derivatives by them.
+fn curved(
+    whole: &DMatrix<f64>,
+    columns: &[usize],
+    weights: &DVector<f64>,
+) -> (DMatrix<f64>, DMatrix<f64>) {
+    let slopes = whole.select_columns(columns);
+    let mut weighted = slopes.clone();
+    for (mut row, weight) in weighted.row_iter_mut().zip(weights) {
+        row *= *weight;
     }
+    let curvature = slopes.tr_mul(&weighted);
+    (slopes, curvature)
 }
 
 /// The slopes nearest to those known, in numbers over their widths, that give what a step changed.

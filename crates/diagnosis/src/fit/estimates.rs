@@ -13,7 +13,7 @@ use super::sandwich::Sandwich;
 use super::search::Found;
 use super::undetermined::Undetermined;
 use super::{EffectFit, Fit, FitSettings, NuisanceFit, ParameterFit, SIGNIFICANT};
-use crate::quantile::{normal_of_chi_square, normal_tail, student_975};
+use crate::quantile::{fisher_tail, student_975, student_tail};
 use crate::{DiagnosisError, Observations};
 
 /// Correlation of signatures beyond which two effects are one to the data.
@@ -24,7 +24,8 @@ struct Ending<'a> {
     problem: &'a Problem<'a>,
     found: &'a Found,
     sandwich: Sandwich,
-    n_clusters: usize,
+    /// The pushes of each cluster.
+    clusters: Vec<Vec<usize>>,
 }
 
 pub(super) fn estimates(
@@ -57,7 +58,7 @@ pub(super) fn estimates(
         coordinates: minimum.moved.iter().map(|k| names[*k].clone()).collect(),
         covariance: ending.sandwich.covariance.clone(),
         cluster: observations.cluster,
-        n_clusters: ending.n_clusters,
+        n_clusters: ending.clusters.len(),
         n_pushes: observations.pushes().len(),
         n_steps: observations.n_steps(),
         whitened_rms: [rms(&found.before), rms(&found.after)],
@@ -86,10 +87,8 @@ impl<'a> Ending<'a> {
         found: &'a Found,
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
-        let clusters = observations.pushes_of_clusters();
-        let sandwich = Sandwich::of(problem, &found.after, &clusters);
-        let sandwich = sandwich.ok_or(DiagnosisError::Flat)?;
-        Ok(Self { problem, found, sandwich, n_clusters: clusters.len() })
+        let sandwich = Sandwich::of(problem, &found.after, observations)?;
+        Ok(Self { problem, found, sandwich, clusters: observations.pushes_of_clusters() })
     }
 }
 
@@ -160,13 +159,14 @@ impl Ending<'_> {
     ) -> Result<Option<Interval>, DiagnosisError> {
         let variance = by_clusters[(value, value)];
         let (se, ratio) = (variance.sqrt(), by_curvature[(value, value)] / variance);
-        let quantile = student_975(self.n_clusters as f64 - 1.0);
+        let quantile = student_975(self.clusters.len() as f64 - 1.0);
         let target = Target { member, value, se, ratio, quantile };
         interval(self.problem, self.minimum(), &target)
     }
 
-    /// Probability of an estimate as far from "off": Wald's test by the covariance of clusters; for
-    /// a switch, the test of the mean gain of a cluster.
+    /// Probability of an estimate as far from "off": Wald's test by the covariance of clusters, with
+    /// Hotelling's distribution, for the covariance is itself an estimate; for a switch, the test of
+    /// the mean gain of a cluster.
     fn p(&self, index: usize) -> Result<f64, DiagnosisError> {
         let member = &self.problem.space.members[index];
         if member.switches().iter().any(|is_switch| *is_switch) {
@@ -182,23 +182,19 @@ impl Ending<'_> {
         let Some(factor) = covariance.cholesky().filter(|_| !sized.is_empty()) else {
             return Ok(1.0);
         };
-        let (n, freedom) = (self.n_clusters as f64, sized.len() as f64);
-        // Hotelling's factor, for a covariance that is itself an estimate.
-        let factor_of_few = ((n - freedom) / (n - 1.0)).max(0.0);
-        let square = distance.dot(&factor.solve(&distance)) * factor_of_few;
-        Ok(normal_tail(normal_of_chi_square(square, freedom)))
+        let (n, freedom) = (self.clusters.len() as f64, sized.len() as f64);
+        let square = distance.dot(&factor.solve(&distance));
+        let per_freedom = square * (n - freedom) / (freedom * (n - 1.0));
+        Ok(fisher_tail(per_freedom, freedom, n - freedom))
     }
 
     fn p_of_gain(&self) -> f64 {
         let robust = &self.problem.robust;
         let [before, after] =
             [&self.found.before, &self.found.after].map(|minimum| robust.of_pushes(&minimum.at.z));
-        let gains: Vec<f64> =
+        let of_push: Vec<f64> =
             before.iter().zip(after).map(|(before, after)| before - after).collect();
-        let n = gains.len() as f64;
-        let mean = gains.iter().sum::<f64>() / n;
-        let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        normal_tail(mean / (variance / n).sqrt().max(f64::MIN_POSITIVE))
+        p_of_mean(&of_push, &self.clusters)
     }
 
     /// Whether the data do not show the effect at all.
@@ -294,12 +290,24 @@ fn put(model: &mut Description, effect: ModelEffect) -> Result<(), DiagnosisErro
     Ok(())
 }
 
+/// Probability, were the mean gain of a cluster 0, of gains as large as those of some pushes.
+fn p_of_mean(of_push: &[f64], clusters: &[Vec<usize>]) -> f64 {
+    let sum = |pushes: &Vec<usize>| pushes.iter().map(|push| of_push[*push]).sum::<f64>();
+    let gains: Vec<f64> = clusters.iter().map(sum).collect();
+    let n = gains.len() as f64;
+    let mean = gains.iter().sum::<f64>() / n;
+    let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    student_tail(mean / (variance / n).sqrt().max(f64::MIN_POSITIVE), n - 1.0)
+}
+
 /// −∂z of values by the numbers in which an effect is moved.
 fn value_slopes(member: &Member, x: &[f64]) -> DMatrix<f64> {
     let values = member.values(x);
     let mut slopes = DMatrix::zeros(values.len(), x.len());
     for (k, coordinate) in member.coordinates.iter().enumerate() {
-        let step = NUDGE * coordinate.secant;
+        let size = NUDGE * coordinate.secant;
+        // Values stay within their ranges: at the upper end a step leads back.
+        let step = if x[k] + size > coordinate.range.1 { -size } else { size };
         let mut moved = x.to_vec();
         moved[k] += step;
         let moved = member.values(&moved);
@@ -346,4 +354,22 @@ fn open(member: &Member, parameters: &[ParameterFit], has_intervals: bool) -> Op
         !is_switch && (is_at_bound || (has_intervals && parameter.interval.is_none()))
     });
     open.map(|(_, (parameter, _))| Undetermined::Open { parameter: parameter.name })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::p_of_mean;
+
+    #[test]
+    fn pushes_that_repeat_their_session_make_no_switch_surer() {
+        let of_session = [3.0, -1.0, 2.5, 4.0, 0.5, -2.0, 1.0, 3.5, 2.0, -0.5, 1.5, 0.0];
+        let alone: Vec<Vec<usize>> = (0..12).map(|push| vec![push]).collect();
+        let five: Vec<Vec<usize>> = (0..12).map(|k| (5 * k..5 * k + 5).collect()).collect();
+        let gains: Vec<f64> = (0..60).map(|push| 0.2 * of_session[push / 5]).collect();
+        let (one, many) = (p_of_mean(&of_session, &alone), p_of_mean(&gains, &five));
+        assert!((one / many - 1.0).abs() < 1e-12, "{one} {many}");
+        // Student's t of 2.2308 with eleven degrees.
+        assert!((one - 0.023_731).abs() < 1e-6, "{one}");
+        assert_eq!(p_of_mean(&[5.0, 5.0], &[vec![0, 1]]), 1.0);
+    }
 }

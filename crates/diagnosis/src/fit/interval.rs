@@ -38,7 +38,8 @@ const NEAR: f64 = 0.2;
 /// The interval of a number: where the sum, minimised over all others, has risen by t²/ratio.
 ///
 /// The ratio makes the rise that of noise which clusters share; the profile gives the interval its
-/// shape. None where the rise is not reached within the range, or all around the circle.
+/// shape. None where the rise is not reached within the range, or all around the circle; a share's
+/// interval ends with its range.
 ///
 /// # Errors
 /// As a descent.
@@ -118,7 +119,7 @@ fn end(
         }
         if here.1 < target.quantile {
             if distance >= room {
-                return Ok(None);
+                return Ok(profile.shares[k].then_some(bound));
             }
             below = here;
         } else {

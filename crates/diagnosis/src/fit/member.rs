@@ -124,6 +124,20 @@ impl Member {
         coordinates.into_iter().zip(priors).map(strain).collect()
     }
 
+    /// The size of what each number of a place of the coordinates is part of: of a number its own, of
+    /// the components of a vector or an axis that of the whole, whatever the axes.
+    pub(super) fn sizes(&self, x: &[f64]) -> Vec<f64> {
+        let mut sizes: Vec<f64> = x.iter().map(|x| x.abs()).collect();
+        for (first, parameter) in self.parameters().iter().enumerate() {
+            if let (Role::X(_) | Role::Ratio(_), Some(two)) =
+                (parameter.role, sizes.get_mut(first..first + 2))
+            {
+                two.fill(two[0].hypot(two[1]));
+            }
+        }
+        sizes
+    }
+
     /// The bounds of the chart.
     pub(super) fn ranges(&self) -> Vec<(f64, f64)> {
         let of_value = |parameter: &Parameter| match parameter.role {
@@ -157,6 +171,11 @@ impl Member {
         self.switches().iter().zip(&self.prior_sd).map(|(on, sd)| *on || *sd == 0.0).collect()
     }
 
+    /// Which numbers are shares, whose ranges end where nothing more is.
+    pub(super) fn shares(&self) -> Vec<bool> {
+        self.parameters().iter().map(|parameter| parameter.role == Role::Share).collect()
+    }
+
     /// Which numbers are 0 or 1.
     pub(super) fn switches(&self) -> Vec<bool> {
         self.parameters().iter().map(|parameter| parameter.role == Role::Switch).collect()
@@ -165,3 +184,76 @@ impl Member {
 
 /// A difference of this many standard errors tells how coordinates follow values.
 const NUDGE: f64 = 1e-3;
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use effects::{Rig, Role, Surface, all, by_id};
+    use nalgebra::{DMatrix, DVector, Rotation2};
+
+    use super::{Member, Part};
+
+    /// An effect at some of its values, with the squares of its sizes.
+    fn sized(id: &str, values: &[f64]) -> (Member, Vec<f64>, DMatrix<f64>) {
+        let rig = Rig::new(Surface::Ellipsoid, 0.25, 0.3).unwrap();
+        let member = Member::new(by_id(id).unwrap(), Part::Asked, values, &rig);
+        let x = member.place(values);
+        let squares = member.sizes(&x).into_iter().map(|size| size * size).collect();
+        (member, x, DMatrix::from_diagonal(&DVector::from_vec(squares)))
+    }
+
+    #[test]
+    fn the_size_of_an_axis_is_the_same_in_every_direction() {
+        for id in ["table-anisotropy", "body-anisotropy"] {
+            // What the sizes are for the ratio and the direction that people read.
+            let of_values = |direction: f64| {
+                let (member, x, squares) = sized(id, &[1.35, direction]);
+                let values = |shift: [f64; 2]| member.values(&[x[0] + shift[0], x[1] + shift[1]]);
+                let step = 1e-6;
+                let slope = |k: usize, value: usize| {
+                    let [above, below] = [step, -step].map(|step| {
+                        let mut shift = [0.0; 2];
+                        shift[k] = step;
+                        values(shift)[value]
+                    });
+                    (above - below) / (2.0 * step)
+                };
+                let slopes = DMatrix::from_fn(2, 2, |value, k| slope(k, value));
+                &slopes * squares * slopes.transpose()
+            };
+            let one = of_values(0.1);
+            // A share of the exponent ln 1.35 of the ratio, and as much, halved, of a right angle.
+            assert!((one[(0, 0)].sqrt() - 1.35 * 1.35_f64.ln()).abs() < 1e-6, "{one}");
+            assert!((one[(1, 1)].sqrt() - 0.5).abs() < 1e-6, "{one}");
+            for direction in [0.3, PI / 8.0, PI / 4.0, 1.1, 2.0, 3.0] {
+                assert!((of_values(direction) - &one).norm() < 1e-6, "{id} {direction}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_size_of_a_vector_turns_with_the_axes_and_a_number_has_its_own() {
+        for effect in all() {
+            let about = effect.about();
+            let rig = Rig::new(Surface::Ellipsoid, 0.25, 0.3).unwrap();
+            let typical = about.typical(&rig);
+            let (_, x, squares) = sized(about.id, &typical);
+            for (k, parameter) in about.parameters.iter().enumerate() {
+                match parameter.role {
+                    Role::X(_) => {
+                        let block = squares.view((k, k), (2, 2)).into_owned();
+                        let turn = Rotation2::new(0.7);
+                        let turn = turn.matrix();
+                        let turned = turn * &block * turn.transpose();
+                        assert!((turned - &block).norm() <= 1e-12 * block.norm(), "{}", about.id);
+                    }
+                    Role::Even | Role::Odd | Role::Share | Role::Switch => {
+                        assert!((squares[(k, k)].sqrt() - x[k].abs()).abs() < 1e-12);
+                    }
+                    Role::Y(_) | Role::Ratio(_) | Role::Direction(_) => {}
+                }
+            }
+        }
+    }
+}

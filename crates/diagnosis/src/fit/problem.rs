@@ -14,6 +14,8 @@ pub(super) struct Problem<'a> {
     pub(super) robust: Robust,
     /// The numbers that stay where they are.
     pub(super) frozen: Vec<bool>,
+    /// The numbers that may be at an end of their range and are known there as within it.
+    pub(super) shares: Vec<bool>,
     pub(super) ranges: Vec<(f64, f64)>,
     pub(super) secants: Vec<f64>,
 }
@@ -30,6 +32,7 @@ impl<'a> Problem<'a> {
     pub(super) fn new(space: Space<'a>, whitening: &'a Whitening, robust: Robust) -> Self {
         Self {
             frozen: space.of_each(|member| member.frozen()),
+            shares: space.of_each(|member| member.shares()),
             ranges: space.of_each(|member| member.ranges()),
             secants: space.of_each(|member| member.secants()),
             space,

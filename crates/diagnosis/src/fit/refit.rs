@@ -2,7 +2,7 @@
 
 use effects::{Channels, Effect};
 use models::Description;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::descent::{Exactness, Minimum, Start};
 use super::estimates::{descriptions, estimates};
@@ -146,6 +146,12 @@ impl<'a> Refit<'a> {
         self.minimum.at.value
     }
 
+    /// The same with the say that residuals have in another model of the same covariance: sums with
+    /// thresholds of their own cannot be compared.
+    pub(crate) fn misfit_by(&self, other: &Self) -> f64 {
+        other.problem.robust.value(&self.minimum.at.z)
+    }
+
     /// Typical whitened residual of a push, at least 1.
     pub(crate) fn scale(&self) -> f64 {
         self.problem.robust.scale()
@@ -263,25 +269,24 @@ impl<'a> Refit<'a> {
         members.flat_map(of).collect()
     }
 
-    /// Each push's part of the sum when the numbers are fitted without its cluster, in one step.
-    pub(crate) fn left_out(&self) -> Option<Vec<f64>> {
-        let Minimum { at, slopes, weights, curvature, .. } = &self.minimum;
+    /// Each push's part of the sum when the numbers are fitted without its cluster, in one step; with
+    /// the say that residuals have in `other`.
+    ///
+    /// # Errors
+    /// `OneCluster` if the others leave a number open.
+    pub(crate) fn left_out(&self, other: &Self) -> Result<Vec<f64>, DiagnosisError> {
+        let Minimum { at, slopes, .. } = &self.minimum;
         let rows = self.problem.whitening.rows();
         let mut z = at.z.clone();
-        for cluster in self.observations.pushes_of_clusters() {
-            let rows: Vec<usize> = cluster.iter().flat_map(|push| rows[*push].clone()).collect();
-            let own = slopes.select_rows(&rows);
-            let mut weighted = own.clone();
-            let mut pull = DVector::zeros(own.ncols());
-            for (k, row) in rows.iter().enumerate() {
-                pull.axpy(weights[*row] * at.z[*row], &own.row(k).transpose(), 1.0);
-                weighted.row_mut(k).scale_mut(weights[*row]);
-            }
-            let shift = (curvature - own.tr_mul(&weighted)).cholesky()?.solve(&pull);
-            let change = own * shift;
+        for (cluster, pushes) in self.observations.pushes_of_clusters().iter().enumerate() {
+            let rows: Vec<usize> = pushes.iter().flat_map(|push| rows[*push].clone()).collect();
+            let shift = self.minimum.shift_without(&rows).ok_or_else(|| {
+                DiagnosisError::OneCluster { cluster: self.observations.name_of_cluster(cluster) }
+            })?;
+            let change = slopes.select_rows(&rows) * shift;
             rows.iter().zip(change.iter()).for_each(|(row, change)| z[*row] += change);
         }
-        Some(self.problem.robust.of_pushes(&z))
+        Ok(other.problem.robust.of_pushes(&z))
     }
 
     /// The model with what was asked for, and the same with its nuisances.
@@ -314,9 +319,14 @@ impl Trial<'_> {
         self.effect.about().id
     }
 
-    /// What is minimised.
+    /// What is minimised, with the thresholds of the model that was tried.
     pub(crate) fn misfit(&self) -> f64 {
         self.minimum.at.value
+    }
+
+    /// As [`Refit::misfit_by`].
+    pub(crate) fn misfit_by(&self, other: &Refit) -> f64 {
+        other.problem.robust.value(&self.minimum.at.z)
     }
 
     /// Goes on to where the sum falls no more, with the same weights.
@@ -328,5 +338,41 @@ impl Trial<'_> {
         let start = Start { at, slopes: Some(whole), exactness: Exactness::Sum };
         self.minimum = self.problem.descend(start)?;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    use super::Refit;
+    use crate::synthetic::{NOISE, normal, recorded, white};
+    use crate::{FitSettings, Predictions};
+
+    #[test]
+    fn a_model_refitted_as_it_is_loses_nothing_by_the_same_thresholds() {
+        let (mut observations, model) = recorded(1);
+        let predicted = Predictions::of(&model, &[], &observations).unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let push_of = observations.push_of.clone();
+        let steps = observations.steps.iter_mut().zip(predicted.steps());
+        for ((step, predicted), push) in steps.zip(push_of) {
+            // Twice the noise that is expected, and every fourth push far off.
+            let sd = if push % 4 == 0 { 40.0 } else { 2.0 };
+            for (number, value) in step.observed.iter_mut().enumerate() {
+                let made = predicted[number].map(|at| at + sd * NOISE[number] * normal(&mut rng));
+                *value = value.and(made);
+            }
+        }
+        let whitening = white(&observations);
+        let settings = FitSettings::default();
+        let here = Refit::new(&observations, &model, &whitening, &settings).unwrap();
+        let again = here.without(&[]).unwrap();
+        let loss = again.misfit_by(&here) - here.misfit();
+        assert!(loss.abs() < 1.0, "{loss}");
+        // Thresholds of their own make as much of it as an effect would.
+        let apparent = again.misfit() - here.misfit();
+        assert!(apparent.abs() > 20.0, "{apparent}");
     }
 }

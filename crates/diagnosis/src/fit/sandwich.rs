@@ -1,9 +1,10 @@
 //! Covariance of estimates whose data share errors within clusters.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::descent::Minimum;
 use super::problem::Problem;
+use crate::{DiagnosisError, Observations};
 
 /// What estimates leave open, in the numbers that were moved.
 #[derive(Clone, Debug)]
@@ -14,16 +15,19 @@ pub(super) struct Sandwich {
     pub(super) of_curvature: DMatrix<f64>,
 }
 
-/// Share of an estimate by which models of rigs miss the truth.
+/// Share of an estimate's size by which models of rigs miss the truth.
 const MODEL_TOLERANCE: f64 = 0.01;
 
 impl Sandwich {
     /// The jackknife over clusters, in one Newton step each.
     ///
-    /// With A the curvature, u and A₁ a cluster's share of the slope and of A, leaving the cluster
-    /// out moves the estimate by δ = (A − A₁)⁻¹u; V = (G−1)/G Σ δδᵀ + A⁻¹PA⁻¹, with P the priors'
-    /// share of A, for each prior stands for one measurement of its own. To each variance
-    /// (1 % of the estimate)² is added, and to V what the descent left undone.
+    /// With A the curvature and δ what leaving a cluster out moves the estimate by,
+    /// V = (G−1)/G Σ δδᵀ + A⁻¹PA⁻¹, with P the priors' share of A, for each prior stands for one
+    /// measurement of its own. To each variance (1 % of the estimate's size)² is added, a vector's in
+    /// every direction, so that no choice of axes matters; and to V what the descent left undone.
+    ///
+    /// # Errors
+    /// `Flat`; `OneCluster`.
     ///
     /// # Source
     /// Bell & McCaffrey (2002), Bias reduction in standard errors for linear regression with
@@ -31,20 +35,18 @@ impl Sandwich {
     pub(super) fn of(
         problem: &Problem,
         minimum: &Minimum,
-        clusters: &[Vec<usize>],
-    ) -> Option<Self> {
-        let Minimum { at, slopes, weights, curvature, moved, .. } = minimum;
+        observations: &Observations,
+    ) -> Result<Self, DiagnosisError> {
+        let Minimum { at, slopes, curvature, moved, .. } = minimum;
         let (all_rows, n) = (problem.whitening.rows(), moved.len());
-        let inverse = curvature.clone().cholesky()?.inverse();
+        let inverse = curvature.clone().cholesky().ok_or(DiagnosisError::Flat)?.inverse();
         let mut sum = DMatrix::zeros(n, n);
-        for cluster in clusters {
-            let (mut slope, mut share) = (DVector::zeros(n), DMatrix::zeros(n, n));
-            for row in cluster.iter().flat_map(|push| all_rows[*push].clone()) {
-                let of_row = slopes.row(row).transpose();
-                slope.axpy(weights[row] * at.z[row], &of_row, 1.0);
-                share.ger(weights[row], &of_row, &of_row, 1.0);
-            }
-            let shift = (curvature - share).cholesky()?.solve(&slope);
+        let clusters = observations.pushes_of_clusters();
+        for (cluster, pushes) in clusters.iter().enumerate() {
+            let rows: Vec<usize> = pushes.iter().flat_map(|push| all_rows[*push].clone()).collect();
+            let shift = minimum.shift_without(&rows).ok_or_else(|| DiagnosisError::OneCluster {
+                cluster: observations.name_of_cluster(cluster),
+            })?;
             sum.ger(1.0, &shift, &shift, 1.0);
         }
         let n_clusters = clusters.len() as f64;
@@ -54,9 +56,11 @@ impl Sandwich {
         let of_curvature = &inverse * problem.robust.scale().powi(2);
         let mut covariance = sum * ((n_clusters - 1.0) / n_clusters) + of_priors;
         covariance += minimum.decrement * &of_curvature;
+        let shares = problem.space.shares(&at.x);
+        let sizes: Vec<f64> = shares.flat_map(|(member, own)| member.sizes(own)).collect();
         for (column, &k) in moved.iter().enumerate() {
-            covariance[(column, column)] += (MODEL_TOLERANCE * at.x[k]).powi(2);
+            covariance[(column, column)] += (MODEL_TOLERANCE * sizes[k]).powi(2);
         }
-        Some(Self { covariance, of_curvature })
+        Ok(Self { covariance, of_curvature })
     }
 }

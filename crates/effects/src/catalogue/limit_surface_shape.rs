@@ -3,6 +3,12 @@
 use crate::{About, Channel, Effect, LookAlike, Moment, Off, Parameter, Role, Stage, Support};
 
 /// Shape of the limit surface: see [`About`] for its physics.
+///
+/// The load w(t) is the gradient of the power P(t) = (1 − λ) P_ellipsoid(t) + λ P_patch(t). Both powers
+/// are support functions of convex surfaces, that is convex and homogeneous of degree one. For 0 ≤ λ
+/// ≤ 1 neither factor is negative, so P is convex and homogeneous too: the support function of the
+/// Minkowski sum of both bodies, scaled by the factors. Beyond, one body is subtracted and the rest need
+/// not be convex: on a rectangle of 3:1 it is not at λ = 1.25 or −0.5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LimitSurfaceShape;
 
@@ -11,8 +17,8 @@ static ABOUT: About = About {
     title: "Shape of the limit surface",
     physics: "The exact limit surface of uniform pressure is not an ellipsoid: turns about centers \
         in and near the object come out differently. The loads of both surfaces for the same \
-        motion are mixed; both have the same largest force and moment. Beyond λ = 1.25 the mixture \
-        need not be convex on long triangles.",
+        motion are mixed; both have the same largest force and moment. A mixture of two convex \
+        surfaces is convex; beyond its ends it is not, and λ ends there.",
     equation: "w(t) = (1 − λ) w_ellipsoid(t) + λ w_patch(t), with t the motion and w its load; λ \
         = 0 the ellipsoid, 1 the patch.",
     source: "Goyal, Ruina & Papadopoulos (1991), Planar sliding with dry friction, Wear 143; Howe \
@@ -26,8 +32,8 @@ static ABOUT: About = About {
         meaning: "0 for the ellipsoid, 1 for the exact surface of uniform pressure",
         off: Off::SurfaceShape,
         typical: 1.0,
-        range: (-0.5, 1.5),
-        role: Role::Even,
+        range: (0.0, 1.0),
+        role: Role::Share,
     }],
     look_alikes: &[
         LookAlike {

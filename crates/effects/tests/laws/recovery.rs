@@ -61,6 +61,9 @@ impl Problem {
             let mut slopes = DMatrix::zeros(here.len(), at.len());
             for (k, coordinate) in list.iter().enumerate() {
                 let mut ahead = at.clone();
+                let size = share * coordinate.secant;
+                let is_outside = ahead[k] + size > coordinate.range.1;
+                let share = if is_outside { -share } else { share };
                 ahead[k] += share * coordinate.secant;
                 slopes.set_column(k, &((self.model(&ahead) - &here) / share));
             }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use effects::{Effect, Frame, Object, Rig, Role, StepInput, Surface, Track};
 use nalgebra::Vector2;
-use planar::{Polygon, Pose, Shape, Twist};
+use planar::{Polygon, Pose, Shape, Twist, mit_object};
 
 /// How a world differs from the plain one.
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +51,7 @@ impl World {
                     (mapped[index], mapped[index + 1]) = (vector.x, vector.y);
                 }
                 Role::Direction(frame) => mapped[index] = sign * scaled[index] + turn(frame),
-                Role::Even | Role::Y(_) | Role::Ratio(_) | Role::Switch => {}
+                Role::Even | Role::Y(_) | Role::Ratio(_) | Role::Switch | Role::Share => {}
             }
         }
         mapped
@@ -90,6 +90,49 @@ impl World {
                 progress: share(17),
             };
             steps.push(self.step(object, &plain, index % 4 == 1));
+        }
+        steps.extend(self.steps_on_other_outlines());
+        steps
+    }
+
+    /// Pushes of outlines that are not convex or very long, on edges that a pusher reaches.
+    fn steps_on_other_outlines(&self) -> Vec<StepInput> {
+        let l = [(-20., -30.), (60., -30.), (60., 0.), (10., 0.), (10., 60.), (-20., 60.)];
+        let u = [
+            (-52., -30.),
+            (48., -30.),
+            (48., 55.),
+            (23., 55.),
+            (23., 0.),
+            (-22., 0.),
+            (-22., 50.),
+            (-52., 50.),
+        ];
+        let Shape::Polygon(butter) = mit_object("butter").unwrap().shape else {
+            panic!("a polygon")
+        };
+        let butter: Vec<_> = butter.vertices().iter().map(|v| (1e3 * v.x, 1e3 * v.y)).collect();
+        let long = [(75., 7.5), (-75., 7.5), (-75., -7.5), (75., -7.5)];
+        let objects = [
+            (self.object(&l, (1., -2.)), vec![0, 1, 2, 4, 5]),
+            (self.object(&u, (0., 3.)), vec![0, 1, 4, 7]),
+            (self.object(&butter, (0., 0.)), (0..butter.len()).collect()),
+            (self.object(&long, (5., 0.)), vec![0, 1, 2, 3]),
+        ];
+        let mut steps = Vec::new();
+        for index in 0..20 {
+            let share = |prime: usize| (index * prime % 23) as f64 / 23.0;
+            let (object, edges) = &objects[index % 4];
+            let plain = Plain {
+                edge: edges[index / 4 % edges.len()],
+                p: 0.3 + 0.5 * share(7),
+                beta: 1.2 * (share(11) - 0.5),
+                speed: [0.02, 0.1, 0.3][index % 3],
+                pose_wb: Pose::new(0.4 * share(3) - 0.1, 0.3 * share(5), 6.0 * share(13)),
+                kind: Kind::Steady,
+                progress: share(17),
+            };
+            steps.push(self.step(object, &plain, false));
         }
         steps
     }

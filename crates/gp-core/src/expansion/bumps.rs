@@ -202,6 +202,10 @@ impl Gp {
         let prior = basis.signal_variance();
         let roots = vec![(-1.0, inverse(self.cholesky.factor()))];
         let trend = (self.mean(), self.mean_slopes());
-        Expansion::new(basis, trend, self.weights.clone(), prior, roots)
+        let whole = Expansion::new(basis, trend, self.weights.clone(), prior, roots)?;
+        self.deviations.iter().try_fold(whole, |whole, deviation| {
+            let trend = (deviation.trend.constant(), deviation.trend.slopes());
+            whole.with_deviation(trend, deviation.weights.clone())
+        })
     }
 }

@@ -6,6 +6,7 @@ use serde_spanned::Spanned;
 use super::ModelFile;
 use super::raw::{Raw, RawBase, RawEstimate};
 use super::source::Source;
+use crate::analytical::{FRICTION_RANGE, LENGTH_RANGE};
 use crate::{
     Analytical, Base, CharacteristicLength, Estimate, ModelError, ProcessKind, Split, SurfaceKind,
     model_kinds,
@@ -76,7 +77,7 @@ impl Source<'_> {
         let surface = self.surface(raw)?;
         let key = "base.pusher_friction";
         let friction = match &raw.pusher_friction {
-            Some(friction) => self.estimate(friction, key, 0.0)?,
+            Some(friction) => self.estimate(friction, key, FRICTION_RANGE)?,
             None => return Err(self.invalid(start, key, "is missing; give a value")),
         };
         let length = self.length(raw, start, surface)?;
@@ -124,7 +125,7 @@ impl Source<'_> {
             (None, Some(_)) => Ok(CharacteristicLength::UniformPressure),
             (Some(length), None) if surface == SurfaceKind::Ellipsoid => {
                 let key = "base.characteristic_length";
-                Ok(CharacteristicLength::Given(self.estimate(length, key, f64::MIN_POSITIVE)?))
+                Ok(CharacteristicLength::Given(self.estimate(length, key, LENGTH_RANGE)?))
             }
             (Some(length), None) => {
                 let name = surface.name();
@@ -154,13 +155,12 @@ impl Source<'_> {
         &self,
         raw: &Spanned<RawEstimate>,
         key: &str,
-        least: f64,
+        (low, high): (f64, f64),
     ) -> Result<Estimate, ModelError> {
         let RawEstimate { value, se, source } = raw.get_ref();
-        for (name, value, least) in [("value", *value, least), ("se", *se, 0.0)] {
-            if !(value >= least && value.is_finite()) {
-                let sign = if least > 0.0 { "positive" } else { "not negative" };
-                let problem = format!("must be finite and {sign}, got {value}");
+        for (name, value, low) in [("value", *value, low), ("se", *se, 0.0)] {
+            if !(low..=high).contains(&value) {
+                let problem = format!("must be from {low} to {high}, got {value:?}");
                 return Err(self.invalid(raw.span().start, &format!("{key}.{name}"), problem));
             }
         }

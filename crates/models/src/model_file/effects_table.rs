@@ -7,6 +7,9 @@ use super::raw::{Raw, RawEffect, RawParameter};
 use super::source::Source;
 use crate::{Estimate, ModelEffect, ModelError};
 
+/// Of a parameter that the data do not determine, in its unit.
+const LARGEST_SE: f64 = 1e9;
+
 impl Source<'_> {
     /// The effects in the order of the file; `own` are those besides the catalogue.
     pub(super) fn effects(
@@ -91,8 +94,8 @@ impl Source<'_> {
                 format!("must be from {low} to {high} (unit {unit}), got {value}"),
             );
         }
-        if !(*se >= 0.0 && se.is_finite()) {
-            return refuse("se", format!("must be finite and not negative, got {se}"));
+        if !(0.0..=LARGEST_SE).contains(se) {
+            return refuse("se", format!("must be from 0 to {LARGEST_SE:e}, got {se:?}"));
         }
         match unit {
             Some(unit) if unit != parameter.unit => {

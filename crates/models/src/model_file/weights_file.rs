@@ -1,5 +1,7 @@
 //! The weights beside a model file, under its checksum.
 
+use std::fs;
+use std::io::ErrorKind;
 use std::path::Path;
 
 use serde_spanned::Spanned;
@@ -7,8 +9,12 @@ use sha2::{Digest, Sha256};
 
 use super::raw::{RawLearned, new};
 use super::source::Source;
-use super::{read_text, write_whole};
+use super::{io, read_text};
 use crate::{Base, ModelError, ProcessKind, StepFeatures, Weights};
+
+/// How a weights file ends, and digits of its checksum that stand before that.
+const ENDING: &str = "weights.json";
+const SHOWN: usize = 12;
 
 /// Reads the weights that a model file of this base names.
 ///
@@ -85,21 +91,55 @@ fn kind(
 /// # Errors
 /// `Io`; `Weights` if they cannot be written as JSON.
 pub(super) fn write(model: &Path, weights: &Weights) -> Result<RawLearned, ModelError> {
-    let path = model.with_extension("weights.json");
     let text = serde_json::to_string(weights).map_err(|error| ModelError::Weights {
-        path: path.clone(),
+        path: model.into(),
         problem: format!("cannot be written as JSON: {error}"),
     })?;
-    write_whole(&path, &text)?;
+    let sha256 = digest(&text);
+    let path = model.with_extension(format!("{}.{ENDING}", &sha256[..SHOWN]));
+    output::write(&path, &text)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let beside = weights.beside_physics.as_ref();
     Ok(RawLearned {
         weights: name,
-        sha256: digest(&text),
+        sha256,
         process: beside.map(|_| new(weights.kind().id().to_owned())),
         inputs: weights.inputs.clone(),
         unexplained: beside.map(|beside| beside.unexplained),
     })
+}
+
+/// The weights that the model file at a path names, if it is one that names some of its own.
+pub(super) fn named_by(model: &Path) -> Option<String> {
+    let file: toml::Table = fs::read_to_string(model).ok()?.parse().ok()?;
+    let name = file.get("learned")?.get("weights")?.as_str()?;
+    let rest = name.strip_prefix(model.file_stem()?.to_str()?)?;
+    let is_own = rest.starts_with('.') && rest.ends_with(ENDING) && !rest.contains(['/', '\\']);
+    is_own.then(|| name.to_owned())
+}
+
+/// Removes weights beside the model file `model`, unless another model of the folder names them.
+///
+/// # Errors
+/// `Io`.
+pub(super) fn remove(model: &Path, name: Option<String>) -> Result<(), ModelError> {
+    let Some(name) = name else { return Ok(()) };
+    let folder = match model.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    for entry in fs::read_dir(folder).map_err(|source| io("read", folder, source))? {
+        let other = entry.map_err(|source| io("read", folder, source))?.path();
+        let is_model = other.extension().is_some_and(|ending| ending == "toml");
+        if is_model && fs::read_to_string(&other).is_ok_and(|text| text.contains(&name)) {
+            return Ok(());
+        }
+    }
+    let path = model.with_file_name(name);
+    match fs::remove_file(&path) {
+        Err(source) if source.kind() != ErrorKind::NotFound => Err(io("remove", &path, source)),
+        _ => Ok(()),
+    }
 }
 
 fn digest(text: &str) -> String {

@@ -261,13 +261,14 @@ impl PushMotion<'_> {
         let covariance = Matrix3::from_diagonal(&variance);
         let settled = |point: DVector<f64>| {
             let held = Holding {
+                outline: &self.outline,
                 center_w: self.step.end_w,
                 along_w,
                 gap: nominal + point[N_POSE],
                 tolerance: self.settings.tolerance,
             };
             let drawn_wb = Pose::new(point[0], point[1], point[2]);
-            let pose_wb = self.pushed.settled(&drawn_wb, &held, &covariance).unwrap_or(drawn_wb);
+            let pose_wb = held.settled(&drawn_wb, &covariance).unwrap_or(drawn_wb);
             let mut mean = point;
             (mean[0], mean[1]) = (pose_wb.position.x, pose_wb.position.y);
             mean[2] = pose_wb.angle;

@@ -63,7 +63,7 @@ impl RollOut<'_> {
             Matching::Exact(rule) => Some(Exact::of(self.model, first, rule)?),
         };
         for step in &steps {
-            let motion = self.motion(step);
+            let motion = self.motion(step)?;
             let moved = match (&exact, matching) {
                 (Some(exact), _) => exact.moved(&motion, &state)?,
                 (None, Matching::Points(rule) | Matching::Exact(rule)) => {
@@ -143,7 +143,7 @@ impl PushMotion<'_> {
         let held = Vector3::new(point[4], point[5], point[6]);
         let nominal = first.contact_gap.unwrap_or(0.0);
         let mut state = first.moved(pose_wb, held, point[3]);
-        let off = self.pushed.gap(&pose_wb, &self.step.start_w) - (nominal + point[3]);
+        let off = self.outline.gap(&pose_wb, &self.step.start_w) - (nominal + point[3]);
         state.contact_gap = (off <= self.settings.tolerance).then_some(nominal + point[3]);
         state
     }
@@ -205,6 +205,7 @@ impl PushMotion<'_> {
         let Some(begin) = self.begins(state, &along_w) else { return Ok(still()) };
         let Some(input) = self.input(state, &begin, &along_w)? else { return Ok(still()) };
         let held = Holding {
+            outline: &self.outline,
             center_w: self.step.end_w,
             along_w,
             gap: begin.gap,
@@ -215,9 +216,8 @@ impl PushMotion<'_> {
         let way = |(slip, share, said): (Slip, f64, StepPrediction)| {
             let (mean, covariance) = self.with_shared(state, &said);
             let drawn_wb = moved_by(&state.pose_wb, &along_w, mean.into());
-            let (pose_wb, covariance) = self
-                .pushed
-                .settled_gaussian(&drawn_wb, &held, &covariance, &axes)
+            let (pose_wb, covariance) = held
+                .settled_gaussian(&drawn_wb, &covariance, &axes)
                 .unwrap_or_else(|| (drawn_wb, axes * covariance * axes.transpose()));
             (slip as usize, share, pose_wb, covariance)
         };

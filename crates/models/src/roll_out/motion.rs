@@ -1,6 +1,6 @@
 //! One step of a path as a motion of particles.
 
-use effects::Track;
+use effects::{Track, TrueOutline};
 use filter::{DrawnMotion, MotionModel};
 use nalgebra::{Matrix3, Rotation2, Vector2, Vector3};
 use planar::{Contact, Feature, Pose, Twist};
@@ -18,10 +18,12 @@ use crate::{
 };
 
 /// One step of a path as a motion of particles: see [`super::RollOut`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct PushMotion<'a> {
     pub(super) model: &'a dyn PushModel,
     pub(super) pushed: &'a Pushed,
+    /// Of the model.
+    pub(super) outline: TrueOutline,
     pub(super) settings: &'a RollOutSettings,
     pub(super) step: PathStep,
 }
@@ -171,20 +173,18 @@ impl PushMotion<'_> {
 
     /// Whether and where the push begins.
     pub(super) fn begins(&self, state: &PushParticle, direction_w: &Vector2<f64>) -> Option<Begun> {
-        let Pushed { shape, pusher_radius, .. } = self.pushed;
         let turn = Rotation2::new(state.pose_wb.angle);
         let direction_b = turn.inverse_transform_vector(direction_w);
         let start_b = turn.inverse_transform_vector(&(self.step.start_w - state.pose_wb.position));
         if let Some(gap) = state.contact_gap {
-            let contact = shape.contact(&start_b, *pusher_radius);
+            let contact = self.outline.contact(&start_b);
             if contact.normal.dot(&direction_b) > 0.0 {
                 return Some(Begun { free: 0.0, gap, contact, start_b, direction_b });
             }
         }
-        let free =
-            first_touch((shape, *pusher_radius), start_b, direction_b, self.step.distance())?;
+        let free = first_touch(&self.outline, start_b, direction_b, self.step.distance())?;
         let start_b = start_b + free * direction_b;
-        let contact = shape.contact(&start_b, *pusher_radius);
+        let contact = self.outline.contact(&start_b);
         Some(Begun { free, gap: state.gap_error, contact, start_b, direction_b })
     }
 
@@ -243,6 +243,7 @@ impl PushMotion<'_> {
         let (error, log_density) = self.error(state, said, normal);
         let drawn_wb = moved_by(&state.pose_wb, &along_w, (said.mean + error).into());
         let held = Holding {
+            outline: &self.outline,
             center_w: self.step.end_w,
             along_w,
             gap: begin.gap,
@@ -252,7 +253,7 @@ impl PushMotion<'_> {
             StepErrors::Independent | StepErrors::Held(_) => said.covariance,
             StepErrors::None => Matrix3::zeros(),
         };
-        let settled = self.pushed.settled(&drawn_wb, &held, &covariance);
+        let settled = held.settled(&drawn_wb, &covariance);
         let (is_lost, end_wb) = (settled.is_none(), settled.unwrap_or(drawn_wb));
         let was_free = !state.touches() || begin.free > 0.0;
         let pushed_for = self.step.duration * (1.0 - begin.free / self.step.distance());

@@ -147,7 +147,7 @@ fn contact_holds_its_gap_in_every_particle() {
     let roll_out = RollOut { model: &model, pushed: &pushed, settings: &settings };
     let watch = |moment: &Moment, particles: &[PushParticle]| {
         for particle in particles.iter().filter(|particle| particle.touches()) {
-            let gap = pushed.gap(&particle.pose_wb, &moment.pusher_w.into());
+            let gap = pushed.stated().gap(&particle.pose_wb, &moment.pusher_w.into());
             assert!((gap - 0.0004).abs() < 1e-7, "{gap}");
         }
     };

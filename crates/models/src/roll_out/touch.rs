@@ -1,7 +1,7 @@
 //! Where a free pusher meets the outline.
 
+use effects::TrueOutline;
 use nalgebra::Vector2;
-use planar::Shape;
 
 /// The pusher touches within this, in m.
 const TOUCH: f64 = 1e-6;
@@ -13,14 +13,14 @@ const LEAST_ADVANCE: f64 = 1e-5;
 ///
 /// The pusher goes on by its distance from the outline, which can never be too far.
 pub(super) fn first_touch(
-    (shape, radius): (&Shape, f64),
+    outline: &TrueOutline,
     start_b: Vector2<f64>,
     direction_b: Vector2<f64>,
     distance: f64,
 ) -> Option<f64> {
     let mut way = 0.0;
     while way < distance {
-        let contact = shape.contact(&(start_b + way * direction_b), radius);
+        let contact = outline.contact(&(start_b + way * direction_b));
         if contact.gap <= TOUCH && direction_b.dot(&contact.normal) > 0.0 {
             return Some(way);
         }
@@ -32,15 +32,16 @@ pub(super) fn first_touch(
 
 #[cfg(test)]
 mod tests {
+    use effects::TrueOutline;
     use nalgebra::Vector2;
     use planar::Shape;
 
     use super::first_touch;
 
     fn touch(start: [f64; 2], direction: [f64; 2], distance: f64) -> Option<f64> {
-        let square = Shape::square(0.09).unwrap();
+        let square = TrueOutline::stated(&Shape::square(0.09).unwrap(), 0.005);
         let (start, direction) = (Vector2::from(start), Vector2::from(direction).normalize());
-        first_touch((&square, 0.005), start, direction, distance)
+        first_touch(&square, start, direction, distance)
     }
 
     #[test]

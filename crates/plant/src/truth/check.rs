@@ -62,7 +62,7 @@ impl Truth {
             ("wear.chip_size", self.wear.chip_size, "m", 0.0, 1.0),
             ("cable.tension", self.cable.tension, "N", 0.0, 100.0),
             ("cable.stiffness", self.cable.stiffness, "N/m", 0.0, 1e3),
-            ("tip.radius", tip.radius, "m", 1e-5, 1.0),
+            ("tip.radius", tip.radius, "m", 0.0, 1.0),
             ("tip.compliance", tip.compliance, "m/N", 1e-6, 0.01),
             ("tip.damping_ratio", tip.damping_ratio, "", 0.05, 5.0),
             ("tip.bias", tip.bias, "m", -0.1, 0.1),

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tip {
-    /// Radius, in m.
+    /// Radius, in m; 0 for a point.
     pub radius: f64,
     /// Compliance of tip and arm in every direction, in m/N.
     pub compliance: f64,

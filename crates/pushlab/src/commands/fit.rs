@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
+use crate::destination::{Force, Inputs};
 use crate::file_ending;
 use crate::fitting::{Fitting, model_for};
 use crate::origin::Origin;
@@ -31,6 +32,8 @@ pub(crate) struct Args {
     /// Seed of the choice of pushes that are set aside
     #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = clap::value_parser!(u32))]
     seed: u32,
+    #[command(flatten)]
+    force: Force,
 }
 
 const EXAMPLES: &str = "\
@@ -42,11 +45,13 @@ then:
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let mut origin = args.origin();
-    let (model, destination) = model_for(&args.model, &args.output, &mut origin)?;
+    let inputs = Inputs::default().with_set(&args.set, None);
+    let output = (args.output.as_path(), &args.force);
+    let (model, destination) = model_for(&args.model, output, inputs, &mut origin)?;
     let fitting = Fitting::read(&args.set, &model, args.seed.into(), &mut origin, terminal)?;
     let free: Vec<&str> = args.free.iter().map(String::as_str).collect();
     let fit = fitting.fit(&model, &free)?.determined()?;
-    let fitted = fitting.write(fit, format!("{}, fitted", model.name), &destination)?;
+    let fitted = fitting.write(fit, format!("{}, fitted", model.name), destination)?;
     terminal.finish(&origin, &fitted, &fitted)
 }
 

@@ -8,14 +8,14 @@ use dataset::{MANIFEST_NAME, Preset, Remark, draft_manifest, find_recordings, un
 use serde::Serialize;
 
 use crate::command_line::preset_parser;
-use crate::destination::Destination;
+use crate::destination::{Force, Inputs};
 use crate::origin::{Input, Origin, plain, readable};
 use crate::terminal::{TITLE, Terminal, WARNING};
 
 /// Write a commented dataset.toml from what a folder of recordings holds
 ///
 /// Looks at topics, types, columns, rates and file names. What no recording can tell (shape, mass,
-/// pusher) is left as "TODO". A dataset.toml that is there is never overwritten.
+/// pusher) is left as "TODO".
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
@@ -27,6 +27,8 @@ pub(crate) struct Args {
     /// Print the file instead of writing it
     #[arg(long)]
     print: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 const EXAMPLES: &str = "\
@@ -49,7 +51,8 @@ struct Initialized<'a> {
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     readable(&args.dir)?;
     let path = plain(&args.dir.join(MANIFEST_NAME));
-    let destination = if args.print { None } else { Some(Destination::unused(&path)?) };
+    let destination =
+        if args.print { None } else { Some(args.force.file(&path, &Inputs::default())?) };
     let mut origin = Origin::new(["init".to_owned(), args.dir.display().to_string()]);
     let mut remarks = Vec::new();
     let text = match args.preset {
@@ -65,12 +68,13 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         }
     };
     let text = format!("{}\n\n{}", text.trim_end(), origin.comment());
-    if let Some(destination) = &destination {
-        destination.write(text.as_bytes())?;
+    let is_written = destination.is_some();
+    if let Some(destination) = destination {
+        destination.write(&text)?;
     }
     let open_lines = text.lines().enumerate().filter(|(_, line)| line.contains("\"TODO\""));
     let result = Initialized {
-        path: destination.as_ref().map(Destination::path),
+        path: is_written.then_some(path.as_path()),
         text: &text,
         remarks,
         open_lines: open_lines.map(|(index, _)| index + 1).collect(),

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use dataset::{
-    DatasetError, Inspection, LogFormat, MANIFEST_NAME, RecordingSet, Remark, StreamInfo,
-    all_formats, find_recordings, unread_recordings,
+    DatasetError, Inspection, LogFormat, MANIFEST_NAME, ReadLimits, RecordingSet, Remark,
+    StreamInfo, all_formats, find_recordings, unread_recordings,
 };
 use serde::Serialize;
 
@@ -52,7 +52,7 @@ struct InspectedRecording {
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    let Found { format, paths, remarks } = recordings(&args.set)?;
+    let Found { format, paths, limits, remarks } = recordings(&args.set)?;
     let mut arguments = vec!["inspect".to_owned(), args.set.display().to_string()];
     arguments.extend(args.all.then(|| "--all".to_owned()));
     let mut origin = Origin::new(arguments);
@@ -61,7 +61,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let mut result = Inspected { format: format_id, n_recordings, remarks, recordings: Vec::new() };
     let mut progress = terminal.progress("inspected", wanted.len());
     for path in wanted {
-        let inspection = format.inspect(path)?;
+        let inspection = format.inspect(path, &limits)?;
         origin.inputs.extend(Input::all(path)?);
         result.recordings.push(InspectedRecording { path: plain(path), inspection });
         progress.advance();
@@ -70,10 +70,11 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     terminal.finish(&origin, &result, &result)
 }
 
-/// Recordings, and what lies beside them.
+/// Recordings with their limits, and what lies beside them.
 struct Found {
     format: &'static dyn LogFormat,
     paths: Vec<PathBuf>,
+    limits: ReadLimits,
     remarks: Vec<Remark>,
 }
 
@@ -84,7 +85,8 @@ fn recordings(path: &Path) -> Result<Found> {
         match RecordingSet::open(path) {
             Ok(set) => {
                 let (paths, remarks) = (set.recordings().to_vec(), set.remarks().to_vec());
-                return Ok(Found { format: set.format(), paths, remarks });
+                let limits = set.manifest().limits.clone();
+                return Ok(Found { format: set.format(), paths, limits, remarks });
             }
             Err(DatasetError::Parse { .. } | DatasetError::Manifest { .. }) if is_dir => {}
             Err(error) => return Err(error.into()),
@@ -93,11 +95,12 @@ fn recordings(path: &Path) -> Result<Found> {
     if is_dir {
         let (format, folder, paths) = find_recordings(path)?;
         let remarks = unread_recordings(path, format, &folder);
-        return Ok(Found { format, paths, remarks });
+        return Ok(Found { format, paths, limits: ReadLimits::default(), remarks });
     }
     for &format in all_formats() {
         if let Ok(paths) = format.find(path) {
-            return Ok(Found { format, paths, remarks: Vec::new() });
+            let (limits, remarks) = (ReadLimits::default(), Vec::new());
+            return Ok(Found { format, paths, limits, remarks });
         }
     }
     let known: Vec<_> = all_formats().iter().map(|format| format.id()).collect();

@@ -33,7 +33,7 @@ fn made(
     change(&mut settings);
     generate(&settings, &folder.path().join("set")).unwrap();
     let set = RecordingSet::open(&folder.path().join("set")).unwrap();
-    let read = |path| set.format().read(path, &set.manifest().streams).unwrap();
+    let read = |path| set.read(path).unwrap();
     (set.recordings().iter().map(|path| read(path)).collect(), set.manifest().clone())
 }
 

@@ -177,7 +177,7 @@ fn damaged_tables_name_line_column_value_and_unit() {
     set.write("wide.csv", &(lines.join("\n") + "\n"));
     let line = format!("wide.csv:{}: ", header + 4);
     let message = set.error(&["describe", "wide.csv"]);
-    assert_names(&message, &[&line, "dx_m is `wide`", "expected a finite number in m"]);
+    assert_names(&message, &[&line, "dx_m is `wide`", "expected -1e12 to 1e12 m"]);
     set.write("none.parquet", "this is no Parquet file");
     assert_names(&set.error(&["describe", "none.parquet"]), &["none.parquet: "]);
 }
@@ -203,7 +203,7 @@ fn inputs_are_never_overwritten() {
     set.write("theirs.csv", theirs);
     let message =
         set.error(&["ingest", "theirs.csv", "--preset", "mit-table", "-o", "./theirs.csv"]);
-    assert_names(&message, &["belongs to the input theirs.csv", "name another file"]);
+    assert_names(&message, &["belongs to the input theirs.csv", "name another output"]);
     assert_eq!(set.read("theirs.csv"), theirs);
     let robot = set.read(ROBOT);
     assert_names(&set.error(&["ingest", "set", "-o", ROBOT]), &["belongs to the input"]);
@@ -219,6 +219,88 @@ fn devices_are_no_input() {
         arguments.push("/dev/zero");
         assert_names(&set.error(&arguments), &["/dev/zero: it is neither a file nor a folder"]);
     }
+}
+
+/// A pipe that nobody writes to would be waited for, a device read until memory is full.
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused_wherever_a_file_is_read() {
+    let set = SmallSet::new();
+    set.done(&["ingest", "set", "-o", "steps.csv", "-q"]);
+    set.done(&["models", "init", "set", "-q"]);
+    let pipes = ["pipe.toml", "pipe.csv", "pipe.parquet", "pipe.json", "piped.toml"];
+    for pipe in pipes {
+        let status = std::process::Command::new("mkfifo").arg(set.path(pipe)).status();
+        assert!(status.unwrap().success());
+        let device = set.path(&pipe.replace("pipe", "zero"));
+        std::os::unix::fs::symlink("/dev/zero", device).unwrap();
+    }
+    for file in ["pipe", "zero"] {
+        let name = |ending: &str| format!("{file}.{ending}");
+        for (arguments, ending) in [
+            (vec!["describe"], "csv"),
+            (vec!["describe"], "parquet"),
+            (vec!["models", "show"], "toml"),
+            (vec!["compare", "steps.csv", "--manifest"], "toml"),
+            (vec!["compare", "steps.csv", "--mapping"], "toml"),
+            (vec!["suggest", "-o", "list.csv", "--from"], "json"),
+        ] {
+            let path = name(ending);
+            let run = set.ends(&[&arguments[..], &[&path]].concat());
+            assert_eq!(run.code, Some(1), "{arguments:?} {path}: {}", run.stderr);
+            assert_names(&run.stderr, &[&path]);
+        }
+    }
+    for file in ["dataset.toml", "sessions.csv"] {
+        let set = SmallSet::new();
+        let path = set.path(&format!("set/{file}"));
+        let _ = std::fs::remove_file(&path);
+        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+        let run = set.ends(&["check", "set"]);
+        assert_eq!(run.code, Some(1), "{file}: {}", run.stderr);
+        assert_names(&run.stderr, &[file]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn weights_that_are_a_pipe_are_refused() {
+    let set = SmallSet::new();
+    set.write(
+        "gp.toml",
+        "schema = \"pushlab.model/1\"\nname = \"a\"\n\n[base]\nkind = \"gp\"\n\n[learned]\n\
+         weights = \"gp.weights.json\"\nsha256 = \"00\"\ninputs = [\"p\", \"beta_rad\"]\n",
+    );
+    let weights = set.path("gp.weights.json");
+    assert!(std::process::Command::new("mkfifo").arg(weights).status().unwrap().success());
+    let run = set.ends(&["models", "show", "gp.toml"]);
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
+    assert_names(&run.stderr, &["gp.weights.json"]);
+}
+
+#[test]
+fn a_path_of_1000_km_is_refused_with_the_number_of_its_steps() {
+    let set = SmallSet::new();
+    set.done(&["models", "init", "set", "-q"]);
+    let far = "kind = \"straight\"\nspeed_mm_s = 20\npoints_mm = [[-100, 0], [1000000000, 0]]\n";
+    set.write("far.toml", far);
+    let arguments = ["simulate", "far.toml", "--manifest", "set/dataset.toml", "-o", "out"];
+    let run = set.ends(&arguments);
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
+    assert_names(&run.stderr, &["steps along the path, at most 20000", "shorten the path"]);
+}
+
+#[test]
+fn friction_beyond_any_material_is_refused_with_its_range() {
+    let set = SmallSet::new();
+    set.done(&["models", "init", "set", "-q"]);
+    set.edit("model.toml", "value = 0.25", "value = 1e308");
+    let message = set.error(&["models", "show", "model.toml"]);
+    assert_names(&message, &["base.pusher_friction.value: must be from 0 to 10, got 1e308"]);
+    set.edit("model.toml", "value = 1e308", "value = 0.25");
+    set.edit("model.toml", "se = 0.0", "se = -1e9");
+    let message = set.error(&["models", "show", "model.toml"]);
+    assert_names(&message, &["base.pusher_friction.se: must be from 0 to 10, got -1000000000.0"]);
 }
 
 #[test]

@@ -123,7 +123,10 @@ fn a_draft_is_written_once_and_says_what_is_open() {
     assert_eq!(set.read("set/dataset.toml"), printed);
     assert!(printed.contains("\n# arguments: init set\n# source: sha256 "), "{printed}");
     assert!(run.stdout.contains("set/dataset.toml:5: shape = \"TODO\""), "{}", run.stdout);
-    assert!(set.error(&["init", "set"]).contains("exists; remove or rename it first"));
+    assert!(
+        set.error(&["init", "set"])
+            .contains("it exists; name another file, or replace it with --force")
+    );
     assert_eq!(set.read("set/dataset.toml"), printed);
     let message = set.error(&["ingest", "set"]);
     assert!(message.contains("help: fill in what is marked TODO"), "{message}");
@@ -173,9 +176,7 @@ fn models_begin_with_the_nominal_values_of_a_set() {
     let shown = set.done(&["models", "show"]).stdout;
     assert!(shown.starts_with("nominal model of small (analytical)\n"), "{shown}");
     assert!(shown.contains("pusher friction: 0.25  (set/dataset.toml sha256:"), "{shown}");
-    assert!(
-        set.error(&["models", "init", "set"]).contains("model.toml exists; remove or rename it")
-    );
+    assert!(set.error(&["models", "init", "set"]).contains("model.toml: it exists"));
     let shown = document(&set.done(&["models", "show", "--json"]).stdout);
     assert_eq!(shown["result"]["parameters"][0]["value"], 0.25);
     assert_eq!(shown["result"]["parameters"][1]["value"], Value::Null);

@@ -17,7 +17,7 @@ fn the_demo_names_what_was_hidden_and_leaves_a_report() {
     for name in ["model.toml", "diagnosis.json", "better.toml", "report.html"] {
         assert!(set.exists(&format!("story/{name}")), "{name}");
     }
-    assert!(set.error(&demo[..4]).contains("story has files in it; name another folder"));
+    assert!(set.error(&demo[..4]).contains("story: the folder is not empty"));
 }
 
 #[test]

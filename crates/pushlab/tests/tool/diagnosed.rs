@@ -93,7 +93,7 @@ fn the_page_shows_what_is_missing_beside_what_the_model_misses() {
     let (set, mut diagnosis) = diagnosed();
     diagnosis["sentence"] = "Missing: </script><script>alert(1)</script>".into();
     set.write("d.json", &diagnosis.to_string());
-    let report = ["report", "pushes", "--diagnosis", "d.json"];
+    let report = ["report", "pushes", "--diagnosis", "d.json", "--force"];
     set.done(&report);
     let page = set.read("report.html");
     for part in [
@@ -110,7 +110,7 @@ fn the_page_shows_what_is_missing_beside_what_the_model_misses() {
         assert!(page.contains(part), "no {part}");
     }
     assert!(!page.contains("<script>alert(1)"));
-    set.done(&["report", "pushes", "--model", "fitted.toml", "--diagnosis", "d.json"]);
+    set.done(&[&report[..], &["--model", "fitted.toml"]].concat());
     assert!(set.read("report.html").contains("limit-surface-shape is in the page"));
     diagnosis["split"]["set"] = "0123".into();
     set.write("d.json", &diagnosis.to_string());

@@ -17,7 +17,7 @@ fn generated(hidden: &[&str], more: &[&str]) -> SmallSet {
 }
 
 fn diagnosed(set: &SmallSet) -> Value {
-    let run = set.done(&["diagnose", "pushes", "-o", "diagnosis.json", "--json"]);
+    let run = set.done(&["diagnose", "pushes", "-o", "diagnosis.json", "--json", "--force"]);
     let found: Value = serde_json::from_str(&run.stdout).unwrap();
     assert_eq!(schema::fault(&found, &schema::diagnosis()), None);
     assert_eq!(serde_json::from_str::<Value>(&set.read("diagnosis.json")).unwrap(), found);
@@ -151,7 +151,8 @@ fn what_alike_pushes_leave_open_the_suggested_ones_decide() {
     set.done(&["models", "init", "few"]);
     set.done(&["add", "limit-surface-shape", "--set", "lambda=1", "-o", "patch.toml"]);
     let diagnose = |name: &str| {
-        let words = ["diagnose", name, "--model", "patch.toml", "-o", "d.json", "--json"];
+        let words =
+            ["diagnose", name, "--model", "patch.toml", "-o", "d.json", "--json", "--force"];
         serde_json::from_str::<Value>(&set.done(&words).stdout).unwrap()
     };
     let found = diagnose("few");

@@ -27,6 +27,9 @@ fn a_fitted_effect_lowers_the_error_of_pushes_that_no_fit_has_seen() {
     let lambda = &fitted["effects"][0]["parameters"][0];
     let [value, se] = ["value", "se"].map(|key| lambda[key].as_f64().unwrap());
     assert!((value - 1.0).abs() < 3.0 * se && se < 0.05, "{lambda}");
+    // The pushes stand on the exact patch, where the mixture ends: so does the interval.
+    let [low, high] = ["low95", "high95"].map(|key| lambda["interval"][key].as_f64().unwrap());
+    assert!(value <= 1.0 && low > 1.0 - 6.0 * se && low < value && high == 1.0, "{lambda}");
     assert_eq!((&fitted["n_pushes"], &fitted["n_kept"]), (&45.into(), &15.into()));
     let written = set.read("better.toml");
     assert!(written.contains("[split]") && written.contains("fit to 45 pushes"), "{written}");
@@ -37,7 +40,7 @@ fn a_fitted_effect_lowers_the_error_of_pushes_that_no_fit_has_seen() {
     let turn = &compared["against"]["changes"][2];
     let [before, after] = ["before", "after"].map(|key| turn[key].as_f64().unwrap());
     assert!(after < 0.5 * before, "{turn}");
-    let again = set.done(&[&add[..], &["--jobs", "1"]].concat()).stdout;
+    let again = set.done(&[&add[..], &["--jobs", "1", "--force"]].concat()).stdout;
     assert_eq!(added, again);
     assert_eq!(written, set.read("better.toml"));
     let shown = set.done(&["models", "show", "better.toml"]).stdout;
@@ -54,7 +57,17 @@ fn values_by_hand_are_checked_and_raise_the_error_where_they_are_wrong() {
     let set = pushes();
     let add = |values: [&'static str; 2]| {
         let [ratio, direction] = values;
-        ["add", "table-anisotropy", "--set", ratio, "--set", direction, "-o", "grain.toml"]
+        [
+            "add",
+            "table-anisotropy",
+            "--set",
+            ratio,
+            "--set",
+            direction,
+            "-o",
+            "grain.toml",
+            "--force",
+        ]
     };
     set.done(&add(["ratio=1.3", "direction=0.6"]));
     let compare = ["compare", "pushes", "--model", "grain.toml", "--against", "model.toml"];

@@ -1,7 +1,8 @@
 //! A small recording set with a known motion, and the tool run on it.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 use dataset::{PoseStream, Recording, WrenchStream, all_writers};
 use tempfile::TempDir;
@@ -77,6 +78,22 @@ impl SmallSet {
 
     pub(crate) fn run(&self, arguments: &[&str]) -> Run {
         Run::of(self.command(arguments).output().unwrap())
+    }
+
+    /// Runs the tool, which has to end within a minute.
+    pub(crate) fn ends(&self, arguments: &[&str]) -> Run {
+        let mut command = self.command(arguments);
+        let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = child.spawn().unwrap();
+        let start = Instant::now();
+        while child.try_wait().unwrap().is_none() {
+            if start.elapsed() > Duration::from_secs(60) {
+                child.kill().unwrap();
+                panic!("{arguments:?} does not end");
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        Run::of(child.wait_with_output().unwrap())
     }
 
     /// Runs the tool, which has to end well.

@@ -22,6 +22,12 @@ fn mean(trained: &Value, key: &str) -> f64 {
     scores.iter().map(|score| score[key].as_f64().unwrap()).sum::<f64>() / 3.0
 }
 
+/// The weights that a model names.
+fn weights(set: &SmallSet, model: &str) -> String {
+    let file: toml::Table = set.read(model).parse().unwrap();
+    file["learned"]["weights"].as_str().unwrap().to_owned()
+}
+
 #[test]
 fn every_kind_is_trained_kept_and_compared_on_pushes_that_it_has_not_seen() {
     let set = simulated();
@@ -61,9 +67,9 @@ fn every_kind_is_trained_kept_and_compared_on_pushes_that_it_has_not_seen() {
         let shown = result(&show);
         assert_eq!((&shown["kind"], &shown["process"]), (&kind.into(), &process.into()));
         assert_eq!(shown["unexplained"], trained["unexplained"]);
-        let weights = format!("{kind}.weights.json");
+        let weights = weights(&set, &model);
         let files = [set.read(&model), set.read(&weights)];
-        assert_eq!(printed, set.done(&[&train[..], &["--jobs", "1"]].concat()).stdout);
+        assert_eq!(printed, set.done(&[&train[..], &["--jobs", "1", "--force"]].concat()).stdout);
         assert_eq!(files, [set.read(&model), set.read(&weights)]);
     }
 }
@@ -75,7 +81,7 @@ fn a_hybrid_tells_what_its_physics_do_not_explain() {
     let text = set.done(&hybrid).stdout;
     assert!(text.contains("of the physics alone"), "{text}");
     assert!(text.contains("share of what it says that no physics explains"), "{text}");
-    let trained = result(&set.done(&[&hybrid[..], &["--json"]].concat()).stdout);
+    let trained = result(&set.done(&[&hybrid[..], &["--json", "--force"]].concat()).stdout);
     let share = trained["unexplained"]["all"].as_f64().unwrap();
     assert!(share > 1e-3 && share < 0.3, "{share}");
     assert!(mean(&trained, "nmse") < mean(&trained, "nmse_of_physics"));
@@ -107,15 +113,16 @@ fn what_cannot_be_trained_or_read_is_refused_with_the_reason() {
     assert!(set.error(&missing).contains("pushlab models init"));
     let of_gp = ["train", "sim", "--kind", "hybrid", "--model", "m.toml", "-o", "n.toml"];
     assert!(set.error(&of_gp).contains("kind rff has no physics"));
-    let long = set.error(&[&train[..], &["--step", "30cm"]].concat());
+    let long = set.error(&[&train[..], &["--step", "30cm", "--force"]].concat());
     assert!(long.contains("at least 20 steps") || long.contains("pushes"), "{long}");
     // Another object.
     set.done(&["generate", "hexes", "--shape", "hex", "--pushes", "3"]);
     let other = set.error(&["compare", "hexes", "--model", "m.toml"]);
     assert!(other.contains("none of the 1 that the model was trained on"), "{other}");
     // Weights that were changed, or are gone.
-    set.edit("m.weights.json", "1", "2");
+    let weights = weights(&set, "m.toml");
+    set.edit(&weights, "1", "2");
     assert!(set.error(&["models", "show", "m.toml"]).contains("SHA-256"));
-    std::fs::remove_file(set.path("m.weights.json")).unwrap();
-    assert!(set.error(&["compare", "sim", "--model", "m.toml"]).contains("m.weights.json"));
+    std::fs::remove_file(set.path(&weights)).unwrap();
+    assert!(set.error(&["compare", "sim", "--model", "m.toml"]).contains(&weights));
 }

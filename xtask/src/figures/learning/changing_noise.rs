@@ -76,8 +76,8 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
          intervals hold {same_50:.0} and {changing_50:.0} % of them, the 95 % intervals {same_95:.0} and \
          {changing_95:.0} %."
     );
-    let alt = "Two panels of the same data: a band of one width, far too wide before the impact, and a \
-               band that is narrow before it and wide after.";
+    let alt = "Two panels of the same data: one with a band from the same noise everywhere, one with a \
+               band whose width depends on the input.";
     Ok(Sketch::new(figure, table, &caption, alt))
 }
 

@@ -57,13 +57,12 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
          and their negative log density, of sparse processes learnt from {n_rows} rows of a surface like \
          the turn of a pushed slider, whose noise has a standard deviation of {NOISE_SD}; medians and \
          quartiles of {n_draws} draws. With {} pseudo-inputs FITC takes {fitc_noise:.4} for the noise and \
-         covers {fitc_inside:.1} %, VFE {vfe_noise:.4} and {vfe_inside:.1} %: pseudo-inputs that are free \
-         to move let FITC explain noise as variance that they leave over. Where there are so many that \
-         nothing is left over, all agree with the exact process.",
+         covers {fitc_inside:.1} %, the least of its shares; VFE there {vfe_noise:.4} and \
+         {vfe_inside:.1} %.",
         counts[worst],
     );
-    let alt = "Three panels over the number of pseudo-inputs. FITC's noise is below the true one, which \
-               power EP and VFE approach from above, and its intervals hold too few rows.";
+    let alt = "Three panels over the number of pseudo-inputs, each with a curve for FITC, power EP and \
+               VFE and a level for the exact process: noise, share inside, and density.";
     Ok(Sketch::new(curves.figure(), curves.table(), &caption, alt))
 }
 

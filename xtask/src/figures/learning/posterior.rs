@@ -74,8 +74,8 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
     let x: Vec<f64> = (0..POINTS).map(at).collect();
     let data = json!({ "x": x, "function": truth, "designs": designs });
     let caption = caption(&beliefs, &truth)?;
-    let alt = "Four panels of one function with a band about its estimate: the band is narrow where \
-               points are dense and wide where there are none.";
+    let alt = "Four panels of one function with the points at which it was seen and a band about its \
+               estimate.";
     Ok(Sketch::new(figure, data, &caption, alt))
 }
 
@@ -87,9 +87,9 @@ fn caption(beliefs: &[Belief], truth: &[f64]) -> Result<String> {
     Ok(format!(
         "One function, seen with noise (standard deviation {NOISE_SD}) at few, more, unevenly spread \
          and many points; the prior (lengthscale {LENGTHSCALE}, standard deviation 1) is the one it \
-         was drawn from. The mean standard deviation of f falls from {:.2} with 4 points to {:.2} with \
-         10 and {:.3} with 40. Dense on the left, the same 10 points leave {:.3} there (x < 5) but \
-         {:.2} at the right end, the prior's. The function is within ±2 standard deviations at {} % \
+         was drawn from. The mean standard deviation of f is {:.2} with 4 points, {:.2} with 10 and \
+         {:.3} with 40. Dense on the left, the same 10 points leave {:.3} there (x < 5) and {:.2} at \
+         the right end. The function is within ±2 standard deviations at {} % \
          of the inputs, in the order of the panels.",
         average(&few.sd),
         average(&some.sd),

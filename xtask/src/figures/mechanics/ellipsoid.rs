@@ -40,18 +40,16 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
     });
     let caption = format!(
         "Uniformly loaded square of {:.0} mm that bears 1 N. The ellipsoid goes through its largest \
-         force and largest moment, where both surfaces touch; between them the exact surface lies \
-         inside, by up to {:.1} % of the ellipsoid's reach (over {} loads; none lies outside by more \
-         than rounding). The ellipsoid thus overrates what friction bears under a force and a moment \
-         together. Where the center of friction is not that of torsion it must also tilt: turned \
+         force and largest moment, where both surfaces touch; the loads of the exact surface reach \
+         {:.1} to {:.1} % of the way to the ellipsoid ({} loads). Where the center of friction is not that of torsion it must also tilt: turned \
          about its centroid, the triangle tri1 keeps a net force of {:.1} % of Fmax.",
         1e3 * SIDE,
-        100.0 * (1.0 - reach.least),
+        100.0 * reach.least,
+        100.0 * reach.most,
         true_shape.points.len(),
         100.0 * leftover_force("tri1")?,
     );
-    let alt = "An ellipsoid, a slightly leaner body with the same extremes, and a section in which \
-               the exact surface lies inside of the ellipse.";
+    let alt = "An ellipsoid, the exact surface with the same extremes, and a section through both.";
     Ok(Sketch::new(figure, data, &caption, alt).claim(characteristic_length(&exact)?))
 }
 

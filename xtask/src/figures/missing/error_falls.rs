@@ -51,8 +51,8 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     for one in &shown {
         figure = figure.with(one.panel());
     }
-    let alt = "Bars of the error of each number of a step, lower with every effect added, the last \
-               ones at the line of the noise floor.";
+    let alt = "Bars of the error of each number of a step, of the model asked about and with every \
+               effect added, beside a line at the noise floor.";
     Ok(Sketch::new(figure, table(study, &shown), &caption(study, &shown), alt))
 }
 
@@ -68,8 +68,8 @@ fn caption(study: &Study, shown: &[Shown]) -> String {
         "Root mean square errors of a step on {} pushes that no fit has seen: of the model asked about, \
          and with one named effect more in each bar, fitted to the other {} pushes. Nominal numbers \
          are fitted in every model. Whiskers are one standard error, from whole pushes; the dashed line \
-         is the noise floor. Over all numbers, in units of their noise, the error falls from {:.2} to \
-         {:.2}.",
+         is the noise floor. Over all numbers, in units of their noise, the error is {:.2} before \
+         and {:.2} after.",
         study.aside.pushes().len(),
         study.observations.pushes().len() - study.aside.pushes().len(),
         ends[0],

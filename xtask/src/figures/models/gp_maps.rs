@@ -45,7 +45,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
         train.len()
     );
     let alt = "Six maps over contact position and push direction: three means, and three standard \
-               deviations that grow where there are no training steps.";
+               deviations with the training steps as dots.";
     let sketch = Sketch::new(figure(&field, range, train), table(&cells, &field), &caption, alt);
     Ok(sketch.claim(claim(&cells, &field, range, &model, test)?))
 }

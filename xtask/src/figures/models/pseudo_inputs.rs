@@ -64,8 +64,8 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
          quartiles of {n_splits} random splits with {n_train} training steps. Pseudo-inputs and \
          hyperparameters are learnt together. Dashed: the exact process from the same steps.",
     );
-    let alt = "Three panels over the number of pseudo-inputs: errors and densities of two sparse \
-               approximations fall to the dashed line of the exact process.";
+    let alt = "Three panels over the number of pseudo-inputs: errors, densities and shares inside of two \
+               sparse approximations beside the dashed line of the exact process.";
     let apart = splits.iter().map(|split| split.apart).fold(0.0, f64::max);
     Ok(Sketch::new(curves.figure(), curves.table(), &caption, alt)
         .claim(at_the_data(apart, n_train))

@@ -111,8 +111,8 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
          differs is how closely the features follow its kernel; or the most likely ones of the \
          features themselves (“own likelihood”), which take what these leave over for noise.",
     );
-    let alt = "Two panels over the number of random features: the errors of five kinds of features \
-               fall towards the dashed line of the exact process, the shares inside rise to it.";
+    let alt = "Two panels over the number of random features: errors and shares inside of five kinds of \
+               features beside the dashed line of the exact process.";
     Ok(Sketch::new(curves.figure(), curves.table(), &caption, alt).claim(curves.claim()))
 }
 

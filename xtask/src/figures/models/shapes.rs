@@ -95,8 +95,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
         medians[4][N_LEARNT],
         medians[0][N_LEARNT],
     );
-    let alt = "A panel with four objects side by side and a point for the error of each model: the one \
-               that sees the contact and the curvature is lowest of those that learn together.";
+    let alt = "A panel with four objects side by side and a point for the error of each model.";
     Ok(Sketch::new(figure(&medians), table(&medians), &caption, alt))
 }
 

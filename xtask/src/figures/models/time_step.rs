@@ -62,8 +62,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
          measured poses, through which splines are laid.",
         counts.join(", ")
     );
-    let alt = "Two panels over the time step with a curve for each speed of the pusher: errors fall \
-               steeply with the time step and level off.";
+    let alt = "Two panels of errors over the time step with a curve for each speed of the pusher.";
     Ok(Sketch::new(figure(&curves), table(&curves), &caption, alt).claim(claim(&curves)))
 }
 

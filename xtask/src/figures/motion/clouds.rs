@@ -94,9 +94,9 @@ fn levels(scene: &Scene, settings: &RollOutSettings, weighted: bool) -> Result<V
         let mut filter = roll_out.start(&push.poses_wb[0], &push.path)?;
         for step in push.path.steps(settings.step)? {
             if weighted {
-                filter.predict_weighted_by_density(&roll_out.motion(&step))?;
+                filter.predict_weighted_by_density(&roll_out.motion(&step)?)?;
             } else {
-                filter.predict(&roll_out.motion(&step))?;
+                filter.predict(&roll_out.motion(&step)?)?;
             }
         }
         let (particles, weights) = (filter.particles(), filter.weights());

@@ -11,7 +11,7 @@ use models::{
 };
 use nalgebra::Vector3;
 use planar::wrap_angle;
-use plant::{Design, GenerateSettings, Layout, Nominal, PlannedPush, Scatter, generate_each};
+use plant::{Design, GenerateSettings, Layout, Nominal, PlannedPush, Scatter, generate};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -142,7 +142,7 @@ fn repeats() -> Result<PathBuf> {
     };
     let folder = workspace_root().join("target").join("vertex-repeats");
     made_once(&folder, &key(std::slice::from_ref(&settings))?, |folder| {
-        generate_each(&settings, &folder.join("set"), |_| {})?;
+        generate(&settings, &folder.join("set"))?;
         Ok(())
     })?;
     Ok(folder.join("set"))

@@ -214,7 +214,7 @@ impl Ends {
         let start_wb = &push.poses_wb[0];
         let mut filter = roll_out.start(start_wb, &push.path)?;
         for step in push.path.steps(settings.step)? {
-            filter.predict(&roll_out.motion(&step))?;
+            filter.predict(&roll_out.motion(&step)?)?;
         }
         Ok(filter.particles().iter().map(place).collect())
     }

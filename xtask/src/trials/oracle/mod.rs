@@ -110,10 +110,8 @@ impl Oracle {
         }
         eprintln!("oracle: {key}");
         self.setups.insert(key, SetupSizes::of(setup)?);
-        let part = self.path.with_extension("part");
-        fs::write(&part, serde_json::to_string_pretty(&self.setups)? + "\n")?;
-        fs::rename(&part, &self.path)
-            .with_context(|| format!("cannot write {}", self.path.display()))
+        let text = serde_json::to_string_pretty(&self.setups)? + "\n";
+        Ok(output::write(&self.path, text)?)
     }
 
     pub(super) fn setups(&self) -> impl Iterator<Item = &SetupSizes> {

@@ -16,7 +16,7 @@ fn wanted(fields: &[(Slot, &str)]) -> Vec<Wanted> {
 }
 
 fn plan(cdr: bool, fields: &[(Slot, &str)]) -> RosPlan {
-    let schema = RosSchema::parse("p/Message", SCHEMA.as_bytes(), cdr).unwrap();
+    let schema = RosSchema::parse("p/Message", SCHEMA.as_bytes(), cdr, 32).unwrap();
     RosPlan::compile(&schema, &wanted(fields)).unwrap()
 }
 
@@ -91,7 +91,7 @@ fn ros1_and_cdr_of_both_byte_orders_decode_alike() {
 #[test]
 fn every_number_kind_is_read_with_its_sign() {
     let text = "int8 a\nuint8 b\nint16 c\nuint16 d\nint32 e\nuint32 f\nint64 g\nuint64 h\n";
-    let schema = RosSchema::parse("p/N", text.as_bytes(), false).unwrap();
+    let schema = RosSchema::parse("p/N", text.as_bytes(), false, 32).unwrap();
     let names = ["a", "b", "c", "d", "e", "f", "g", "h"];
     let fields: Vec<_> = names.iter().enumerate().map(|(i, n)| (Slot::Value(i), *n)).collect();
     let plan = RosPlan::compile(&schema, &wanted(&fields)).unwrap();
@@ -105,7 +105,7 @@ fn every_number_kind_is_read_with_its_sign() {
 fn fixed_arrays_of_any_kind_are_passed_over() {
     let text = "wstring w\nstring[2] s\nfloat64[36] covariance\nItem[2] items\nint64[] list\n\
                 float64 x\n===\nMSG: p/Item\nuint8 a\nfloat64 b\n";
-    let schema = RosSchema::parse("p/M", text.as_bytes(), true).unwrap();
+    let schema = RosSchema::parse("p/M", text.as_bytes(), true, 32).unwrap();
     let plan = RosPlan::compile(&schema, &wanted(&[(Slot::Value(0), "x")])).unwrap();
     let mut m = vec![2, 0, 0, 0, 1, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, b'a', 0];
     m.resize(24, 0);
@@ -137,7 +137,7 @@ fn damaged_lengths_are_errors_with_their_byte() {
 #[test]
 fn a_type_that_is_missing_or_endless_is_an_error() {
     let compile = |text: &str| {
-        let schema = RosSchema::parse("p/M", text.as_bytes(), true).unwrap();
+        let schema = RosSchema::parse("p/M", text.as_bytes(), true, 32).unwrap();
         RosPlan::compile(&schema, &wanted(&[(Slot::Value(0), "x")])).err().unwrap()
     };
     assert_eq!(
@@ -173,8 +173,73 @@ proptest! {
 
     #[test]
     fn random_schemas_never_panic(text in "[a-z0-9_/\\[\\]<=# \n]{0,120}", cdr: bool) {
-        if let Ok(schema) = RosSchema::parse("p/M", text.as_bytes(), cdr) {
+        if let Ok(schema) = RosSchema::parse("p/M", text.as_bytes(), cdr, 32) {
             let _ = RosPlan::compile(&schema, &wanted(&[(Slot::Value(0), "x")]));
         }
     }
+}
+
+/// A schema of `n` types that hold the next one twice, the last of them two numbers.
+fn doubled(n: usize, cdr: bool) -> RosSchema {
+    let mut text = String::new();
+    for i in 0..n - 1 {
+        let next = i + 1;
+        text += &format!("T{next} a\nT{next} b\n===\nMSG: p/T{next}\n");
+    }
+    text += "uint8 a\nstring b\n";
+    RosSchema::parse("p/T0", text.as_bytes(), cdr, 32).unwrap()
+}
+
+/// Compiled one by one, 31 types would give 2³¹ steps.
+#[test]
+fn types_that_hold_others_twice_are_compiled_once() {
+    let path = format!("{}b.a", "b.".repeat(29));
+    let plan = RosPlan::compile(&doubled(31, false), &wanted(&[(Slot::Value(0), &path)])).unwrap();
+    assert!(plan.steps.len() <= 32 * super::REPEATED, "{}", plan.steps.len());
+    for cdr in [false, true] {
+        let wanted = wanted(&[(Slot::Value(0), "b.b.b.a")]);
+        let plan = RosPlan::compile(&doubled(4, cdr), &wanted).unwrap();
+        // Eight leaves, a number and a text each; the wanted number is the last one.
+        let mut message = if cdr { vec![0, 1, 0, 0] } else { Vec::new() };
+        let header = message.len();
+        let mut last = 0;
+        for leaf in 0..8 {
+            last = message.len();
+            message.push(leaf);
+            if cdr {
+                message.resize(header + (message.len() - header).next_multiple_of(4), 0);
+            }
+            let length = leaf as u32 + 1;
+            message.extend(length.to_le_bytes());
+            message.extend(vec![0; length as usize]);
+        }
+        assert_eq!(rows(&plan, &message).unwrap(), [(7.0, 0.0, vec![])]);
+        assert!(rows(&plan, &message[..last]).is_err());
+    }
+}
+
+#[test]
+fn fields_of_one_name_are_not_followed_more_than_once() {
+    let text = "T a\nT a\n===\nMSG: p/T\nfloat64 x\nfloat64 x\n";
+    let schema = RosSchema::parse("p/M", text.as_bytes(), false, 32).unwrap();
+    let plan = RosPlan::compile(&schema, &wanted(&[(Slot::Value(0), "a.x")])).unwrap();
+    assert_eq!(plan.steps.len(), 1);
+}
+
+#[test]
+fn nesting_beyond_the_limit_is_refused_with_its_setting() {
+    let chain = |n: usize, nesting: usize| {
+        let types = (1..n).map(|i| format!("T{i} next\n===\nMSG: p/T{i}\n")).collect::<String>();
+        let text = format!("uint8 x\n{types}uint8 end\n");
+        let schema = RosSchema::parse("p/T0", text.as_bytes(), false, nesting).unwrap();
+        RosPlan::compile(&schema, &wanted(&[(Slot::Value(0), "x")])).map(|_| ())
+    };
+    assert_eq!(chain(5, 5), Ok(()));
+    let message = chain(6, 5).unwrap_err();
+    assert_eq!(
+        message,
+        "type p/T5 is nested more than 5 deep; if it should be, raise nesting in [limits] of \
+         dataset.toml"
+    );
+    assert!(chain(100_000, 256).is_err());
 }

@@ -9,8 +9,8 @@ use proptest::{
 
 use super::{BagFormat, op};
 use crate::{
-    error::DatasetError, format::LogFormat, recording::Recording, remark::RemarkKind,
-    settings::Streams,
+    error::DatasetError, format::LogFormat, limits::ReadLimits, recording::Recording,
+    remark::RemarkKind, settings::Streams,
 };
 
 const N: u32 = 60;
@@ -125,7 +125,7 @@ fn read(bytes: &[u8]) -> Result<Recording, DatasetError> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("log.bag");
     fs::write(&path, bytes).unwrap();
-    BagFormat.read(&path, &Streams::default())
+    BagFormat.read(&path, &Streams::default(), &ReadLimits::default())
 }
 
 fn kinds(recording: &Recording) -> Vec<RemarkKind> {
@@ -185,13 +185,14 @@ fn a_wrong_record_length_is_overcome_by_the_index() {
 }
 
 #[test]
-fn an_impossible_chunk_size_is_refused_before_it_is_allocated() {
+fn an_impossible_chunk_size_costs_its_chunk_alone() {
     let (mut bytes, starts) = bag("lz4");
     let size = bytes[starts[1]..].windows(5).position(|window| window == b"size=").unwrap();
     let at = starts[1] + size + 5;
     bytes[at..at + 4].copy_from_slice(&u32::MAX.to_le_bytes());
     let recording = read(&bytes).unwrap();
-    assert!(recording.remarks[0].text.contains("4294967295 bytes is impossible for this file"));
+    assert!(recording.remarks[0].text.contains("bytes, not 4294967295"));
+    assert_eq!(recording.robot.len(), 2 * PER_CHUNK as usize);
 }
 
 #[test]

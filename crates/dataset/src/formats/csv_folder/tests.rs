@@ -6,6 +6,7 @@ use super::{CsvFormat, decimal_nanoseconds};
 use crate::{
     error::DatasetError,
     format::LogFormat,
+    limits::ReadLimits,
     recording::Recording,
     remark::{RemarkKind, StreamRole},
     settings::Streams,
@@ -21,7 +22,7 @@ fn read_with(files: &[(&str, &str)], settings: &str) -> Result<Recording, Datase
     for (name, text) in files {
         fs::write(folder.join(name), text).unwrap();
     }
-    CsvFormat.read(&folder, &toml::from_str::<Streams>(settings).unwrap())
+    CsvFormat.read(&folder, &toml::from_str::<Streams>(settings).unwrap(), &ReadLimits::default())
 }
 
 fn read_object(text: &str) -> Result<Recording, DatasetError> {
@@ -144,16 +145,17 @@ fn a_missing_file_is_named() {
 #[test]
 fn folders_are_found_in_order() {
     let dir = tempfile::tempdir().unwrap();
-    for name in ["b", "a", "c"] {
+    // The last is what a killed run leaves.
+    for name in ["b", "a", "c", ".b.x1y2z3.part"] {
         fs::create_dir(dir.path().join(name)).unwrap();
     }
-    for name in ["b", "a"] {
+    for name in ["b", "a", ".b.x1y2z3.part"] {
         fs::write(dir.path().join(name).join("robot.csv"), ROBOT).unwrap();
     }
     let found = CsvFormat.find(dir.path()).unwrap();
     assert_eq!(found, [dir.path().join("a"), dir.path().join("b")]);
     assert_eq!(CsvFormat.find(&found[0]).unwrap(), [found[0].clone()]);
-    let inspection = CsvFormat.inspect(&found[0]).unwrap();
+    let inspection = CsvFormat.inspect(&found[0], &ReadLimits::default()).unwrap();
     assert_eq!(inspection.streams[0].columns, ["t_s", "x_m", "y_m"]);
     assert_eq!(inspection.streams[0].fits, [StreamRole::Robot]);
     assert_eq!(inspection.streams[0].rate_hz, Some(4.0));

@@ -13,6 +13,7 @@ use super::McapFormat;
 use crate::{
     error::DatasetError,
     format::LogFormat,
+    limits::ReadLimits,
     recording::Recording,
     remark::{RemarkKind, StreamRole},
     settings::{Streams, TimeSource},
@@ -73,7 +74,7 @@ fn saved(bytes: &[u8]) -> (TempDir, PathBuf) {
 
 fn read_with(bytes: &[u8], streams: &Streams) -> Result<Recording, DatasetError> {
     let (_dir, path) = saved(bytes);
-    McapFormat.read(&path, streams)
+    McapFormat.read(&path, streams, &ReadLimits::default())
 }
 
 fn read(bytes: &[u8]) -> Result<Recording, DatasetError> {
@@ -157,7 +158,7 @@ fn a_flipped_bit_costs_its_chunk_alone() {
     let kept = recording.robot.len() + recording.object.len();
     assert_eq!(remark.count as usize, 2 * N as usize - kept);
     assert!(remark.count > 10);
-    let begin = format!("the chunk at byte {start}: Chunk CRC failed");
+    let begin = format!("the chunk at byte {start}: its check sum is ");
     assert!(remark.text.starts_with(&begin), "{}", remark.text);
     assert!(remark.text.ends_with(&format!("; {} wanted messages are lost", remark.count)));
 }
@@ -207,7 +208,9 @@ fn a_file_without_anything_to_read_is_an_error_with_its_byte() {
         let message = error.to_string();
         assert!(message.contains(&format!("log.mcap: byte {at}: {what}")), "{message}");
     }
-    let error = McapFormat.read("nowhere.mcap".as_ref(), &Streams::default()).unwrap_err();
+    let error = McapFormat
+        .read("nowhere.mcap".as_ref(), &Streams::default(), &ReadLimits::default())
+        .unwrap_err();
     assert!(matches!(error, DatasetError::Io { action: "read", .. }), "{error}");
     assert!(error.to_string().starts_with("cannot read nowhere.mcap: "), "{error}");
 }
@@ -234,7 +237,7 @@ fn an_unusable_topic_is_an_error_with_its_remedy() {
 #[test]
 fn an_inspection_lists_topics_rates_and_uses() {
     let (_dir, path) = saved(&file());
-    let inspection = McapFormat.inspect(&path).unwrap();
+    let inspection = McapFormat.inspect(&path, &ReadLimits::default()).unwrap();
     let names: Vec<_> = inspection.streams.iter().map(|s| (s.name.as_str(), s.count)).collect();
     assert_eq!(names, [("/tip", 200), ("/block", 200), ("/other", 200)]);
     assert_eq!(inspection.streams[0].fits, [StreamRole::Robot, StreamRole::Object]);

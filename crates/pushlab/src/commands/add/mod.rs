@@ -11,12 +11,13 @@ use clap::ArgGroup;
 use diagnosis::Diagnosis;
 use effects::{EffectError, Setting, by_id};
 use models::{ChannelModel, ModelEffect, ModelFile};
+use output::OutputFile;
 
 pub(super) use self::from_diagnosis::diagnosed_effect;
 
 use self::from_diagnosis::chosen;
 use super::models::Parameters;
-use crate::destination::Destination;
+use crate::destination::{Force, Inputs};
 use crate::diagnosis_file;
 use crate::failure::WrongUsage;
 use crate::file_ending;
@@ -57,6 +58,8 @@ pub(crate) struct Args {
     /// Seed of the choice of pushes that are set aside
     #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = clap::value_parser!(u32))]
     seed: u32,
+    #[command(flatten)]
+    force: Force,
 }
 
 const EXAMPLES: &str = "\
@@ -87,21 +90,24 @@ impl FromStr for Value {
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let mut origin = args.origin();
-    let (mut model, destination) = model_for(&args.model, &args.output, &mut origin)?;
+    let inputs = Inputs::default().with(&args.from);
+    let inputs = args.fit.iter().fold(inputs, |inputs, set| inputs.with_set(set, None));
+    let output = (args.output.as_path(), &args.force);
+    let (mut model, destination) = model_for(&args.model, output, inputs, &mut origin)?;
     if let Some(from) = &args.from {
-        return from_file(args, from, model, origin, terminal);
+        return from_file(args, (from, model, origin), destination, terminal);
     }
     let about = by_id(args.effect())?.about();
     refuse_twice(&model, about.id)?;
     let name = format!("{} + {}", model.name, about.id);
     let Some(set) = &args.fit else {
-        return by_hand(args, ModelFile { name, ..model }, &origin, &destination, terminal);
+        return by_hand(args, ModelFile { name, ..model }, &origin, destination, terminal);
     };
     let fitting = Fitting::read(set, &model, args.seed.into(), &mut origin, terminal)?;
     let off = fitting.off(&model, about)?;
     model.description.effects.push(ModelEffect::from(Setting::new(about, &off)));
     let fit = fitting.fit(&model, &[about.id])?.distinct()?;
-    let fitted = fitting.write(fit, name, &destination)?;
+    let fitted = fitting.write(fit, name, destination)?;
     terminal.finish(&origin, &fitted, &fitted)
 }
 
@@ -114,13 +120,10 @@ fn refuse_twice(model: &ModelFile, id: &str) -> Result<()> {
 /// What a diagnosis names, with its values and with the parts of its set.
 fn from_file(
     args: &Args,
-    from: &Path,
-    mut model: ModelFile,
-    mut origin: Origin,
+    (from, mut model, mut origin): (&Path, ModelFile, Origin),
+    destination: OutputFile,
     terminal: &Terminal,
 ) -> Result<()> {
-    let destination = Destination::new(&args.output)?;
-    destination.spare(&[from.to_owned()])?;
     let found = diagnosis_file::read(from, &mut origin)?;
     if let Some(split) = model.split.as_ref().filter(|split| split.set != found.split.set) {
         bail!(
@@ -147,7 +150,7 @@ fn from_file(
     }
     model.description.effects.extend(added);
     model.split = Some(found.split);
-    write(model, &origin, &destination, terminal)
+    write(model, &origin, destination, terminal)
 }
 
 /// Whether the diagnosis is of the model that was read first.
@@ -161,15 +164,16 @@ fn is_of(found: &Diagnosis, origin: &Origin) -> bool {
 fn write(
     model: ModelFile,
     origin: &Origin,
-    destination: &Destination,
+    destination: OutputFile,
     terminal: &Terminal,
 ) -> Result<()> {
     // What cannot be together is refused before anything is written.
     let support = dataset::SupportSpec { friction: 0.25, gravity: 9.81 };
     ChannelModel::new(&model.description, support, &[])?;
-    model.write(destination.path())?;
+    let path = destination.path().to_owned();
+    model.write_to(destination)?;
     let parameters = Parameters::of(&model);
-    let text = format!("{TITLE}wrote {}{TITLE:#}\n{parameters}", destination.path().display());
+    let text = format!("{TITLE}wrote {}{TITLE:#}\n{parameters}", path.display());
     terminal.finish(origin, &parameters, text)
 }
 
@@ -177,7 +181,7 @@ fn by_hand(
     args: &Args,
     mut model: ModelFile,
     origin: &Origin,
-    destination: &Destination,
+    destination: OutputFile,
     terminal: &Terminal,
 ) -> Result<()> {
     let mut parameters = BTreeMap::new();

@@ -95,7 +95,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let floor = noise_floor(&observations, &predictions, &RepeatTolerance::default())?;
     let comparison = compare(&observations, &predictions, &floor, &MapSettings::default())?;
     let rollouts = roll_out(&model.description, &[], &observations)?;
-    let roll_outs = push_ends(&rollouts, &observations);
+    let roll_outs = push_ends(&rollouts);
     let against = match other {
         Some(other) => {
             let changes = change(&observations, &predict(&other)?, &predictions, &floor)?;

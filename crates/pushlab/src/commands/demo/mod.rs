@@ -2,13 +2,15 @@
 
 mod story;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::Result;
 use clap::value_parser;
+use output::OutputError;
 
 use self::story::Story;
+use crate::destination::{Inputs, folder};
 use crate::terminal::Terminal;
 
 /// Hide an effect in simulated recordings, find it, add it, and watch the error fall
@@ -41,7 +43,7 @@ Examples:
   pushlab demo tilted --hidden table-tilt --pushes 200";
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    empty_folder(&args.folder)?;
+    folder(&args.folder, &Inputs::default())?.fill(|_| Ok::<_, OutputError>(()))?;
     let story = Story {
         folder: &args.folder,
         seed: args.seed.unwrap_or_else(seed_of_the_clock),
@@ -50,19 +52,6 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         terminal,
     };
     story.tell()
-}
-
-/// Makes the folder, or finds it empty.
-fn empty_folder(folder: &Path) -> Result<()> {
-    let context = || format!("cannot use {}", folder.display());
-    std::fs::create_dir_all(folder).with_context(context)?;
-    let mut files = std::fs::read_dir(folder).with_context(context)?;
-    ensure!(
-        files.next().is_none(),
-        "{} has files in it; name another folder, or remove it first",
-        folder.display()
-    );
-    Ok(())
 }
 
 /// Another one every time.

@@ -9,7 +9,7 @@ use anyhow::{Context, Result, bail};
 use diagnosis::{DiagnoseSettings, Diagnosis, MadeBy, MadeFrom, Observations, Suspicion, diagnose};
 use models::ModelFile;
 
-use crate::destination::Destination;
+use crate::destination::Force;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
 use crate::recorded_steps::SET_FILES;
@@ -35,15 +35,14 @@ pub(crate) struct Args {
     /// Where to write the answer as JSON (docs/diagnosis.schema.json)
     #[arg(short, long, value_name = "FILE", value_parser = file_ending::json)]
     output: Option<PathBuf>,
-    /// The same as `--output`, as in `--json diagnosis.json`
-    #[arg(value_name = "ANSWER", hide = true, value_parser = file_ending::json)]
-    answer: Option<PathBuf>,
     /// A second set that confirms what is fitted to all of the first, instead of a quarter of it
     #[arg(long, value_name = "SET")]
     confirm: Option<PathBuf>,
     /// Seed of the choice of pushes that are set aside
     #[arg(long, default_value_t = 7)]
     seed: u64,
+    #[command(flatten)]
+    force: Force,
 }
 
 const EXAMPLES: &str = "\
@@ -56,8 +55,12 @@ Examples:
   pushlab compare pushes --model better.toml --against model.toml";
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    let output = args.output.as_deref().or(args.answer.as_deref());
-    let output = output.map(Destination::new).transpose()?;
+    let mut inputs = args.source.inputs().with([&args.model]);
+    if let Some(second) = &args.confirm {
+        inputs = inputs.and(args.source.of_same_kind(second).inputs());
+    }
+    let output = args.output.as_deref();
+    let output = output.map(|output| args.force.file(output, &inputs)).transpose()?;
     let mut origin = args.origin();
     readable(&args.model)?;
     origin.inputs.push(Input::file(&args.model)?);
@@ -95,7 +98,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     found.suspicions = suspicions;
     found.made_by = Some(made_by(&origin));
     if let Some(output) = output {
-        output.write(to_json(&found)?.as_bytes())?;
+        output.write(to_json(&found)?)?;
     }
     terminal.finish_plain(&to_json(&found)?, text::Answer { found: &found, model: &model.name })
 }

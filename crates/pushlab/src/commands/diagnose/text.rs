@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use diagnosis::{Diagnosis, EffectFinding, ErrorFall, Gain, MotionError, ParameterFinding, Status};
+use diagnosis::{
+    Clusters, Diagnosis, EffectFinding, ErrorFall, Gain, MotionError, ParameterFinding, Status,
+};
+use models::Cluster;
 
 use crate::terminal::{TITLE, WARNING};
 
@@ -28,7 +31,17 @@ impl fmt::Display for Answer<'_> {
         };
         let fitted = used(data.pushes_fitted, found.split.fit.len());
         let confirming = used(data.pushes_confirming, found.split.confirm.len());
-        writeln!(f, "  fitted to {fitted}, confirmed on {confirming}")?;
+        let [of_fitted, of_confirming] = [data.clusters_fitted, data.clusters_confirming]
+            .map(|clusters| clusters.map_or_else(String::new, sessions));
+        writeln!(f, "  fitted to {fitted}{of_fitted}, confirmed on {confirming}{of_confirming}")?;
+        if let (Some(clusters), Some(missing @ 1..)) = (data.clusters_fitted, data.clusters_missing)
+        {
+            let kind = plural(clusters.kind);
+            writeln!(
+                f,
+                "  too few {kind} to be sure of a name: {missing} more to fit to would do"
+            )?;
+        }
         let cells = found.noise.n_cells;
         match found.noise.source.as_str() {
             "repeats" => writeln!(f, "  noise from {cells} groups of repeated pushes")?,
@@ -56,6 +69,21 @@ impl fmt::Display for Answer<'_> {
             }
         }
         write_rest(f, &found.effects)
+    }
+}
+
+/// What is taken for independent, where that is not the pushes.
+fn sessions(clusters: Clusters) -> String {
+    match clusters.kind {
+        Cluster::Push => String::new(),
+        kind @ Cluster::Session => format!(" ({} {})", clusters.n, plural(kind)),
+    }
+}
+
+fn plural(kind: Cluster) -> &'static str {
+    match kind {
+        Cluster::Push => "pushes",
+        Cluster::Session => "sessions",
     }
 }
 
@@ -145,4 +173,17 @@ fn wrapped(text: &str) -> Vec<String> {
         lines[last].push_str(word);
     }
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sessions;
+    use diagnosis::Clusters;
+    use models::Cluster;
+
+    #[test]
+    fn sessions_are_told_where_they_are_taken_for_independent() {
+        let told = |kind: Cluster| sessions(Clusters { kind, n: 11 });
+        assert_eq!([told(Cluster::Session), told(Cluster::Push)], [" (11 sessions)", ""]);
+    }
 }

@@ -5,20 +5,20 @@ mod generated;
 mod settings_file;
 mod shape_name;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use clap::builder::PossibleValuesParser;
 use clap::value_parser;
 use dataset::all_writers;
-use plant::{GenerateSettings, Hidden, Layout, generate_each};
+use plant::{GenerateSettings, Hidden, Layout, SetOutput, generate_each};
 
 use self::design_name::DesignName;
 use self::generated::Generated;
 use self::settings_file::SettingsFile;
 use self::shape_name::ShapeName;
-use crate::destination::Destination;
+use crate::destination::Inputs;
 use crate::failure::WrongUsage;
 use crate::origin::{Input, Origin, readable};
 use crate::progress::Progress;
@@ -77,13 +77,16 @@ fn format_parser() -> PossibleValuesParser {
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let out = SetOutput::apart_from(&Inputs::default().with(&args.files()).paths, &args.out)?;
     let settings = args.settings()?;
     let mut origin = args.origin();
     for path in args.files() {
         origin.inputs.push(Input::file(&path)?);
     }
     let progress: Mutex<Option<Progress>> = Mutex::new(None);
-    let report = generate_each(&settings, &args.out, |n_pushes| {
+    // The set itself must not tell what it hides: what made it stands below its truth.
+    let out = out.with_comment(format!("\n{}", origin.comment()));
+    let report = generate_each(&settings, out, |n_pushes| {
         let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
         progress.get_or_insert_with(|| terminal.progress("pushes made:", n_pushes)).advance();
     });
@@ -91,16 +94,8 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         progress.finish();
     }
     let report = report?;
-    mark(&report.sealed_truth, &origin)?;
     let result = Generated::new(&report, args);
     terminal.finish(&origin, &result, &result)
-}
-
-/// Adds what made the set to its truth: the set itself must not tell what it hides.
-fn mark(sealed_truth: &Path, origin: &Origin) -> Result<()> {
-    let text = std::fs::read_to_string(sealed_truth)
-        .with_context(|| format!("cannot read {}", sealed_truth.display()))?;
-    Destination::new(sealed_truth)?.write((text + "\n" + &origin.comment()).as_bytes())
 }
 
 impl Args {

@@ -35,7 +35,7 @@ impl SettingsFile {
     /// If it cannot be read, or with the line and what it should be.
     pub(super) fn read(path: &Path, truth: &Truth) -> Result<Self> {
         let context = || format!("cannot read {}", path.display());
-        let text = std::fs::read_to_string(path).with_context(context)?;
+        let text = dataset::read_text(path).with_context(context)?;
         // Of the text itself, so that an error has its line.
         toml::from_str::<Self>(&text).with_context(context)?;
         let mut merged = Table::try_from(Self::usual(truth)).with_context(context)?;

@@ -16,7 +16,7 @@ use dataset::{
 use self::ingested::Ingested;
 use self::source::Source;
 use crate::command_line::preset_parser;
-use crate::destination::Destination;
+use crate::destination::{Force, Inputs};
 use crate::document::Document;
 use crate::failure::WrongUsage;
 use crate::file_ending;
@@ -55,6 +55,8 @@ pub(crate) struct Args {
     /// Where to write the full report: .txt for people, .json for programs
     #[arg(long, value_name = "REPORT", value_parser = file_ending::report)]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
 }
 
 const EXAMPLES: &str = "\
@@ -72,35 +74,34 @@ enum CurveName {
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    let output = args.output.as_deref().map(Destination::new).transpose()?;
-    let report = args.report.as_deref().map(Destination::new).transpose()?;
+    let inputs = Inputs::default().with_set(&args.set, args.preset).with(&args.mapping);
+    let take = |path: &Option<PathBuf>| {
+        path.as_ref().map(|path| args.force.file(path, &inputs)).transpose()
+    };
+    let (output, report) = (take(&args.output)?, take(&args.report)?);
     let source = Source::of(args)?;
-    for destination in output.iter().chain(&report) {
-        destination.spare(&source.paths())?;
-    }
-    let mut writer =
-        output.as_ref().map(|output| TableWriter::create(output.path())).transpose()?;
+    let mut writer = output.map(TableWriter::begin).transpose()?;
     let (provenance, origin, result) = match source {
         Source::Recordings(set) => args.ingest(&set, writer.as_mut(), terminal)?,
         Source::Table { path, mapping, mapping_path } => {
             args.convert(&path, &mapping, mapping_path.as_deref(), writer.as_mut())?
         }
     };
-    if let Some(destination) = &report {
+    if let Some(destination) = report {
         let is_json = destination.path().extension().is_some_and(|ending| ending == "json");
         let text = if is_json {
             Document { origin: &origin, result: &result }.to_json()?
         } else {
             anstream::adapter::strip_str(&(result.full_text() + &origin.comment())).to_string()
         };
-        destination.write(text.as_bytes())?;
+        destination.write(text)?;
     }
     if let Some(writer) = writer {
         writer.finish(&provenance)?;
     }
     let mut text = result.short_text();
-    for destination in output.iter().chain(&report) {
-        let _ = writeln!(text, "{TITLE}wrote {}{TITLE:#}", destination.path().display());
+    for path in args.output.iter().chain(&args.report) {
+        let _ = writeln!(text, "{TITLE}wrote {}{TITLE:#}", path.display());
     }
     terminal.finish(&origin, &result, text)
 }

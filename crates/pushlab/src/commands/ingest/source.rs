@@ -9,7 +9,6 @@ use dataset::{MANIFEST_NAME, Preset, RecordingSet, TableMapping, all_formats, fi
 use super::Args;
 use crate::failure::WrongUsage;
 use crate::origin::readable;
-use crate::recorded_steps::SET_FILES;
 
 /// The input as it was recognized.
 pub(super) enum Source {
@@ -44,19 +43,6 @@ impl Source {
                 Ok(Self::Recordings(Box::new(RecordingSet::open_with_preset(set, preset)?)))
             }
             (None, None) => Self::recognize(set),
-        }
-    }
-
-    /// What is read, so that it is not overwritten.
-    pub(super) fn paths(&self) -> Vec<PathBuf> {
-        match self {
-            Self::Recordings(set) => {
-                let files = SET_FILES.map(|name| set.dir().join(name));
-                set.recordings().iter().cloned().chain(files).collect()
-            }
-            Self::Table { path, mapping_path, .. } => {
-                std::iter::once(path).chain(mapping_path).cloned().collect()
-            }
         }
     }
 

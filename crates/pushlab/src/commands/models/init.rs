@@ -8,7 +8,7 @@ use models::{Analytical, Estimate, ModelFile, PushModel};
 
 use super::parameters::Parameters;
 use crate::command_line::preset_parser;
-use crate::destination::Destination;
+use crate::destination::{Force, Inputs};
 use crate::failure::WrongUsage;
 use crate::file_ending;
 use crate::origin::{Input, Origin, TOOL, readable};
@@ -17,7 +17,7 @@ use crate::terminal::{TITLE, Terminal};
 /// Write the analytical model with the nominal values of a recording set
 ///
 /// The quasi-static push on an ellipsoidal limit surface: the pusher's friction from the manifest,
-/// the characteristic length from uniform pressure. A file that is there is never overwritten.
+/// the characteristic length from uniform pressure.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
@@ -31,6 +31,8 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "FILE", default_value = "model.toml",
           value_parser = file_ending::model)]
     output: PathBuf,
+    #[command(flatten)]
+    force: Force,
 }
 
 const EXAMPLES: &str = "\
@@ -40,7 +42,8 @@ Examples:
   pushlab models init --preset mit-push -o mit.toml";
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    let destination = Destination::unused(&args.output)?;
+    let inputs = args.set.iter().fold(Inputs::default(), |inputs, set| inputs.with_set(set, None));
+    let destination = args.force.file(&args.output, &inputs)?;
     let mut origin = Origin::new(["models".to_owned(), "init".to_owned()]);
     let nominal = match (&args.set, args.preset) {
         (_, Some(preset)) => {
@@ -58,9 +61,9 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         (None, None) => bail!(WrongUsage("name a recording set or a preset")),
     };
     let file = nominal.model(&origin)?;
-    file.write(destination.path())?;
+    file.write_to(destination)?;
     let parameters = Parameters::of(&file);
-    let text = format!("{TITLE}wrote {}{TITLE:#}\n{parameters}", destination.path().display());
+    let text = format!("{TITLE}wrote {}{TITLE:#}\n{parameters}", args.output.display());
     terminal.finish(&origin, &parameters, text)
 }
 

@@ -26,7 +26,7 @@ use serde::Serialize;
 use self::diagnosed::Signatures;
 use self::headline::Headline;
 use super::compare::Part;
-use crate::destination::Destination;
+use crate::destination::{Force, Inputs};
 use crate::diagnosis_file;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
@@ -58,6 +58,8 @@ pub(crate) struct Args {
     /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm); else 200ms
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<StepSize>,
+    #[command(flatten)]
+    force: Force,
 }
 
 const EXAMPLES: &str = "\
@@ -106,7 +108,9 @@ struct Written {
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    let destination = Destination::new(&args.output)?;
+    let files = args.model.iter().chain(&args.diagnosis);
+    let inputs = Inputs::default().with_set(&args.set, None).with(files);
+    let destination = args.force.file(&args.output, &inputs)?;
     let mut origin = args.origin();
     let mut files = Vec::new();
     for path in &args.model {
@@ -118,10 +122,6 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let diagnosis = diagnosis.map(|path| diagnosis_file::read(path, &mut origin)).transpose()?;
     readable(&args.set)?;
     let set = RecordingSet::open(&args.set)?;
-    let mut spared = args.model.clone();
-    spared.extend(args.diagnosis.clone());
-    spared.extend_from_slice(set.recordings());
-    destination.spare(&spared)?;
     let suspicions = suspected(&set);
     warn(&suspicions, terminal);
     let mut settings = IngestSettings::default();
@@ -143,7 +143,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     report.suspicions = suspicions;
     let report = report.with_diagnosis(diagnosis)?;
     let (html, written) = report.written(&origin, &args.output)?;
-    destination.write(html.as_bytes())?;
+    destination.write(html)?;
     terminal.finish(&origin, &written, &written)
 }
 
@@ -172,7 +172,7 @@ impl Report {
                     name,
                     comparison: compare(&observations, &predictions, floor, &settings)?,
                     outlines: outline_maps(&observations, &predictions, &outlines::SETTINGS)?,
-                    ends: push_ends(&rollouts, &observations),
+                    ends: push_ends(&rollouts),
                     rollouts,
                     file,
                 })

@@ -14,13 +14,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use models::{ContactGap, ModelFile, PushModel, RollOutSettings, StepCorrelation, StepErrors};
+use output::PartFolder;
 
 use self::method::{Method, tabulated};
 use self::place::Place;
 use self::result::{How, Simulated};
 use self::rolled::Rolled;
 use self::tasks::Source;
-use crate::destination::FolderDestination;
+use crate::destination::{Inputs, folder};
 use crate::document::Document;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
@@ -91,7 +92,12 @@ Examples:
 A path file: kind = \"spline\", speed_mm_s = 20, points_mm = [[-60, 0], [-20, 10], [40, 0]]";
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    let destination = FolderDestination::new(&args.output)?;
+    let files = args.manifest.iter().chain([&args.model]);
+    let mut inputs = Inputs::default().with_set(&args.source, None).with(files);
+    if let Some(set) = &args.correlation {
+        inputs = inputs.with_set(set, None);
+    }
+    let destination = folder(&args.output, &inputs)?;
     let mut origin = args.origin();
     readable(&args.model)?;
     readable(&args.source)?;
@@ -114,20 +120,20 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     progress.finish();
     let how = How { settings: &settings, tables, matched: args.matched, correlation };
     let result = Simulated::new(&args.output, &file.name, how, &rolled);
-    destination.write(|folder| write(folder, &rolled, &result, &origin))?;
+    destination.fill(|part| write(part, &rolled, &result, &origin))?;
     terminal.finish(&origin, &result, &result)
 }
 
 /// Every file of the result.
-fn write(folder: &Path, rolled: &[Rolled], result: &Simulated, origin: &Origin) -> Result<()> {
-    std::fs::write(folder.join("poses.csv"), origin.comment() + &poses::table(rolled))?;
-    std::fs::write(folder.join("simulation.json"), Document { origin, result }.to_json()?)?;
+fn write(part: &PartFolder, rolled: &[Rolled], result: &Simulated, origin: &Origin) -> Result<()> {
+    part.write("poses.csv", origin.comment() + &poses::table(rolled))?;
+    part.write("simulation.json", Document { origin, result }.to_json()?)?;
     for one in rolled {
         let name = one.file_name();
-        std::fs::write(folder.join(format!("{name}.mcap")), motion_log::motion_log(one, origin)?)?;
+        part.write(&format!("{name}.mcap"), motion_log::motion_log(one, origin)?)?;
         let figure = figure::figure(one);
-        std::fs::write(folder.join(format!("{name}.svg")), figure.svg()?)?;
-        std::fs::write(folder.join(format!("{name}.png")), figure.png()?)?;
+        part.write(&format!("{name}.svg"), figure.svg()?)?;
+        part.write(&format!("{name}.png"), figure.png()?)?;
     }
     Ok(())
 }

@@ -1,9 +1,9 @@
 //! A path of the pusher from a file: recorded points, or a shape with a speed.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
+use dataset::read_text;
 use models::PushPath;
 use nalgebra::Vector2;
 use planar::Pose;
@@ -48,8 +48,7 @@ impl PathFile {
     /// # Errors
     /// If it cannot be read or is no path, with the line or the point.
     pub(super) fn read(file: &Path) -> Result<Self> {
-        let text =
-            fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+        let text = read_text(file).with_context(|| format!("cannot read {}", file.display()))?;
         let ending = file.extension().and_then(|ending| ending.to_str());
         let read = match ending {
             Some("csv") => recorded(&text).map(|path| Self { path, object_wb: None }),

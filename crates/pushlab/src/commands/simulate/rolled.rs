@@ -94,7 +94,7 @@ impl Task {
         Ok(Rolled {
             name: self.name,
             outline: self.pushed.shape.outline(120),
-            pusher_radius: self.pushed.pusher_radius,
+            pusher_radius: model.true_outline(&self.pushed)?.pusher_radius(),
             path: self.path,
             moments,
             quantiles,

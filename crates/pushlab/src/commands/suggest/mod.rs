@@ -14,7 +14,7 @@ use models::ModelFile;
 use serde::Serialize;
 
 use self::area::Area;
-use crate::destination::Destination;
+use crate::destination::Force;
 use crate::diagnosis_file;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
@@ -67,6 +67,8 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "FILE", default_value = "suggested.csv",
           value_parser = file_ending::table)]
     output: PathBuf,
+    #[command(flatten)]
+    force: Force,
 }
 
 const EXAMPLES: &str = "\
@@ -96,7 +98,6 @@ struct Suggested {
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let mut origin = args.origin();
-    let destination = Destination::new(&args.output)?;
     let found = diagnosis_file::read(&args.from, &mut origin)?;
     let path = |given: &Option<PathBuf>, place: usize, what: &str| -> Result<PathBuf> {
         let named = || Some(found.made_by.as_ref()?.arguments.get(place)?.into());
@@ -108,14 +109,13 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     for path in [&set, &model] {
         readable(path)?;
     }
-    destination.spare(&[args.from.clone(), model.clone(), set.clone()])?;
+    let words = found.made_by.as_ref().map_or(&[][..], |made| &made.arguments);
+    let source = StepSource::of(&set, args.known.clone().or_of(words));
+    let destination = args.force.file(&args.output, &source.inputs().with([&args.from, &model]))?;
     origin.inputs.push(Input::file(&model)?);
     told_if_other(&found, &origin, &model, terminal);
     let model = ModelFile::read(&model)?;
-    let words = found.made_by.as_ref().map_or(&[][..], |made| &made.arguments);
-    let source = StepSource::of(&set, args.known.clone().or_of(words));
     let Steps { observations: all, inputs, .. } = source.read(Reading::Steady, terminal)?;
-    destination.spare(&inputs.iter().map(|input| input.path.clone()).collect::<Vec<_>>())?;
     origin.arguments.extend(source.words().into_iter().filter(|_| args.known.words().is_empty()));
     origin.inputs.extend(inputs);
     ensure!(
@@ -127,7 +127,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let fitted = all.part(&found.split.fit)?;
     let (aim, known) = args.aim(&found)?;
     let suggestion = suggest(&fitted, &model.description, &known, &aim, &args.settings())?;
-    destination.write(list::csv(&suggestion, &origin).as_bytes())?;
+    destination.write(list::csv(&suggestion, &origin))?;
     let (name, effects) = match aim {
         Aim::Rivals(groups) => ("rivals", groups),
         Aim::Precision(ids) => ("precision", vec![ids]),

@@ -17,7 +17,7 @@ use serde::Serialize;
 
 use self::kind::{Chosen, Extra, Kind, Residual, Typed};
 use self::scores::{Score, scores};
-use crate::destination::Destination;
+use crate::destination::Force;
 use crate::failure::WrongUsage;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
@@ -61,6 +61,8 @@ pub(crate) struct Args {
     /// Where to write the model; its weights are written beside it
     #[arg(short, long, value_name = "FILE", value_parser = file_ending::model)]
     output: PathBuf,
+    #[command(flatten)]
+    force: Force,
 }
 
 const EXAMPLES: &str = "\
@@ -108,9 +110,10 @@ const FEWEST: usize = 20;
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let chosen = Chosen::new(args.kind, args.residual_kind)?;
-    let destination = Destination::new(&args.output)?;
     let mut origin = args.origin();
-    let base = args.base(&mut origin, &destination)?;
+    let base = args.base(&mut origin)?;
+    let model = base.is_some().then(|| args.model_file());
+    let destination = args.force.file(&args.output, &args.source.inputs().with(&model))?;
     let parts = Parts::read(args, base.as_ref(), &mut origin, terminal)?;
     let started = Instant::now();
     let trained = args.train(chosen, base.as_ref(), &parts)?;
@@ -142,7 +145,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
             unexplained,
         },
     };
-    ModelFile { name, description, split: Some(parts.split) }.write(destination.path())?;
+    ModelFile { name, description, split: Some(parts.split) }.write_to(destination)?;
     terminal.finish(&origin, &result, &result)
 }
 
@@ -197,17 +200,21 @@ struct Fresh {
 }
 
 impl Args {
+    /// The model that a hybrid is beside.
+    fn model_file(&self) -> PathBuf {
+        self.model.clone().unwrap_or_else(|| "model.toml".into())
+    }
+
     /// The model whose physics a hybrid begins with.
-    fn base(&self, origin: &mut Origin, destination: &Destination) -> Result<Option<ModelFile>> {
+    fn base(&self, origin: &mut Origin) -> Result<Option<ModelFile>> {
         if self.kind != Kind::Hybrid {
             if self.model.is_some() {
                 bail!(WrongUsage("--model is for --kind hybrid; the other kinds know no physics"));
             }
             return Ok(None);
         }
-        let path = self.model.clone().unwrap_or_else(|| "model.toml".into());
+        let path = self.model_file();
         readable(&path)?;
-        destination.spare(std::slice::from_ref(&path))?;
         origin.inputs.push(Input::file(&path)?);
         Ok(Some(ModelFile::read(&path)?))
     }

@@ -1,0 +1,13 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod error;
+mod file;
+mod folder;
+mod lock;
+mod place;
+
+pub use error::OutputError;
+pub use file::{OutputFile, write};
+pub use folder::{OutputFolder, PartFolder};
+pub use place::Existing;
