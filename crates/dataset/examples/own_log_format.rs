@@ -31,10 +31,9 @@ impl LogFormat for TextLog {
         _: &Streams,
         limits: &ReadLimits,
     ) -> Result<Recording, DatasetError> {
-        let text = read_text(path)?;
         let (mut robot, mut object) = (PoseStream::default(), PoseStream::default());
         let mut force = WrenchStream::default();
-        for (index, line) in text.lines().enumerate() {
+        for (index, line) in read_text(path)?.lines().enumerate() {
             let mut words = line.split_whitespace();
             let kind = words.next();
             let numbers: Result<Vec<f64>, _> = words.map(str::parse).collect();

@@ -262,6 +262,20 @@ mod tests {
     }
 
     #[test]
+    fn a_draft_of_a_folder_of_any_name_is_toml() {
+        let dir = tempfile::tempdir().unwrap();
+        let names =
+            ["\u{7f}\u{85} ü", "a\u{301}\u{200b}\u{feff}", "\"q\" \\ 'x' '''", "line\nb\u{1b}"];
+        for name in names {
+            let set = dir.path().join(name);
+            write_push(&set);
+            let text = draft_manifest(&set).unwrap();
+            let table: toml::Table = text.parse().unwrap_or_else(|e| panic!("{e}: {text}"));
+            assert_eq!(table["name"].as_str(), Some(name));
+        }
+    }
+
+    #[test]
     fn a_manifest_is_never_overwritten() {
         let dir = tempfile::tempdir().unwrap();
         let path = init(dir.path(), Some(Preset::MitPush)).unwrap();
