@@ -8,7 +8,7 @@ pub(super) struct Track {
     /// Times, in s as recorded, never falling.
     pub(super) t: Vec<f64>,
     values: Vec<Vector2<f64>>,
-    /// Sums of the values before each.
+    /// Sums of the values up to each.
     sums: Vec<Vector2<f64>>,
 }
 
@@ -24,10 +24,9 @@ impl Track {
         let mut sum = Vector2::zeros();
         let sums = samples.iter().map(|(_, value)| {
             sum += value;
-            sum - value
+            sum
         });
-        let sums: Vec<_> = sums.collect();
-        let sums = sums.into_iter().chain([sum]).collect();
+        let sums = sums.collect();
         let (t, values) = samples.into_iter().unzip();
         Self { t, values, sums }
     }
@@ -50,7 +49,8 @@ impl Track {
     pub(super) fn sum(&self, [from, to]: [f64; 2]) -> (usize, Vector2<f64>) {
         let first = self.t.partition_point(|t| *t < from);
         let last = self.t.partition_point(|t| *t <= to).max(first);
-        (last - first, self.sums[last] - self.sums[first])
+        let before = |n: usize| n.checked_sub(1).map_or_else(Vector2::zeros, |i| self.sums[i]);
+        (last - first, before(last) - before(first))
     }
 
     /// Mean of the samples in intervals; none without samples.
