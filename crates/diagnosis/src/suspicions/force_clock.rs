@@ -19,8 +19,9 @@ pub(super) const CHECK: Check = Check {
 const FARTHEST: f64 = 6.0;
 /// Seconds between two shifts.
 const STEP: f64 = 0.02;
-/// Share of the largest difference that unshifted forces keep where all is right.
-const KEPT: f64 = 0.8;
+/// Share of the largest difference that unshifted forces keep where all is right: measured pushes
+/// of half a second, whose pusher stays in touch afterwards, have kept 0.68; late ones keep none.
+const KEPT: f64 = 0.5;
 /// Share of the recordings whose pushes have forces.
 const KNOWN: f64 = 0.5;
 
