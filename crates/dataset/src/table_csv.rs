@@ -2,7 +2,6 @@
 
 use std::{
     collections::HashSet,
-    fs::File,
     io::{self, BufRead, Seek, Write},
     path::{Path, PathBuf},
     sync::Arc,
