@@ -102,16 +102,6 @@ pub enum PlantError {
     /// A file or folder that could not be written.
     #[error(transparent)]
     Output(#[from] output::OutputError),
-    /// A file that could not be read.
-    #[error("cannot {what} {}", path.display())]
-    Io {
-        /// What was tried.
-        what: &'static str,
-        /// The file or folder.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
 }
 
 /// Refuses a number outside of its range.
@@ -126,10 +116,4 @@ pub(crate) fn check_range(
     }
     let allowed = format!("a number from {low} to {high}");
     Err(PlantError::OutOfRange { name: name.to_owned(), value, unit, allowed })
-}
-
-impl PlantError {
-    pub(crate) fn io(what: &'static str, path: &std::path::Path, source: std::io::Error) -> Self {
-        Self::Io { what, path: path.to_owned(), source }
-    }
 }
