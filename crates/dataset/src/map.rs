@@ -44,7 +44,7 @@ const MOST_TEXT: u64 = 1 << 26;
 /// Reads a text file as a whole: a manifest, a mapping, a list of sessions.
 ///
 /// # Errors
-/// `Io`, also for a file that is no UTF-8 text; `NotAFile`; `OverLimit` beyond 64 MiB.
+/// `Io`; `NotAFile`; `OverLimit` beyond 64 MiB; `Damaged` where it is no UTF-8 text.
 pub fn read_text(path: &Path) -> Result<String, DatasetError> {
     let io = |error| DatasetError::io("read", path, error);
     let (file, length) = open_regular(path, &ReadLimits::default())?;
@@ -57,9 +57,13 @@ pub fn read_text(path: &Path) -> Result<String, DatasetError> {
             remedy: "give the file that is meant".into(),
         });
     }
-    let mut text = String::with_capacity(length as usize);
-    file.take(MOST_TEXT).read_to_string(&mut text).map_err(io)?;
-    Ok(text)
+    let mut bytes = Vec::with_capacity(length as usize);
+    file.take(MOST_TEXT).read_to_end(&mut bytes).map_err(io)?;
+    String::from_utf8(bytes).map_err(|error| DatasetError::Damaged {
+        path: path.into(),
+        byte: error.utf8_error().valid_up_to() as u64,
+        what: "no text in UTF-8; give the file that is meant".into(),
+    })
 }
 
 /// What a path leads to, in a word.

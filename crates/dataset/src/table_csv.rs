@@ -31,7 +31,7 @@ pub(crate) struct RowsFile {
 const BUFFER: usize = 1 << 16;
 
 impl RowsFile {
-    pub(crate) fn create(output: &OutputFile) -> Result<Self, DatasetError> {
+    pub(crate) fn begin(output: &OutputFile) -> Result<Self, DatasetError> {
         let mut builder = csv::WriterBuilder::new();
         let writer = builder.buffer_capacity(BUFFER).from_writer(output.begin()?);
         let mut rows = Self { path: output.path().into(), writer };

@@ -44,7 +44,7 @@ impl TableWriter {
     /// `.parquet`, `FeatureOff` for Parquet without its feature.
     pub fn begin(output: OutputFile) -> Result<Self, DatasetError> {
         let rows = match extension(output.path())? {
-            Kind::Csv => Rows::Csv(Box::new(RowsFile::create(&output)?)),
+            Kind::Csv => Rows::Csv(Box::new(RowsFile::begin(&output)?)),
             Kind::Parquet => parquet_rows(&output)?,
         };
         Ok(Self { output, rows })

@@ -36,7 +36,7 @@ mod tests {
             format!("{error:#}").replace(dir.path().to_str().unwrap(), "DIR")
         };
         for (bytes, says) in [
-            (&b"{\"schema\": \xff}"[..], "cannot read DIR/d.json: byte 11 is no text"),
+            (&b"{\"schema\": \xff}"[..], "DIR/d.json: byte 11: no text in UTF-8"),
             (b"{\n\"schema\": ,", "DIR/d.json:2:11: no JSON: expected value"),
             (b"", "DIR/d.json:1:0: no JSON: EOF"),
             (b"[1]", "it has no `schema`"),

@@ -143,6 +143,6 @@ mod tests {
         let file = folder.path().join("file");
         fs::write(&file, "").expect("a file");
         let error = publish("push", &[], &file).expect_err("a file is no folder");
-        assert!(error.to_string().ends_with("push.json"), "{error}");
+        assert!(error.to_string().ends_with("/file"), "{error}");
     }
 }

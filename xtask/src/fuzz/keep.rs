@@ -40,6 +40,6 @@ pub(super) fn keep(folder: &Path, input: &[u8]) -> Result<Option<PathBuf>> {
     let path = folder.join(name);
     let context = || format!("cannot write {}", path.display());
     fs::create_dir_all(folder).with_context(context)?;
-    fs::write(&path, input).with_context(context)?;
+    output::write(&path, input).with_context(context)?;
     Ok(Some(path))
 }

@@ -83,7 +83,6 @@ pub(crate) struct Args {
 #[derive(clap::Args)]
 pub(crate) struct WorkerArgs {
     dir: PathBuf,
-    kept: PathBuf,
     #[arg(long)]
     reader: String,
     #[arg(long)]
@@ -110,7 +109,7 @@ pub(crate) fn work(args: &WorkerArgs) -> Result<()> {
         return worker::replay(reader, &args.dir, &fs::read(input)?);
     }
     let WorkerArgs { seed, first, stride, end, seconds, .. } = *args;
-    worker::work(reader, &args.dir, &args.kept, &Order { seed, first, stride, end, seconds })
+    worker::work(reader, &args.dir, &Order { seed, first, stride, end, seconds })
 }
 
 impl Args {
@@ -196,7 +195,7 @@ impl Run<'_> {
         let program = std::env::current_exe().unwrap_or_else(|_| "xtask".into());
         let mut command = Command::new(program);
         // What a thread pool takes is not the reader's.
-        command.arg("fuzz-worker").arg(dir).arg(&self.keep).args(arguments);
+        command.arg("fuzz-worker").arg(dir).args(arguments);
         command.env("RAYON_NUM_THREADS", "1").env("RUST_BACKTRACE", "0");
         command
     }
@@ -295,7 +294,7 @@ impl Run<'_> {
         let dir = self.scratch.folder("corpus");
         // A corpus is made in an empty folder.
         let _ = fs::remove_dir_all(&dir);
-        let corpus = worker::corpus(reader, &dir, &self.keep)?;
+        let corpus = worker::corpus(reader, &dir)?;
         Ok(mutate::case(reader.name(), self.args.seed, case, &corpus, reader.tokens()))
     }
 

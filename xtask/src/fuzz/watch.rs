@@ -14,7 +14,7 @@ use super::worker::{AT, Order, Tally, parse_fault};
 
 /// How often a worker is looked at.
 const LOOK: Duration = Duration::from_millis(20);
-/// A reader with so many cases that ended its process is given up.
+/// A reader with so many cases that ended its process as another had before is given up.
 const MOST_ENDS: usize = 5;
 
 /// Starts a worker with these arguments.
@@ -73,9 +73,9 @@ pub(super) fn run_order(
         let Some(fault) = ended.fault else { break };
         let at = at.with_context(|| format!("{reader}: no case was begun: {}", fault.place))?;
         let cases = (at - order.first) / order.stride + 1;
+        n_ends += usize::from(outcome.faults.iter().any(|(_, known)| known.is_like(&fault)));
         outcome
             .add(Outcome { tally: Tally { cases, ..Tally::default() }, faults: vec![(at, fault)] });
-        n_ends += 1;
         order.first = at + order.stride;
         order.seconds = seconds - begin.elapsed().as_secs_f64();
         if n_ends >= MOST_ENDS || order.first >= order.end || order.seconds <= 0.0 {
@@ -142,7 +142,8 @@ fn watch(mut command: Command, dir: &Path, limit: Duration) -> Result<Ended> {
     let at = case_of(&at_file);
     let tally = lines.iter().rev().find_map(|line| Tally::parse(line));
     let faults = lines.iter().filter_map(|line| parse_fault(line)).collect();
-    let last = errors.lines().rfind(|line| !line.trim().is_empty());
+    // The runtime's last words are advice.
+    let last = errors.lines().rfind(|line| !line.trim().is_empty() && !line.starts_with("note: "));
     let fault = match status {
         Some(status) if status.success() && tally.is_some() => None,
         Some(status) => {

@@ -85,24 +85,21 @@ pub(super) fn parse_fault(line: &str) -> Option<(u64, Fault)> {
     Some((case, Fault { kind, place: cells.next()?.to_owned() }))
 }
 
-/// The inputs that cases are made from: those that were made, then those that were kept.
-pub(super) fn corpus(reader: &dyn Reader, dir: &Path, kept: &Path) -> Result<Vec<Vec<u8>>> {
+/// The inputs that cases are made from.
+///
+/// Those that were kept are not among them: a case would be another one after each that is kept.
+pub(super) fn corpus(reader: &dyn Reader, dir: &Path) -> Result<Vec<Vec<u8>>> {
     let folder = dir.join(CORPUS);
     fs::create_dir_all(&folder)?;
-    let mut corpus =
-        reader.corpus(&folder).with_context(|| format!("the corpus of {}", reader.name()))?;
-    for file in super::keep::inputs(&kept.join(reader.name()))? {
-        corpus.push(fs::read(file)?);
-    }
-    Ok(corpus)
+    reader.corpus(&folder).with_context(|| format!("the corpus of {}", reader.name()))
 }
 
 /// Reads cases until the time or the cases end; prints each new failure, and the tally at the end.
 ///
 /// # Errors
 /// If the corpus cannot be made, or its valid inputs are not accepted.
-pub(super) fn work(reader: &dyn Reader, dir: &Path, kept: &Path, order: &Order) -> Result<()> {
-    let corpus = corpus(reader, dir, kept)?;
+pub(super) fn work(reader: &dyn Reader, dir: &Path, order: &Order) -> Result<()> {
+    let corpus = corpus(reader, dir)?;
     let files = dir.join(FILES);
     fs::create_dir_all(&files)?;
     let mut at = File::create(dir.join(AT))?;

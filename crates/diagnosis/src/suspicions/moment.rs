@@ -15,15 +15,19 @@ pub(super) struct Moment {
     /// Pusher's center in W, in m as recorded.
     pub(super) pusher: [Vector2<f64>; 3],
     /// Position and yaw of B in W, in m and rad as recorded.
-    pub(super) object: [(Vector2<f64>, f64); 3],
+    pub(super) object: Poses,
     /// Mean force of the pusher on the object, less that read before any motion, in N.
     pub(super) force: Option<Vector2<f64>>,
 }
 
+/// Positions and yaws of B in W at three times, in m and rad as recorded.
+type Poses = [(Vector2<f64>, f64); 3];
+
 /// When and how an object moves, whatever the other streams have.
 #[derive(Clone, Debug)]
 pub(super) struct Motion {
-    moments: Vec<([f64; 3], [(Vector2<f64>, f64); 3])>,
+    /// Times, in s as recorded, and poses then.
+    moments: Vec<([f64; 3], Poses)>,
     /// When it moves, in s as recorded, in order.
     pub(super) moving: Vec<[f64; 2]>,
     /// First and last sample, in s as recorded.

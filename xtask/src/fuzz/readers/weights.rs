@@ -20,6 +20,8 @@ use super::model::wrong;
 /// A model file, and its weights, whose checksum is set right before they are read.
 pub(super) struct WeightsFiles;
 
+/// Name of the weights of every input.
+const WEIGHTS: &str = "model.weights.json";
 /// Rows that a process learns from.
 const N_STEPS: u32 = 6;
 
@@ -36,8 +38,7 @@ impl Reader for WeightsFiles {
             let path = dir.join("model.toml");
             let description = model.describe()?;
             ModelFile { name: "a".to_owned(), description, split: None }.write(&path)?;
-            let files = [fs::read(&path)?, fs::read(dir.join("model.weights.json"))?];
-            inputs.push(files.join(&NEXT_FILE));
+            inputs.push(input(dir, &path)?);
             Ok(())
         };
         for process in ProcessKind::ALL {
@@ -76,6 +77,14 @@ fn step(k: u32, nominal: &Analytical) -> Result<StepObservation> {
     Ok(StepObservation { input, outputs })
 }
 
+/// A model file and its weights, under the name that they are read by.
+fn input(dir: &Path, path: &Path) -> Result<Vec<u8>> {
+    let model: toml::Table = toml::from_str(&fs::read_to_string(path)?)?;
+    let weights = model["learned"]["weights"].as_str().context("no name of the weights")?;
+    let text = fs::read_to_string(path)?.replace(weights, WEIGHTS);
+    Ok([text.into_bytes(), fs::read(dir.join(weights))?].join(&NEXT_FILE))
+}
+
 /// Writes both files, the first with the checksum of the second.
 fn prepare(dir: &Path, input: &[u8]) -> Result<()> {
     let mut parts = input.splitn(2, |byte| *byte == NEXT_FILE);
@@ -89,5 +98,5 @@ fn prepare(dir: &Path, input: &[u8]) -> Result<()> {
         model.splice(start..end, hash.bytes());
     }
     fs::write(dir.join("model.toml"), model).context("model.toml")?;
-    fs::write(dir.join("model.weights.json"), weights).context("weights")
+    fs::write(dir.join(WEIGHTS), weights).context("weights")
 }
