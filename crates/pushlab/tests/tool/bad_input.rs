@@ -40,7 +40,7 @@ fn an_unreadable_file_is_named() {
     let set = SmallSet::new();
     std::fs::write(set.path("set/dataset.toml"), [0xff, 0xfe, 0x00]).unwrap();
     let message = set.error(&["ingest", "set"]);
-    assert_names(&message, &["cannot read set/dataset.toml", "UTF-8", "the right file"]);
+    assert_names(&message, &["set/dataset.toml: byte 0", "UTF-8", "the file that is meant"]);
     let set = lone_push();
     std::fs::write(set.path(OBJECT), [0xff; 64]).unwrap();
     assert_names(&set.error(&["ingest", "set"]), &["set: none of 1 recordings", "object.csv"]);
