@@ -10,6 +10,10 @@ use planar::Twist;
 /// G = J A Jᵀ, up to a common factor. Sticking thus needs f = G⁻¹ v; if that leaves the friction
 /// cone, the force is on the cone's edge and G f matches the normal velocity only.
 ///
+/// A pusher at (x, y) that sticks to an upright, centered ellipsoid thus causes
+/// vx = ((c² + x²) vpx + x y vpy)/(c² + x² + y²), vy = (x y vpx + (c² + y²) vpy)/(c² + x² + y²) and
+/// ω = (x vy − y vx)/c²; the denominators of the thesis' eq. 2.19 have `r_y` for y.
+///
 /// # Errors
 /// A push with a component that is not finite or a negative friction; a motion beyond all numbers.
 #[allow(non_snake_case, reason = "the symbols of the derivation")]

@@ -1,7 +1,7 @@
 //! How far a pusher goes along its path, there and back counted both.
 
 use crate::PusherPath;
-use crate::quadrature::gauss_points;
+use crate::numerics::quadrature::gauss_points;
 
 /// Rounding of a travel, relative to it.
 const ROUNDING: f64 = 1e-9;

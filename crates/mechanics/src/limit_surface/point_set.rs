@@ -1,8 +1,8 @@
 //! The exact limit surface of several support points.
 
+use crate::limit_surface::polar::{Homogeneous, Polar, plane_basis, polar};
+use crate::limit_surface::single_point::{check_point, rounding};
 use crate::limit_surface::{direction_of_twist, direction_of_wrench};
-use crate::polar::{Homogeneous, Polar, plane_basis, polar};
-use crate::single_point::{check_point, rounding};
 use crate::{LimitSurface, MechanicsError, WrenchSet};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use planar::{Shape, Twist, Wrench, perpendicular};

@@ -1,8 +1,8 @@
 //! The ellipsoidal limit surface.
 
 use crate::limit_surface::{direction_of_twist, direction_of_wrench};
-use crate::quadric_push::quadric_push;
-use crate::{LimitSurface, MechanicsError, Push, PushMotion, WrenchSet};
+
+use crate::{LimitSurface, MechanicsError, WrenchSet};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Shape, Twist, Wrench};
 
@@ -144,11 +144,8 @@ impl LimitSurface for Ellipsoid {
         (self.inverse[(2, 2)] / force).sqrt()
     }
 
-    /// In closed form: a pusher at (x, y) that sticks to an upright, centered ellipsoid causes
-    /// vx = ((c² + x²) vpx + x y vpy)/(c² + x² + y²), vy = (x y vpx + (c² + y²) vpy)/(c² + x² + y²) and
-    /// ω = (x vy − y vx)/c²; the denominators of the thesis' eq. 2.19 have `r_y` for y.
-    fn push(&self, push: &Push) -> Result<PushMotion, MechanicsError> {
-        quadric_push(&self.matrix, push)
+    fn quadric(&self) -> Option<&Matrix3<f64>> {
+        Some(&self.matrix)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::barrier::{Barrier, constrained_least_squares};
 use super::{Fit, Scaled, WrenchTwist, scored};
-use crate::quartic::{QUARTIC_EXPONENTS, gradient, polynomial};
+use crate::limit_surface::quartic::{QUARTIC_EXPONENTS, gradient, polynomial};
 use crate::{MechanicsError, Quartic};
 use nalgebra::{DMatrix, DVector, SMatrix, Vector3};
 
@@ -122,7 +122,7 @@ fn gram_of(exponents: &[usize; 3]) -> Gram {
 #[cfg(test)]
 mod tests {
     use super::{Gram, SumsOfSquares};
-    use crate::quartic::hessian;
+    use crate::limit_surface::quartic::hessian;
     use nalgebra::{SVector, Vector3};
 
     #[test]

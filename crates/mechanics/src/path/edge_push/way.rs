@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::runge_kutta::{Step, step};
+use crate::numerics::runge_kutta::{Step, step};
 
 /// An edge in axes along its inward normal n and its left t, from the center of friction.
 #[derive(Clone, Copy, Debug)]

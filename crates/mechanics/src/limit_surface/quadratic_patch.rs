@@ -1,6 +1,6 @@
 //! Friction loads of uniform and quadratic tractions: in closed form, or as integrals along outlines.
 
-use crate::quadrature::gauss_points;
+use crate::numerics::quadrature::gauss_points;
 use nalgebra::{Vector2, Vector3};
 use planar::{Ellipse, Shape, cross, perpendicular};
 use std::f64::consts::{PI, TAU};

@@ -1,7 +1,7 @@
 //! The push at several contacts at once.
 
-use crate::root::root_bracket;
-use crate::{ContactMode, LimitSurface, MechanicsError, Push, PushMotion, predict_under};
+use crate::numerics::root::root_bracket;
+use crate::{ContactMode, LimitSurface, MechanicsError, Push, PushMotion, predict, predict_under};
 use nalgebra::{Matrix3, Vector3};
 use planar::{Twist, Wrench, cross};
 
@@ -53,7 +53,7 @@ fn at_unit_speed<S: LimitSurface + ?Sized>(
     for (index, push) in pushes.iter().enumerate() {
         if push.approach_speed() > 0.0 {
             let motion = match *external_s == Wrench::default() {
-                true => surface.push(push)?,
+                true => predict(surface, push)?,
                 false => predict_under(surface, push, external_s)?,
             };
             if let Some(motions) = around(pushes, &[(index, motion)]) {

@@ -1,8 +1,8 @@
 //! The object's motion while a pusher follows a path.
 
-use crate::root::root_bracket;
-use crate::runge_kutta::{Step, step};
-use crate::travel::{mean_speed, within_travel};
+use crate::numerics::root::root_bracket;
+use crate::numerics::runge_kutta::{Step, step};
+use crate::path::travel::{mean_speed, within_travel};
 use crate::{
     ContactMode, ContactPhase, MechanicsError, PathMotion, PathSample, PathSettings, Place, Push,
     Pusher, PusherPath, Slider, predict_joint,

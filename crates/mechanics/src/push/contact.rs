@@ -1,6 +1,6 @@
 //! One contact that pushes: what goes in and what comes out.
 
-use crate::{LimitSurface, MechanicsError};
+use crate::MechanicsError;
 use nalgebra::{UnitVector2, Vector2};
 use planar::{Twist, Wrench, perpendicular};
 
@@ -46,23 +46,6 @@ pub struct PushMotion {
     pub force_s: Vector2<f64>,
     /// Velocity of the pusher over the slider along the tangent, in m/s: positive to the left.
     pub slip: f64,
-}
-
-/// The quasi-static motion of a slider that is pushed at one contact.
-///
-/// A pusher that does not approach (normal · velocity ≤ 0, a pusher at rest or moving along the
-/// edge included) leaves the slider at rest: [`ContactMode::Separated`]. The motion scales with the
-/// pusher's velocity; the force does not depend on its size.
-///
-/// # Errors
-/// A push with a component that is not finite or a negative friction, or a solver that did not
-/// converge.
-///
-/// # Source
-/// Lynch, Maekawa & Tanie (1992), "Manipulation and active sensing by pushing using tactile
-/// feedback", for the ellipsoid; Goyal, Ruina & Papadopoulos (1991) for the general surface.
-pub fn predict(surface: &dyn LimitSurface, push: &Push) -> Result<PushMotion, MechanicsError> {
-    surface.push(push)
 }
 
 impl Push {

@@ -1,9 +1,9 @@
 //! The limit surface of a continuous pressure patch.
 
+use crate::limit_surface::polar::{Homogeneous, Polar, polar};
+use crate::limit_surface::quadratic_patch::{QuadraticPatch, QuadraticTraction};
 use crate::limit_surface::{direction_of_twist, direction_of_wrench};
-use crate::polar::{Homogeneous, Polar, polar};
-use crate::quadratic_patch::{QuadraticPatch, QuadraticTraction};
-use crate::quadrature::Cells;
+use crate::numerics::quadrature::Cells;
 use crate::{LimitSurface, MechanicsError, WrenchSet};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Shape, Twist, Wrench, perpendicular};

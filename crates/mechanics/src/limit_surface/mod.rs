@@ -1,7 +1,17 @@
 //! The limit surface: which loads move a supported object, and how.
 
-use crate::{MechanicsError, Push, PushMotion, predict_under};
-use nalgebra::Vector3;
+pub(crate) mod ellipsoid;
+pub(crate) mod fit;
+pub(crate) mod mesh;
+pub(crate) mod patch;
+pub(crate) mod point_set;
+pub(crate) mod polar;
+pub(crate) mod quadratic_patch;
+pub(crate) mod quartic;
+pub(crate) mod single_point;
+
+use crate::MechanicsError;
+use nalgebra::{Matrix3, Vector3};
 use planar::{Twist, Wrench};
 
 /// A closed, convex surface in the space of wrenches (Fx, Fy, M) that bounds what friction can bear.
@@ -63,12 +73,9 @@ pub trait LimitSurface: std::fmt::Debug + Send + Sync {
         })
     }
 
-    /// The quasi-static motion under a push; surfaces with a closed form override it.
-    ///
-    /// # Errors
-    /// As [`crate::predict`].
-    fn push(&self, push: &Push) -> Result<PushMotion, MechanicsError> {
-        predict_under(self, push, &Wrench::default())
+    /// A of level² = wᵀ A w where the surface is an ellipsoid, whose pushes are in closed form.
+    fn quadric(&self) -> Option<&Matrix3<f64>> {
+        None
     }
 }
 

@@ -1,7 +1,7 @@
 //! The convex quartic limit surface.
 
+use crate::limit_surface::polar::{Homogeneous, polar};
 use crate::limit_surface::{direction_of_twist, direction_of_wrench};
-use crate::polar::{Homogeneous, polar};
 use crate::{Ellipsoid, LimitSurface, MechanicsError, WrenchSet};
 use nalgebra::{Matrix3, Vector3};
 use planar::{Twist, Wrench};

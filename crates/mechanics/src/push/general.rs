@@ -1,6 +1,7 @@
-//! The push on any limit surface, with loads besides the pusher's.
+//! The push on any limit surface, alone or with loads besides the pusher's.
 
-use crate::root::{Sample, root_bracket};
+use crate::numerics::root::{Sample, root_bracket};
+use crate::push::quadric::quadric_push;
 use crate::{ContactMode, LimitSurface, MechanicsError, Push, PushMotion, WrenchSet};
 use nalgebra::Vector2;
 use planar::{Twist, Wrench, cross, perpendicular};
@@ -8,6 +9,29 @@ use planar::{Twist, Wrench, cross, perpendicular};
 const MAX_DOUBLINGS: usize = 200;
 /// Width of the final bracket of the angular velocity, relative to it and to |v|/c.
 const TOLERANCE: f64 = 1e-14;
+
+/// The quasi-static motion of a slider that is pushed at one contact.
+///
+/// A pusher that does not approach (normal · velocity ≤ 0, a pusher at rest or moving along the
+/// edge included) leaves the slider at rest: [`ContactMode::Separated`]. The motion scales with the
+/// pusher's velocity; the force does not depend on its size.
+///
+/// # Errors
+/// A push with a component that is not finite or a negative friction, or a solver that did not
+/// converge.
+///
+/// # Source
+/// Lynch, Maekawa & Tanie (1992), "Manipulation and active sensing by pushing using tactile
+/// feedback", for the ellipsoid; Goyal, Ruina & Papadopoulos (1991) for the general surface.
+pub fn predict<S: LimitSurface + ?Sized>(
+    surface: &S,
+    push: &Push,
+) -> Result<PushMotion, MechanicsError> {
+    match surface.quadric() {
+        Some(matrix) => quadric_push(matrix, push),
+        None => predict_under(surface, push, &Wrench::default()),
+    }
+}
 
 /// The quasi-static motion under a push and a constant `external_s`, such as gravity on a tilted table.
 ///

@@ -1,6 +1,6 @@
 //! What is pushed, and by what.
 
-use crate::{Ellipsoid, LimitSurface, MechanicsError, Push, PushMotion};
+use crate::{Ellipsoid, LimitSurface, MechanicsError, Push, PushMotion, predict};
 use nalgebra::{Unit, Vector2};
 use planar::{Contact, Pose, Shape, Twist};
 
@@ -104,7 +104,7 @@ impl Slider<'_> {
         push: &Push,
         pose_wb: &Pose,
     ) -> Result<(PushMotion, Twist), MechanicsError> {
-        let motion = self.surface.push(push)?;
+        let motion = predict(self.surface, push)?;
         let twist = self.velocity_of(&motion.twist_ws_s, pose_wb);
         Ok((motion, twist))
     }

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::way::{MAX_TRAVEL, MOST_STEPS, SMALL_TURN, TOLERANCE, Way, small_sin_cos};
-use crate::runge_kutta::{ERROR, STAGES};
+use crate::numerics::runge_kutta::{ERROR, STAGES};
 
 /// How many run beside each other: the doubles of the widest registers.
 pub(super) const LANES: usize = 8;
