@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::{EffectKind, Parameter, Quantity};
-use crate::design::Layout;
+use crate::design::layout::Layout;
 use crate::{Design, PlantError};
 
 const TURN: (f64, f64) = (-2.0 * PI, 2.0 * PI);

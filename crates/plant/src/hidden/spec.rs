@@ -5,11 +5,10 @@ use std::str::FromStr;
 
 use serde::Serialize;
 
-use super::{EffectKind, Parameter, effect_kind, effect_kinds, surprise::draw};
+use super::{EffectKind, Parameter, effect_kind, effect_kinds};
 use crate::{Design, PlantError, Truth};
 
-const SURPRISE: &str = "surprise";
-const MAX_DRAWS: usize = 1000;
+pub(super) const SURPRISE: &str = "surprise";
 
 /// What is to be hidden.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,25 +26,6 @@ pub struct HiddenEffect {
     pub id: &'static str,
     /// Value of every parameter, in SI units.
     pub values: BTreeMap<&'static str, f64>,
-}
-
-impl Hidden {
-    /// The effect, drawn if it is a surprise until one is possible; `number` tells the surprises of
-    /// a set apart.
-    pub(crate) fn resolved(
-        &self,
-        (seed, number): (u64, usize),
-        is_possible: impl Fn(&HiddenEffect) -> bool,
-    ) -> Result<HiddenEffect, PlantError> {
-        let Self::Effect(effect) = self else {
-            let mut draws = (0..MAX_DRAWS).map(|attempt| draw(seed, MAX_DRAWS * number + attempt));
-            let what = "no effect is possible on this object with this design".to_owned();
-            return draws
-                .find(is_possible)
-                .ok_or(PlantError::Hidden { text: SURPRISE.into(), what });
-        };
-        Ok(effect.clone())
-    }
 }
 
 impl HiddenEffect {

@@ -1,13 +1,36 @@
 //! A hidden effect that nobody chose.
 
-use super::{HiddenEffect, Quantity, effect_kinds};
+use super::spec::SURPRISE;
+use super::{Hidden, HiddenEffect, Quantity, effect_kinds};
+use crate::PlantError;
 use crate::random::{Purpose, Random};
 
 /// Sizes of a surprise, over the typical size.
 const SIZES: (f64, f64) = (0.6, 1.8);
 
+const MAX_DRAWS: usize = 1000;
+
+impl Hidden {
+    /// The effect, drawn if it is a surprise until one is possible; `number` tells the surprises of
+    /// a set apart.
+    pub(crate) fn resolved(
+        &self,
+        (seed, number): (u64, usize),
+        is_possible: impl Fn(&HiddenEffect) -> bool,
+    ) -> Result<HiddenEffect, PlantError> {
+        let Self::Effect(effect) = self else {
+            let mut draws = (0..MAX_DRAWS).map(|attempt| draw(seed, MAX_DRAWS * number + attempt));
+            let what = "no effect is possible on this object with this design".to_owned();
+            return draws
+                .find(is_possible)
+                .ok_or(PlantError::Hidden { text: SURPRISE.into(), what });
+        };
+        Ok(effect.clone())
+    }
+}
+
 /// Draws any effect, its size around the typical one, to either side where there are two.
-pub(super) fn draw(seed: u64, number: usize) -> HiddenEffect {
+fn draw(seed: u64, number: usize) -> HiddenEffect {
     let mut random = Random::new(seed, Purpose::Surprise, number as u64);
     let kinds = effect_kinds();
     let kind = kinds[random.below(kinds.len())];

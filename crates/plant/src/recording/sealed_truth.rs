@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::generate::Set;
+use crate::recording::simulate::Set;
 use crate::{
     Design, GenerateSettings, HiddenEffect, Numerics, PlannedPush, PlantError, Scatter, Sensors,
     Truth, Variation,

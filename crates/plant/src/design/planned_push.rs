@@ -6,8 +6,8 @@ use planar::{Ellipse, Pose, Shape};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
+use crate::dynamics::state::rotation;
 use crate::error::check_range;
-use crate::rig::rotation;
 use crate::{PlantError, TipPath};
 
 /// Shortest way to the touch, in m, and shortest distance of the tip from the edge at the start:

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{cross, perpendicular};
 
-use crate::outline::Touch;
+use crate::dynamics::outline::Touch;
 use crate::truth::TipFriction;
 
 /// The contact over one implicit step, in the body's axes.
@@ -161,7 +161,7 @@ impl TipContact {
 #[cfg(test)]
 mod tests {
     use super::{Holder, TipContact};
-    use crate::outline::Touch;
+    use crate::dynamics::outline::Touch;
     use crate::truth::TipFriction;
     use nalgebra::{Vector2, Vector3};
     use planar::cross;

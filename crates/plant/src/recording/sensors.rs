@@ -4,9 +4,9 @@ use dataset::{PoseStream, WrenchStream};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
+use crate::dynamics::state::rotation;
 use crate::error::check_range;
 use crate::random::{Purpose, Random};
-use crate::rig::rotation;
 use crate::{Plant, PlantError, Trajectory, Variation};
 
 /// The sensors of the rig.

@@ -4,8 +4,8 @@ use planar::Shape;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
+use crate::dynamics::outline::Outline;
 use crate::error::check_range;
-use crate::outline::Outline;
 use crate::random::{Purpose, Random};
 use crate::truth::Wear;
 use crate::{PlannedPush, PlantError};

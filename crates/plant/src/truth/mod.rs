@@ -1,5 +1,7 @@
 //! What is true of the rig, part by part; one file each.
 
+pub(crate) mod variation;
+
 mod body;
 mod cable;
 mod check;

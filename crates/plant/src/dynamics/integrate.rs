@@ -1,23 +1,46 @@
 //! Time stepping: the implicit Euler method, extrapolated, with steps as long as its error allows.
 
 use libm::sqrt;
+use nalgebra::Vector2;
+use planar::Pose;
 
-use crate::rig::Rig;
-use crate::state::State;
-use crate::{PlantError, Trajectory};
+use crate::dynamics::rig::Rig;
+use crate::dynamics::state::State;
+use crate::{Plant, PlantError, TipPath, Trajectory, Variation};
 
 const FIRST_STEP: f64 = 1e-3;
 const SHORTEST_STEP: f64 = 1e-9;
 const MOST_STEPS: usize = 400_000;
+
+impl Plant {
+    /// Simulates one push: wait, approach, push, stop and hold.
+    ///
+    /// - `pose_wb`: the object at rest at the beginning.
+    ///
+    /// # Errors
+    /// `Blocked` if the tip begins inside the object, `OutOfRange` for a path without length or
+    /// speed, `Pressure` for a variation that cannot be, `NotConverged` if steps get too short.
+    pub fn push(
+        &self,
+        pose_wb: &Pose,
+        path: &TipPath,
+        variation: &Variation,
+    ) -> Result<Trajectory, PlantError> {
+        check_path(path)?;
+        let rig = Rig::new(self, path, variation)?;
+        integrate(&rig, &rig.start(pose_wb)?)
+    }
+}
 
 /// Follows the rig from a state to the end of its path.
 ///
 /// Each step is taken whole and in two halves. Their difference decides whether it is short enough;
 /// their extrapolation, of second order, is the result. Steps end where the path's acceleration
 /// jumps.
-pub(crate) fn integrate(rig: &Rig, start: &State) -> Result<Trajectory, PlantError> {
+fn integrate(rig: &Rig, start: &State) -> Result<Trajectory, PlantError> {
     let numerics = &rig.plant.numerics;
-    let mut trajectory = Trajectory::new(rig, start);
+    let mut trajectory =
+        Trajectory::new(rig.path, rig.pose(&start.place), rig.plant.center_of_mass, start);
     let (mut state, mut time, mut trial) = (*start, 0.0, FIRST_STEP);
     for end in rig.path.breaks() {
         while time < end {
@@ -67,4 +90,30 @@ fn taken(rig: &Rig, time: f64, step: f64, state: &State) -> Result<(State, f64),
         return Err("the motion is not finite");
     }
     Ok((halves.extrapolated(&whole), error))
+}
+
+fn check_path(path: &TipPath) -> Result<(), PlantError> {
+    let positive = [
+        ("the length of the path", path.length, "m"),
+        ("its speed", path.speed, "m/s"),
+        ("its acceleration", path.acceleration, "m/s²"),
+        ("its wait plus 1", path.wait + 1.0, "s"),
+        ("its hold plus 1", path.hold + 1.0, "s"),
+    ];
+    for (name, value, unit) in positive {
+        if !(value > 0.0 && value.is_finite()) {
+            let (name, allowed) = (name.into(), "a positive, finite number".into());
+            return Err(PlantError::OutOfRange { name, value, unit, allowed });
+        }
+    }
+    let direction = Vector2::from(path.direction).norm();
+    if !((direction - 1.0).abs() < 1e-9 && path.start.iter().all(|x| x.is_finite())) {
+        return Err(PlantError::OutOfRange {
+            name: "the length of the path's direction".into(),
+            value: direction,
+            unit: "",
+            allowed: "1, and a finite start".into(),
+        });
+    }
+    Ok(())
 }

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Matrix3, Vector3};
 use wide::f64x4;
 
-use crate::pads::{LANES, Pads};
+use crate::dynamics::pads::{LANES, Pads};
 use crate::truth::RateLaw;
 
 /// Load of the friction on a moving object, and how it changes with the motion.
@@ -127,7 +127,7 @@ impl Footing {
 #[cfg(test)]
 mod tests {
     use super::Footing;
-    use crate::pads::Pads;
+    use crate::dynamics::pads::Pads;
     use crate::truth::{Grain, RateLaw};
     use nalgebra::{Matrix2, Vector2, Vector3};
     use planar::Shape;

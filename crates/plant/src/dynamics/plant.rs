@@ -2,13 +2,10 @@
 
 use dataset::ObjectSpec;
 use nalgebra::Vector2;
-use planar::Pose;
 
-use crate::integrate::integrate;
-use crate::outline::Outline;
-use crate::pads::Pads;
-use crate::rig::Rig;
-use crate::{Numerics, PlantError, TipPath, Trajectory, Truth, Variation};
+use crate::dynamics::outline::Outline;
+use crate::dynamics::pads::Pads;
+use crate::{Numerics, PlantError, Truth, Variation};
 
 const FEWEST_PADS: usize = 100;
 
@@ -88,24 +85,6 @@ impl Plant {
         &self.truth
     }
 
-    /// Simulates one push: wait, approach, push, stop and hold.
-    ///
-    /// - `pose_wb`: the object at rest at the beginning.
-    ///
-    /// # Errors
-    /// `Blocked` if the tip begins inside the object, `OutOfRange` for a path without length or
-    /// speed, `Pressure` for a variation that cannot be, `NotConverged` if steps get too short.
-    pub fn push(
-        &self,
-        pose_wb: &Pose,
-        path: &TipPath,
-        variation: &Variation,
-    ) -> Result<Trajectory, PlantError> {
-        check_path(path)?;
-        let rig = Rig::new(self, path, variation)?;
-        integrate(&rig, &rig.start(pose_wb)?)
-    }
-
     /// The pads of a push.
     pub(crate) fn pads(&self, variation: &Variation) -> Result<Pads, PlantError> {
         let pressure = &self.truth.pressure;
@@ -113,30 +92,4 @@ impl Plant {
         let ratio = pressure.radius_ratio * variation.pressure_radius;
         Ok(self.uniform.reshaped(&shift, ratio)?.blended(pressure.patch_share))
     }
-}
-
-fn check_path(path: &TipPath) -> Result<(), PlantError> {
-    let positive = [
-        ("the length of the path", path.length, "m"),
-        ("its speed", path.speed, "m/s"),
-        ("its acceleration", path.acceleration, "m/s²"),
-        ("its wait plus 1", path.wait + 1.0, "s"),
-        ("its hold plus 1", path.hold + 1.0, "s"),
-    ];
-    for (name, value, unit) in positive {
-        if !(value > 0.0 && value.is_finite()) {
-            let (name, allowed) = (name.into(), "a positive, finite number".into());
-            return Err(PlantError::OutOfRange { name, value, unit, allowed });
-        }
-    }
-    let direction = Vector2::from(path.direction).norm();
-    if !((direction - 1.0).abs() < 1e-9 && path.start.iter().all(|x| x.is_finite())) {
-        return Err(PlantError::OutOfRange {
-            name: "the length of the path's direction".into(),
-            value: direction,
-            unit: "",
-            allowed: "1, and a finite start".into(),
-        });
-    }
-    Ok(())
 }

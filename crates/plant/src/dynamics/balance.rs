@@ -3,8 +3,8 @@
 use libm::sqrt;
 use nalgebra::{Matrix2, Matrix3, Vector3};
 
-use crate::resistance::Footing;
-use crate::tip_contact::{Response, TipContact};
+use crate::dynamics::resistance::Footing;
+use crate::dynamics::tip_contact::{Response, TipContact};
 use crate::truth::RateLaw;
 
 const MAX_ITERATIONS: usize = 40;

@@ -3,8 +3,8 @@
 use nalgebra::{Matrix2, Vector2, Vector3};
 use planar::cross;
 
-use crate::rig::Rig;
-use crate::state::State;
+use crate::dynamics::rig::Rig;
+use crate::dynamics::state::State;
 
 /// Loads and frictions at the beginning of a step, in the body's axes.
 pub(crate) struct Surroundings {

@@ -1,8 +1,9 @@
 //! The state of the rig while it moves.
 
-use nalgebra::{SVector, Vector2, Vector3};
+use libm::sincos;
+use nalgebra::{Matrix2, SVector, Vector2, Vector3};
 
-use crate::energy::Energy;
+use crate::dynamics::energy::Energy;
 
 /// Everything that a time step changes, world frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,4 +60,10 @@ impl State {
 
 fn beyond<const N: usize>(half: &SVector<f64, N>, whole: &SVector<f64, N>) -> SVector<f64, N> {
     half + (half - whole)
+}
+
+/// From the axes of a frame turned by an angle (rad) to the outer ones.
+pub(crate) fn rotation(angle: f64) -> Matrix2<f64> {
+    let (sin, cos) = sincos(angle);
+    Matrix2::new(cos, -sin, sin, cos)
 }

@@ -4,9 +4,8 @@ use nalgebra::{Vector2, Vector3};
 use planar::Pose;
 
 use crate::TipPath;
-use crate::energy::Energy;
-use crate::rig::{Rig, rotation};
-use crate::state::State;
+use crate::dynamics::energy::Energy;
+use crate::dynamics::state::{State, rotation};
 
 /// The true motion and force of one push.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,13 +25,16 @@ struct Knot {
 
 impl Trajectory {
     /// A push that begins with a state.
-    pub(crate) fn new(rig: &Rig, start: &State) -> Self {
-        Self {
-            path: *rig.path,
-            start: rig.pose(&start.place),
-            center_of_mass: rig.plant.center_of_mass,
-            knots: vec![Knot { time: 0.0, state: *start }],
-        }
+    ///
+    /// - `center_of_mass`: in m, in the body's frame.
+    pub(crate) fn new(
+        path: &TipPath,
+        start: Pose,
+        center_of_mass: Vector2<f64>,
+        state: &State,
+    ) -> Self {
+        let knots = vec![Knot { time: 0.0, state: *state }];
+        Self { path: *path, start, center_of_mass, knots }
     }
 
     pub(crate) fn record(&mut self, time: f64, state: &State) {
