@@ -1,98 +1,74 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-mod axis;
-mod box_search;
-mod calibration;
-mod candidates;
-mod change;
-mod clusters;
-mod comparison;
-mod concentration;
-mod condition;
-mod covariate;
-mod coverage;
-mod diagnose;
+// From the ground up: what comes first knows nothing of what comes after it.
 mod error;
-mod error_shapes;
-mod errors;
-mod finding;
-mod fit;
-mod floor_growth;
-mod map_test;
-mod motion_steps;
-mod noise_floor;
-mod noise_model;
-mod observations;
-mod outline;
-mod predictions;
-mod push_ends;
-mod quantile;
-mod reading;
-mod repeats;
-mod residual_map;
-mod rollout;
-mod score;
-mod screen;
-mod secants;
-mod second_set;
-mod sign_flips;
-mod split;
-mod steady_ingest;
-mod structure;
-mod suggest;
+mod undetermined;
+
+mod statistics;
+
+mod data;
+
 mod suspicions;
+
+mod predict;
+
+mod noise;
+
+mod compare;
+
+mod screen;
+
+mod fit;
+
+mod decide;
+
+mod suggest;
+
 #[cfg(test)]
 mod synthetic;
-mod tangent;
-mod thinning;
-mod tolerances;
-mod untestable;
-mod variances;
-mod whitened;
-mod whitening;
-mod words;
-mod worst;
 
-pub use calibration::{Covered, IntervalCalibration};
-pub use change::{ChannelChange, change};
-pub use comparison::{Comparison, compare};
-pub use concentration::Concentration;
-pub use condition::Condition;
-pub use covariate::Covariate;
-pub use coverage::Coverage;
-pub use diagnose::{
+pub use compare::calibration::{Covered, IntervalCalibration};
+pub use compare::change::{ChannelChange, change};
+pub use compare::comparison::{Comparison, compare};
+pub use compare::concentration::Concentration;
+pub use compare::condition::Condition;
+pub use compare::errors::ChannelError;
+pub use compare::finding::Finding;
+pub use compare::outline::{OutlineCell, OutlineMap, outline_maps};
+pub use compare::residual_map::{Cell, ResidualMap};
+pub use compare::structure::MapSettings;
+pub use compare::worst::WorstPush;
+pub use data::covariate::Covariate;
+pub use data::coverage::Coverage;
+pub use data::observations::{Observations, PushName};
+pub use data::repeats::RepeatTolerance;
+pub use data::split::split;
+pub use data::steady_ingest::steady_ingest;
+pub use data::tolerances::Tolerances;
+pub use decide::{
     Clusters, DataUsed, DiagnoseSettings, Diagnosed, Diagnosis, EffectFinding, ErrorFall, Gain,
     Leftover, MadeBy, MadeFrom, MotionError, NoiseOrigin, ParameterFinding, Status, Verdict,
     diagnose,
 };
 pub use error::DiagnosisError;
-pub use errors::ChannelError;
-pub use finding::Finding;
 pub use fit::{
-    EffectFit, Fit, FitSettings, Interval, NuisanceFit, ParameterFit, Resemblance, Undetermined,
-    fit, fit_with_noise,
+    EffectFit, Fit, FitSettings, Interval, NuisanceFit, ParameterFit, Resemblance, fit,
+    fit_with_noise,
 };
-pub use noise_floor::{Floor, FloorSource, NoiseFloor, noise_floor};
-pub use noise_model::{ErrorSource, NoiseModel};
-pub use observations::{Observations, PushName};
-pub use outline::{OutlineCell, OutlineMap, outline_maps};
-pub use predictions::Predictions;
-pub use push_ends::{PushEnd, PushEnds, Spread, push_ends};
-pub use repeats::RepeatTolerance;
-pub use residual_map::{Cell, MapSettings, ResidualMap};
-pub use rollout::{Rollout, roll_out};
-pub use screen::{
+pub use noise::noise_floor::{Floor, FloorSource, NoiseFloor, noise_floor};
+pub use noise::noise_model::{ErrorSource, NoiseModel};
+pub use noise::whitening::{PushCovariance, Whitening};
+pub use predict::predictions::Predictions;
+pub use predict::push_ends::{PushEnd, PushEnds, Spread, push_ends};
+pub use predict::rollout::{Rollout, roll_out};
+pub use screen::screen;
+pub use screen::screened::{
     Calibration, LookAlikes, Nuisance, Screen, ScreenSettings, ScreenedCoordinate, ScreenedEffect,
-    screen,
 };
-pub use split::split;
-pub use steady_ingest::steady_ingest;
+pub use screen::untestable::{NotTestable, Reason};
 pub use suggest::{
     Aim, Precision, Separation, SuggestSettings, SuggestedPush, Suggestion, suggest,
 };
 pub use suspicions::{CHECKS, Check, SUSPECTED_RECORDINGS, Suspicion, step_suspicions, suspicions};
-pub use tolerances::Tolerances;
-pub use untestable::{NotTestable, Reason};
-pub use whitening::{PushCovariance, Whitening};
-pub use worst::WorstPush;
+pub use undetermined::Undetermined;

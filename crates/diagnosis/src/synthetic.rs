@@ -11,7 +11,7 @@ use planar::{Pose, Shape, Twist};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::observations::Place;
+use crate::data::observations::Place;
 use crate::{
     Floor, FloorSource, NoiseFloor, Observations, Predictions, PushName, Whitening, steady_ingest,
 };

@@ -11,9 +11,9 @@ use super::problem::Problem;
 use super::resemblance::{Resemblance, resemblances};
 use super::sandwich::Sandwich;
 use super::search::Found;
-use super::undetermined::Undetermined;
 use super::{EffectFit, Fit, FitSettings, NuisanceFit, ParameterFit, SIGNIFICANT};
-use crate::quantile::{fisher_tail, student_975, student_tail};
+use crate::statistics::quantile::{fisher_tail, student_975, student_tail};
+use crate::undetermined::Undetermined;
 use crate::{DiagnosisError, Observations};
 
 /// Correlation of signatures beyond which two effects are one to the data.

@@ -1,7 +1,7 @@
 //! What further pushes are to tell.
 
 use crate::DiagnosisError;
-use crate::diagnose::{Diagnosis, Status};
+use crate::decide::{Diagnosis, Status};
 
 /// What further pushes are to tell.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,10 +1,9 @@
 //! What the rig has done, and may be asked to do.
 
 use super::SuggestSettings;
-use super::route::SHORTEST_WAY;
 use crate::Observations;
-use crate::coverage::Coverage;
-use crate::steady_ingest::FIRST_WAY;
+use crate::data::coverage::Coverage;
+use crate::data::steady_ingest::{FIRST_WAY, STEP_WAY};
 
 /// Limits of pushes.
 #[derive(Clone, Debug)]
@@ -19,6 +18,10 @@ pub(super) struct Reach {
     pub(super) pusher_radius: f64,
 }
 
+/// Steps of a push that is worth doing.
+pub(super) const FEWEST_STEPS: usize = 4;
+/// Way that holds them behind the first touch, in m, unless a push is fast.
+pub(super) const SHORTEST_WAY: f64 = FIRST_WAY + FEWEST_STEPS as f64 * STEP_WAY;
 /// Of any rig, in m/s.
 const SPEEDS: [f64; 2] = [0.005, 0.5];
 /// The longest way that is usual, in m.

@@ -5,7 +5,7 @@ use models::{ChannelObservation, Cluster, SetAside};
 use super::SuggestedPush;
 use super::choice::median;
 use super::route::{Route, RouteStep};
-use crate::observations::Place;
+use crate::data::observations::Place;
 use crate::{Observations, PushName};
 
 /// Candidates as observations, with the numbers that are expected.

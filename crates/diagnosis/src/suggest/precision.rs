@@ -6,8 +6,8 @@ use serde::Serialize;
 use super::choice::median;
 use super::planned::Planned;
 use super::standpoint::Standpoint;
-use crate::score::pick;
-use crate::screen::DETECTABLE;
+use crate::statistics::score::DETECTABLE;
+use crate::statistics::score::pick;
 use crate::{DiagnosisError, NoiseModel, Observations};
 
 /// How exactly a coordinate of an effect is known: a parameter, or for a ratio along a direction φ

@@ -11,11 +11,11 @@ use rand_chacha::ChaCha8Rng;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::f64::consts::TAU;
 
-use super::area::Reach;
+use super::area::{FEWEST_STEPS, Reach, SHORTEST_WAY};
 use super::standpoint::Standpoint;
 use super::{SuggestSettings, SuggestedPush, halton};
-use crate::rollout::moved_by;
-use crate::steady_ingest::{FIRST_TIME, FIRST_WAY, STEP_TIME, STEP_WAY};
+use crate::data::steady_ingest::{FIRST_TIME, FIRST_WAY, STEP_TIME, STEP_WAY};
+use crate::predict::rollout::moved_by;
 use crate::{DiagnosisError, Observations};
 
 /// A push with its expected steps.
@@ -41,10 +41,6 @@ const FROM_VERTEX: [f64; 2] = [6e-3, 3e-3];
 /// Way on which the pusher comes to the touch, and what is added for it to get fast, in m and m/s².
 const APPROACH: f64 = 0.01;
 const ACCELERATION: f64 = 1.0;
-/// Steps of a push that is worth doing.
-const FEWEST_STEPS: usize = 4;
-/// Way that holds them behind the first touch, in m, unless a push is fast.
-pub(super) const SHORTEST_WAY: f64 = FIRST_WAY + FEWEST_STEPS as f64 * STEP_WAY;
 /// Feasible pushes without which there is no choice.
 const FEWEST_ROUTES: usize = 8;
 /// What an expected path may stand out of the area by, in m.

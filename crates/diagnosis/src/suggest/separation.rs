@@ -7,7 +7,7 @@ use super::Aim;
 use super::choice::median;
 use super::planned::Planned;
 use super::standpoint::{Standpoint, View};
-use crate::score::Products;
+use crate::statistics::score::Products;
 use crate::{DiagnosisError, NoiseModel, Observations};
 
 /// How well two rivals are told apart, in standard deviations: the root of twice the log likelihood
@@ -134,7 +134,7 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
 
     use super::Pair;
-    use crate::score::Products;
+    use crate::statistics::score::Products;
 
     /// Candidates with two numbers and one free number each.
     fn pair(distances: &[[f64; 2]], slopes: &[[f64; 2]]) -> Pair {

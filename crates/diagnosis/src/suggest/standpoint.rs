@@ -6,9 +6,9 @@ use nalgebra::DMatrix;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use super::SuggestSettings;
-use crate::candidates::Candidates;
-use crate::error_shapes::push_directions;
-use crate::secants::{Direction, Linearisation};
+use crate::predict::candidates::Candidates;
+use crate::predict::error_shapes::push_directions;
+use crate::predict::secants::{Direction, Linearisation};
 use crate::{
     DiagnosisError, FitSettings, NoiseModel, Observations, Tolerances, Whitening, fit_with_noise,
 };

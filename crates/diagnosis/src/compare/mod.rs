@@ -1,0 +1,16 @@
+//! Predictions, observed steps and the noise floor go in, where and by how much the model fails comes out.
+
+pub(crate) mod axis;
+pub(crate) mod calibration;
+pub(crate) mod change;
+pub(crate) mod comparison;
+pub(crate) mod concentration;
+pub(crate) mod condition;
+pub(crate) mod errors;
+pub(crate) mod finding;
+pub(crate) mod outline;
+pub(crate) mod reading;
+pub(crate) mod residual_map;
+pub(crate) mod structure;
+pub(crate) mod words;
+pub(crate) mod worst;

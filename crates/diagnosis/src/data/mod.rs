@@ -1,0 +1,15 @@
+//! A table of steps goes in, the observed steps come out, with the clusters that share errors and the parts
+//! that are held out.
+
+pub(crate) mod clusters;
+pub(crate) mod covariate;
+pub(crate) mod coverage;
+pub(crate) mod motion_steps;
+pub(crate) mod observations;
+pub(crate) mod observed_clusters;
+pub(crate) mod repeats;
+pub(crate) mod second_set;
+pub(crate) mod split;
+pub(crate) mod steady_ingest;
+pub(crate) mod thinning;
+pub(crate) mod tolerances;

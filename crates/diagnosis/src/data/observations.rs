@@ -1,0 +1,381 @@
+//! The steps of a table with what a comparison asks of them.
+
+use std::collections::{HashMap, HashSet};
+use std::fmt;
+
+use dataset::{
+    Flags, MANIFEST_NAME, Manifest, ObjectChoice, StepRow, SupportSpec, Table, TableMapping,
+};
+use effects::{Channel, Channels, Track};
+use models::{
+    ChannelModel, ChannelObservation, ChannelSteps, Cluster, Description, SetAside, SetAsideReason,
+    Split, StepSelection,
+};
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use crate::data::clusters::{clusters, numbered};
+use crate::{Covariate, DiagnosisError};
+
+/// Observed steps, the push of each, and the nominal table.
+#[derive(Clone, Debug)]
+pub struct Observations {
+    pub(crate) steps: Vec<ChannelObservation>,
+    pub(crate) places: Vec<Place>,
+    /// Index of the push of each step.
+    pub(crate) push_of: Vec<usize>,
+    /// Index of what shares errors, for each step: the session where the whole set has enough, else the
+    /// push. Every step of a push has the same; a part keeps those of the whole.
+    pub(crate) cluster_of: Vec<usize>,
+    pub(crate) cluster: Cluster,
+    pub(crate) pushes: Vec<PushName>,
+    pub(crate) support: SupportSpec,
+    /// SHA-256 over the hashes of the recordings.
+    pub(crate) set: String,
+    /// The set's name in its manifest.
+    pub(crate) name: String,
+    /// What was not measured.
+    pub(crate) unknown: Vec<Covariate>,
+    pub(crate) set_aside: SetAside,
+}
+
+/// A push by its recording and its number there.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+pub struct PushName {
+    /// The recording.
+    pub recording: String,
+    /// 0-based number within the recording.
+    pub push: u32,
+}
+
+impl fmt::Display for PushName {
+    /// `recording#push`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}#{}", self.recording, self.push)
+    }
+}
+
+/// Where and how a step is, as the table states it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    pub(crate) step: u32,
+    pub(crate) edge: u32,
+    pub(crate) p: f64,
+    pub(crate) beta: f64,
+    pub(crate) speed: f64,
+    /// Of the object's pose at both ends, from the samples' noise: position (m) and yaw (rad).
+    pub(crate) pose_sd: [[f64; 2]; 2],
+}
+
+/// What steps are about.
+struct About<'a> {
+    object: &'a ObjectChoice,
+    /// In m.
+    pusher_radius: f64,
+    support: SupportSpec,
+}
+
+impl<'a> About<'a> {
+    fn of(manifest: &'a Manifest) -> Self {
+        let (pusher_radius, support) = (manifest.pusher.radius, manifest.support);
+        Self { object: &manifest.object, pusher_radius, support }
+    }
+}
+
+/// Places of the gaps among the numbers of a step.
+const GAP_START: usize = 5;
+const GAP_END: usize = 6;
+
+/// Fewer pushes say nothing about errors that are shared within a push.
+pub(crate) const FEWEST_PUSHES: usize = 3;
+
+impl Observations {
+    /// The steps in contact of a table about the set of a manifest.
+    ///
+    /// # Errors
+    /// `Model` for a row that is no step; `TooFewPushes`.
+    pub fn of(table: &Table, manifest: &Manifest) -> Result<Self, DiagnosisError> {
+        Self::selected(table, &About::of(manifest), StepSelection::default(), |_| true)
+    }
+
+    /// The steps of a table of others, read through its mapping.
+    ///
+    /// What the mapping does not give was not measured: without poses the contact gap, the object's
+    /// place and orientation and the direction in the world, without times the order.
+    ///
+    /// # Errors
+    /// As [`Observations::of`].
+    pub fn of_mapped(table: &Table, mapping: &TableMapping) -> Result<Self, DiagnosisError> {
+        let object = ObjectChoice::Fixed(Box::new(mapping.object.clone()));
+        let (pusher_radius, support) = (mapping.pusher.radius, mapping.support);
+        let about = About { object: &object, pusher_radius, support };
+        let mut all = Self::selected(table, &about, StepSelection::default(), |_| true)?;
+        if !mapping.gives("object_x_m") {
+            all.steps.iter_mut().for_each(|step| step.observed[GAP_START..].fill(None));
+            all.unknown.extend([Covariate::Orientation, Covariate::Direction]);
+            all.unknown.extend([Covariate::TableX, Covariate::TableY]);
+        }
+        if !mapping.gives("t_s") {
+            all.unknown.push(Covariate::Time);
+        }
+        Ok(all)
+    }
+
+    /// As [`Observations::of`], without steps whose noise is of another kind: the first touch, with
+    /// its peak of force, those near a vertex, where the outline's normal jumps, and those within which the
+    /// pusher starts or stops. For tables that were made with [`crate::data::steady_ingest`].
+    ///
+    /// # Errors
+    /// As [`Observations::of`].
+    pub fn steady(table: &Table, manifest: &Manifest) -> Result<Self, DiagnosisError> {
+        let vertex = Flags::VERTEX | Flags::NEAR_VERTEX | Flags::EDGE_CHANGED;
+        let without = StepSelection::default().without | vertex | Flags::FIRST_TOUCH;
+        Self::selected(table, &About::of(manifest), StepSelection { without }, goes_steadily)
+    }
+
+    fn selected(
+        table: &Table,
+        about: &About<'_>,
+        selection: StepSelection,
+        is_wanted: fn(&Track) -> bool,
+    ) -> Result<Self, DiagnosisError> {
+        let About { object, pusher_radius, support } = *about;
+        let found = selection.channel_steps(table, object, pusher_radius)?;
+        let ChannelSteps { steps, rows, mut set_aside } = found;
+        let (wanted, unwanted): (Vec<_>, Vec<_>) =
+            steps.into_iter().zip(rows).partition(|(step, _)| is_wanted(&step.input.track));
+        if !unwanted.is_empty() {
+            let resting = set_aside.rows.entry(SetAsideReason::PusherAtRest).or_default();
+            resting.extend(unwanted.into_iter().map(|(_, row)| row));
+        }
+        let (steps, rows): (Vec<_>, Vec<usize>) = wanted.into_iter().unzip();
+        let rows: Vec<&StepRow> = rows.iter().map(|row| &table.rows[*row]).collect();
+        let (mut pushes, mut known) = (Vec::new(), HashMap::new());
+        let mut push = |row: &&StepRow| {
+            let name = PushName { recording: row.recording.to_string(), push: row.push };
+            *known.entry(name.clone()).or_insert_with(|| {
+                pushes.push(name);
+                pushes.len() - 1
+            })
+        };
+        let push_of: Vec<usize> = rows.iter().map(&mut push).collect();
+        let (cluster, cluster_of) = clusters(&steps, &push_of);
+        let place = |row: &&StepRow| {
+            let StepRow { step, edge, p, beta, speed, .. } = **row;
+            let start_sd = [row.start_position_sd, row.start_angle_sd];
+            let pose_sd = [start_sd, [row.end_position_sd, row.end_angle_sd]];
+            Place { step, edge, p, beta, speed, pose_sd }
+        };
+        let observations = Self {
+            places: rows.iter().map(place).collect(),
+            steps,
+            push_of,
+            cluster_of,
+            cluster,
+            pushes,
+            support,
+            set: set_digest(table),
+            name: table.provenance.get("set").unwrap_or_default().to_owned(),
+            unknown: Vec::new(),
+            set_aside,
+        };
+        observations.checked()
+    }
+
+    /// The pushes that a part of a split names, such as `recording#0`; names of pushes that have no
+    /// step here are passed over.
+    ///
+    /// # Errors
+    /// `TooFewPushes`.
+    pub fn part(&self, names: &[String]) -> Result<Self, DiagnosisError> {
+        let names: HashSet<&str> = names.iter().map(String::as_str).collect();
+        let is_kept = |push: &usize| names.contains(self.pushes[*push].to_string().as_str());
+        let kept: Vec<usize> = (0..self.pushes.len()).filter(is_kept).collect();
+        let place_of: HashMap<usize, usize> = kept.iter().copied().zip(0..).collect();
+        let steps: Vec<usize> = (0..self.n_steps())
+            .filter(|step| place_of.contains_key(&self.push_of[*step]))
+            .collect();
+        let kept_steps: Vec<_> = steps.iter().map(|step| self.steps[*step].clone()).collect();
+        let push_of: Vec<usize> = steps.iter().map(|step| place_of[&self.push_of[*step]]).collect();
+        let cluster_of = numbered(steps.iter().map(|step| self.cluster_of[*step]));
+        let part = Self {
+            steps: kept_steps,
+            places: steps.iter().map(|step| self.places[*step]).collect(),
+            push_of,
+            cluster_of,
+            cluster: self.cluster,
+            pushes: kept.iter().map(|push| self.pushes[*push].clone()).collect(),
+            support: self.support,
+            set: self.set.clone(),
+            name: self.name.clone(),
+            unknown: self.unknown.clone(),
+            set_aside: self.set_aside.clone(),
+        };
+        part.checked()
+    }
+
+    /// A covariate's value at each step.
+    pub(crate) fn values_of(&self, covariate: Covariate) -> Vec<f64> {
+        (0..self.n_steps()).map(|step| self.value_of(covariate, step)).collect()
+    }
+
+    /// A covariate's value at a step.
+    pub(crate) fn value_of(&self, covariate: Covariate, step: usize) -> f64 {
+        let (input, place) = (&self.steps[step].input, &self.places[step]);
+        match covariate {
+            Covariate::P => place.p,
+            Covariate::Beta => place.beta,
+            Covariate::Speed => place.speed,
+            Covariate::Orientation => planar::wrap_angle(input.pose_wb.angle),
+            Covariate::Direction => {
+                let velocity = input.track.mean_velocity();
+                velocity.y.atan2(velocity.x)
+            }
+            Covariate::TableX => input.pose_wb.position.x,
+            Covariate::TableY => input.pose_wb.position.y,
+            Covariate::Time => input.progress,
+            Covariate::Edge => f64::from(place.edge),
+        }
+    }
+
+    /// Whether a split is of these recordings.
+    pub fn are_of(&self, split: &Split) -> bool {
+        split.set == self.set
+    }
+
+    /// Values at which an effect changes nothing of a model on these steps.
+    ///
+    /// # Errors
+    /// `Model` for a learnt model, or for what the model refuses.
+    pub fn off(
+        &self,
+        model: &Description,
+        about: &effects::About,
+    ) -> Result<Vec<f64>, DiagnosisError> {
+        let model = ChannelModel::new(model, self.support, &[])?;
+        let physics = model.physics(&self.steps[0].input.object)?;
+        Ok(about.off(physics.rig()))
+    }
+
+    /// Whether a number of one of the channels was observed at some step.
+    pub(crate) fn show(&self, channels: &[Channel]) -> bool {
+        let is_shown = |(number, value): (usize, &Option<f64>)| {
+            value.is_some() && channels.contains(&Channels::KINDS[number])
+        };
+        self.steps.iter().any(|step| step.observed.iter().enumerate().any(is_shown))
+    }
+
+    /// What an estimate from these observations names as its source.
+    pub(crate) fn source(&self) -> String {
+        let (pushes, steps) = (self.pushes.len(), self.steps.len());
+        format!("fit to {pushes} pushes ({steps} steps) of {}, sha256:{}", self.name, self.set)
+    }
+
+    /// Whether a number of a step is observed, and is not the gap that ends the step before.
+    pub(crate) fn is_own(&self, step: usize, number: usize) -> bool {
+        let is_repeated = number == GAP_START
+            && self.goes_on(step)
+            && self.steps[step - 1].observed[GAP_END].is_some();
+        self.steps[step].observed[number].is_some() && !is_repeated
+    }
+
+    fn checked(self) -> Result<Self, DiagnosisError> {
+        match self.pushes.len() {
+            FEWEST_PUSHES.. => Ok(self),
+            n_pushes => Err(self.too_few(n_pushes, FEWEST_PUSHES)),
+        }
+    }
+
+    /// The error for fewer pushes than are needed.
+    pub(crate) fn too_few(&self, n_pushes: usize, needed: usize) -> DiagnosisError {
+        DiagnosisError::TooFewPushes { n_pushes, needed, set_aside: self.set_aside.to_string() }
+    }
+
+    /// Whether the covariate was measured.
+    pub(crate) fn knows(&self, covariate: Covariate) -> bool {
+        !self.unknown.contains(&covariate)
+    }
+
+    /// How far the pusher moves in a step, in m.
+    pub(crate) fn way(&self, step: usize) -> f64 {
+        let track = &self.steps[step].input.track;
+        (track.end() - track.start()).norm()
+    }
+
+    /// How many pushes some steps are of.
+    pub(crate) fn n_pushes_of(&self, steps: &[usize]) -> usize {
+        steps.iter().map(|step| self.push_of[*step]).collect::<HashSet<_>>().len()
+    }
+
+    /// How many steps there are.
+    pub fn n_steps(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// The pushes, in the order of the table.
+    pub fn pushes(&self) -> &[PushName] {
+        &self.pushes
+    }
+
+    /// What was observed of each step.
+    pub fn steps(&self) -> &[ChannelObservation] {
+        &self.steps
+    }
+
+    /// The numbers of each push that are observed and its own, each as (step, number of
+    /// [`effects::Channels`]).
+    pub(crate) fn own_numbers(&self) -> Vec<Vec<(usize, usize)>> {
+        let mut numbers = vec![Vec::new(); self.pushes.len()];
+        for (step, push) in self.push_of.iter().enumerate() {
+            let own = (0..Channels::NAMES.len()).filter(|k| self.is_own(step, *k));
+            numbers[*push].extend(own.map(|number| (step, number)));
+        }
+        numbers
+    }
+
+    /// Whether a step begins where the one before it ends.
+    pub(crate) fn goes_on(&self, index: usize) -> bool {
+        index > 0
+            && self.push_of[index - 1] == self.push_of[index]
+            && self.places[index - 1].step + 1 == self.places[index].step
+    }
+
+    /// The channels that are observed at any step.
+    pub fn channels(&self) -> Vec<Channel> {
+        let of = |channel: Channel, step: &ChannelObservation| {
+            let numbers = Channels::KINDS.iter().zip(&step.observed);
+            numbers.into_iter().any(|(kind, value)| *kind == channel && value.is_some())
+        };
+        let is_there = |channel: &Channel| self.steps.iter().any(|step| of(*channel, step));
+        Channel::ALL.into_iter().filter(is_there).collect()
+    }
+
+    /// Rows of the whole table that are not compared.
+    pub fn set_aside(&self) -> &SetAside {
+        &self.set_aside
+    }
+}
+
+/// Whether the pusher moves on during all of a step: at its ends it is no slower than half its
+/// mean velocity.
+fn goes_steadily(track: &Track) -> bool {
+    let mean = track.mean_velocity();
+    [0.0, track.duration()].iter().all(|time| track.at(*time).1.dot(&mean) > 0.5 * mean.dot(&mean))
+}
+
+/// SHA-256 over the sources of a table that are not the set's own files, in their order.
+fn set_digest(table: &Table) -> String {
+    let mut hash = Sha256::new();
+    let is_recording =
+        |source: &str| !SET_FILES.iter().any(|name| source.ends_with(&format!(" {name}")));
+    for (key, source) in &table.provenance.entries {
+        if key == "source" && is_recording(source) {
+            hash.update(source);
+            hash.update("\n");
+        }
+    }
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// What may be edited without making it another set.
+const SET_FILES: [&str; 2] = [MANIFEST_NAME, "sessions.csv"];

@@ -1,0 +1,312 @@
+//! The end of a search: wrong nominal numbers, and what the pushes set aside confirm.
+
+use models::Description;
+
+use super::ErrorFall;
+use super::confirmation::Aside;
+use super::found::{Accepted, Choice, Found, Progress, Refused, ids};
+use super::rules::{Objection, Rules};
+use super::search::Search;
+use crate::fit::Refit;
+use crate::{
+    DiagnosisError, EffectFit, Fit, NoiseModel, NuisanceFit, Screen, ScreenedEffect, Undetermined,
+};
+
+/// The numbers that every fit leaves open, and how exactly a manifest is taken to know them.
+const NOMINAL: [(&str, f64); 3] =
+    [("support-friction", 0.03), ("pusher-friction", 0.03), ("pressure-radius", 0.01)];
+
+impl Search<'_> {
+    /// Adds the nominal numbers that the best model does not leave at their values, takes out what
+    /// has no interval, and then what the pushes set aside do not confirm.
+    ///
+    /// Nominal numbers are left open in every fit, so no effect is blamed for them; here they are
+    /// asked for.
+    pub(super) fn concluded(
+        &self,
+        here: &Refit,
+        mut progress: Progress,
+        last_screen: Screen,
+        noise: NoiseModel,
+    ) -> Result<Found, DiagnosisError> {
+        // What the last model explains is no hint any more.
+        let is_explained = |id: &str| {
+            last_screen.effects.iter().any(|one| one.id == id && one.p_adjusted > Rules::HINT)
+        };
+        progress.refused.retain(|one| !one.objection.is_hint() || !is_explained(one.id));
+        let numbers = self.wrong_numbers(here, &mut progress)?;
+        // Their probability is known once they are asked for.
+        let as_choice = |id: &&'static str| Choice { id, p_adjusted: 1.0, rivals: Vec::new() };
+        progress.chosen.splice(..0, numbers.iter().map(as_choice));
+        let whole = here.asking(&ids(&progress.chosen)).settled()?;
+        let (whole, fit) = self.without_open(whole, &mut progress)?;
+        let confirmed = self.confirmed(whole, fit, &mut progress, &noise)?;
+        let Confirmed { accepted, error, descriptions, with_doubted } = confirmed;
+        let [description, with_nuisances] = descriptions;
+        let Progress { refused, first_screen, .. } = progress;
+        Ok(Found {
+            first_screen,
+            last_screen,
+            accepted,
+            refused,
+            noise,
+            error,
+            description,
+            with_nuisances,
+            with_doubted,
+        })
+    }
+
+    /// Nominal numbers that are off by more than their tolerance and matter, whichever effect of a
+    /// group is the one.
+    fn wrong_numbers(
+        &self,
+        here: &Refit,
+        progress: &mut Progress,
+    ) -> Result<Vec<&'static str>, DiagnosisError> {
+        let settings = self.fit_settings(false);
+        // Later screens are of models that carry some of the numbers, and do not test those.
+        let screened = &progress.first_screen.effects;
+        let is_hidden =
+            |id: &str| screened.iter().any(|one| one.id == id && one.not_testable.is_some());
+        let is_asked = |nuisance: &NuisanceFit| is_wrong(nuisance) && !is_hidden(nuisance.id);
+        let wrong: Vec<NuisanceFit> =
+            here.fit(&settings)?.nuisances.into_iter().filter(is_asked).collect();
+        let others = if wrong.is_empty() { Vec::new() } else { self.beside_rivals(here, progress) };
+        let mut claimed = Vec::new();
+        for nuisance in wrong {
+            let id = nuisance.id;
+            let is_right_beside = |one: &&(&'static str, Vec<&'static str>)| !one.1.contains(&id);
+            let size = here.size_against(id, &[nuisance.nominal])?;
+            let objection = if size < Rules::SIZE {
+                Some(Objection::Small { size })
+            } else if is_mean_friction(here, &nuisance) {
+                Some(Objection::MeanFriction)
+            } else {
+                let right = others.iter().find(is_right_beside);
+                right.map(|(rival, _)| Objection::RightBeside { rival })
+            };
+            match objection {
+                Some(objection) => progress.refused.push(Refused { id, objection }),
+                None => claimed.push(id),
+            }
+        }
+        Ok(claimed)
+    }
+
+    /// The nominal numbers that are wrong with each other effect of a group in the place of the best.
+    fn beside_rivals(
+        &self,
+        here: &Refit,
+        progress: &Progress,
+    ) -> Vec<(&'static str, Vec<&'static str>)> {
+        let mut found = Vec::new();
+        for choice in &progress.chosen {
+            for rival in &choice.rivals {
+                let Some(there) = self.with_instead(here, choice.id, rival) else { continue };
+                let Ok(fit) = there.fit(&self.fit_settings(false)) else { continue };
+                let wrong = fit.nuisances.iter().filter(|one| is_wrong(one)).map(|one| one.id);
+                found.push((*rival, wrong.collect()));
+            }
+        }
+        found
+    }
+
+    /// The fit with intervals, without effects that it leaves open and nominal numbers that it does not
+    /// make sure.
+    fn without_open<'a>(
+        &self,
+        mut whole: Refit<'a>,
+        progress: &mut Progress,
+    ) -> Result<(Refit<'a>, Fit), DiagnosisError> {
+        loop {
+            let fit = whole.fit(&self.fit_settings(true))?;
+            let objection = open(&fit, &progress.chosen);
+            let objection = objection.or_else(|| unsure_number(&fit, progress));
+            let Some((id, objection)) = objection else {
+                return Ok((whole, fit));
+            };
+            progress.chosen.retain(|one| one.id != id);
+            progress.refused.push(Refused { id, objection });
+            whole = whole.without(&[id])?;
+        }
+    }
+
+    /// Takes out, the least first, what the pushes set aside do not miss.
+    fn confirmed(
+        &self,
+        mut whole: Refit,
+        mut fit: Fit,
+        progress: &mut Progress,
+        noise: &NoiseModel,
+    ) -> Result<Confirmed, DiagnosisError> {
+        let [_, base] = whole.roughly_without(&ids(&progress.chosen))?.descriptions()?;
+        let mut with_doubted = None;
+        loop {
+            let descriptions = whole.descriptions()?;
+            let aside = Aside::new(self.aside, &descriptions[1], noise, self.settings)?;
+            let (before, after) = (aside.outcome(&base)?, aside.outcome(&descriptions[1])?);
+            let mut accepted = Vec::new();
+            for choice in &progress.chosen {
+                let [_, without] = whole.roughly_without(&[choice.id])?.descriptions()?;
+                let without = aside.outcome(&without)?;
+                let effect = fit.effects.iter().find(|effect| effect.id == choice.id);
+                let Some(effect) = effect.cloned() else { continue };
+                let p_adjusted = match is_number(choice.id) {
+                    true => p_of_number(&effect, &progress.first_screen),
+                    false => choice.p_adjusted,
+                };
+                accepted.push(Accepted {
+                    id: choice.id,
+                    p_adjusted,
+                    rivals: choice.rivals.clone(),
+                    effect,
+                    gain: aside.gain(&without, &after),
+                    gap_closed: Some((without.rms() - after.rms()) / (before.rms() - 1.0)),
+                });
+            }
+            let doubted = accepted.iter().filter(|one| !Rules::confirms(&one.gain));
+            let least = doubted.min_by(|a, b| a.gain.mean.total_cmp(&b.gain.mean));
+            let Some(Accepted { id, gain, .. }) = least else {
+                let error = aside.fall(&before, &after, &descriptions[1], self.all)?;
+                if error.gap_closed.is_none() {
+                    accepted.iter_mut().for_each(|one| one.gap_closed = None);
+                }
+                return Ok(Confirmed { accepted, error, descriptions, with_doubted });
+            };
+            let (id, objection) = (*id, Objection::NotConfirmed { gain: *gain });
+            // Beside what is no hint, nothing is known of what the hints explain.
+            with_doubted = match (objection.is_hint(), with_doubted) {
+                (true, None) => Some(descriptions[1].clone()),
+                (true, earlier) => earlier,
+                (false, _) => None,
+            };
+            progress.refused.push(Refused { id, objection });
+            whole = match self.next_of_group(&whole, id, progress) {
+                Some(other) => other,
+                None => {
+                    progress.chosen.retain(|one| one.id != id);
+                    whole.without(&[id])?
+                }
+            };
+            fit = whole.fit(&self.fit_settings(true))?;
+        }
+    }
+}
+
+impl Search<'_> {
+    /// The model with the next effect of a group in the place of one that is not confirmed; none
+    /// where there is no other.
+    fn next_of_group<'a>(
+        &self,
+        whole: &Refit<'a>,
+        id: &'static str,
+        progress: &mut Progress,
+    ) -> Option<Refit<'a>> {
+        let choice = progress.chosen.iter_mut().find(|one| one.id == id)?;
+        while !choice.rivals.is_empty() {
+            let rival = choice.rivals.remove(0);
+            if let Some(other) = self.with_instead(whole, id, rival) {
+                // One that does not settle is passed over.
+                if let Ok(other) = other.asking(&[rival]).settled() {
+                    choice.id = rival;
+                    return Some(other);
+                }
+            }
+        }
+        None
+    }
+}
+
+/// What the pushes set aside confirm.
+struct Confirmed {
+    accepted: Vec<Accepted>,
+    error: ErrorFall,
+    /// The model with it, and the same with the nuisances.
+    descriptions: [Description; 2],
+    /// The latter with what the pushes set aside only hint at.
+    with_doubted: Option<Description>,
+}
+
+/// An effect of a fit that the data leave open.
+fn open(fit: &Fit, chosen: &[Choice]) -> Option<(&'static str, Objection)> {
+    let is_chosen = |id: &str| chosen.iter().any(|one| one.id == id);
+    let chosen = fit.effects.iter().filter(|effect| is_chosen(effect.id));
+    chosen.into_iter().find_map(|effect| match &effect.undetermined {
+        None | Some(Undetermined::LooksLike { .. }) => None,
+        Some(why) => Some((effect.id, Objection::Undetermined { why: why.to_string() })),
+    })
+}
+
+fn is_number(id: &str) -> bool {
+    NOMINAL.iter().any(|(number, _)| *number == id)
+}
+
+/// A nominal number that may be off by chance.
+fn unsure_number(fit: &Fit, progress: &Progress) -> Option<(&'static str, Objection)> {
+    let is_chosen = |id: &str| progress.chosen.iter().any(|one| one.id == id);
+    let numbers = fit.effects.iter().filter(|one| is_number(one.id) && is_chosen(one.id));
+    let with_p = numbers.map(|one| (one.id, p_of_number(one, &progress.first_screen)));
+    let unsure = with_p.into_iter().find(|(_, p)| *p > Rules::NAME);
+    unsure.map(|(id, p)| (id, Objection::NotSure { p }))
+}
+
+/// Probability of an estimate as far off, of any effect asked for: no flips tell it, for every screen
+/// leaves nominal numbers open, so it is that of the estimate alone times their number (Bonferroni).
+fn p_of_number(effect: &EffectFit, screen: &Screen) -> f64 {
+    let is_other = |one: &&ScreenedEffect| one.not_testable.is_none() && one.id != effect.id;
+    let n_others = screen.effects.iter().filter(is_other).count();
+    (effect.p * (1 + n_others) as f64).min(1.0)
+}
+
+/// Whether friction with the table is off by no more than friction along and across a direction: what
+/// is nominal may be either of them, so this is no second finding.
+fn is_mean_friction(here: &Refit, nuisance: &NuisanceFit) -> bool {
+    let ratio = |id: &str| here.values_of(id).map_or(1.0, |values| values[0]);
+    let spread = 0.5 * (ratio("table-anisotropy") * ratio("body-anisotropy")).ln();
+    let miss = (nuisance.value / nuisance.nominal).ln().abs();
+    let open = 2.0 * nuisance.se / nuisance.value;
+    nuisance.id == "support-friction" && spread > 0.0 && miss <= spread + open
+}
+
+/// Whether a nominal number is off by more than twice its tolerance and twice its error.
+fn is_wrong(nuisance: &NuisanceFit) -> bool {
+    let known = NOMINAL.iter().find(|(id, _)| *id == nuisance.id);
+    let Some((_, tolerance)) = known else { return false };
+    let miss = (nuisance.value - nuisance.nominal).abs();
+    miss > 2.0 * tolerance * nuisance.nominal.abs() + 2.0 * nuisance.se
+}
+
+#[cfg(test)]
+mod tests {
+    use super::p_of_number;
+    use crate::predict::tangent::Tangent;
+    use crate::screen::screen_at;
+    use crate::synthetic::{recorded, white};
+    use crate::{EffectFit, ScreenSettings};
+
+    #[test]
+    fn the_probability_of_a_nominal_number_counts_all_effects_asked_for() {
+        let (observations, model) = recorded(1);
+        let tangent = Tangent::of(&model, &[], &observations).unwrap();
+        let settings = ScreenSettings { n_flips: 9, ..ScreenSettings::default() };
+        let screen = screen_at(&tangent, &observations, &white(&observations), &settings);
+        let tested = screen.effects.iter().filter(|effect| effect.not_testable.is_none());
+        let n_tested = tested.count() as f64;
+        assert!(n_tested > 15.0 && n_tested < screen.effects.len() as f64 + 0.5, "{n_tested}");
+        let found = |p: f64| EffectFit {
+            id: "pusher-friction",
+            parameters: Vec::new(),
+            p,
+            resemblances: Vec::new(),
+            undetermined: None,
+        };
+        let adjusted = |p: f64| p_of_number(&found(p), &screen);
+        assert!((adjusted(1e-4) - 1e-4 * n_tested).abs() < 1e-15);
+        assert_eq!(adjusted(0.2), 1.0);
+        // One that the model carries is not in the screen, and still a test.
+        let mut carried = screen.clone();
+        carried.effects.retain(|effect| effect.id != "pusher-friction");
+        assert_eq!(p_of_number(&found(1e-4), &carried), adjusted(1e-4));
+    }
+}

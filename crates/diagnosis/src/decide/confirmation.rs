@@ -1,0 +1,153 @@
+//! What the pushes say that were set aside.
+
+use models::Description;
+
+use super::{DiagnoseSettings, ErrorFall, Gain, MotionError};
+use crate::data::clusters::ClusterMean;
+use crate::{
+    DiagnosisError, NoiseModel, Observations, Predictions, RepeatTolerance, Whitening, noise_floor,
+};
+
+/// The pushes set aside, under the noise as the best model knows it.
+pub(super) struct Aside<'a> {
+    observations: &'a Observations,
+    settings: &'a DiagnoseSettings,
+    noise: &'a NoiseModel,
+    /// Of the best model.
+    whitening: Whitening,
+}
+
+/// A model on the pushes set aside.
+#[derive(Clone, Debug)]
+pub(super) struct Outcome {
+    /// Squares of the residuals as the best model whitens them, with their clusters.
+    squares: Vec<(usize, f64)>,
+    /// Log predictive density of each push, by its own.
+    log_densities: Vec<f64>,
+    /// Root mean square error of a step.
+    si: MotionError,
+}
+
+/// Largest gain of one cluster, in nats: 20 000 to 1. Where a model misses by many standard
+/// deviations, the tails of the noise decide, which nobody knows, and few pushes hold it all.
+const MOST_OF_ONE: f64 = 10.0;
+const UNIT: &str = "whitened RMS, confirmation pushes";
+
+impl<'a> Aside<'a> {
+    pub(super) fn new(
+        observations: &'a Observations,
+        best: &Description,
+        noise: &'a NoiseModel,
+        settings: &'a DiagnoseSettings,
+    ) -> Result<Self, DiagnosisError> {
+        let whitening = noise.whitening(best, &settings.own, observations)?;
+        Ok(Self { observations, settings, noise, whitening })
+    }
+
+    pub(super) fn outcome(&self, model: &Description) -> Result<Outcome, DiagnosisError> {
+        let own = &self.settings.own;
+        let residuals =
+            Predictions::of(model, own, self.observations)?.residuals(self.observations)?;
+        let values: Vec<[f64; 7]> =
+            residuals.iter().map(|step| step.map(Option::unwrap_or_default)).collect();
+        let by_own = self.noise.whitening(model, own, self.observations)?;
+        let white = by_own.whiten(&values);
+        let densities = by_own.rows().into_iter().zip(by_own.log_determinants());
+        let densities = densities
+            .map(|(rows, size)| -0.5 * (white.rows(rows.start, rows.len()).norm_squared() + size));
+        let white = self.whitening.whiten(&values);
+        let clusters = self.observations.clusters_of_pushes().into_iter();
+        let squares = clusters.zip(self.whitening.rows());
+        let squares = squares.flat_map(|(cluster, rows)| rows.map(move |row| (cluster, row)));
+        let squares = squares.map(|(cluster, row)| (cluster, white[row] * white[row])).collect();
+        let rms = |number: usize| {
+            let squares: Vec<_> = residuals.iter().filter_map(|step| step[number]).collect();
+            let n = squares.len();
+            (n > 0).then(|| (squares.iter().map(|r| r * r).sum::<f64>() / n as f64).sqrt())
+        };
+        let si = MotionError { dx_m: rms(0), dy_m: rms(1), dtheta_rad: rms(2) };
+        Ok(Outcome { squares, log_densities: densities.collect(), si })
+    }
+
+    /// The gain in log predictive density from one model to another, by clusters.
+    pub(super) fn gain(&self, one: &Outcome, other: &Outcome) -> Gain {
+        let mut gains = vec![0.0; self.observations.n_clusters()];
+        let by_push = one.log_densities.iter().zip(&other.log_densities);
+        for (cluster, (one, other)) in self.observations.clusters_of_pushes().iter().zip(by_push) {
+            gains[*cluster] += other - one;
+        }
+        Gain::of(&gains)
+    }
+
+    /// The fall of the error, beside the scatter of repeats about the best model in all of the set.
+    pub(super) fn fall(
+        &self,
+        before: &Outcome,
+        after: &Outcome,
+        best: &Description,
+        all: &Observations,
+    ) -> Result<ErrorFall, DiagnosisError> {
+        let mean = ClusterMean::of(&before.squares);
+        let se = mean.map_or(f64::INFINITY, |mean| 0.5 * mean.se / mean.mean.sqrt());
+        let gap = before.rms() - 1.0;
+        let predictions = Predictions::of(best, &self.settings.own, all)?;
+        let floor = noise_floor(all, &predictions, &RepeatTolerance::default())?;
+        let [dx_m, dy_m, dtheta_rad, ..] = floor.numbers.map(|floor| floor.map(|floor| floor.rms));
+        Ok(ErrorFall {
+            before: before.rms(),
+            after: after.rms(),
+            floor: 1.0,
+            gap_closed: (gap > 2.0 * se).then(|| (before.rms() - after.rms()) / gap),
+            unit: UNIT.to_owned(),
+            before_si: before.si,
+            after_si: after.si,
+            floor_si: MotionError { dx_m, dy_m, dtheta_rad },
+        })
+    }
+}
+
+impl Outcome {
+    /// Root mean square of the whitened residuals.
+    pub(super) fn rms(&self) -> f64 {
+        let n = self.squares.len().max(1) as f64;
+        (self.squares.iter().map(|(_, square)| square).sum::<f64>() / n).sqrt()
+    }
+}
+
+impl Gain {
+    /// Of the gains of clusters, none of which says more than [`MOST_OF_ONE`].
+    pub(super) fn of(gains: &[f64]) -> Self {
+        let n = gains.len() as f64;
+        let capped = || gains.iter().map(|gain| gain.clamp(-MOST_OF_ONE, MOST_OF_ONE));
+        let mean = capped().sum::<f64>() / n;
+        let squares = capped().map(|gain| (gain - mean).powi(2)).sum::<f64>();
+        Self { mean: n * mean, se: (n * squares / (n - 1.0).max(1.0)).sqrt() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::Aside;
+    use crate::synthetic::recorded;
+    use crate::{DiagnoseSettings, NoiseModel, split};
+
+    #[test]
+    fn what_confirms_is_counted_by_sessions() {
+        let (all, model) = recorded(15);
+        let noise = NoiseModel::learn(&model, &[], &all).unwrap();
+        let aside = all.part(&split(&all, 7).unwrap().confirm).unwrap();
+        let settings = DiagnoseSettings::default();
+        let aside = Aside::new(&aside, &model, &noise, &settings).unwrap();
+        let outcome = aside.outcome(&model).unwrap();
+        let clusters: BTreeSet<usize> =
+            outcome.squares.iter().map(|(cluster, _)| *cluster).collect();
+        assert_eq!(clusters, (0..4).collect());
+        // Ten nats of each session at most, however many pushes it has.
+        let mut better = outcome.clone();
+        better.log_densities.iter_mut().for_each(|density| *density += 9.0);
+        let gain = aside.gain(&outcome, &better);
+        assert!((gain.mean - 40.0).abs() < 1e-12 && gain.se < 1e-12, "{gain:?}");
+    }
+}

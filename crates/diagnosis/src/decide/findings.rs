@@ -1,0 +1,192 @@
+//! What was found of each effect.
+
+use effects::{Effect, Off, by_id};
+
+use super::claims::Claims;
+use super::found::Found;
+use super::rules::{Objection, Rules};
+use super::{DiagnoseSettings, EffectFinding, ParameterFinding, Status};
+use crate::statistics::quantile::student_975;
+use crate::{EffectFit, ParameterFit, ScreenedCoordinate, ScreenedEffect};
+
+/// Every effect that the model asked about lacks, those claimed first.
+pub(super) fn findings(
+    found: &Found,
+    (claims, members): (&Claims, &[EffectFit]),
+    settings: &DiagnoseSettings,
+) -> Vec<EffectFinding> {
+    let all = found.first_screen.effects.iter();
+    let mut findings: Vec<EffectFinding> =
+        all.map(|screened| Finding { found, claims, members, settings, screened }.tell()).collect();
+    let place = |finding: &EffectFinding| {
+        let accepted = found.accepted.iter().position(|one| one.id == finding.id);
+        (finding.status as usize, accepted.unwrap_or(usize::MAX))
+    };
+    findings.sort_by_key(place);
+    findings
+}
+
+/// One effect with all that is known of it.
+struct Finding<'a> {
+    found: &'a Found,
+    claims: &'a Claims,
+    /// Members of groups as fitted.
+    members: &'a [EffectFit],
+    settings: &'a DiagnoseSettings,
+    screened: &'a ScreenedEffect,
+}
+
+impl Finding<'_> {
+    fn tell(&self) -> EffectFinding {
+        let id = self.screened.id;
+        let (found, claims) = (self.found, self.claims);
+        let accepted = found.accepted.iter().position(|one| one.id == id);
+        let last = found.last_screen.effects.iter().find(|effect| effect.id == id);
+        let is_hint = last.is_some_and(|effect| effect.p_adjusted <= Rules::HINT);
+        let objection = self.objection(accepted);
+        let status = if self.screened.not_testable.is_some() {
+            Status::NotTestable
+        } else if claims.named.contains(&id) {
+            Status::Present
+        } else if claims.groups.iter().any(|group| group.contains(&id)) {
+            Status::Possible
+        } else if accepted.is_some() || objection.as_ref().map_or(is_hint, Objection::is_hint) {
+            Status::Weak
+        } else {
+            Status::Bounded
+        };
+        let why = match (&self.screened.not_testable, objection) {
+            (Some(why), _) => format!("{}; measure {}", why.because, why.measure),
+            (None, Some(objection)) => objection.to_string(),
+            (None, None) if accepted.is_some() && status == Status::Weak => {
+                "it is confirmed, but most of the error has another cause".to_owned()
+            }
+            (None, None) => String::new(),
+        };
+        let is_tested = self.screened.not_testable.is_none();
+        let p_adjusted = accepted.map(|k| found.accepted[k].p_adjusted);
+        let p_adjusted = p_adjusted
+            .or_else(|| last.filter(|_| is_tested).map(|one| one.p_adjusted))
+            .or_else(|| is_tested.then_some(self.screened.p_adjusted));
+        EffectFinding {
+            id: id.to_owned(),
+            status,
+            p_adjusted,
+            gap_closed: accepted.and_then(|k| found.accepted[k].gap_closed),
+            log_density_gain: accepted.map(|k| found.accepted[k].gain),
+            parameters: self.parameters(accepted),
+            rivals: self.rivals(accepted),
+            why,
+        }
+    }
+
+    /// What keeps an effect that passed the screen from being claimed.
+    fn objection(&self, accepted: Option<usize>) -> Option<Objection> {
+        if accepted.is_some() {
+            return None;
+        }
+        let mut refused = self.found.refused.iter().rev();
+        let refused = refused.find(|refused| refused.id == self.screened.id);
+        refused.map(|refused| refused.objection.clone())
+    }
+
+    /// Effects that explain as much, and those that the screen could not tell from it.
+    fn rivals(&self, accepted: Option<usize>) -> Vec<String> {
+        let id = self.screened.id;
+        let mut rivals: Vec<&str> =
+            accepted.map_or(Vec::new(), |k| self.found.accepted[k].rivals.clone());
+        for pair in &self.found.first_screen.look_alikes {
+            let other = match (pair.one == id, pair.other == id) {
+                (true, _) => pair.other,
+                (_, true) => pair.one,
+                _ => continue,
+            };
+            if !rivals.contains(&other) {
+                rivals.push(other);
+            }
+        }
+        rivals.into_iter().map(str::to_owned).collect()
+    }
+
+    fn parameters(&self, accepted: Option<usize>) -> Vec<ParameterFinding> {
+        let member = || self.members.iter().find(|member| member.id == self.screened.id);
+        let fit = accepted.map(|k| &self.found.accepted[k].effect).or_else(member);
+        let coordinates = &self.screened.coordinates;
+        match fit {
+            Some(fit) => self.fitted(fit),
+            None if self.screened.not_testable.is_some() => {
+                coordinates.iter().map(unknown).collect()
+            }
+            // Beside what was added: before, it took what the added effects do for itself.
+            None => {
+                let freedom = self.found.first_screen.calibration.n_clusters as f64 - 1.0;
+                let quantile = student_975(freedom);
+                self.beside_the_added().iter().map(|one| bounded(one, quantile)).collect()
+            }
+        }
+    }
+
+    /// The coordinates of an effect that was not added, tested beside those that were.
+    fn beside_the_added(&self) -> &[ScreenedCoordinate] {
+        let mut last = self.found.last_screen.effects.iter();
+        let last = last.find(|effect| effect.id == self.screened.id);
+        let known = last.map(|effect| effect.coordinates.as_slice());
+        known.filter(|known| !known.is_empty()).unwrap_or(&self.screened.coordinates)
+    }
+
+    fn fitted(&self, fit: &EffectFit) -> Vec<ParameterFinding> {
+        let effect = self.effect();
+        let detectable = |name: &str| {
+            let index = effect?.about().parameters.iter().position(|one| one.name == name)?;
+            let is_sized = effect?.about().parameters[index].off != Off::Undefined;
+            let coordinate = self.screened.coordinates.get(index).filter(|_| is_sized)?;
+            // A coordinate of a ratio along a direction is ½ ln ratio.
+            let is_axis = coordinate.name != name;
+            let size = coordinate.smallest_detectable;
+            Some(if is_axis { (2.0 * size).exp_m1() } else { size })
+        };
+        let finding = |parameter: &ParameterFit| ParameterFinding {
+            name: parameter.name.to_owned(),
+            unit: parameter.unit.to_owned(),
+            off: parameter.off,
+            estimate: Some(parameter.value),
+            se: Some(parameter.se),
+            low95: parameter.interval.map(|interval| interval.low95),
+            high95: parameter.interval.map(|interval| interval.high95),
+            smallest_detectable: detectable(parameter.name),
+        };
+        fit.parameters.iter().map(finding).collect()
+    }
+
+    fn effect(&self) -> Option<&'static dyn Effect> {
+        let mut own = self.settings.own.iter().copied();
+        own.find(|effect| effect.about().id == self.screened.id)
+            .or_else(|| by_id(self.screened.id).ok())
+    }
+}
+
+/// A coordinate that was not seen: within some standard errors of its one-step estimate.
+fn bounded(coordinate: &ScreenedCoordinate, quantile: f64) -> ParameterFinding {
+    let ScreenedCoordinate { change, se, smallest_detectable, .. } = *coordinate;
+    ParameterFinding {
+        estimate: Some(change),
+        se: Some(se),
+        low95: Some(change - quantile * se),
+        high95: Some(change + quantile * se),
+        smallest_detectable: Some(smallest_detectable),
+        ..unknown(coordinate)
+    }
+}
+
+fn unknown(coordinate: &ScreenedCoordinate) -> ParameterFinding {
+    ParameterFinding {
+        name: coordinate.name.to_owned(),
+        unit: coordinate.unit.to_owned(),
+        off: None,
+        estimate: None,
+        se: None,
+        low95: None,
+        high95: None,
+        smallest_detectable: None,
+    }
+}

@@ -1,0 +1,77 @@
+//! What a search has found.
+
+use models::Description;
+
+use super::rules::Objection;
+use super::{ErrorFall, Gain};
+use crate::{EffectFit, NoiseModel, Screen};
+
+/// What a search found.
+pub(super) struct Found {
+    /// The screen of the model asked about.
+    pub(super) first_screen: Screen,
+    /// The screen of the last model.
+    pub(super) last_screen: Screen,
+    /// What the pushes set aside confirm, in the order of adding.
+    pub(super) accepted: Vec<Accepted>,
+    /// Effects that passed the screen, and what speaks against them.
+    pub(super) refused: Vec<Refused>,
+    /// The noise, learnt beside the last model.
+    pub(super) noise: NoiseModel,
+    /// The error on the pushes set aside.
+    pub(super) error: ErrorFall,
+    /// The model with what is confirmed.
+    pub(super) description: Description,
+    /// The same with the nuisances, for predictions.
+    pub(super) with_nuisances: Description,
+    /// The same with what the pushes set aside hint at without confirming it; none without a hint.
+    pub(super) with_doubted: Option<Description>,
+}
+
+/// An effect that was added and is confirmed.
+#[derive(Clone)]
+pub(super) struct Accepted {
+    pub(super) id: &'static str,
+    pub(super) p_adjusted: f64,
+    /// Effects that explain as much.
+    pub(super) rivals: Vec<&'static str>,
+    /// The effect as fitted beside all others.
+    pub(super) effect: EffectFit,
+    /// What the pushes set aside lose without it, all others fitted anew.
+    pub(super) gain: Gain,
+    /// Share of the gap to the floor that opens without it.
+    pub(super) gap_closed: Option<f64>,
+}
+
+/// An effect that passed the screen and was not added.
+pub(super) struct Refused {
+    pub(super) id: &'static str,
+    pub(super) objection: Objection,
+}
+
+/// An effect that obeys every rule so far.
+#[derive(Clone)]
+pub(super) struct Choice {
+    pub(super) id: &'static str,
+    pub(super) p_adjusted: f64,
+    pub(super) rivals: Vec<&'static str>,
+}
+
+/// How far a search has come.
+pub(super) struct Progress {
+    pub(super) chosen: Vec<Choice>,
+    pub(super) refused: Vec<Refused>,
+    pub(super) first_screen: Screen,
+}
+
+impl Progress {
+    /// Whether an effect was taken out again because later ones explain what it did.
+    pub(super) fn was_superfluous(&self, id: &str) -> bool {
+        let mut refused = self.refused.iter();
+        refused.any(|one| one.id == id && one.objection == Objection::Superfluous)
+    }
+}
+
+pub(super) fn ids(chosen: &[Choice]) -> Vec<&'static str> {
+    chosen.iter().map(|one| one.id).collect()
+}

@@ -1,0 +1,193 @@
+//! What the best model leaves over.
+
+use super::far_off::{Shared, shared_by_far_off};
+use super::found::Found;
+use super::rules::Rules;
+use super::scatter::gathered_again;
+use super::{DiagnoseSettings, Leftover};
+use crate::{
+    Concentration, DiagnosisError, MapSettings, NoiseFloor, Observations, Predictions,
+    RepeatTolerance, compare, noise_floor,
+};
+
+/// Structure in the residuals of the last model.
+pub(super) struct Left {
+    structure: Structure,
+    /// Whether an effect that is no more than a hint explains the structure.
+    is_doubted_enough: bool,
+    /// Whitened root mean square of the last model, on pushes set aside.
+    rms: f64,
+    /// Where errors gather that may have no sign of their own.
+    gathered: Option<Concentration>,
+    /// What pushes that are missed by far have in common, if anything.
+    shared: Option<Shared>,
+}
+
+/// Errors whose mean differs from zero somewhere.
+struct Structure {
+    /// Probability of as much in noise; none where there is too little to look at.
+    p: Option<f64>,
+    /// Where it shows most, in words.
+    sentence: Option<String>,
+    /// Share of a number's squared error that the mean of a region explains: the largest.
+    share: f64,
+}
+
+impl Structure {
+    fn of(
+        predictions: &Predictions,
+        observations: &Observations,
+        floor: &NoiseFloor,
+        settings: &DiagnoseSettings,
+    ) -> Result<Self, DiagnosisError> {
+        let map_settings = MapSettings { seed: settings.seed, ..MapSettings::default() };
+        let comparison = compare(observations, predictions, floor, &map_settings)?;
+        let p = comparison.maps.iter().map(|map| map.p_adjusted).min_by(f64::total_cmp);
+        let sure = comparison.findings.iter().filter(|finding| finding.p_adjusted <= Rules::NAME);
+        let share = sure.clone().map(|finding| finding.share).fold(0.0, f64::max);
+        let sentence = sure.map(|finding| finding.sentence.clone()).next();
+        Ok(Self { p, sentence, share })
+    }
+
+    fn is_surer_than(&self, level: f64) -> bool {
+        self.p.is_some_and(|p| p <= level)
+    }
+}
+
+/// Structure that matters is 0.6 of the noise: it adds a sixth to the whitened error, or is a fifth of
+/// what is left of some number. On recordings with nothing hidden less than that is seen, for a model
+/// of a rig is never quite the rig.
+const MISSES: f64 = 1.15;
+const SHARE: f64 = 0.2;
+/// Whitened error that no noise has.
+const FAR_OFF: f64 = 1.5;
+
+/// Looks for structure in what the confirmed model leaves of the pushes that it was fitted to.
+pub(super) fn leftover(
+    found: &Found,
+    (fitted, aside): (&Observations, &Observations),
+    settings: &DiagnoseSettings,
+) -> Result<Left, DiagnosisError> {
+    let predictions = Predictions::of(&found.with_nuisances, &settings.own, fitted)?;
+    let floor = noise_floor(fitted, &predictions, &RepeatTolerance::default())?;
+    let structure = Structure::of(&predictions, fitted, &floor, settings)?;
+    let with_doubted = found.with_doubted.as_ref().map(|model| {
+        let predictions = Predictions::of(model, &settings.own, fitted)?;
+        Structure::of(&predictions, fitted, &floor, settings)
+    });
+    let with_doubted = with_doubted.transpose()?;
+    let is_doubted_enough = with_doubted.is_some_and(|with| !with.is_surer_than(Rules::NAME));
+    let gathered = gathered_again(found, (fitted, aside), &floor, settings)?;
+    let shared = shared_by_far_off(found, [fitted, aside], settings)?;
+    let shared = shared.filter(|shared| shared.p <= Rules::NAME);
+    Ok(Left { structure, is_doubted_enough, rms: found.error.after, gathered, shared })
+}
+
+impl Left {
+    /// Whether something is left that matters.
+    pub(super) fn is_left(&self) -> bool {
+        self.has_structure() || self.scatters() || self.shared.is_some()
+    }
+
+    fn has_structure(&self) -> bool {
+        let matters = self.structure.share >= SHARE || self.rms >= MISSES;
+        self.structure.is_surer_than(Rules::NAME) && matters && !self.is_doubted_enough
+    }
+
+    /// Whether errors gather somewhere, without a sign of their own, on the pushes set aside as well.
+    fn scatters(&self) -> bool {
+        let share = self.gathered.as_ref().map_or(0.0, |region| region.error_share);
+        share >= SHARE && self.rms >= MISSES
+    }
+
+    /// Whether something may be left.
+    pub(super) fn is_hint(&self) -> bool {
+        let is_seen = self.structure.is_surer_than(Rules::HINT);
+        let matters = self.structure.share >= 0.5 * SHARE || self.rms >= MISSES;
+        self.is_far_off() || is_seen && matters
+    }
+
+    /// Whether pushes set aside are missed by far more than noise, be they ever so few.
+    pub(super) fn is_far_off(&self) -> bool {
+        self.rms >= FAR_OFF
+    }
+
+    pub(super) fn summary(&self) -> Leftover {
+        Leftover { p: self.structure.p, covariate: self.told() }
+    }
+
+    /// Where something is left, in words.
+    pub(super) fn told(&self) -> Option<String> {
+        let gathered = || self.gathered.as_ref().map(|region| region.sentence.clone());
+        if self.has_structure() {
+            self.structure.sentence.clone().or_else(gathered)
+        } else if self.scatters() {
+            gathered()
+        } else {
+            self.shared.as_ref().map(Shared::sentence)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Left, Structure};
+    use crate::{Concentration, Condition, Covariate};
+
+    fn left(p: f64, share: f64, rms: f64) -> Left {
+        let sentence = Some("turns too far".to_owned());
+        let structure = Structure { p: Some(p), sentence, share };
+        Left { structure, is_doubted_enough: false, rms, gathered: None, shared: None }
+    }
+
+    fn gathered(error_share: f64) -> Option<Concentration> {
+        let [from, to] = [None, Some(0.2)];
+        Some(Concentration {
+            sentence: "misses a corner".to_owned(),
+            name: "dtheta",
+            unit: "rad",
+            conditions: vec![Condition { covariate: Covariate::P, from, to }],
+            n_steps: 40,
+            n_pushes: 10,
+            rms: 0.1,
+            rms_elsewhere: 0.01,
+            error_share,
+            step_share: 0.05,
+        })
+    }
+
+    #[test]
+    fn structure_is_left_if_it_is_sure_and_matters() {
+        assert!(left(0.01, 0.2, 1.0).is_left() && left(0.001, 0.0, 1.15).is_left());
+        assert!(!left(0.02, 0.5, 1.4).is_left() && !left(0.001, 0.19, 1.14).is_left());
+        let unseen = Structure { p: None, sentence: None, share: 0.5 };
+        assert!(!Left { structure: unseen, ..left(0.0, 0.5, 1.4) }.is_left());
+        // What a hint explains is no structure that nothing explains.
+        let doubted = Left { is_doubted_enough: true, ..left(0.001, 0.5, 1.4) };
+        assert!(!doubted.is_left() && doubted.is_hint());
+        assert!(left(0.05, 0.1, 1.0).is_hint() && left(0.03, 0.0, 1.2).is_hint());
+        assert!(!left(0.06, 0.5, 1.4).is_hint() && !left(0.001, 0.09, 1.1).is_hint());
+    }
+
+    #[test]
+    fn errors_that_gather_are_left_whatever_their_sign() {
+        let scatters = Left { gathered: gathered(0.3), ..left(0.6, 0.0, 1.2) };
+        assert!(scatters.scatters() && scatters.is_left());
+        assert_eq!(scatters.told().as_deref(), Some("misses a corner"));
+        let signed = Left { gathered: gathered(0.3), ..left(0.001, 0.3, 1.2) };
+        assert_eq!(signed.told().as_deref(), Some("turns too far"));
+        for nothing in [
+            Left { gathered: gathered(0.1), ..left(0.6, 0.0, 1.2) },
+            Left { gathered: gathered(0.3), ..left(0.6, 0.0, 1.1) },
+        ] {
+            assert!(!nothing.is_left() && nothing.told().is_none());
+        }
+    }
+
+    #[test]
+    fn pushes_that_are_missed_by_far_are_a_hint_without_any_structure() {
+        let far = left(0.9, 0.0, 1.5);
+        assert!(far.is_far_off() && far.is_hint() && !far.is_left());
+        assert!(!left(0.9, 0.0, 1.49).is_hint());
+    }
+}

@@ -1,0 +1,245 @@
+//! What an effect must fulfil to be claimed.
+
+use std::fmt;
+
+use super::Gain;
+use crate::{DiagnosisError, Fit, Observations, Tolerances, Undetermined};
+
+/// Rules for an effect that explains more than those before it.
+pub(super) struct Rules {
+    /// Fall of the sum of squares by the effects before.
+    pub(super) gain_so_far: f64,
+    pub(super) is_first: bool,
+}
+
+/// What speaks against naming an effect.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Objection {
+    NotSure { p: f64 },
+    Small { size: f64 },
+    LittleMore { share: f64 },
+    Undetermined { why: String },
+    WithinTolerance { parameter: &'static str },
+    MeanFriction,
+    RightBeside { rival: &'static str },
+    NotPredictive { gain: Gain },
+    OneCluster { cluster: String },
+    NotConfirmed { gain: Gain },
+    Superfluous,
+    Unsettled { why: String },
+}
+
+impl Objection {
+    /// Whether the effect may be missing none the less: not one that is seen and does not matter, nor
+    /// one that a fit takes for chance or that pushes set aside do not miss.
+    pub(super) fn is_hint(&self) -> bool {
+        match self {
+            Self::Small { .. }
+            | Self::LittleMore { .. }
+            | Self::WithinTolerance { .. }
+            | Self::Superfluous
+            | Self::MeanFriction => false,
+            Self::NotSure { p } => *p <= Rules::HINT,
+            Self::NotConfirmed { gain } => gain.mean >= gain.se,
+            Self::NotPredictive { .. }
+            | Self::OneCluster { .. }
+            | Self::RightBeside { .. }
+            | Self::Undetermined { .. }
+            | Self::Unsettled { .. } => true,
+        }
+    }
+}
+
+impl From<DiagnosisError> for Objection {
+    /// What speaks against an effect whose fit ends with an error.
+    fn from(why: DiagnosisError) -> Self {
+        match why {
+            DiagnosisError::OneCluster { cluster } => Self::OneCluster { cluster },
+            why => Self::Unsettled { why: why.to_string() },
+        }
+    }
+}
+
+impl Rules {
+    /// Largest probability of a name, and of a hint.
+    pub(super) const NAME: f64 = 0.01;
+    pub(super) const HINT: f64 = 0.05;
+    /// Least difference of predictions over the noise; and what needs no other merit.
+    pub(super) const SIZE: f64 = 0.3;
+    const LARGE: f64 = 0.75;
+    /// Least share of the gain so far that a later effect has to add.
+    const SHARE: f64 = 0.01;
+    /// Difference in twice the log likelihood that tells effects apart.
+    pub(super) const APART: f64 = 6.0;
+    /// Share of what an effect explains by which a known look-alike has to fall behind.
+    pub(super) const SHARE_APART: f64 = 0.05;
+    /// Share of what an effect explains alone that is its own if it explains it beside another, too.
+    pub(super) const OWN_SHARE: f64 = 0.5;
+    /// Least gain in log density on pushes set aside, in nats and in standard errors.
+    const GAIN: f64 = 4.0;
+    const GAIN_OVER_SE: f64 = 3.0;
+
+    /// What speaks against an effect by its size alone.
+    pub(super) fn objection(&self, p: f64, gain: f64, size: f64) -> Option<Objection> {
+        let share = gain / self.gain_so_far;
+        if size < Self::SIZE {
+            Some(Objection::Small { size })
+        } else if p > Self::NAME {
+            Some(Objection::NotSure { p })
+        } else if !self.is_first && share < Self::SHARE && size < Self::LARGE {
+            Some(Objection::LittleMore { share })
+        } else {
+            None
+        }
+    }
+
+    /// What speaks against an effect by its estimate.
+    ///
+    /// That another effect looks like it does not: the two are rivals.
+    pub(super) fn objection_to(fit: &Fit, id: &str, tolerances: &Tolerances) -> Option<Objection> {
+        let effect = fit.effects.iter().find(|effect| effect.id == id)?;
+        match &effect.undetermined {
+            None | Some(Undetermined::LooksLike { .. }) => {}
+            Some(why) => return Some(Objection::Undetermined { why: why.to_string() }),
+        }
+        if effect.p > Self::NAME {
+            return Some(Objection::NotSure { p: effect.p });
+        }
+        let tolerance = tolerances.of(id).filter(|tolerance| tolerance.is_finite())?;
+        let is_within = |parameter: &&crate::ParameterFit| {
+            let off = parameter.off.unwrap_or_default();
+            (parameter.value - off).abs() <= 2.0 * tolerance + 2.0 * parameter.se
+        };
+        let mut within = effect.parameters.iter().filter(is_within);
+        let n_within = within.clone().count();
+        let first = within.next().filter(|_| n_within == effect.parameters.len());
+        first.map(|parameter| Objection::WithinTolerance { parameter: parameter.name })
+    }
+
+    /// What speaks against an effect by what it predicts of clusters that are left out of the fit:
+    /// the simpler model stays where it is within a standard error. Of each push's part of the sum in
+    /// the simpler model and in the other one, where all clusters can be left out.
+    pub(super) fn objection_to_gain(
+        observations: &Observations,
+        left_out: [Result<Vec<f64>, DiagnosisError>; 2],
+    ) -> Option<Objection> {
+        let (without, with) = match left_out {
+            [Ok(without), Ok(with)] => (without, with),
+            [Err(why), _] | [_, Err(why)] => return Some(why.into()),
+        };
+        let gains = observations.pushes_of_clusters().into_iter().map(|pushes| {
+            pushes.iter().map(|push| 0.5 * (without[*push] - with[*push])).sum::<f64>()
+        });
+        let gain = Gain::of(&gains.collect::<Vec<_>>());
+        (gain.mean < gain.se).then_some(Objection::NotPredictive { gain })
+    }
+
+    /// Whether pushes set aside miss an effect.
+    pub(super) fn confirms(gain: &Gain) -> bool {
+        gain.mean >= Self::GAIN.max(Self::GAIN_OVER_SE * gain.se)
+    }
+}
+
+impl fmt::Display for Objection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotSure { p } => write!(f, "it may be chance (p {p:.3})"),
+            Self::Small { size } => {
+                write!(f, "it changes what is predicted by {size:.2} of the noise alone")
+            }
+            Self::LittleMore { share } => {
+                let percent = 100.0 * share;
+                write!(f, "it adds {percent:.1} % to what is explained before it")
+            }
+            Self::Undetermined { why } => f.write_str(why),
+            Self::WithinTolerance { parameter } => {
+                write!(f, "{parameter} is within what the manifest leaves open")
+            }
+            Self::MeanFriction => f.write_str(
+                "it is between friction along the grain and across, either of which may be nominal",
+            ),
+            Self::RightBeside { rival } => {
+                write!(f, "its nominal value is right if {rival} is the one of its group")
+            }
+            Self::NotPredictive { gain } => {
+                let Gain { mean, se } = gain;
+                write!(f, "pushes left out of the fit gain {mean:.1} ± {se:.1} nats alone")
+            }
+            Self::OneCluster { cluster } => {
+                write!(f, "it rests on {cluster} alone: without that its fit leaves a number open")
+            }
+            Self::Superfluous => f.write_str("a later effect explains what it explained"),
+            Self::Unsettled { why } => write!(f, "its fit does not settle: {why}"),
+            Self::NotConfirmed { gain } => {
+                let Gain { mean, se } = gain;
+                write!(f, "pushes set aside gain {mean:.1} ± {se:.1} nats alone")
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Objection, Rules};
+    use crate::synthetic::recorded;
+    use crate::{DiagnosisError, Gain};
+
+    #[test]
+    fn a_name_is_sure_large_and_no_small_share() {
+        let first = Rules { gain_so_far: 0.0, is_first: true };
+        assert_eq!(first.objection(0.005, 40.0, 0.5), None);
+        assert_eq!(first.objection(0.02, 40.0, 0.5), Some(Objection::NotSure { p: 0.02 }));
+        // What does not matter is no hint, however sure or unsure it is.
+        assert_eq!(first.objection(0.005, 40.0, 0.2), Some(Objection::Small { size: 0.2 }));
+        assert_eq!(first.objection(0.02, 40.0, 0.2), Some(Objection::Small { size: 0.2 }));
+        let later = Rules { gain_so_far: 1000.0, is_first: false };
+        assert!(matches!(later.objection(0.005, 5.0, 0.5), Some(Objection::LittleMore { .. })));
+        // What is large needs no share, and a share needs no more than its size.
+        assert_eq!(later.objection(0.005, 5.0, 0.8), None);
+        assert_eq!(later.objection(0.005, 20.0, 0.5), None);
+    }
+
+    #[test]
+    fn what_rests_on_one_cluster_alone_is_told() {
+        let observations = recorded(1).0;
+        let parts = |each: f64| Ok(vec![each; observations.pushes().len()]);
+        let objection = |parts| Rules::objection_to_gain(&observations, parts);
+        assert_eq!(objection([parts(8.0), parts(2.0)]), None);
+        assert!(matches!(
+            objection([parts(2.0), parts(2.5)]),
+            Some(Objection::NotPredictive { .. })
+        ));
+        let alone = || {
+            let cluster = observations.name_of_cluster(3);
+            Err(DiagnosisError::OneCluster { cluster })
+        };
+        for parts in [[alone(), parts(2.0)], [parts(8.0), alone()], [alone(), alone()]] {
+            let found = objection(parts).unwrap();
+            let told = format!("it rests on push {} alone", observations.pushes()[3]);
+            assert!(found.is_hint() && found.to_string().starts_with(&told), "{found}");
+        }
+        let sessions = recorded(15).0;
+        let name = sessions.name_of_cluster(3);
+        assert!(name.starts_with("the session of push "), "{name}");
+    }
+
+    #[test]
+    fn few_pushes_confirm_nothing_however_much_they_gain() {
+        let gains =
+            |n: usize| (0..20).map(|k| if k < n { 4000.0 } else { 0.0 }).collect::<Vec<_>>();
+        let [few, many] = [2, 12].map(|n| Gain::of(&gains(n)));
+        assert_eq!((few.mean, many.mean), (20.0, 120.0));
+        assert!(!Rules::confirms(&few) && Rules::confirms(&many));
+        assert!(!Rules::confirms(&Gain { mean: 3.0, se: 0.1 }));
+    }
+
+    #[test]
+    fn what_is_seen_and_does_not_matter_is_no_hint() {
+        assert!(!Objection::Small { size: 0.1 }.is_hint());
+        assert!(!Objection::Superfluous.is_hint());
+        assert!(Objection::NotSure { p: 0.02 }.is_hint());
+        assert!(!Objection::NotSure { p: 0.08 }.is_hint());
+        let not_confirmed = |mean, se| Objection::NotConfirmed { gain: Gain { mean, se } };
+        assert!(not_confirmed(18.0, 8.0).is_hint() && !not_confirmed(-7.0, 6.0).is_hint());
+    }
+}

@@ -1,0 +1,267 @@
+//! Adding the best effect, as long as one obeys every rule.
+
+use effects::{Effect, by_id};
+use models::Description;
+
+use super::DiagnoseSettings;
+use super::found::{Choice, Found, Progress, Refused, ids};
+use super::rules::{Objection, Rules};
+use crate::fit::{Refit, Trial};
+use crate::predict::tangent::Tangent;
+use crate::screen::screen_at;
+use crate::{DiagnosisError, FitSettings, NoiseModel, Observations, Screen, Whitening};
+
+/// The search on the pushes to fit to.
+pub(super) struct Search<'a> {
+    pub(super) model: &'a Description,
+    pub(super) all: &'a Observations,
+    pub(super) fitted: &'a Observations,
+    /// Opened when the search is over.
+    pub(super) aside: &'a Observations,
+    pub(super) settings: &'a DiagnoseSettings,
+}
+
+/// An effect tried beside a model.
+pub(super) struct Tried<'a> {
+    pub(super) trial: Trial<'a>,
+    /// The model without it, where its nominal value was a nuisance before.
+    without: Option<Refit<'a>>,
+    /// What it changes, over the noise.
+    pub(super) size: f64,
+}
+
+/// Effects that are tried after a screen, the strongest first.
+const MOST_TRIALS: usize = 6;
+/// An effect whose score is a smaller share of the largest is not tried.
+const LEAST_SHARE: f64 = 0.05;
+/// Trials within this of the best, in units of the sum and as a share of the fall, go on to their
+/// minimum.
+const FINALIST: (f64, f64) = (50.0, 0.2);
+
+impl Search<'_> {
+    pub(super) fn run(&self) -> Result<Found, DiagnosisError> {
+        let (_, whitening, first_screen) = self.linearised(self.model)?;
+        let settings = self.fit_settings(false);
+        let here = Refit::new(self.fitted, self.model, &whitening, &settings)?;
+        self.go_on(&here, Progress { first_screen, chosen: Vec::new(), refused: Vec::new() })
+    }
+
+    /// Adds one effect after the other to a model at its minimum. Each time the noise is learnt anew,
+    /// for what alike pushes differ by is the less the model misses the surer noise; and its
+    /// covariance is linearised anew, for pushes at the edge of sliding change sides.
+    fn go_on(&self, from: &Refit, mut progress: Progress) -> Result<Found, DiagnosisError> {
+        let (noise, whitening, screen) = self.linearised(&self.screened(from)?)?;
+        let here = from.rewhitened(&whitening)?;
+        if progress.chosen.len() == self.settings.most_effects {
+            return self.concluded(&here, progress, screen, noise);
+        }
+        let Some((choice, there)) = self.next(&here, &screen, &mut progress)? else {
+            return self.concluded(&here, progress, screen, noise);
+        };
+        progress.refused.retain(|one| one.id != choice.id);
+        progress.chosen.push(choice);
+        let there = self.without_superfluous(there, &mut progress)?;
+        self.go_on(&there, progress)
+    }
+
+    /// The best effect beside those chosen that obeys every rule; notes those that do not.
+    fn next<'a>(
+        &self,
+        here: &Refit<'a>,
+        screen: &Screen,
+        progress: &mut Progress,
+    ) -> Result<Option<(Choice, Refit<'a>)>, DiagnosisError> {
+        let gain_so_far = gain_so_far(here, progress)?;
+        let rules = Rules { gain_so_far, is_first: progress.chosen.is_empty() };
+        let tried = self.tried(here, screen, progress)?;
+        for (index, Tried { trial, without, size }) in tried.iter().enumerate() {
+            let (id, without) = (trial.id(), without.as_ref().unwrap_or(here));
+            let screened = screen.effects.iter().find(|effect| effect.id == id);
+            let p_adjusted = screened.map_or(1.0, |effect| effect.p_adjusted);
+            let gain = without.misfit_by(here) - trial.misfit();
+            let mut objection = rules.objection(p_adjusted, gain, *size);
+            // An effect whose refit does not settle is no explanation.
+            if objection.is_none() {
+                match here.with(trial) {
+                    Err(why) => objection = Some(Objection::Unsettled { why: why.to_string() }),
+                    Ok(there) => {
+                        objection = self.objection_to(without, &there, id)?;
+                        if objection.is_none() {
+                            let rivals = self.rivals(&tried, index, here, &there)?;
+                            return Ok(Some((Choice { id, p_adjusted, rivals }, there)));
+                        }
+                    }
+                }
+            }
+            // What no screen saw was tried as a rival alone.
+            let seen = objection.filter(|_| p_adjusted <= Rules::HINT);
+            progress.refused.extend(seen.map(|objection| Refused { id, objection }));
+        }
+        Ok(None)
+    }
+
+    /// What speaks against an effect by its estimate and by what it predicts.
+    fn objection_to(
+        &self,
+        here: &Refit,
+        there: &Refit,
+        id: &str,
+    ) -> Result<Option<Objection>, DiagnosisError> {
+        let fit = match there.fit(&self.fit_settings(false)) {
+            Err(why @ DiagnosisError::OneCluster { .. }) => return Ok(Some(why.into())),
+            fit => fit?,
+        };
+        let objection = Rules::objection_to(&fit, id, &self.settings.screen.tolerances);
+        let left_out = || [here.left_out(there), there.left_out(there)];
+        Ok(objection.or_else(|| Rules::objection_to_gain(self.fitted, left_out())))
+    }
+
+    /// The likeliest effects of a screen beside those chosen, near their minima, the best first.
+    fn tried<'a>(
+        &self,
+        here: &Refit<'a>,
+        screen: &Screen,
+        progress: &mut Progress,
+    ) -> Result<Vec<Tried<'a>>, DiagnosisError> {
+        let mut tried = Vec::new();
+        for id in self.worth_a_trial(screen, progress) {
+            tried.extend(self.try_one(here, id, &mut progress.refused)?);
+        }
+        // Numbers left open may hide from a screen what explains as much as the best.
+        for id in self.alike_the_best(&tried, screen, progress) {
+            tried.extend(self.try_one(here, id, &mut progress.refused)?);
+        }
+        let least = tried.iter().map(Tried::cost).fold(f64::INFINITY, f64::min);
+        let near = FINALIST.0.max(FINALIST.1 * (here.misfit() - least));
+        let is_finalist = |one: &Tried| one.size >= Rules::SIZE && one.cost() < least + near;
+        // A single one needs no exact comparison.
+        let is_close = tried.iter().filter(|one| is_finalist(one)).count() > 1;
+        for one in tried.iter_mut().filter(|one| is_close && is_finalist(one)) {
+            // Where the way ends early, what was reached counts.
+            if one.trial.finish().is_ok() {
+                one.size = one.without.as_ref().unwrap_or(here).size_of(&one.trial)?;
+            }
+        }
+        tried.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        Ok(tried)
+    }
+
+    /// An effect near its minimum beside a model; none, and noted, where it cannot be predicted.
+    fn try_one<'a>(
+        &self,
+        here: &Refit<'a>,
+        id: &'static str,
+        refused: &mut Vec<Refused>,
+    ) -> Result<Option<Tried<'a>>, DiagnosisError> {
+        let Some(effect) = self.effect(id) else { return Ok(None) };
+        let trial = match here.trial(effect) {
+            Ok(trial) => trial,
+            Err(why) => {
+                let objection = Objection::Unsettled { why: why.to_string() };
+                refused.push(Refused { id, objection });
+                return Ok(None);
+            }
+        };
+        let without = if here.has(id) { Some(here.without(&[id])?) } else { None };
+        let size = without.as_ref().unwrap_or(here).size_of(&trial)?;
+        Ok(Some(Tried { trial, without, size }))
+    }
+
+    /// Whether every fit leaves the effect's numbers open without any prior.
+    pub(super) fn is_nominal(&self, id: &str) -> bool {
+        self.settings.screen.tolerances.of(id) == Some(f64::INFINITY)
+    }
+
+    /// The strongest effects of a screen, and what looks like the very strongest.
+    fn worth_a_trial(&self, screen: &Screen, progress: &Progress) -> Vec<&'static str> {
+        let largest = screen.effects.iter().map(|effect| effect.statistic).fold(0.0, f64::max);
+        let is_worth = |effect: &&crate::ScreenedEffect| {
+            effect.not_testable.is_none()
+                && !self.is_nominal(effect.id)
+                && !progress.was_superfluous(effect.id)
+                && effect.p_adjusted <= Rules::HINT
+                && effect.statistic >= LEAST_SHARE * largest
+        };
+        let worth = screen.effects.iter().filter(is_worth).map(|effect| effect.id);
+        let worth: Vec<&'static str> = worth.collect();
+        let best = worth.first().copied().unwrap_or_default();
+        let is_like_best = |id: &str| {
+            let mut pairs = screen.look_alikes.iter();
+            self.are_known_alike(best, id)
+                || pairs.any(|pair| {
+                    [pair.one, pair.other] == [best, id] || [pair.other, pair.one] == [best, id]
+                })
+        };
+        let tried = worth.iter().enumerate();
+        let tried = tried.filter(|(rank, id)| *rank < MOST_TRIALS || is_like_best(id));
+        tried.map(|(_, id)| *id).collect()
+    }
+
+    /// A model without the effects that the last one explains, too.
+    fn without_superfluous<'a>(
+        &self,
+        there: Refit<'a>,
+        progress: &mut Progress,
+    ) -> Result<Refit<'a>, DiagnosisError> {
+        let last = progress.chosen.len() - 1;
+        for id in ids(&progress.chosen[..last]) {
+            let without = there.roughly_without(&[id])?;
+            if without.misfit_by(&there) - there.misfit() < Rules::APART * there.scale().powi(2) {
+                progress.chosen.retain(|one| one.id != id);
+                progress.refused.push(Refused { id, objection: Objection::Superfluous });
+                return Ok(without);
+            }
+        }
+        Ok(self.with_a_rival(there, progress))
+    }
+
+    /// The model at its minimum as a screen takes it: what is known beforehand of small nuisances
+    /// stays what it was.
+    fn screened(&self, here: &Refit) -> Result<Description, DiagnosisError> {
+        let [asked, mut whole] = here.descriptions()?;
+        let tolerances = &self.settings.screen.tolerances;
+        let is_bounded = |id: &str| tolerances.of(id).is_some_and(f64::is_finite);
+        whole.effects.retain(|effect| {
+            let is_asked = asked.effects.iter().any(|other| other.id == effect.id);
+            is_asked || !is_bounded(&effect.id)
+        });
+        Ok(whole)
+    }
+
+    pub(super) fn fit_settings(&self, intervals: bool) -> FitSettings {
+        let (own, tolerances) = (self.settings.own.clone(), self.settings.screen.tolerances);
+        FitSettings { own, tolerances, priors: true, intervals, resemblances: false }
+    }
+
+    /// The noise about a model, its covariance, and the test of what the model lacks.
+    fn linearised(
+        &self,
+        about: &Description,
+    ) -> Result<(NoiseModel, Whitening, Screen), DiagnosisError> {
+        let tangent = Tangent::of(about, &self.settings.own, self.fitted)?;
+        let noise = NoiseModel::learn_at(&tangent, self.fitted)?;
+        let whitening = noise.whitening_at(self.fitted, &tangent.linearisation)?;
+        let screen = screen_at(&tangent, self.fitted, &whitening, &self.settings.screen);
+        Ok((noise, whitening, screen))
+    }
+
+    pub(super) fn effect(&self, id: &str) -> Option<&'static dyn Effect> {
+        let mut own = self.settings.own.iter().copied();
+        own.find(|effect| effect.about().id == id).or_else(|| by_id(id).ok())
+    }
+}
+
+/// What all that were chosen take off the sum, under the covariance and with the thresholds of now.
+fn gain_so_far(here: &Refit, progress: &Progress) -> Result<f64, DiagnosisError> {
+    if progress.chosen.is_empty() {
+        return Ok(0.0);
+    }
+    Ok(here.roughly_without(&ids(&progress.chosen))?.misfit_by(here) - here.misfit())
+}
+
+impl Tried<'_> {
+    /// What is minimised, with a price for each number.
+    pub(super) fn cost(&self) -> f64 {
+        self.trial.misfit() + 2.0 * self.trial.freedom as f64
+    }
+}

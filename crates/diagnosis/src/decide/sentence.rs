@@ -1,0 +1,154 @@
+//! The answer in words.
+
+use effects::by_id;
+
+use super::claims::Claims;
+use super::leftover::Left;
+use super::{EffectFinding, ErrorFall, ParameterFinding, Status, Verdict};
+
+/// One or two sentences that say what the verdict says, with sizes in mm, degrees and ms.
+pub(super) fn sentence(
+    claims: &Claims,
+    effects: &[EffectFinding],
+    error: &ErrorFall,
+    left: &Left,
+) -> String {
+    let told =
+        |id: &str| effects.iter().find(|effect| effect.id == id).map_or(id.into(), with_size);
+    let list = |ids: &[&'static str]| ids.iter().map(|id| told(id)).collect::<Vec<_>>();
+    let mut text = match claims.verdict {
+        Verdict::Named => {
+            let mut text = format!("Missing: {}", list(&claims.named).join("; and "));
+            for group in &claims.groups {
+                text += &format!("; and one of: {}", list(group).join("; "));
+            }
+            format!("{text}. {}", fall(error))
+        }
+        Verdict::OneOf => {
+            let groups: Vec<String> =
+                claims.groups.iter().map(|group| list(group).join("; or ")).collect();
+            let groups = groups.join(". And one of: ");
+            format!(
+                "Missing is one of these, and the pushes cannot tell which: {groups}. {}",
+                fall(error)
+            )
+        }
+        Verdict::StructureUnexplained => {
+            "The model fails in a way that no effect of the library explains.".to_owned()
+        }
+        Verdict::NoneFound => {
+            "Nothing is missing that these pushes could show; the limits of each effect stand \
+             below."
+                .to_owned()
+        }
+        Verdict::Weak => {
+            let hints = effects.iter().filter(|effect| effect.status == Status::Weak);
+            let hints: Vec<&str> = hints.map(|effect| effect.id.as_str()).collect();
+            let of =
+                if hints.is_empty() { String::new() } else { format!(" of {}", hints.join(", ")) };
+            format!(
+                "There are hints{of}, but nothing that these pushes make sure; more pushes would."
+            )
+        }
+    };
+    if let Some(where_) = left.told().filter(|_| claims.is_left) {
+        let what = match claims.verdict {
+            Verdict::StructureUnexplained => "Most of all it",
+            _ => "Something is left that no effect explains: the model",
+        };
+        text += &format!(" {what} {where_}.");
+    }
+    if claims.verdict == Verdict::Weak && left.is_far_off() {
+        text += &format!(
+            " Some pushes are missed by far more than their noise (error {:.1} times the noise), \
+             too few to tell what they share: `pushlab compare` lists the worst.",
+            error.after
+        );
+    }
+    text
+}
+
+/// What adding the effects does to the error.
+fn fall(error: &ErrorFall) -> String {
+    let ErrorFall { before, after, .. } = error;
+    match error.gap_closed {
+        Some(share) => format!(
+            "On pushes that no fit has seen this closes {:.0} % of the gap to the noise floor \
+             (error {before:.2} before, {after:.2} after, in units of the noise).",
+            100.0 * share
+        ),
+        None => format!(
+            "On pushes that no fit has seen the error falls from {before:.2} to {after:.2} times \
+             the noise."
+        ),
+    }
+}
+
+/// As "friction along a direction of the table (table-anisotropy): ratio 1.34 (1.31 to 1.37), …".
+fn with_size(effect: &EffectFinding) -> String {
+    let id = &effect.id;
+    let title = by_id(id).map_or(String::new(), |known| known.about().title.to_lowercase());
+    let sizes: Vec<String> = effect.parameters.iter().filter_map(size).collect();
+    let name = if title.is_empty() { id.clone() } else { format!("{title} ({id})") };
+    if sizes.is_empty() { name } else { format!("{name}: {}", sizes.join(", ")) }
+}
+
+/// As "ratio 1.34 (1.31 to 1.37)"; a speed at which a law sets in may be left open.
+fn size(parameter: &ParameterFinding) -> Option<String> {
+    let (unit, scale) = match parameter.unit.as_str() {
+        "m" => (" mm".to_owned(), 1e3),
+        "rad" => ("°".to_owned(), 180.0 / std::f64::consts::PI),
+        "s" => (" ms".to_owned(), 1e3),
+        "m/s" => (" mm/s".to_owned(), 1e3),
+        "1" => (String::new(), 1.0),
+        other => (format!(" {other}"), 1.0),
+    };
+    let value = rounded(parameter.estimate? * scale);
+    let ends = match parameter.low95.zip(parameter.high95) {
+        Some((low, high)) => format!(" ({} to {})", rounded(low * scale), rounded(high * scale)),
+        None if parameter.off.is_none() => " (left open)".to_owned(),
+        None => String::new(),
+    };
+    Some(format!("{} {value}{unit}{ends}", parameter.name))
+}
+
+/// Three significant digits.
+fn rounded(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let digits = 2 - value.abs().log10().floor() as i32;
+    format!("{value:.*}", digits.clamp(0, 8) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{rounded, size};
+    use crate::ParameterFinding;
+
+    #[test]
+    fn a_size_is_told_with_its_interval_or_that_it_is_open() {
+        let found = |unit: &str, ends: Option<(f64, f64)>, off| ParameterFinding {
+            name: "v0".to_owned(),
+            unit: unit.to_owned(),
+            off,
+            estimate: Some(0.00226),
+            se: Some(0.003),
+            low95: ends.map(|ends| ends.0),
+            high95: ends.map(|ends| ends.1),
+            smallest_detectable: None,
+        };
+        let told = |unit, ends, off| size(&found(unit, ends, off)).unwrap();
+        assert_eq!(told("m/s", Some((0.001, 0.01)), None), "v0 2.26 mm/s (1.00 to 10.0)");
+        assert_eq!(told("m/s", None, None), "v0 2.26 mm/s (left open)");
+        assert_eq!(told("m/s²", None, Some(0.0)), "v0 0.00226 m/s²");
+    }
+
+    #[test]
+    fn sizes_have_three_digits() {
+        let cases = [(1.3399, "1.34"), (-0.012345, "-0.0123"), (34.04, "34.0"), (412.7, "413")];
+        for (value, text) in cases {
+            assert_eq!(rounded(value), text);
+        }
+    }
+}

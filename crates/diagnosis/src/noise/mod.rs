@@ -1,0 +1,6 @@
+//! Predictions and repeats go in, the noise floor and the covariance of a push's residuals come out.
+
+pub(crate) mod floor_growth;
+pub(crate) mod noise_floor;
+pub(crate) mod noise_model;
+pub(crate) mod whitening;

@@ -1,0 +1,278 @@
+//! The covariance of all that is observed of a push, where the model is true.
+
+use std::collections::BTreeMap;
+
+use effects::Effect;
+use models::Description;
+use nalgebra::DMatrix;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use serde::Serialize;
+
+use crate::data::repeats::{FEWEST_REPEATS, cells};
+use crate::noise::noise_floor::{distance, features};
+use crate::predict::error_shapes::{ErrorShapes, Kind, SOURCES, Source, push_directions};
+use crate::predict::secants::Linearisation;
+use crate::predict::tangent::Tangent;
+use crate::statistics::quantile::NORMAL_975;
+use crate::statistics::variances::{Block, Variances, variances};
+use crate::{DiagnosisError, FloorSource, Observations, RepeatTolerance, Whitening};
+
+/// Sources of error and their sizes: what the streams' noise leaves at the ends of steps, small
+/// errors of each step's own, and parameters that differ from push to push.
+///
+/// The steps of one push share their errors with the shape that the effect behind them has.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NoiseModel {
+    /// What it was learnt from.
+    pub source: FloorSource,
+    /// Groups of repeats, or pairs of neighbours, that it was learnt from.
+    pub n_cells: usize,
+    /// Pushes in them.
+    pub n_pushes: usize,
+    /// The sources of error.
+    pub sources: Vec<ErrorSource>,
+    /// Iterations that the likelihood took.
+    pub iterations: usize,
+    /// Twice the gain in log likelihood that one more would have brought.
+    pub decrement: f64,
+}
+
+/// A source of error with its size.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ErrorSource {
+    /// What it is; for a parameter that differs from push to push the effect's id.
+    pub name: &'static str,
+    /// SI unit of the standard deviation; `1` for a factor or a share.
+    pub unit: &'static str,
+    /// Whether all steps of a push share it.
+    pub of_push: bool,
+    /// Standard deviation.
+    pub sd: f64,
+    /// Lower end of its 95 % interval.
+    pub low95: f64,
+    /// Upper end of its 95 % interval.
+    pub high95: f64,
+}
+
+/// Closer than for a floor: what a model misses must cancel, and it may be large.
+const REPEATS: RepeatTolerance = RepeatTolerance { distance: 1e-3, angle: 0.02, speed: 0.05 };
+/// Pairs of neighbours that are used at most.
+const MOST_PAIRS: usize = 60;
+
+impl NoiseModel {
+    /// Learns the sizes of errors, linearised about a model; `own` are effects besides those of the
+    /// catalogue.
+    ///
+    /// What repeats of a push have in common cancels, and with it what the model misses. Without
+    /// enough repeats pushes are compared that are alike, less what any effect of the catalogue
+    /// could explain of their difference: an estimate.
+    ///
+    /// # Errors
+    /// `Model` for what the model refuses, such as a learnt one; `NotConverged`.
+    pub fn learn(
+        model: &Description,
+        own: &[&'static dyn Effect],
+        observations: &Observations,
+    ) -> Result<Self, DiagnosisError> {
+        Self::learn_at(&Tangent::of(model, own, observations)?, observations)
+    }
+
+    /// The same with slopes that are known.
+    pub(crate) fn learn_at(
+        tangent: &Tangent,
+        observations: &Observations,
+    ) -> Result<Self, DiagnosisError> {
+        let shapes = shapes(observations, &tangent.linearisation);
+        let groups = repeat_groups(observations);
+        let n_repeats = groups.iter().map(|group| group.len() - 1).sum::<usize>();
+        let data = Data { observations, tangent, shapes: &shapes };
+        let (source, groups, blocks) = if n_repeats >= FEWEST_REPEATS {
+            let blocks: Vec<Block> = groups.iter().map(|group| data.repeats(group)).collect();
+            (FloorSource::Repeats, groups, blocks)
+        } else {
+            let pairs = neighbour_pairs(observations);
+            let blocks = pairs.iter().map(|pair| data.neighbours(pair)).collect();
+            let groups = pairs.iter().map(|pair| pair.to_vec()).collect();
+            (FloorSource::Neighbours, groups, blocks)
+        };
+        let prior: Vec<_> = SOURCES.iter().map(Source::prior).collect();
+        let found = variances(&blocks, &prior)?;
+        let n_pushes = groups.iter().map(Vec::len).sum();
+        let Variances { iterations, decrement, .. } = found;
+        let sources = (0..SOURCES.len()).map(|k| ErrorSource::new(&SOURCES[k], &found, k));
+        let n_cells = groups.len();
+        let sources = sources.collect();
+        Ok(Self { source, n_cells, n_pushes, sources, iterations, decrement })
+    }
+
+    /// The covariance of every push, linearised about a model.
+    ///
+    /// # Errors
+    /// `Model` for what the model refuses.
+    pub fn whitening(
+        &self,
+        model: &Description,
+        own: &[&'static dyn Effect],
+        observations: &Observations,
+    ) -> Result<Whitening, DiagnosisError> {
+        let linearisation = Linearisation::of(model, own, observations, &push_directions()?)?;
+        self.whitening_at(observations, &linearisation)
+    }
+
+    /// The same with slopes that are known: the first ones are [`push_directions`].
+    pub(crate) fn whitening_at(
+        &self,
+        observations: &Observations,
+        linearisation: &Linearisation,
+    ) -> Result<Whitening, DiagnosisError> {
+        let variances: Vec<f64> = self.sources.iter().map(|source| source.sd.powi(2)).collect();
+        let numbers = observations.own_numbers();
+        let covariance = |numbers: Vec<(usize, usize)>| {
+            let shapes = ErrorShapes::of(observations, linearisation, numbers);
+            let covariance = shapes.covariance(&variances);
+            (shapes.numbers, covariance)
+        };
+        let pushes: Vec<_> = numbers.into_par_iter().map(covariance).collect();
+        Whitening::new(pushes)
+    }
+}
+
+impl ErrorSource {
+    fn new(source: &Source, found: &Variances, k: usize) -> Self {
+        let Source { name, unit, kind, .. } = *source;
+        let sd = found.values[k].sqrt();
+        let ratio = (0.5 * NORMAL_975 * found.log_se[k]).exp();
+        let of_push = matches!(kind, Kind::Push { .. });
+        Self { name, unit, of_push, sd, low95: sd / ratio, high95: sd * ratio }
+    }
+}
+
+fn shapes(observations: &Observations, linearisation: &Linearisation) -> Vec<ErrorShapes> {
+    let numbers = observations.own_numbers();
+    let of = |numbers| ErrorShapes::of(observations, linearisation, numbers);
+    numbers.into_par_iter().map(of).collect()
+}
+
+/// Pushes that repeat each other, each group of two or more.
+fn repeat_groups(observations: &Observations) -> Vec<Vec<usize>> {
+    let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (push, cell) in cells(observations, &REPEATS).into_iter().enumerate() {
+        groups.entry(cell).or_default().push(push);
+    }
+    groups.into_values().filter(|group| group.len() > 1).collect()
+}
+
+/// Disjoint pairs of pushes that are alike, the nearest first.
+fn neighbour_pairs(observations: &Observations) -> Vec<[usize; 2]> {
+    let mut first = vec![None; observations.pushes.len()];
+    for (index, push) in observations.push_of.iter().enumerate() {
+        first[*push].get_or_insert(index);
+    }
+    let first: Vec<usize> = first.into_iter().flatten().collect();
+    let features: Vec<_> = first.iter().map(|step| features(observations, *step)).collect();
+    let mut pairs = Vec::new();
+    for a in 0..first.len() {
+        for b in 0..a {
+            let [one, other] = [a, b].map(|push| &observations.places[first[push]]);
+            if one.edge == other.edge {
+                pairs.push((distance(&features[a], &features[b]), [b, a]));
+            }
+        }
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut is_taken = vec![false; first.len()];
+    let mut chosen = Vec::new();
+    for (_, pair) in pairs {
+        if chosen.len() < MOST_PAIRS && pair.iter().all(|push| !is_taken[*push]) {
+            pair.iter().for_each(|push| is_taken[*push] = true);
+            chosen.push(pair);
+        }
+    }
+    chosen
+}
+
+/// What blocks are made of.
+struct Data<'a> {
+    observations: &'a Observations,
+    tangent: &'a Tangent,
+    shapes: &'a [ErrorShapes],
+}
+
+impl Data<'_> {
+    /// Contrasts of pushes that repeat each other.
+    fn repeats(&self, group: &[usize]) -> Block {
+        let (members, residuals) = self.aligned(group);
+        let n = residuals.ncols();
+        // Helmert's contrasts: independent, and free of what all have in common.
+        let contrasts = DMatrix::from_fn(n, n - 1, |row, k| {
+            let scale = (((k + 1) * (k + 2)) as f64).sqrt();
+            if row <= k {
+                1.0 / scale
+            } else if row == k + 1 {
+                -((k + 1) as f64) / scale
+            } else {
+                0.0
+            }
+        });
+        let vectors = residuals * contrasts;
+        let fixed = DMatrix::zeros(vectors.nrows(), 0);
+        Block { shapes: mean_shapes(&members), vectors, fixed }
+    }
+
+    /// The difference of two pushes that are alike, with what effects could explain of it.
+    fn neighbours(&self, pair: &[usize; 2]) -> Block {
+        let prior_sd = &self.tangent.candidates.prior_sd;
+        let (members, residuals) = self.aligned(pair);
+        let root_half = 0.5_f64.sqrt();
+        let vectors = root_half * (residuals.column(0) - residuals.column(1));
+        let fixed = DMatrix::from_fn(vectors.nrows(), prior_sd.len(), |row, k| {
+            let of = |member: &ErrorShapes| {
+                let (step, number) = member.numbers[row];
+                self.tangent.slopes(k)[step][number]
+            };
+            root_half * prior_sd[k] * (of(&members[0]) - of(&members[1]))
+        });
+        let vectors = DMatrix::from_column_slice(vectors.nrows(), 1, vectors.as_slice());
+        Block { shapes: mean_shapes(&members), vectors, fixed }
+    }
+
+    /// The numbers that all members have, by step of the push, and observed less predicted: a
+    /// column each.
+    fn aligned(&self, members: &[usize]) -> (Vec<ErrorShapes>, DMatrix<f64>) {
+        let key = |&(step, number): &(usize, usize)| (self.observations.places[step].step, number);
+        let mut rows: BTreeMap<(u32, usize), Vec<usize>> = BTreeMap::new();
+        for (place, member) in members.iter().enumerate() {
+            for (row, number) in self.shapes[*member].numbers.iter().enumerate() {
+                let known = rows.entry(key(number)).or_default();
+                if known.len() == place {
+                    known.push(row);
+                }
+            }
+        }
+        rows.retain(|_, rows| rows.len() == members.len());
+        let shapes = members.iter().enumerate().map(|(place, member)| {
+            let rows: Vec<usize> = rows.values().map(|rows| rows[place]).collect();
+            self.shapes[*member].rows(&rows)
+        });
+        let shapes: Vec<ErrorShapes> = shapes.collect();
+        let residual = |row: usize, place: usize| {
+            let (step, number) = shapes[place].numbers[row];
+            let observed = self.observations.steps[step].observed[number].unwrap_or_default();
+            observed - self.tangent.linearisation.predicted[step][number]
+        };
+        let residuals = DMatrix::from_fn(rows.len(), members.len(), residual);
+        (shapes, residuals)
+    }
+}
+
+/// Kₖ, the mean over members of a group.
+fn mean_shapes(members: &[ErrorShapes]) -> Vec<DMatrix<f64>> {
+    let share = 1.0 / members.len() as f64;
+    let shape = |k: usize| {
+        let n = members[0].numbers.len();
+        let mut sum = DMatrix::zeros(n, n);
+        members.iter().for_each(|member| member.roots[k].add_to(&mut sum, share));
+        sum
+    };
+    (0..SOURCES.len()).into_par_iter().map(shape).collect()
+}

@@ -1,0 +1,85 @@
+//! Effects that could be tested or are in the model, with the coordinates that stand for them.
+
+use std::ops::Range;
+
+use effects::{Effect, Off, Parameter, Role, all};
+use models::{ChannelModel, Description};
+
+use crate::predict::secants::Direction;
+use crate::{DiagnosisError, Observations};
+
+/// An effect with its coordinates among all.
+#[derive(Clone, Debug)]
+pub(crate) struct Candidate {
+    pub(crate) effect: &'static dyn Effect,
+    /// Whether the model has it already.
+    pub(crate) is_in_model: bool,
+    /// Its coordinates in [`Candidates::directions`].
+    pub(crate) coordinates: Range<usize>,
+}
+
+/// All effects, those of users after the catalogue's.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Candidates {
+    pub(crate) effects: Vec<Candidate>,
+    pub(crate) directions: Vec<Direction>,
+    /// Name and unit of each coordinate, and the standard deviation of a weak prior.
+    pub(crate) names: Vec<(&'static str, &'static str)>,
+    pub(crate) prior_sd: Vec<f64>,
+    /// How far each coordinate may change down and up from where it is off.
+    pub(crate) room: Vec<[f64; 2]>,
+}
+
+impl Candidates {
+    /// For a model of some observations.
+    ///
+    /// A coordinate that means nothing while the effect is off, as the reference speed of a law of
+    /// friction, stays at its usual value.
+    pub(crate) fn of(
+        model: &Description,
+        own: &[&'static dyn Effect],
+        observations: &Observations,
+    ) -> Result<Self, DiagnosisError> {
+        let physics = ChannelModel::new(model, observations.support, own)?
+            .physics(&observations.steps[0].input.object)?;
+        let has = |id: &str| physics.effects().iter().any(|(other, _)| other.about().id == id);
+        let mut found = Self::default();
+        for effect in all().iter().chain(own).copied() {
+            let about = effect.about();
+            let first = found.directions.len();
+            for (index, coordinate) in about.coordinates(physics.rig()).iter().enumerate() {
+                let parameter = &about.parameters[index];
+                let is_axis = matches!(parameter.role, Role::Direction(_));
+                if parameter.off == Off::Undefined && !is_axis {
+                    continue;
+                }
+                found.directions.push(Direction {
+                    effect,
+                    coordinate: index,
+                    size: coordinate.secant,
+                });
+                found.names.push((coordinate.name, coordinate.unit));
+                found.prior_sd.push(coordinate.prior_sd);
+                let (low, high) = coordinate.range;
+                found.room.push([low - coordinate.off, high - coordinate.off]);
+            }
+            let coordinates = first..found.directions.len();
+            found.even_out(about.parameters, coordinates.clone());
+            found.effects.push(Candidate { effect, is_in_model: has(about.id), coordinates });
+        }
+        Ok(found)
+    }
+
+    /// Makes the sizes of a vector's two coordinates one, so that turned axes see the same.
+    fn even_out(&mut self, parameters: &[Parameter], coordinates: Range<usize>) {
+        for x in coordinates {
+            if matches!(parameters[self.directions[x].coordinate].role, Role::X(_)) {
+                let mean = |a: f64, b: f64| (0.5 * (a * a + b * b)).sqrt();
+                let size = mean(self.directions[x].size, self.directions[x + 1].size);
+                let prior_sd = mean(self.prior_sd[x], self.prior_sd[x + 1]);
+                self.directions[x..x + 2].iter_mut().for_each(|direction| direction.size = size);
+                self.prior_sd[x..x + 2].fill(prior_sd);
+            }
+        }
+    }
+}

@@ -1,0 +1,295 @@
+//! Sources of error of a push, and how each shows in the numbers of the push.
+
+use effects::by_id;
+use nalgebra::{DMatrix, DVector, Vector2};
+use planar::perpendicular;
+
+use crate::predict::secants::{Direction, Linearisation};
+use crate::statistics::variances::LogNormal;
+use crate::{DiagnosisError, Observations};
+
+/// A source of error; its variance is to be learnt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Source {
+    /// Name, for people: the effect's id and coordinate where it is one.
+    pub(crate) name: &'static str,
+    /// SI unit of its standard deviation.
+    pub(crate) unit: &'static str,
+    /// Median of what is expected of its standard deviation.
+    pub(crate) usual_sd: f64,
+    pub(crate) kind: Kind,
+}
+
+/// How a source acts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Kind {
+    /// On the object's position at each end of a step; a factor on the sd that the table states.
+    ObjectPosition,
+    /// On the object's yaw, likewise.
+    ObjectYaw,
+    /// On the pusher's position at each end of a step.
+    PusherPosition,
+    /// On each component of a step's force.
+    Force,
+    /// The same, relative to the force.
+    ForceShare,
+    /// On each step's displacement and turn (times the characteristic length), relative to the
+    /// pusher's way.
+    MotionShare,
+    /// Coordinates of an effect that differ from push to push: of a vector, so that turned axes
+    /// change nothing, both alike.
+    Push { coordinates: &'static [usize] },
+}
+
+/// How far what is expected may be off, as standard deviation of the logarithm of the variance: a
+/// factor of e, either way, in the standard deviation.
+const LOG_SD: f64 = 2.0;
+/// Few repeats show some parameters of pushes weakly, and then through the model's faults.
+const LOG_SD_PUSH: f64 = 1.0;
+/// The table's standard deviations come from the samples themselves.
+const LOG_SD_KNOWN: f64 = 0.5;
+/// Secants over so many usual standard deviations to either side: they reach pushes that are not
+/// quite at the edge of sticking.
+const SECANT: f64 = 4.0;
+
+/// What stands for a standard deviation that the table does not state: m and rad.
+const UNKNOWN_SD: [f64; 2] = [2e-5, 4e-4];
+
+pub(crate) const SOURCES: [Source; 12] = [
+    source("object position, as a factor", "1", 1.0, Kind::ObjectPosition),
+    source("object yaw, as a factor", "1", 1.0, Kind::ObjectYaw),
+    source("pusher position", "m", 1e-5, Kind::PusherPosition),
+    source("force", "N", 0.01, Kind::Force),
+    source("force, relative", "1", 5e-3, Kind::ForceShare),
+    source("motion, relative", "1", 2e-3, Kind::MotionShare),
+    source("support-friction", "1", 5e-3, Kind::Push { coordinates: &[0] }),
+    source("pusher-friction", "1", 5e-3, Kind::Push { coordinates: &[0] }),
+    source("pressure-radius", "1", 1e-2, Kind::Push { coordinates: &[0] }),
+    source("friction-center-offset", "m", 2e-4, Kind::Push { coordinates: &[0, 1] }),
+    source("contact-bias", "m", 1e-4, Kind::Push { coordinates: &[0] }),
+    source("force-bias", "N", 1e-2, Kind::Push { coordinates: &[0, 1] }),
+];
+
+const fn source(name: &'static str, unit: &'static str, usual_sd: f64, kind: Kind) -> Source {
+    Source { name, unit, usual_sd, kind }
+}
+
+impl Source {
+    pub(crate) fn prior(&self) -> LogNormal {
+        let log_sd = match self.kind {
+            Kind::ObjectPosition | Kind::ObjectYaw => LOG_SD_KNOWN,
+            Kind::Push { .. } => LOG_SD_PUSH,
+            _ => LOG_SD,
+        };
+        LogNormal { median: self.usual_sd * self.usual_sd, log_sd }
+    }
+}
+
+/// The coordinates that differ from push to push.
+///
+/// # Errors
+/// `Model` if the catalogue does not know one.
+pub(crate) fn push_directions() -> Result<Vec<Direction>, DiagnosisError> {
+    let mut directions = Vec::new();
+    for source in &SOURCES {
+        let Kind::Push { coordinates } = source.kind else { continue };
+        let effect = by_id(source.name).map_err(models::ModelError::from)?;
+        let size = SECANT * source.usual_sd;
+        let of = |coordinate: &usize| Direction { effect, coordinate: *coordinate, size };
+        directions.extend(coordinates.iter().map(of));
+    }
+    Ok(directions)
+}
+
+/// A root Z of each source's share Z Zᵀ in the covariance of one push's numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct ErrorShapes {
+    /// Each as (step, index in [`effects::Channels`]).
+    pub(crate) numbers: Vec<(usize, usize)>,
+    pub(crate) roots: Vec<Root>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Root {
+    Columns(DMatrix<f64>),
+    Diagonal(DVector<f64>),
+}
+
+impl ErrorShapes {
+    /// Of the numbers of one push; the linearisation's first slopes are [`push_directions`].
+    pub(crate) fn of(
+        observations: &Observations,
+        linearisation: &Linearisation,
+        numbers: Vec<(usize, usize)>,
+    ) -> Self {
+        let ends = Ends::of(observations, linearisation, &numbers);
+        let mut curves = linearisation.slopes.iter().zip(&linearisation.bends);
+        let root = |source: &Source| match source.kind {
+            Kind::ObjectPosition => Root::Columns(ends.position.clone()),
+            Kind::ObjectYaw => Root::Columns(ends.yaw.clone()),
+            Kind::PusherPosition => Root::Columns(ends.pusher.clone()),
+            Kind::Push { coordinates } => {
+                // x and |x| of a normal number x are not correlated.
+                let own = curves.by_ref().take(coordinates.len()).flat_map(|(s, b)| [s, b]);
+                let of = |curve: &Vec<[f64; 7]>| {
+                    let values = numbers.iter().map(|(step, number)| curve[*step][*number]);
+                    DVector::from_iterator(numbers.len(), values)
+                };
+                Root::Columns(DMatrix::from_columns(&own.map(of).collect::<Vec<_>>()))
+            }
+            kind => {
+                let size = |&(step, number): &(usize, usize)| {
+                    independent(observations, linearisation, kind, step, number)
+                };
+                Root::Diagonal(DVector::from_iterator(numbers.len(), numbers.iter().map(size)))
+            }
+        };
+        let roots = SOURCES.iter().map(root).collect();
+        Self { numbers, roots }
+    }
+
+    /// Σ θₖ Zₖ Zₖᵀ.
+    pub(crate) fn covariance(&self, variances: &[f64]) -> DMatrix<f64> {
+        let n = self.numbers.len();
+        let mut sum = DMatrix::zeros(n, n);
+        self.roots.iter().zip(variances).for_each(|(root, theta)| root.add_to(&mut sum, *theta));
+        sum
+    }
+
+    /// The same of some rows alone.
+    pub(crate) fn rows(&self, rows: &[usize]) -> Self {
+        let numbers = rows.iter().map(|row| self.numbers[*row]).collect();
+        let pick = |root: &Root| match root {
+            Root::Columns(columns) => Root::Columns(columns.select_rows(rows)),
+            Root::Diagonal(values) => Root::Diagonal(values.select_rows(rows)),
+        };
+        Self { numbers, roots: self.roots.iter().map(pick).collect() }
+    }
+}
+
+impl Root {
+    pub(crate) fn add_to(&self, sum: &mut DMatrix<f64>, theta: f64) {
+        match self {
+            Self::Columns(columns) => sum.gemm(theta, columns, &columns.transpose(), 1.0),
+            Self::Diagonal(values) => {
+                for (k, value) in values.iter().enumerate() {
+                    sum[(k, k)] += theta * value * value;
+                }
+            }
+        }
+    }
+}
+
+/// Size of an error that is each number's own, for a source of size 1.
+fn independent(
+    observations: &Observations,
+    linearisation: &Linearisation,
+    kind: Kind,
+    step: usize,
+    number: usize,
+) -> f64 {
+    let observed = &observations.steps[step];
+    let is_force = number == 3 || number == 4;
+    match kind {
+        Kind::Force if is_force => 1.0,
+        Kind::ForceShare if is_force => {
+            linearisation.predicted[step][3].hypot(linearisation.predicted[step][4])
+        }
+        Kind::MotionShare if number < 3 => {
+            let track = &observed.input.track;
+            let way = (track.end() - track.start()).norm();
+            if number < 2 { way } else { way / observed.input.object.mean_distance() }
+        }
+        _ => 0.0,
+    }
+}
+
+/// How errors of pose and pusher at the ends of steps show; an end that two steps share is one.
+struct Ends {
+    position: DMatrix<f64>,
+    yaw: DMatrix<f64>,
+    pusher: DMatrix<f64>,
+}
+
+impl Ends {
+    fn of(
+        observations: &Observations,
+        linearisation: &Linearisation,
+        numbers: &[(usize, usize)],
+    ) -> Self {
+        let n = numbers.len();
+        let steps = numbers.chunk_by(|a, b| a.0 == b.0).map(|own| own[0].0);
+        // The column of each step's start; its end has the next one.
+        let (mut start, mut next) = (std::collections::HashMap::new(), 0);
+        for step in steps {
+            let goes_on = observations.goes_on(step) && start.contains_key(&(step - 1));
+            let column = if goes_on { next - 1 } else { next };
+            start.insert(step, column);
+            next = column + 2;
+        }
+        let mut ends = Self {
+            position: DMatrix::zeros(n, 2 * next),
+            yaw: DMatrix::zeros(n, next),
+            pusher: DMatrix::zeros(n, 2 * next),
+        };
+        for (row, (step, number)) in numbers.iter().enumerate() {
+            let moved = AtEnds::of(observations, linearisation, *step);
+            for end in 0..2 {
+                let (column, sd) = (start[step] + end, observations.places[*step].pose_sd[end]);
+                let sd: [f64; 2] =
+                    std::array::from_fn(|k| if sd[k] > 0.0 { sd[k] } else { UNKNOWN_SD[k] });
+                let (position, yaw, pusher) = moved.by(*number, end);
+                for axis in 0..2 {
+                    ends.position[(row, 2 * column + axis)] = sd[0] * position[axis];
+                    ends.pusher[(row, 2 * column + axis)] = pusher[axis];
+                }
+                ends.yaw[(row, column)] = sd[1] * yaw;
+            }
+        }
+        ends
+    }
+}
+
+/// A step's geometry at its two ends, as far as errors need it.
+struct AtEnds {
+    along: Vector2<f64>,
+    /// For both ends: the contact normal in W, and the lever of a yaw on the gap.
+    contacts: [(Vector2<f64>, f64); 2],
+    by_pusher: [[f64; 7]; 2],
+}
+
+impl AtEnds {
+    fn of(observations: &Observations, linearisation: &Linearisation, index: usize) -> Self {
+        let step = &observations.steps[index];
+        let predicted = &linearisation.predicted[index];
+        let input = &step.input;
+        let along = input.direction_w();
+        let observed = |k: usize| step.observed[k].unwrap_or(predicted[k]);
+        let mut end_wb = input.pose_wb;
+        end_wb.position += observed(0) * along + observed(1) * perpendicular(&along);
+        end_wb.angle += observed(2);
+        let places = [(input.pose_wb, input.track.start()), (end_wb, input.track.end())];
+        let contacts = places.map(|(pose_wb, center_w)| {
+            let center_b = pose_wb.inverse_transform_point(&center_w);
+            let contact = input.object.shape().contact(&center_b, input.pusher_radius);
+            let lever = contact.normal.dot(&perpendicular(&contact.point));
+            (pose_wb.rotate(&contact.normal), lever)
+        });
+        Self { along, contacts, by_pusher: linearisation.by_pusher[index] }
+    }
+
+    /// Change of a number, observed less predicted, by the position (m) and yaw (rad) of the object
+    /// and the position of the pusher (m) at an end.
+    fn by(&self, number: usize, end: usize) -> (Vector2<f64>, f64, Vector2<f64>) {
+        let sign = if end == 0 { -1.0 } else { 1.0 };
+        let (zero, (normal, lever)) = (Vector2::zeros(), self.contacts[end]);
+        let pusher = sign * Vector2::new(self.by_pusher[0][number], self.by_pusher[1][number]);
+        match number {
+            0 => (sign * self.along, 0.0, pusher),
+            1 => (sign * perpendicular(&self.along), 0.0, pusher),
+            2 => (zero, sign, pusher),
+            5 | 6 if number == 5 + end => (normal, lever, -normal),
+            _ => (zero, 0.0, pusher),
+        }
+    }
+}

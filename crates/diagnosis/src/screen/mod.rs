@@ -1,0 +1,134 @@
+//! Which effects would lower the error, before any of them is fitted.
+
+pub(crate) mod screened;
+pub(crate) mod untestable;
+pub(crate) mod whitened;
+
+use effects::Effect;
+use models::Description;
+
+use crate::data::thinning::thinned;
+use crate::predict::tangent::Tangent;
+use crate::screen::whitened::Whitened;
+use crate::{DiagnosisError, NoiseModel, Observations, Screen, ScreenSettings, Whitening};
+
+/// Tests every effect that an analytical model does not have; `own` are effects besides those of
+/// the catalogue.
+///
+/// # Errors
+/// `Model` for what the model refuses; `NotACovariance`.
+pub fn screen(
+    model: &Description,
+    own: &[&'static dyn Effect],
+    observations: &Observations,
+    noise: &NoiseModel,
+    settings: &ScreenSettings,
+) -> Result<Screen, DiagnosisError> {
+    let n_pushes_in_all = observations.pushes().len();
+    let observations = &*thinned(observations, settings.most_steps)?;
+    let tangent = Tangent::of(model, own, observations)?;
+    let whitening = noise.whitening_at(observations, &tangent.linearisation)?;
+    let found = screen_at(&tangent, observations, &whitening, settings);
+    Ok(Screen { n_pushes_in_all, ..found })
+}
+
+/// The same with slopes that are known, of all observations.
+pub(crate) fn screen_at(
+    tangent: &Tangent,
+    observations: &Observations,
+    whitening: &Whitening,
+    settings: &ScreenSettings,
+) -> Screen {
+    Whitened::new(observations, tangent, whitening, settings).screen()
+}
+
+#[cfg(test)]
+mod tests {
+    use models::Cluster;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    use super::{Screen, ScreenSettings, screen_at};
+    use crate::predict::tangent::Tangent;
+    use crate::synthetic::{NOISE, normal, recorded, white};
+    use crate::{Observations, Whitening, split};
+
+    /// What differs from session to session, and by what standard deviation in its unit.
+    const SESSIONS: [(&str, f64); 7] = [
+        ("friction-center-offset", 2e-3),
+        ("contact-bias", 1e-3),
+        ("table-tilt", 0.05),
+        ("table-anisotropy", 0.03),
+        ("body-anisotropy", 0.03),
+        ("limit-surface-shape", 0.3),
+        ("force-bias", 0.1),
+    ];
+    const N_SESSIONS: u32 = 15;
+
+    /// The part to fit to of pushes that were recorded in fifteen sessions, with its slopes.
+    struct Sessions {
+        fitted: Observations,
+        tangent: Tangent,
+        whitening: Whitening,
+        /// Coordinates of what differs, with their standard deviations.
+        sizes: Vec<(usize, f64)>,
+    }
+
+    impl Sessions {
+        fn new() -> Self {
+            let (all, model) = recorded(N_SESSIONS);
+            let fitted = all.part(&split(&all, 7).unwrap().fit).unwrap();
+            let tangent = Tangent::of(&model, &[], &fitted).unwrap();
+            let of = |(id, sd): (&str, f64)| {
+                let mut effects = tangent.candidates.effects.iter();
+                let found = effects.find(|one| one.effect.about().id == id).unwrap();
+                found.coordinates.clone().map(move |k| (k, sd))
+            };
+            let sizes = SESSIONS.into_iter().flat_map(of).collect();
+            Self { whitening: white(&fitted), fitted, tangent, sizes }
+        }
+
+        /// The screen of a set in which nothing is missing but what differs from session to session;
+        /// `lasting` is what all sessions have of it, in its standard deviations.
+        fn screen(&self, seed: u64, lasting: f64) -> Screen {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let mut draw = |(k, sd): &(usize, f64)| (*k, sd * (normal(&mut rng) + lasting));
+            let session = |_| self.sizes.iter().map(&mut draw).collect();
+            let sessions: Vec<Vec<(usize, f64)>> = (0..N_SESSIONS).map(session).collect();
+            let mut observed = self.fitted.clone();
+            for (index, step) in observed.steps.iter_mut().enumerate() {
+                let of_session = &sessions[step.input.session as usize];
+                for (number, value) in step.observed.iter_mut().enumerate() {
+                    let slope = |k: usize| self.tangent.slopes(k)[index][number];
+                    let shared: f64 = of_session.iter().map(|(k, size)| size * slope(*k)).sum();
+                    let predicted = self.tangent.linearisation.predicted[index][number];
+                    let noise = NOISE[number] * normal(&mut rng);
+                    value.iter_mut().for_each(|value| *value = predicted + shared + noise);
+                }
+            }
+            let settings = ScreenSettings { n_flips: 999, seed, ..ScreenSettings::default() };
+            screen_at(&self.tangent, &observed, &self.whitening, &settings)
+        }
+
+        /// Sets in which some effect has an adjusted probability of at most 0.05.
+        fn alarms(&self, n_sets: u64, lasting: f64) -> usize {
+            let is_alarm = |seed: &u64| {
+                let found = self.screen(*seed, lasting);
+                found.effects.iter().any(|effect| effect.p_adjusted <= 0.05)
+            };
+            (0..n_sets).filter(is_alarm).count()
+        }
+    }
+
+    #[test]
+    fn what_differs_from_session_to_session_is_no_effect() {
+        let sessions = Sessions::new();
+        let calibration = sessions.screen(0, 0.0).calibration;
+        assert_eq!((calibration.cluster, calibration.n_clusters), (Cluster::Session, 11));
+        // 95 % of binomial counts of 80 draws at 0.05 are at most 7.
+        let n = sessions.alarms(80, 0.0);
+        assert!(n <= 7, "{n} of 80 where at most 4 are expected");
+        let n = sessions.alarms(10, 3.0);
+        assert!(n >= 8, "{n} of 10 that all sessions share");
+    }
+}

@@ -1,0 +1,136 @@
+//! Why data cannot show an effect, and what to measure.
+
+use effects::{About, Channel, Frame, Role, Stage};
+use serde::Serialize;
+
+use crate::Observations;
+use crate::data::coverage::Coverage;
+use crate::predict::candidates::{Candidate, Candidates};
+use crate::statistics::score::DETECTABLE;
+use crate::statistics::score::Score;
+
+/// Why an effect cannot be tested with these data; it is not called absent.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NotTestable {
+    /// The kind of reason.
+    pub reason: Reason,
+    /// The reason in words, to follow "because".
+    pub because: String,
+    /// What to measure, to follow "measure".
+    pub measure: String,
+}
+
+/// Kinds of reasons.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reason {
+    /// No number that it changes was measured.
+    NoChannel,
+    /// It changes what was measured by too little, even at three times its usual size.
+    Weak,
+    /// What it changes is what a nominal value that is not known well changes, too.
+    Nuisance,
+}
+
+/// The reason, if an effect of three times its usual size would be missed more often than one time
+/// in ten.
+pub(crate) fn untestable(
+    observations: &Observations,
+    candidates: &Candidates,
+    candidate: &Candidate,
+    scale: &[f64],
+    score: Option<&Score>,
+) -> Option<NotTestable> {
+    let about = candidate.effect.about();
+    let seen = observations.channels();
+    let reaches: Vec<Channel> = about.reaches.to_vec();
+    let detectable = |information: &nalgebra::DMatrix<f64>| {
+        let freedom = information.nrows();
+        let ratio = |k: usize| {
+            let index = candidate.coordinates.start + k;
+            candidates.prior_sd[index] / scale[index]
+        };
+        let scaled = nalgebra::DMatrix::from_fn(freedom, freedom, |i, j| {
+            ratio(i) * information[(i, j)] * ratio(j)
+        });
+        let largest = scaled.symmetric_eigenvalues().max().max(0.0);
+        largest.sqrt() > DETECTABLE[(freedom - 1).min(DETECTABLE.len() - 1)]
+    };
+    let lacks_force = reaches.contains(&Channel::Force) && !seen.contains(&Channel::Force);
+    let score = score.filter(|score| !detectable(&score.information))?;
+    let (reason, because) = if reaches.iter().all(|channel| !seen.contains(channel)) {
+        let names: Vec<&str> = reaches.iter().map(|channel| name(*channel)).collect();
+        (
+            Reason::NoChannel,
+            format!("it shows in the {} alone, which was not measured", names.join(" and ")),
+        )
+    } else if !detectable(&score.plain_information) {
+        let because = match lacks_force {
+            true => "it hardly changes the motion, and the force was not measured".to_owned(),
+            false => "at three times its usual size it is still within the noise".to_owned(),
+        };
+        (Reason::Weak, because)
+    } else {
+        let rival = rival(candidates, score);
+        (
+            Reason::Nuisance,
+            format!("in these pushes it looks like {rival}, whose value is not known well"),
+        )
+    };
+    let measure = advice(&Coverage::of(observations), about, lacks_force);
+    Some(NotTestable { reason, because, measure })
+}
+
+fn name(channel: Channel) -> &'static str {
+    match channel {
+        Channel::Motion => "motion",
+        Channel::Force => "contact force",
+        Channel::Gap => "gap",
+    }
+}
+
+/// The nuisance that takes most of the effect.
+fn rival(candidates: &Candidates, score: &Score) -> &'static str {
+    let share = |k: &usize| score.shares.row(*k).norm();
+    let most = (0..score.nuisances.len()).max_by(|a, b| share(a).total_cmp(&share(b)));
+    let index = most.map(|k| score.nuisances[k]);
+    let owner = candidates
+        .effects
+        .iter()
+        .find(|candidate| index.is_some_and(|index| candidate.coordinates.contains(&index)));
+    owner.map_or("another one", |candidate| candidate.effect.about().id)
+}
+
+/// What would make an effect show.
+fn advice(coverage: &Coverage, about: &About, lacks_force: bool) -> String {
+    let has = |stage: Stage| about.stages.contains(&stage);
+    let is_fixed = |frame: Frame| {
+        let of_frame = |role: Role| matches!(role, Role::X(f) | Role::Ratio(f) if f == frame);
+        about.parameters.iter().any(|parameter| of_frame(parameter.role))
+    };
+    let mut list = Vec::new();
+    if lacks_force {
+        list.push("the contact force");
+    }
+    if coverage.speed[1] < 2.0 * coverage.speed[0]
+        && (has(Stage::Local) || has(Stage::Dynamics) || has(Stage::Reading))
+    {
+        list.push("pushes at several speeds");
+    }
+    if is_fixed(Frame::World) && coverage.n_orientations < 4 {
+        list.push("pushes of the object in other orientations");
+    }
+    if is_fixed(Frame::Body) && coverage.steps_on_edges.iter().filter(|n| **n > 0).count() < 2 {
+        list.push("pushes on other edges");
+    }
+    if has(Stage::Contact) && coverage.beta[1] - coverage.beta[0] < 1.0 {
+        list.push("pushes up to 45° from the normal");
+    }
+    if about.id == "edge-rounding" {
+        list.push("pushes at the corners");
+    }
+    if list.is_empty() {
+        list.push("more pushes");
+    }
+    list.join(", and ")
+}

@@ -1,0 +1,8 @@
+//! Numbers and their clusters go in, quantiles, variances and probabilities come out; no pushes.
+
+pub(crate) mod box_search;
+pub(crate) mod map_test;
+pub(crate) mod quantile;
+pub(crate) mod score;
+pub(crate) mod sign_flips;
+pub(crate) mod variances;
