@@ -1,85 +1,64 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-mod analytical;
-mod analytical_fit;
-mod beside_physics;
-mod channel_model;
-mod channel_steps;
-mod closed_form;
-mod contact_gap;
-mod contact_place;
-mod description;
-mod end_check;
+// From the ground up: what comes first knows nothing of what comes after it.
 mod error;
-mod error_products;
-mod estimate;
-mod gp_push_model;
-mod hybrid;
-mod kinds;
-mod least_squares;
-mod measurements;
-mod model_effect;
-mod model_file;
-mod outline;
-mod physics;
-mod physics_fit;
-mod physics_model;
-mod process;
-mod push_errors;
-mod push_model;
-mod push_path;
-mod push_scatter;
-mod recorded_push;
-mod roll_out;
-mod seen_steps;
-mod set_aside;
-mod slip_gate;
-mod slip_mixture;
-mod split;
-mod step;
-mod step_correlation;
-mod step_features;
-mod step_processes;
-mod step_table;
-mod surface_kind;
-mod table_steps;
-mod training;
 
+mod steps;
+
+mod analytical;
+
+mod process;
+
+mod description;
+
+mod physics;
+
+mod learnt;
+
+mod kinds;
+
+mod roll_out;
+
+mod scatter;
+
+mod file;
+
+pub use analytical::estimate::Estimate;
+pub use analytical::fit::AnalyticalFit;
+pub use analytical::surface_kind::SurfaceKind;
 pub use analytical::{Analytical, CharacteristicLength};
-pub use analytical_fit::AnalyticalFit;
-pub use beside_physics::{BesidePhysics, Unexplained};
-pub use channel_model::ChannelModel;
-pub use channel_steps::{ChannelObservation, ChannelSteps};
-pub use contact_gap::ContactGap;
+pub use description::beside_physics::{BesidePhysics, Unexplained};
+pub use description::model_effect::ModelEffect;
 pub use description::{Base, Description, Weights};
-pub use end_check::EndCheck;
 pub use error::ModelError;
-pub use estimate::Estimate;
-pub use gp_push_model::GpPushModel;
-pub use hybrid::{Hybrid, HybridReport};
+pub use file::ModelFile;
+pub use kinds::hybrid::{Hybrid, HybridReport};
+pub use kinds::push_model::PushModel;
 pub use kinds::{ModelKind, Train, model_kinds};
-pub use measurements::{ForceSeen, PoseSeen};
-pub use model_effect::ModelEffect;
-pub use model_file::ModelFile;
-pub use outline::Outline;
+pub use learnt::gp_push_model::GpPushModel;
+pub use learnt::slip_mixture::{Slip, SlipMixture, SlipPrediction};
+pub use learnt::step_table::TableReport;
 pub use physics::Setup;
-pub use process::{ProcessKind, ProcessModel, ProcessReport};
-pub use push_model::{Noise, OUTPUTS, Parts, PushModel, StepPrediction};
-pub use push_path::{PathStep, PushPath};
-pub use recorded_push::RecordedPush;
+pub use physics::channel_model::ChannelModel;
+pub use process::kind::ProcessKind;
+pub use process::training::{Training, learn_options};
+pub use process::{ProcessModel, ProcessReport};
+pub use roll_out::measurements::{ForceSeen, PoseSeen};
+pub use roll_out::step_correlation::{EndCheck, StepCorrelation};
 pub use roll_out::{
-    Matching, Moment, PushEvents, PushMotion, PushParticle, Pushed, RollOut, RollOutSettings,
-    StepErrors,
+    Matching, Moment, PushEvents, PushMotion, PushParticle, RollOut, RollOutSettings, StepErrors,
 };
-pub use seen_steps::SeenSteps;
-pub use set_aside::{SetAside, SetAsideReason};
-pub use slip_mixture::{Slip, SlipMixture, SlipPrediction};
-pub use split::{Cluster, Split};
-pub use step::{StepInput, StepObservation};
-pub use step_correlation::StepCorrelation;
-pub use step_features::StepFeatures;
-pub use step_table::TableReport;
-pub use surface_kind::SurfaceKind;
-pub use table_steps::{StepSelection, TableSteps};
-pub use training::{Training, learn_options};
+pub use steps::channel_steps::{ChannelObservation, ChannelSteps};
+pub use steps::contact_gap::ContactGap;
+pub use steps::outline::Outline;
+pub use steps::prediction::{Noise, OUTPUTS, Parts, StepPrediction};
+pub use steps::push_path::{PathStep, PushPath};
+pub use steps::pushed::Pushed;
+pub use steps::recorded_push::RecordedPush;
+pub use steps::seen_steps::SeenSteps;
+pub use steps::set_aside::{SetAside, SetAsideReason};
+pub use steps::split::{Cluster, Split};
+pub use steps::step::{StepInput, StepObservation};
+pub use steps::step_features::StepFeatures;
+pub use steps::table_steps::{StepSelection, TableSteps};

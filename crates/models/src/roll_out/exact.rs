@@ -8,10 +8,10 @@ use gp_core::{GaussianInput, UncertainOutputs};
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation2, Vector3};
 use planar::{Pose, perpendicular};
 
-use super::matched::{N_POSE, N_STATES, mean_square_size};
+use super::push_state::{N_POSE, N_STATES, mean_square_size};
 use super::settle::Holding;
 use super::{PushMotion, PushParticle, StepErrors};
-use crate::closed_form::ClosedForm;
+use crate::learnt::closed_form::ClosedForm;
 use crate::{ModelError, Noise, PushModel, StepInput};
 
 /// What carries the Gaussians of one push: see [`super::Matching::Exact`].
@@ -233,7 +233,7 @@ impl Inputs {
         let n = self.mean.len();
         let covariance = Mat::from_fn(n, n, |i, j| self.covariance[(i, j)]);
         let gaussian = GaussianInput::new(self.mean.iter().copied().collect(), covariance);
-        gaussian.map_err(crate::step_processes::of_output(0))
+        gaussian.map_err(crate::steps::prediction::of_output(0))
     }
 }
 

@@ -5,16 +5,11 @@ use nalgebra::{DMatrix, DVector, Matrix3, Rotation2, Vector3};
 use planar::{Pose, perpendicular};
 
 use super::exact::Exact;
+use super::push_state::{N_POSE, N_STATES, SHARED, mean_square_size};
 use super::settle::{Holding, moved_by};
 use super::{PushMotion, PushParticle, RollOut, StepErrors};
-use crate::step_correlation::root;
+use crate::steps::prediction::root;
 use crate::{ModelError, PushPath, Slip, StepInput, StepObservation, StepPrediction};
-
-/// The state of a push: x and y in m, the angle in rad, the gap that contact holds beyond the nominal
-/// one in m, and three numbers that neighboring steps share, times the push's size.
-pub(super) const N_STATES: usize = 7;
-pub(super) const N_POSE: usize = 3;
-const SHARED: std::ops::Range<usize> = N_POSE + 1..N_STATES;
 
 /// One way that a state may go: which, how probably, and the pose with its covariance in W.
 type Way = (usize, f64, Pose, Matrix3<f64>);
@@ -253,12 +248,6 @@ impl PushMotion<'_> {
             }
         }
     }
-}
-
-/// The mean square of a push's size, by the numbers that steps share.
-pub(super) fn mean_square_size(state: &Gaussian) -> f64 {
-    let (mean, covariance) = (state.mean(), state.covariance());
-    SHARED.map(|k| covariance[(k, k)] + mean[k] * mean[k]).sum::<f64>() / SHARED.len() as f64
 }
 
 /// The part of a mixture that is about the pose.

@@ -10,11 +10,12 @@ use rand_distr::StandardNormal;
 
 use super::settle::{Holding, moved_by};
 use super::touch::first_touch;
-use super::{PushEvents, PushParticle, Pushed, RollOutSettings, StepErrors};
+use super::{PushEvents, PushParticle, RollOutSettings, StepErrors};
 use crate::error::positive;
-use crate::step_correlation::root;
+use crate::steps::prediction::root;
 use crate::{
-    ModelError, Noise, PathStep, PushModel, SlipMixture, SlipPrediction, StepInput, StepPrediction,
+    ModelError, Noise, PathStep, PushModel, Pushed, SlipMixture, SlipPrediction, StepInput,
+    StepPrediction,
 };
 
 /// One step of a path as a motion of particles: see [`super::RollOut`].

@@ -1,0 +1,73 @@
+//! A model as plain data: what goes into `model.toml` and its weights file.
+
+pub(crate) mod beside_physics;
+pub(crate) mod model_effect;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Analytical, BesidePhysics, ModelEffect, ModelError, Outline, ProcessKind, ProcessModel,
+    SeenSteps, StepFeatures,
+};
+
+/// A model as plain data.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Description {
+    /// The kind with its parameters.
+    pub base: Base,
+    /// Effects that the mechanics carry, in the order of the file.
+    pub effects: Vec<ModelEffect>,
+    /// What was learnt, for the kinds that learn.
+    pub weights: Option<Weights>,
+}
+
+/// The kind of a model with the parameters that people read.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Base {
+    /// [`Analytical`].
+    Analytical(Analytical),
+    /// [`crate::GpPushModel`] of this kind of process.
+    Process(ProcessKind),
+    /// [`crate::Hybrid`], on this analytical model.
+    Hybrid(Analytical),
+}
+
+/// Three processes, for Δx, Δy and Δθ per meter of the pusher's way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Weights {
+    /// Name and version of this format.
+    pub schema: String,
+    /// The inputs of the processes, in order.
+    pub inputs: Vec<String>,
+    /// The objects that were learnt about.
+    pub outlines: Vec<Outline>,
+    /// One process an output, all of one kind.
+    pub outputs: [ProcessModel; 3],
+    /// What the training steps span; older weights do not tell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seen: Option<SeenSteps>,
+    /// Of a hybrid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beside_physics: Option<BesidePhysics>,
+}
+
+impl Weights {
+    /// The format that this release writes and reads.
+    pub const SCHEMA: &str = "pushlab.weights/2";
+
+    /// The inputs as a choice.
+    ///
+    /// # Errors
+    /// `UnsoundWeights` for other names.
+    pub fn features(&self) -> Result<StepFeatures, ModelError> {
+        let unsound = ModelError::UnsoundWeights { what: "inputs" };
+        StepFeatures::by_names(&self.inputs).ok_or(unsound)
+    }
+
+    /// The kind of the processes.
+    pub fn kind(&self) -> ProcessKind {
+        self.outputs[0].kind()
+    }
+}

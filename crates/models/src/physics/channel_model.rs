@@ -1,0 +1,133 @@
+//! All channels of a step, by an analytical model with effects in a set-up.
+
+use std::sync::Arc;
+
+use dataset::SupportSpec;
+use effects::{
+    Channels, Effect, EffectError, Object, PressureRadius, PushPhysics, Rig, Setting, StepInput,
+    Surface, Track, TrueOutline,
+};
+use nalgebra::Vector2;
+use planar::{Pose, Twist};
+
+use crate::{Analytical, Base, CharacteristicLength, Description, ModelError, SurfaceKind};
+
+/// An analytical model with its effects on a table: motion, contact force and contact gap.
+///
+/// The limit surface is that of the base model; a given characteristic length acts as the effect
+/// `pressure-radius` does.
+#[derive(Clone, Debug)]
+pub struct ChannelModel {
+    base: Analytical,
+    settings: Vec<Setting>,
+    own: Vec<&'static dyn Effect>,
+    support: SupportSpec,
+}
+
+impl ChannelModel {
+    /// The model of a description on a nominal table; `own` are effects besides the catalogue's.
+    ///
+    /// # Errors
+    /// `MotionAlone` for a learnt model; `Effects` for what the effects refuse, such as a table
+    /// without friction or an effect that is there twice.
+    pub fn new(
+        description: &Description,
+        support: SupportSpec,
+        own: &[&'static dyn Effect],
+    ) -> Result<Self, ModelError> {
+        let base = match &description.base {
+            Base::Analytical(base) => base.clone(),
+            Base::Process(kind) => return Err(ModelError::MotionAlone { kind: kind.id() }),
+            Base::Hybrid(_) => return Err(ModelError::MotionAlone { kind: "hybrid" }),
+        };
+        let settings = description.effects.iter().map(crate::ModelEffect::setting).collect();
+        let model = Self { base, settings, own: own.to_vec(), support };
+        model.with_effects(model.rig(Surface::Ellipsoid)?)?;
+        Ok(model)
+    }
+
+    /// The physics for one object.
+    ///
+    /// # Errors
+    /// `Effects` for a surface or a length that the object cannot have, or for `pressure-radius`
+    /// beside a given characteristic length, which say the same.
+    pub fn physics(&self, object: &Object) -> Result<PushPhysics, ModelError> {
+        let physics = self.with_effects(self.rig(self.surface(object)?)?)?;
+        match self.base.length() {
+            CharacteristicLength::UniformPressure => Ok(physics),
+            CharacteristicLength::Given(length) => {
+                let ratio = length.value / object.mean_distance();
+                Ok(physics.with(&PressureRadius, &[ratio])?)
+            }
+        }
+    }
+
+    /// All channels of each step, in their order.
+    ///
+    /// # Errors
+    /// As [`ChannelModel::physics`], and what the mechanics refuse.
+    pub fn predict<'a>(
+        &self,
+        steps: impl IntoIterator<Item = &'a StepInput>,
+    ) -> Result<Vec<Channels>, ModelError> {
+        let mut known: Vec<(Arc<Object>, PushPhysics)> = Vec::new();
+        let mut predict = |step: &StepInput| {
+            let found = known.iter().position(|(object, _)| Arc::ptr_eq(object, &step.object));
+            let index = match found {
+                Some(index) => index,
+                None => {
+                    known.push((step.object.clone(), self.physics(&step.object)?));
+                    known.len() - 1
+                }
+            };
+            Ok(known[index].1.predict(step)?)
+        };
+        steps.into_iter().map(&mut predict).collect()
+    }
+
+    /// Outline and pusher as the effects have them at the start of a push in the middle of a set.
+    ///
+    /// - `pusher_radius`: as stated, in m.
+    ///
+    /// # Errors
+    /// `Effects` for corners that do not fit on the outline.
+    pub fn true_outline(
+        &self,
+        object: &Arc<Object>,
+        pusher_radius: f64,
+    ) -> Result<TrueOutline, ModelError> {
+        let start = StepInput {
+            object: object.clone(),
+            pusher_radius,
+            pose_wb: Pose::default(),
+            twist_wb: Twist::default(),
+            track: Track::straight(Vector2::zeros(), Vector2::x(), 1.0),
+            touching: true,
+            since_contact: 0.0,
+            progress: 0.5,
+            session: 0,
+        };
+        Ok(self.with_effects(self.rig(Surface::Ellipsoid)?)?.true_outline(&start)?)
+    }
+
+    fn with_effects(&self, rig: Rig) -> Result<PushPhysics, EffectError> {
+        PushPhysics::from_settings(rig, &self.settings, &self.own)
+    }
+
+    fn rig(&self, surface: Surface) -> Result<Rig, EffectError> {
+        let SupportSpec { friction, gravity } = self.support;
+        Rig::new(surface, self.base.pusher_friction().value, friction)?.with_gravity(gravity)
+    }
+
+    fn surface(&self, object: &Object) -> Result<Surface, ModelError> {
+        let kind = self.base.surface();
+        Ok(match kind {
+            SurfaceKind::Ellipsoid => Surface::Ellipsoid,
+            SurfaceKind::UniformPatch => Surface::UniformPatch,
+            SurfaceKind::Points { .. } | SurfaceKind::Quartic => {
+                let force = self.support.friction * object.mass() * self.support.gravity;
+                Surface::Given(kind.in_body(object.shape(), force)?)
+            }
+        })
+    }
+}

@@ -1,0 +1,148 @@
+//! Rows of a step table as steps of which every channel is observed.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+
+use dataset::{Flags, ObjectChoice, ObjectSpec, Phase, StepRow, Table};
+use effects::{Object, StepInput, Track};
+
+use crate::steps::table_steps::object_of;
+use crate::{ModelError, SetAside, StepSelection};
+
+/// A step with everything that was observed of it.
+#[derive(Clone, Debug)]
+pub struct ChannelObservation {
+    /// What was done, and where the object was.
+    pub input: StepInput,
+    /// The numbers of [`effects::Channels`] in their order; a force is there where it was measured
+    /// and its zero is known.
+    pub observed: [Option<f64>; 7],
+}
+
+/// The steps of a table, and what became of its other rows.
+#[derive(Clone, Debug)]
+pub struct ChannelSteps {
+    /// One observation a selected row, in the table's order.
+    pub steps: Vec<ChannelObservation>,
+    /// The row of each step, counted from 0.
+    pub rows: Vec<usize>,
+    /// The rows set aside.
+    pub set_aside: SetAside,
+}
+
+impl StepSelection {
+    /// The steps of a table with all that effects act on; objects are shared by their steps.
+    ///
+    /// The measured start pose and velocity, the pusher's way with its mean acceleration, the time
+    /// since contact and the session are the row's; the object's mass and moment come from the
+    /// manifest. A push's place in the set is its rank by time, or, where recordings overlap
+    /// in time and so cannot share a clock, by the order of the table.
+    ///
+    /// - `pusher_radius`: in m.
+    ///
+    /// # Errors
+    /// `Row` with the reason for a row that is no step.
+    pub fn channel_steps(
+        &self,
+        table: &Table,
+        objects: &ObjectChoice,
+        pusher_radius: f64,
+    ) -> Result<ChannelSteps, ModelError> {
+        let (places, sessions) = (places(table), sessions(table));
+        let mut made = BTreeMap::new();
+        let (steps, rows, set_aside) = self.select(table, |row| {
+            let object = match made.get(&row.shape) {
+                Some(object) => Arc::clone(object),
+                None => {
+                    let object = Arc::new(object(object_of(row, objects)?)?);
+                    made.insert(row.shape.clone(), object.clone());
+                    object
+                }
+            };
+            let input = StepInput {
+                object,
+                pusher_radius,
+                pose_wb: row.object_pose,
+                twist_wb: row.object_twist,
+                track: Track::accelerated(
+                    row.pusher_start,
+                    row.pusher_end,
+                    row.pusher_acceleration,
+                    row.dt,
+                ),
+                touching: row.phase == Phase::Contact && !row.flags.contains(Flags::CONTACT_LOST),
+                since_contact: row.since_contact,
+                progress: places[&push_of(row)],
+                session: row.session.as_ref().map_or(0, |session| sessions[session]),
+            };
+            Ok(ChannelObservation { input, observed: observed(row)? })
+        })?;
+        Ok(ChannelSteps { steps, rows, set_aside })
+    }
+}
+
+fn object(spec: ObjectSpec) -> Result<Object, ModelError> {
+    let ObjectSpec { shape, mass, moment_of_inertia, center_of_mass, .. } = spec;
+    Ok(Object::new(Arc::new(shape), mass, moment_of_inertia, center_of_mass)?)
+}
+
+fn observed(row: &StepRow) -> Result<[Option<f64>; 7], ModelError> {
+    let force = row.force.filter(|_| !row.flags.contains(Flags::UNTARED)).map(|force| force.mean);
+    let values = [
+        ("dx", Some(row.dx), "m"),
+        ("dy", Some(row.dy), "m"),
+        ("dtheta", Some(row.dtheta), "rad"),
+        ("normal force", force.map(|force| force.normal), "N"),
+        ("tangential force", force.map(|force| force.tangential), "N"),
+        ("gap at the start", Some(row.gap_start), "m"),
+        ("gap at the end", Some(row.gap_end), "m"),
+    ];
+    match values.iter().find(|(_, value, _)| value.is_some_and(|value| !value.is_finite())) {
+        Some(&(name, value, unit)) => {
+            let value = value.unwrap_or_default();
+            Err(ModelError::InvalidValue { name, expected: "finite", value, unit })
+        }
+        None => Ok(values.map(|(_, value, _)| value)),
+    }
+}
+
+/// A push by recording and number.
+type PushName = (Arc<str>, u32);
+
+fn push_of(row: &StepRow) -> PushName {
+    (row.recording.clone(), row.push)
+}
+
+/// Place of each push in the order of the set: 0 for the first, 1 for the last.
+fn places(table: &Table) -> HashMap<PushName, f64> {
+    let mut spans: Vec<(PushName, [f64; 2])> = Vec::new();
+    for row in &table.rows {
+        let (push, ends) = (push_of(row), [row.t, row.t + row.dt]);
+        match spans.last_mut() {
+            Some((last, span)) if *last == push => {
+                *span = [span[0].min(ends[0]), span[1].max(ends[1])];
+            }
+            _ => spans.push((push, ends)),
+        }
+    }
+    let mut by_time = spans.clone();
+    by_time.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
+    if by_time.windows(2).all(|pair| pair[0].1[1] <= pair[1].1[0] + OVERLAP) {
+        spans = by_time;
+    }
+    let last = (spans.len().max(2) - 1) as f64;
+    spans.into_iter().enumerate().map(|(rank, (push, _))| (push, rank as f64 / last)).collect()
+}
+
+/// Pushes that overlap by less are one after the other, in s: rounding of Unix times.
+const OVERLAP: f64 = 1e-3;
+
+/// Sessions in the order of the table.
+fn sessions(table: &Table) -> HashMap<Arc<str>, u32> {
+    let mut numbers = HashMap::new();
+    for session in table.rows.iter().filter_map(|row| row.session.as_ref()) {
+        let next = numbers.len() as u32;
+        numbers.entry(session.clone()).or_insert(next);
+    }
+    numbers
+}
