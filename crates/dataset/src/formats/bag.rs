@@ -10,18 +10,19 @@ use super::{
     bag_record::Record,
     find::{find_recordings, is_file_ending},
 };
+use crate::formats::channel::ChannelList;
+use crate::formats::container::{Channel, Container, Message, Sink};
+use crate::formats::format::{Inspection, LogFormat};
+use crate::formats::log::{inspect_log, nothing_to_read, read_log};
+use crate::input::caught::caught;
+use crate::input::limits::ReadLimits;
+use crate::input::map::FileBytes;
+use crate::input::unpack::{Compression, UnpackError, Unpacker};
+use crate::recording::Recording;
+use crate::recording::settings::Streams;
 use crate::{
-    caught::caught,
-    channel::{Channel, ChannelList},
     error::DatasetError,
-    format::{Inspection, LogFormat},
-    limits::ReadLimits,
-    log::{Container, Message, Sink, inspect_log, nothing_to_read, read_log},
-    map::FileBytes,
-    recording::Recording,
     remark::{Remark, RemarkKind},
-    settings::Streams,
-    unpack::{Compression, UnpackError, Unpacker},
 };
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::channel::Channel;
+use crate::formats::container::Channel;
 
 /// A record: its header's fields, its data, and the byte after it.
 pub(super) struct Record<'r> {

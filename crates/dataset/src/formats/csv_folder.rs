@@ -8,20 +8,17 @@ use std::{
 use csv::{ErrorKind, Reader, ReaderBuilder, StringRecord};
 
 use super::find::find_recordings;
-use crate::{
-    assemble::{Assembly, RawStream, nanoseconds, wrong_time_unit},
-    caught::caught,
-    decode::N_VALUES,
-    error::DatasetError,
-    format::{Inspection, LogFormat, StreamInfo},
-    frames::Frames,
-    limits::{Limit, ReadLimits},
-    log::fixed_transform,
-    map::{FileBytes, sha256},
-    recording::Recording,
-    remark::StreamRole,
-    settings::{ColumnMap, Quantity, StreamSettings, Streams},
-};
+use crate::formats::assemble::{Assembly, RawStream, nanoseconds, wrong_time_unit};
+use crate::formats::decode::N_VALUES;
+use crate::formats::format::{Inspection, LogFormat, StreamInfo};
+use crate::formats::log::fixed_transform;
+use crate::input::caught::caught;
+use crate::input::limits::{Limit, ReadLimits};
+use crate::input::map::{FileBytes, sha256};
+use crate::recording::Recording;
+use crate::recording::frames::Frames;
+use crate::recording::settings::{ColumnMap, Quantity, StreamSettings, Streams};
+use crate::{error::DatasetError, remark::StreamRole};
 
 /// The CSV format.
 pub(crate) struct CsvFormat;

@@ -8,15 +8,13 @@ use super::{
     find::{find_recordings, is_file_ending},
     mit_rows::{Rows, inspect_rows, recording_of_rows},
 };
-use crate::{
-    caught::caught,
-    error::DatasetError,
-    format::{Inspection, LogFormat},
-    limits::{Limit, ReadLimits},
-    map::FileBytes,
-    recording::Recording,
-    settings::Streams,
-};
+use crate::error::DatasetError;
+use crate::formats::format::{Inspection, LogFormat};
+use crate::input::caught::caught;
+use crate::input::limits::{Limit, ReadLimits};
+use crate::input::map::FileBytes;
+use crate::recording::Recording;
+use crate::recording::settings::Streams;
 
 /// The MIT HDF5 format.
 pub(crate) struct MitHdf5Format;
@@ -139,10 +137,11 @@ mod tests {
     use std::fs;
 
     use super::MitHdf5Format;
-    use crate::{
-        error::DatasetError, format::LogFormat, limits::ReadLimits, recording::Recording,
-        remark::StreamRole, settings::Streams,
-    };
+    use crate::formats::format::LogFormat;
+    use crate::input::limits::ReadLimits;
+    use crate::recording::Recording;
+    use crate::recording::settings::Streams;
+    use crate::{error::DatasetError, remark::StreamRole};
 
     fn read(sets: &[(&str, &[f64], [u64; 2])]) -> Result<Recording, DatasetError> {
         let dir = tempfile::tempdir().unwrap();

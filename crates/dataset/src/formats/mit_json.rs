@@ -15,15 +15,13 @@ use super::{
     find::{find_recordings, is_file_ending},
     mit_rows::{Rows, inspect_rows, recording_of_rows},
 };
-use crate::{
-    caught::caught,
-    error::DatasetError,
-    format::{Inspection, LogFormat},
-    limits::{Limit, ReadLimits},
-    map::FileBytes,
-    recording::Recording,
-    settings::Streams,
-};
+use crate::error::DatasetError;
+use crate::formats::format::{Inspection, LogFormat};
+use crate::input::caught::caught;
+use crate::input::limits::{Limit, ReadLimits};
+use crate::input::map::FileBytes;
+use crate::recording::Recording;
+use crate::recording::settings::Streams;
 
 /// The MIT JSON format.
 pub(crate) struct MitJsonFormat;
@@ -165,14 +163,11 @@ mod tests {
     use std::fs;
 
     use super::MitJsonFormat;
-    use crate::{
-        error::DatasetError,
-        format::LogFormat,
-        limits::{Limit, ReadLimits},
-        recording::Recording,
-        remark::StreamRole,
-        settings::Streams,
-    };
+    use crate::formats::format::LogFormat;
+    use crate::input::limits::{Limit, ReadLimits};
+    use crate::recording::Recording;
+    use crate::recording::settings::Streams;
+    use crate::{error::DatasetError, remark::StreamRole};
 
     fn read(text: &str) -> Result<Recording, DatasetError> {
         read_within(text, &ReadLimits::default())

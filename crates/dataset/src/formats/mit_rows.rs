@@ -4,17 +4,14 @@ use std::path::Path;
 
 use nalgebra::Isometry3;
 
-use crate::{
-    assemble::{Assembly, RawStream, nanoseconds, wrong_time_unit},
-    decode::N_VALUES,
-    error::DatasetError,
-    format::{Inspection, StreamInfo},
-    frames::Frames,
-    log::fixed_transform,
-    recording::Recording,
-    remark::StreamRole,
-    settings::{ColumnMap, Quantity, StreamSettings, Streams},
-};
+use crate::formats::assemble::{Assembly, RawStream, nanoseconds, wrong_time_unit};
+use crate::formats::decode::N_VALUES;
+use crate::formats::format::{Inspection, StreamInfo};
+use crate::formats::log::fixed_transform;
+use crate::recording::Recording;
+use crate::recording::frames::Frames;
+use crate::recording::settings::{ColumnMap, Quantity, StreamSettings, Streams};
+use crate::{error::DatasetError, remark::StreamRole};
 
 /// The name of a stream's data set where the manifest names none.
 pub(crate) fn default_data_set(role: StreamRole) -> &'static str {

@@ -10,12 +10,9 @@ use super::{
     mcap_writer::{check_stamps, earliest, topic},
     sample::{Sample, samples},
 };
-use crate::{
-    error::DatasetError,
-    recording::Recording,
-    remark::StreamRole,
-    writer::{RecordingWriter, make_dir},
-};
+use crate::recording::Recording;
+use crate::writers::writer::{RecordingWriter, make_dir};
+use crate::{error::DatasetError, remark::StreamRole};
 
 /// Writes a bag a recording, all of its messages in one chunk compressed by bzip2.
 pub(crate) struct BagWriter;

@@ -8,12 +8,9 @@ use std::{
 use output::{Existing, OutputFolder};
 
 use super::sample::samples;
-use crate::{
-    error::DatasetError,
-    recording::Recording,
-    remark::StreamRole,
-    writer::{RecordingWriter, make_dir},
-};
+use crate::recording::Recording;
+use crate::writers::writer::{RecordingWriter, make_dir};
+use crate::{error::DatasetError, remark::StreamRole};
 
 /// Writes a folder with a CSV file a stream.
 pub(crate) struct CsvWriter;

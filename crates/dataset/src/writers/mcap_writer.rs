@@ -15,12 +15,9 @@ use super::{
     cdr::{FRAME, definition, encode, numbers},
     sample::{Sample, samples},
 };
-use crate::{
-    error::DatasetError,
-    recording::Recording,
-    remark::StreamRole,
-    writer::{RecordingWriter, make_dir},
-};
+use crate::recording::Recording;
+use crate::writers::writer::{RecordingWriter, make_dir};
+use crate::{error::DatasetError, remark::StreamRole};
 
 /// Writes an MCAP file a recording, its chunks compressed by zstd and with check sums.
 pub(crate) struct McapWriter {

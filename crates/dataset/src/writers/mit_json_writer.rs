@@ -6,12 +6,10 @@ use std::{
 };
 
 use super::sample::samples;
-use crate::{
-    error::DatasetError,
-    formats::default_data_set,
-    recording::Recording,
-    writer::{RecordingWriter, make_dir},
-};
+use crate::error::DatasetError;
+use crate::formats::default_data_set;
+use crate::recording::Recording;
+use crate::writers::writer::{RecordingWriter, make_dir};
 
 /// Writes a JSON file a recording; a torque that was not recorded is written as 0.
 pub(crate) struct MitJsonWriter;

@@ -2,11 +2,8 @@
 
 use std::path::Path;
 
-use crate::{
-    error::DatasetError,
-    recording::{PoseStream, Recording, WrenchStream},
-    remark::StreamRole,
-};
+use crate::recording::{PoseStream, Recording, WrenchStream};
+use crate::{error::DatasetError, remark::StreamRole};
 
 /// A sample of one stream.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,10 +8,11 @@ use proptest::{
 };
 
 use super::{BagFormat, op};
-use crate::{
-    error::DatasetError, format::LogFormat, limits::ReadLimits, recording::Recording,
-    remark::RemarkKind, settings::Streams,
-};
+use crate::formats::format::LogFormat;
+use crate::input::limits::ReadLimits;
+use crate::recording::Recording;
+use crate::recording::settings::Streams;
+use crate::{error::DatasetError, remark::RemarkKind};
 
 const N: u32 = 60;
 const PER_CHUNK: u32 = 20;

@@ -3,13 +3,13 @@
 use std::fs;
 
 use super::{CsvFormat, decimal_nanoseconds};
+use crate::formats::format::LogFormat;
+use crate::input::limits::ReadLimits;
+use crate::recording::Recording;
+use crate::recording::settings::Streams;
 use crate::{
     error::DatasetError,
-    format::LogFormat,
-    limits::ReadLimits,
-    recording::Recording,
     remark::{RemarkKind, StreamRole},
-    settings::Streams,
 };
 
 const ROBOT: &str = "t_s,x_m,y_m\n12.5,0.1,0.2\n12.25,0.3,0.4\n";

@@ -5,7 +5,9 @@ use std::{ops::ControlFlow, path::Path};
 use mcap::{MAGIC, records::op};
 
 use super::McapLog;
-use crate::{error::DatasetError, limits::ReadLimits, log::Container, remark::RemarkKind};
+use crate::formats::container::Container;
+use crate::input::limits::ReadLimits;
+use crate::{error::DatasetError, remark::RemarkKind};
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,13 +10,13 @@ use proptest::{
 use tempfile::TempDir;
 
 use super::McapFormat;
+use crate::formats::format::LogFormat;
+use crate::input::limits::ReadLimits;
+use crate::recording::Recording;
+use crate::recording::settings::{Streams, TimeSource};
 use crate::{
     error::DatasetError,
-    format::LogFormat,
-    limits::ReadLimits,
-    recording::Recording,
     remark::{RemarkKind, StreamRole},
-    settings::{Streams, TimeSource},
 };
 
 const SCHEMA: &[u8] = b"time stamp\nfloat64 x\nfloat64 y\nfloat64 theta\n";

@@ -1,0 +1,35 @@
+//! One file for each log format.
+
+#[cfg(feature = "bag")]
+pub(crate) mod assemble;
+pub(crate) mod channel;
+pub(crate) mod container;
+pub(crate) mod decode;
+pub(crate) mod format;
+pub(crate) mod layout;
+pub(crate) mod list;
+pub(crate) mod log;
+pub(crate) mod select;
+
+mod bag;
+#[cfg(feature = "bag")]
+mod bag_record;
+mod csv_folder;
+mod find;
+mod mcap_damage;
+mod mcap_log;
+mod mcap_record;
+#[cfg(feature = "hdf5")]
+mod mit_hdf5;
+mod mit_json;
+mod mit_rows;
+
+#[cfg(feature = "bag")]
+pub(crate) use bag::BagFormat;
+pub(crate) use csv_folder::CsvFormat;
+pub use find::find_files;
+pub(crate) use mcap_log::McapFormat;
+#[cfg(feature = "hdf5")]
+pub(crate) use mit_hdf5::MitHdf5Format;
+pub(crate) use mit_json::MitJsonFormat;
+pub(crate) use mit_rows::default_data_set;

@@ -1,0 +1,221 @@
+//! What became of every recording and push, and what the set covers.
+
+use std::{collections::BTreeMap, path::PathBuf};
+
+use serde::Serialize;
+
+use crate::curves::noise::median;
+use crate::ingest::first_contact::FirstContact;
+use crate::ingest::force_zero::ForceZero;
+use crate::ingest::push::SetAside;
+use crate::ingest::repair::RepairKind;
+use crate::ingest::settings::IngestSettings;
+use crate::remark::{Remark, StreamRole};
+use crate::table::coverage::Coverage;
+
+/// The report of an ingest; [`IngestReport::to_text`] is for people, serde for programs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct IngestReport {
+    /// Version of this report's form.
+    pub schema: &'static str,
+    /// The tool and its version.
+    pub tool: &'static str,
+    /// Title of the set.
+    pub name: String,
+    /// The preset that stood in for a manifest, if any.
+    pub preset: Option<&'static str>,
+    /// What lies beside the recordings and was not read, and what `sessions.csv` does not say.
+    pub remarks: Vec<Remark>,
+    /// How recordings became rows.
+    pub settings: IngestSettings,
+    /// Findings over the set.
+    pub summary: Summary,
+    /// One entry a recording, in the order of their names.
+    pub recordings: Vec<RecordingReport>,
+}
+
+/// Findings over the set.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Summary {
+    /// Pushes with rows.
+    pub pushes_used: usize,
+    /// Pushes and recordings set aside, by reason.
+    pub set_aside: BTreeMap<String, usize>,
+    /// Rows of the table.
+    pub rows: usize,
+    /// Steps lost because a stream had a gap at their start or end.
+    pub steps_lost_in_gaps: u32,
+    /// Pushes whose contact ends while the pusher goes on.
+    pub contacts_lost: usize,
+    /// Rate of each stream over the recordings, in Hz.
+    pub rates_hz: BTreeMap<StreamRole, Spread>,
+    /// Repairs over all recordings, by stream.
+    pub repairs: BTreeMap<StreamRole, BTreeMap<RepairKind, u32>>,
+    /// Recordings whose force zero was found.
+    pub tared: usize,
+    /// Recordings whose force zero is not known, by reason.
+    pub untared: BTreeMap<String, usize>,
+    /// Pushes that leave more than half of μ·m·g on the sensor at rest: a zero that is lost, or a
+    /// pusher that still presses.
+    pub force_left_at_rest: usize,
+    /// Support friction times weight, μ·m·g, as the manifest states them.
+    pub nominal_force_n: Option<Spread>,
+    /// Steady force of the tared pushes.
+    pub steady_force_n: Option<Spread>,
+    /// Steady force as recorded of untared pushes that leave less than a tenth of μ·m·g on the
+    /// sensor at rest, so that their zero cannot be far off.
+    pub steady_force_untared_n: Option<Spread>,
+    /// Noise of the object's resting samples, position per axis.
+    pub resting_position_sd_m: Option<Spread>,
+    /// Noise of the object's resting samples, yaw.
+    pub resting_angle_sd_rad: Option<Spread>,
+    /// Largest tilt of the object.
+    pub max_tilt_rad: f64,
+    /// Where the rows lie.
+    pub coverage: Coverage,
+}
+
+/// Median and range of a quantity over recordings or pushes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Spread {
+    /// Smallest.
+    pub low: f64,
+    /// Median.
+    pub median: f64,
+    /// Largest.
+    pub high: f64,
+    /// How many values.
+    pub n: usize,
+}
+
+impl Spread {
+    pub(crate) fn of(values: &[f64]) -> Option<Self> {
+        Some(Self {
+            low: values.iter().copied().reduce(f64::min)?,
+            median: median(values)?,
+            high: values.iter().copied().reduce(f64::max)?,
+            n: values.len(),
+        })
+    }
+}
+
+/// One recording.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RecordingReport {
+    /// Its name.
+    pub name: String,
+    /// Where it was read from.
+    pub path: PathBuf,
+    /// SHA-256 of its bytes; empty if it could not be read.
+    pub sha256: String,
+    /// Measuring session, where one is known.
+    pub session: Option<String>,
+    /// Why the whole recording was set aside.
+    pub set_aside: Option<SetAside>,
+    /// What reading it had to replace, skip or warn about.
+    pub remarks: Vec<Remark>,
+    /// Its streams.
+    pub streams: Vec<StreamReport>,
+    /// What is known of the force's zero.
+    pub force_zero: ForceZero,
+    /// Times at which the force rose far from the object: no contacts.
+    pub unconfirmed_contacts: usize,
+    /// Noise of the object's samples at rest.
+    pub resting_noise: Option<RestingNoise>,
+    /// Its pushes.
+    pub pushes: Vec<PushReport>,
+}
+
+/// Noise of samples at rest.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RestingNoise {
+    /// Per axis, in m.
+    pub position_sd_m: f64,
+    /// In rad.
+    pub angle_sd_rad: f64,
+    /// How many samples it rests on.
+    pub n_samples: usize,
+}
+
+/// One stream of a recording.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StreamReport {
+    /// Which.
+    pub stream: StreamRole,
+    /// Topic, file or data set.
+    pub source: String,
+    /// Samples in the log.
+    pub samples_read: usize,
+    /// Samples after repair.
+    pub samples_used: usize,
+    /// Samples that the span would hold at the rate of the set's fastest recording; known once the
+    /// whole set is read.
+    pub samples_due: Option<usize>,
+    /// One over the median spacing.
+    pub rate_hz: Option<f64>,
+    /// First and last stamp on the recording's clock.
+    pub span_s: [f64; 2],
+    /// Longest time between samples.
+    pub longest_gap_s: f64,
+    /// Whether backward stamps were made monotone in the order of rows; else they were sorted.
+    pub kept_row_order: bool,
+    /// Farthest step back of a stamp.
+    pub largest_step_back_s: f64,
+    /// Longest jump, 0 if there is none.
+    pub largest_jump_m: f64,
+    /// Largest tilt; 0 for forces.
+    pub max_tilt_rad: f64,
+    /// Repairs and findings over the whole stream.
+    pub repairs: BTreeMap<RepairKind, u32>,
+}
+
+/// One push.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PushReport {
+    /// 0-based number within the recording.
+    pub push: u32,
+    /// Why it was set aside; none if it was used.
+    pub set_aside: Option<SetAside>,
+    /// Rows in the table.
+    pub rows: usize,
+    /// Steps lost because a stream had a gap at their start or end.
+    pub steps_lost_in_gaps: u32,
+    /// First contact, on the recording's clock.
+    pub contact_start_s: f64,
+    /// Last contact.
+    pub contact_end_s: f64,
+    /// When the object came to rest.
+    pub rest_s: f64,
+    /// Whether contact was there from the first common sample on.
+    pub starts_in_contact: bool,
+    /// Whether the contact ends while the pusher goes on.
+    pub contact_lost: bool,
+    /// Where the push begins; none where a stream has no samples then.
+    pub first_contact: Option<FirstContact>,
+    /// The streams between first contact and rest.
+    pub streams: Vec<StreamInPush>,
+    /// Median magnitude of the force in the middle half of the contact; none if untared.
+    pub steady_force_n: Option<f64>,
+    /// Largest magnitude of the force in contact; none if untared.
+    pub peak_force_n: Option<f64>,
+    /// Median magnitude of the force as recorded, no zero subtracted, in the middle half of the
+    /// contact.
+    pub recorded_force_n: Option<f64>,
+    /// Magnitude of the mean force as recorded after the object came to rest.
+    pub resting_force_n: Option<f64>,
+    /// Noise of the object's samples in contact, which includes jitter of their stamps.
+    pub moving_noise: Option<RestingNoise>,
+}
+
+/// One stream during a push.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StreamInPush {
+    /// Which.
+    pub stream: StreamRole,
+    /// Samples.
+    pub samples: usize,
+    /// Longest time without a sample.
+    pub longest_gap_s: f64,
+    /// Repairs and findings.
+    pub repairs: BTreeMap<RepairKind, u32>,
+}
