@@ -1,33 +1,21 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-mod balance;
-mod catalogue;
-mod channels;
-mod contact_law;
-mod effect;
+// From the ground up: what comes first knows nothing of what comes after it.
 mod error;
-mod forward;
-mod friction;
-mod geometry;
-mod holding;
-mod inertia;
-mod instant;
+
 mod object;
+
+mod step;
+
+mod effect;
+
+mod catalogue;
+
+mod predict;
+
 #[cfg(doctest)]
 mod pages;
-mod parameter;
-mod patch_table;
-mod points;
-mod pressure;
-mod push_physics;
-mod reading;
-mod rig;
-mod setting;
-mod step_input;
-mod support;
-mod touch_time;
-mod track;
 
 pub use catalogue::{
     BodyAnisotropy, ContactBias, EdgeRounding, ForceBias, FrictionCenterOffset, FrictionDrift,
@@ -36,17 +24,17 @@ pub use catalogue::{
     StreamLatency, SupportFriction, SupportStiction, TableAnisotropy, TableTilt, YawOffset, all,
     by_id,
 };
-pub use channels::{Channel, Channels};
-pub use contact_law::ContactLaw;
+pub use effect::contact_law::ContactLaw;
+pub use effect::geometry::{Geometry, TrueOutline};
+pub use effect::parameter::{Coordinate, Frame, Off, Parameter, Role};
+pub use effect::reading::Reading;
+pub use effect::setting::Setting;
+pub use effect::support::{LogTensor, Support};
 pub use effect::{About, Effect, LookAlike, Moment, Sliding, Stage};
 pub use error::EffectError;
-pub use geometry::{Geometry, TrueOutline};
 pub use object::Object;
-pub use parameter::{Coordinate, Frame, Off, Parameter, Role};
-pub use push_physics::PushPhysics;
-pub use reading::Reading;
-pub use rig::{Rig, Surface};
-pub use setting::Setting;
-pub use step_input::StepInput;
-pub use support::{LogTensor, Support};
-pub use track::Track;
+pub use predict::push_physics::PushPhysics;
+pub use step::channels::{Channel, Channels};
+pub use step::input::StepInput;
+pub use step::rig::{Rig, Surface};
+pub use step::track::Track;

@@ -1,5 +1,9 @@
 //! What is pushed: outline, mass and support.
 
+pub(crate) mod patch_table;
+pub(crate) mod points;
+pub(crate) mod pressure;
+
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use mechanics::{Ellipsoid, MechanicsError};
@@ -8,9 +12,9 @@ use planar::{Ellipse, Shape, cross};
 
 use crate::EffectError;
 use crate::error::{finite, positive};
-use crate::patch_table::PatchTable;
-use crate::points::{Point, Points};
-use crate::pressure::Pressure;
+use crate::object::patch_table::PatchTable;
+use crate::object::points::{Point, Points};
+use crate::object::pressure::Pressure;
 
 /// An object on the table, with what predictions need of it worked out once.
 ///
@@ -145,7 +149,7 @@ impl Object {
         if let Some(known) = last().as_ref().filter(|known| known.is(shift)) {
             return Ok(known.clone());
         }
-        let pressure = Arc::new(Pressure::new(self, shift)?);
+        let pressure = Arc::new(Pressure::new(&self.points, &self.second_moment, shift)?);
         *last() = Some(pressure.clone());
         Ok(pressure)
     }

@@ -5,8 +5,8 @@ use nalgebra::Vector2;
 use planar::{Pose, Twist};
 
 use crate::EffectError;
-use crate::forward::{Forward, Meeting, moved};
-use crate::instant::{Instant, Rate};
+use crate::predict::forward::{Forward, Meeting, moved};
+use crate::predict::instant::{Instant, Rate};
 
 /// 1 − 1/√2: both stages of the rule have this share of the sub-step.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;

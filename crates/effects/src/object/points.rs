@@ -5,7 +5,8 @@ mod local;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::friction::Load;
+/// A load and its derivatives by the motion.
+pub(crate) type Load = (Vector3<f64>, Matrix3<f64>);
 
 /// The points that stand for a support, in blocks.
 #[derive(Clone, Debug)]

@@ -6,13 +6,13 @@ use mechanics::{ContactMode, Ellipsoid, MechanicsError};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Contact, Pose, Twist, cross, perpendicular};
 
-use crate::balance::{Answer, Balance, Touch, closed_form, is_sliding};
 use crate::effect::{Moment, Stage};
 use crate::error::positive;
-use crate::friction::{Friction, Local, ellipsoid, turning_ratio};
-use crate::holding::overload;
-use crate::points::Point;
-use crate::pressure::Pressure;
+use crate::object::points::Point;
+use crate::object::pressure::Pressure;
+use crate::predict::balance::{Answer, Balance, Touch, closed_form, is_sliding};
+use crate::predict::friction::{Friction, Local, ellipsoid, turning_ratio};
+use crate::predict::holding::overload;
 use crate::{ContactLaw, EffectError, PushPhysics, StepInput, Support};
 
 /// The model at one pose and time of a step.

@@ -5,9 +5,9 @@ use nalgebra::Vector2;
 use planar::{Contact, Feature, Pose, Twist, perpendicular};
 
 use crate::effect::Stage;
-use crate::geometry::Outline;
-use crate::instant::{Instant, Memory, Rate};
-use crate::touch_time::{TOUCH, touch_time};
+use crate::effect::geometry::Outline;
+use crate::predict::instant::{Instant, Memory, Rate};
+use crate::predict::touch_time::{TOUCH, touch_time};
 use crate::{Channels, ContactLaw, EffectError, PushPhysics, Reading, StepInput};
 
 /// The state of a step while it is integrated.

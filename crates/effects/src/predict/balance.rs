@@ -4,7 +4,8 @@ use mechanics::{ContactMode, Ellipsoid, Push, predict};
 use nalgebra::{Matrix2, Matrix3, UnitVector2, Vector2, Vector3};
 use planar::perpendicular;
 
-use crate::friction::{Friction, Load};
+use crate::object::points::Load;
+use crate::predict::friction::Friction;
 use crate::{ContactLaw, EffectError};
 
 /// All loads of one moment but the pusher's, per unit of the largest friction force, about S.

@@ -7,8 +7,9 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use planar::{Pose, Twist};
 
 use crate::effect::Sliding;
-use crate::patch_table::PatchTable;
-use crate::pressure::Pressure;
+use crate::object::patch_table::PatchTable;
+use crate::object::points::Load;
+use crate::object::pressure::Pressure;
 use crate::{EffectError, Object, PushPhysics, Support};
 
 /// Friction of one moment, per unit of the largest force, about the center of friction S.
@@ -69,9 +70,6 @@ enum Base<'a> {
     /// A surface seen through `map`: H(map · t).
     Given { surface: &'a dyn LimitSurface, map: Matrix3<f64>, f_max: f64 },
 }
-
-/// A load and its derivatives by the motion.
-pub(crate) type Load = (Vector3<f64>, Matrix3<f64>);
 
 /// A limit surface given by the user, with its largest force in N.
 pub(crate) type Given<'a> = Option<(&'a dyn LimitSurface, f64)>;

@@ -1,11 +1,18 @@
 //! The trait of every physical effect, and what it says about itself.
 
+pub(crate) mod contact_law;
+pub(crate) mod geometry;
+pub(crate) mod parameter;
+pub(crate) mod reading;
+pub(crate) mod setting;
+pub(crate) mod support;
+
 use std::fmt::Debug;
 
 use nalgebra::Vector2;
 use planar::{Pose, Wrench};
 
-use crate::parameter::{coordinates, from_coordinates, to_coordinates};
+use crate::effect::parameter::{coordinates, from_coordinates, to_coordinates};
 use crate::{
     Channel, ContactLaw, Coordinate, EffectError, Geometry, Parameter, Reading, Rig, StepInput,
     Support,

@@ -1,9 +1,9 @@
 //! How the load leans under an object.
 
-use nalgebra::{Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
-use crate::points::{Point, Points};
-use crate::{EffectError, Object};
+use crate::EffectError;
+use crate::object::points::{Point, Points};
 
 /// The load of every support point where the center of friction is beside the centroid.
 ///
@@ -34,20 +34,25 @@ const ROUNDING: f64 = 1e-13;
 const FARTHEST: f64 = 0.8;
 
 impl Pressure {
-    /// Pressure whose center is `shift` from the centroid, in m.
+    /// Pressure whose center is `shift` from the centroid, in m, on points of this second moment about it,
+    /// in m².
     ///
     /// # Errors
     /// `NotConverged`.
-    pub(crate) fn new(object: &Object, shift: &Vector2<f64>) -> Result<Self, EffectError> {
-        let precision = object.second_moment().try_inverse();
+    pub(crate) fn new(
+        points: &[Point],
+        second_moment: &Matrix2<f64>,
+        shift: &Vector2<f64>,
+    ) -> Result<Self, EffectError> {
+        let precision = second_moment.try_inverse();
         let failed = EffectError::NotConverged { what: "the pressure's center", iterations: 0 };
         let precision = precision.ok_or(failed)?;
         let distance = shift.dot(&(precision * shift)).sqrt();
         let center = shift * (FARTHEST / distance.max(FARTHEST));
-        let weights = weights(object.points(), &center)?;
+        let weights = weights(points, &center)?;
         let with = |share_of: fn(f64) -> f64| {
             let shares: Vec<f64> = weights.iter().map(|weight| share_of(*weight)).collect();
-            Points::new(&about(object.points(), &center, &shares))
+            Points::new(&about(points, &center, &shares))
         };
         let (lanes, uniform, surplus) =
             (with(|weight| weight), with(|_| 1.0), with(|weight| weight - 1.0));
@@ -114,7 +119,7 @@ fn weights(points: &[Point], center: &Vector2<f64>) -> Result<Vec<f64>, EffectEr
 mod tests {
     use super::{Pressure, about, weights};
     use crate::Object;
-    use crate::points::Point;
+    use crate::object::points::Point;
     use nalgebra::Vector2;
     use planar::{MIT_NAMES, mit_object};
     use std::sync::Arc;
@@ -132,7 +137,10 @@ mod tests {
         for name in MIT_NAMES {
             let object = object(name);
             for (x, y) in [(5e-3, -3e-3), (0.0, 1e-2), (-0.2, 0.1)] {
-                let center = Pressure::new(&object, &Vector2::new(x, y)).unwrap().center;
+                let center =
+                    Pressure::new(object.points(), object.second_moment(), &Vector2::new(x, y))
+                        .unwrap()
+                        .center;
                 let leaning = leaning(&object, &center);
                 assert!(leaning.iter().all(|point| point.share > 0.0), "{name}");
                 let center: Vector2<f64> =

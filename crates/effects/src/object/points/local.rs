@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::{Block, Points, SIZE, total};
-use crate::friction::Load;
+use crate::object::points::Load;
 
 /// Relative surplus s of friction at a place that slides with a velocity, and ds/d ln |v|.
 pub(crate) type Law<'a> = dyn Fn(&Vector2<f64>, &Vector2<f64>) -> (f64, f64) + 'a;

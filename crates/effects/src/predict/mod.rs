@@ -1,0 +1,40 @@
+//! All channels of a step, by a rig with its effects.
+
+pub(crate) mod balance;
+pub(crate) mod forward;
+pub(crate) mod friction;
+pub(crate) mod holding;
+pub(crate) mod inertia;
+pub(crate) mod instant;
+pub(crate) mod push_physics;
+pub(crate) mod touch_time;
+
+use crate::predict::forward::Forward;
+use crate::{Channels, EffectError, PushPhysics, StepInput};
+
+impl PushPhysics {
+    /// All channels of one step.
+    ///
+    /// The push is integrated along the pusher's path by the midpoint rule, in as many sub-steps of
+    /// equal time as the path has millimeters (four or more) and cut where the pusher turns back:
+    /// within 4 µm of the exact push over 4 mm. With inertia the motion follows an L-stable
+    /// Runge–Kutta rule of order two in six sub-steps or more.
+    ///
+    /// # Errors
+    /// `InvalidValue` for a step, an object or effects with impossible numbers, or a path of more
+    /// than 100 000 sub-steps; `SlidesByItself` where the object has to rest, or be pushed, under a
+    /// load that friction cannot hold; `NotFinite` for numbers that overflow; a solver that did not
+    /// converge.
+    pub fn predict(&self, step: &StepInput) -> Result<Channels, EffectError> {
+        step.validate()?;
+        Forward::new(self, step)?.run()
+    }
+
+    /// All channels of many steps, in their order.
+    ///
+    /// # Errors
+    /// The first error of [`PushPhysics::predict`].
+    pub fn predict_all(&self, steps: &[StepInput]) -> Result<Vec<Channels>, EffectError> {
+        steps.iter().map(|step| self.predict(step)).collect()
+    }
+}
