@@ -5,6 +5,7 @@ use std::sync::Arc;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 
+use crate::blocks::{PredictBlock, mean_in_blocks, predict_blocks_into, predict_in_blocks};
 use crate::checks::{
     check_count, check_distinct_rows, check_inputs, check_outputs, check_positive,
 };
@@ -15,7 +16,6 @@ use crate::mean::{Deviation, Residual, Trend};
 use crate::noise::Noise;
 use crate::triangle::add_outer;
 use crate::vector::{add_multiple, add_square};
-use crate::workspace::{PredictBlock, mean_in_blocks, predict_blocks_into, predict_in_blocks};
 use crate::{GpError, JointGaussian, Kernel, LeaveOneOut, Mean, Posterior, Workspace};
 
 /// A Gaussian process conditioned on data: y = f(x) + noise, f ~ GP(m, k), noise ~ N(0, σₙ²).

@@ -1,6 +1,7 @@
 //! The trait that every covariance function implements, and the blocks made from it.
 
 mod active_inputs;
+mod build;
 mod constant;
 mod linear;
 mod matern32;

@@ -11,7 +11,7 @@ use crate::checks::{check_count, check_inputs, check_outputs, check_positive};
 use crate::likelihood::Likelihood;
 use crate::noise::{Noise, check_row_noise};
 use crate::search_space::SearchSpace;
-use crate::{Gp, GpError, Kernel, Mean};
+use crate::{Gp, GpError, HyperPrior, Kernel, Mean};
 
 /// How hyperparameters are learnt; the default suits some hundred rows.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,27 +28,6 @@ pub struct LearnOptions {
     pub mean: Mean,
     /// What is known of the hyperparameters before the data.
     pub prior: HyperPrior,
-}
-
-/// What is known of the hyperparameters before the data.
-///
-/// The likelihood of a few noisy rows often has its maximum where a short lengthscale explains the
-/// noise away, and intervals are too small by far; a weak prior moves it from there, and fades as
-/// rows are added.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[non_exhaustive]
-pub enum HyperPrior {
-    /// Nothing: the marginal likelihood alone is maximised.
-    #[default]
-    Flat,
-    /// Hyperparameters are log-normal and independent. The medians are the usual start (see
-    /// [`Gp::learn`]) but for the noise variance, whose median is half of the outputs' variance.
-    LogNormal {
-        /// Standard deviation of ln θ for a lengthscale, a period or a shape.
-        lengthscale_sd: f64,
-        /// Standard deviation of ln s for the standard deviations s of signal and noise.
-        scale_sd: f64,
-    },
 }
 
 impl Default for LearnOptions {

@@ -3,6 +3,7 @@
 
 mod bayesian_linear;
 pub mod bfgs;
+pub mod blocks;
 pub mod checks;
 pub mod cholesky;
 mod error;
@@ -12,6 +13,7 @@ mod gp;
 mod gp_gradients;
 mod gp_rows;
 mod heteroscedastic;
+mod hyper_prior;
 mod joint_gaussian;
 pub mod kernel;
 mod learn;
@@ -32,7 +34,7 @@ mod tile;
 pub mod triangle;
 pub mod vector;
 mod with_mean;
-pub mod workspace;
+mod workspace;
 
 pub use bayesian_linear::BayesianLinear;
 pub use bfgs::StopReason;
@@ -42,13 +44,14 @@ pub use expansion::{AveragedBumps, Averages, Basis, Bumps, Expansion, UncertainO
 pub use gaussian_input::GaussianInput;
 pub use gp::Gp;
 pub use heteroscedastic::{HeteroscedasticGp, HeteroscedasticGpModel};
+pub use hyper_prior::HyperPrior;
 pub use joint_gaussian::JointGaussian;
 pub use kernel::{
     ActiveInputs, Constant, Kernel, KernelSpec, Linear, Matern32, Matern32Profile, Matern52,
     Matern52Profile, Parameter, Periodic, Product, Profile, Radial, Role, SquaredExponential,
     SquaredExponentialProfile, Sum, cross, gram,
 };
-pub use learn::{HyperPrior, LearnOptions, LearnReport, StartReport, check_learnable};
+pub use learn::{LearnOptions, LearnReport, StartReport, check_learnable};
 pub use learn_noise::HeteroscedasticReport;
 pub use learn_student_t::StudentTReport;
 pub use leave_one_out::LeaveOneOut;

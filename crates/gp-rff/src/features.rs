@@ -4,10 +4,11 @@ use faer::{Mat, MatMut, MatRef};
 use gp_core::checks::{check_count, check_inputs, check_positive};
 use gp_core::kernel::column_of;
 use gp_core::vector::{self, SIN_COS_LIMIT};
-use gp_core::{GpError, Kernel, Matern32, Matern52, SquaredExponential};
+use gp_core::GpError;
 use serde::{Deserialize, Serialize};
 
 use crate::draw::draw;
+use crate::{Sampling, Spectrum};
 
 /// How many features there are, and how they are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,70 +39,6 @@ pub enum Form {
     /// √(2/M) cos(ωᵀx) and √(2/M) sin(ωᵀx): no phase, and k(x, x) without error.
     #[default]
     Paired,
-}
-
-/// How frequencies are chosen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum Sampling {
-    /// Independently of each other: the thesis.
-    Independent,
-    /// In orthogonal sets of D.
-    ///
-    /// # Source
-    /// Yu, Suresh, Choromanski, Holtmann-Rice & Kumar, Orthogonal random features (2016).
-    Orthogonal,
-    /// A low-discrepancy set mapped to the spectrum.
-    ///
-    /// # Source
-    /// Avron, Sindhwani, Yang & Mahoney, Quasi-Monte Carlo feature maps for shift-invariant kernels
-    /// (2016).
-    #[default]
-    LowDiscrepancy,
-}
-
-/// The kernel that is approximated, which is the spectrum that frequencies are drawn from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum Spectrum {
-    /// The squared exponential: ω ~ N(0, diag(l)⁻²). The thesis prints N(0, 1/l).
-    #[default]
-    SquaredExponential,
-    /// Matérn 3/2: ω follows a Student t with 3 degrees of freedom.
-    Matern32,
-    /// Matérn 5/2: ω follows a Student t with 5 degrees of freedom.
-    Matern52,
-}
-
-impl Spectrum {
-    /// The kernel of this spectrum.
-    ///
-    /// # Errors
-    /// `Empty` without lengthscales; `NotPositive` for a value that is not positive and finite.
-    pub fn kernel(
-        self,
-        lengthscales: &[f64],
-        signal_variance: f64,
-    ) -> Result<Box<dyn Kernel>, GpError> {
-        Ok(match self {
-            Self::SquaredExponential => {
-                Box::new(SquaredExponential::new(lengthscales, signal_variance)?)
-            }
-            Self::Matern32 => Box::new(Matern32::new(lengthscales, signal_variance)?),
-            Self::Matern52 => Box::new(Matern52::new(lengthscales, signal_variance)?),
-        })
-    }
-
-    /// Degrees of freedom of the Student t; none for the normal distribution.
-    pub(crate) fn degrees_of_freedom(self) -> Option<u32> {
-        match self {
-            Self::SquaredExponential => None,
-            Self::Matern32 => Some(3),
-            Self::Matern52 => Some(5),
-        }
-    }
 }
 
 /// M features φ of D inputs with φ(a)ᵀφ(b) ≈ k(a, b)/s², s² the signal variance.

@@ -2,11 +2,11 @@
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
+use gp_core::blocks::{PredictBlock, predict_blocks_into, predict_in_blocks};
 use gp_core::checks::{check_inputs, check_outputs, check_positive};
 use gp_core::kernel::{column_of, mirror_lower};
 use gp_core::triangle::{add_outer, inverse, multiply_rows_transposed};
 use gp_core::vector::{add_multiple, add_square};
-use gp_core::workspace::{PredictBlock, predict_blocks_into, predict_in_blocks};
 use gp_core::{GpError, JointGaussian, Mean, Posterior, Workspace};
 use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
 

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
+use gp_core::blocks::{PredictBlock, mean_in_blocks, predict_blocks_into, predict_in_blocks};
 use gp_core::checks::{check_inputs, check_outputs, check_positive};
 use gp_core::kernel::{column_of, fill_cross, fill_lower_gram, mirror_lower};
 use gp_core::triangle::{add_outer, inverse, multiply_rows_transposed};
 use gp_core::vector::{add_multiple, add_square};
-use gp_core::workspace::{PredictBlock, mean_in_blocks, predict_blocks_into, predict_in_blocks};
 use gp_core::{GpError, JointGaussian, Kernel, Posterior, Workspace};
 
 use crate::SparseSettings;

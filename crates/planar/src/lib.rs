@@ -4,6 +4,7 @@
 mod contact;
 mod ellipse;
 mod error;
+mod mit_names;
 mod mit_object;
 mod polygon;
 mod pose;
@@ -15,7 +16,8 @@ mod wrench;
 pub use contact::{Contact, Feature};
 pub use ellipse::Ellipse;
 pub use error::PlanarError;
-pub use mit_object::{MIT_NAMES, MitObject, mit_object};
+pub use mit_names::MIT_NAMES;
+pub use mit_object::{MitObject, mit_object};
 pub use polygon::Polygon;
 pub use pose::{Pose, wrap_angle};
 pub use shape::Shape;

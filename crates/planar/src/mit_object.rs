@@ -3,12 +3,6 @@
 use crate::{Ellipse, PlanarError, Polygon, Shape};
 use nalgebra::Vector2;
 
-/// The names of the eleven objects.
-pub const MIT_NAMES: [&str; 11] = [
-    "rect1", "rect2", "rect3", "tri1", "tri2", "tri3", "ellip1", "ellip2", "ellip3", "hex",
-    "butter",
-];
-
 /// One of the eleven objects, in the frame of its tracked body.
 ///
 /// # Source

@@ -4,10 +4,11 @@ use std::ffi::OsString;
 
 use anyhow::{Context, Result};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{ColorChoice, CommandFactory, Parser, value_parser};
+use clap::{ColorChoice, CommandFactory, Parser};
 use dataset::Preset;
 
 use crate::commands::Command;
+use crate::global::Global;
 use crate::terminal::Terminal;
 
 /// Turn recordings of robot pushes into tables of steps, and compare models with them.
@@ -28,27 +29,6 @@ Start with recordings that you have:
 or with simulated ones: pushlab generate pushes --hidden surprise
 
 Exit codes: 0 done, 1 the input or the computation failed, 2 wrong usage.";
-
-const GENERAL: &str = "Options of every command";
-
-/// Options of every command.
-#[derive(clap::Args)]
-pub(crate) struct Global {
-    /// Print the result as JSON on standard output, and nothing for people
-    #[arg(long, global = true, help_heading = GENERAL)]
-    pub(crate) json: bool,
-    /// Say nothing but errors
-    #[arg(short, long, global = true, help_heading = GENERAL)]
-    pub(crate) quiet: bool,
-    /// When to use colors; `auto` is on a terminal, unless NO_COLOR is set
-    #[arg(long, global = true, value_name = "WHEN", default_value = "auto",
-          help_heading = GENERAL)]
-    pub(crate) color: ColorChoice,
-    /// Threads to use; all processors by default. The result does not depend on it
-    #[arg(long, global = true, value_name = "N", value_parser = value_parser!(u16).range(1..=1024),
-          help_heading = GENERAL)]
-    pub(crate) jobs: Option<u16>,
-}
 
 impl CommandLine {
     /// Runs the command.

@@ -10,6 +10,7 @@ mod document;
 mod failure;
 mod file_ending;
 mod fitting;
+mod global;
 mod origin;
 mod people;
 mod progress;

@@ -10,8 +10,8 @@ use clap::ColorChoice;
 use indicatif::ProgressDrawTarget;
 use serde::Serialize;
 
-use crate::command_line::Global;
 use crate::document::Document;
+use crate::global::Global;
 use crate::origin::Origin;
 use crate::progress::Progress;
 

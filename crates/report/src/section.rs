@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::drawing::Drawing;
 use crate::error::ReportError;
 use crate::html::escape;
-use crate::page::Plate;
+use crate::plate::Plate;
 use crate::player::Player;
 
 /// A headed part of a page, linked from its contents.

@@ -2,8 +2,8 @@
 
 use anyhow::Result;
 use mechanics::{
-    Ellipsoid, LimitSurface, Patch, PathSettings, PointSet, Push, Pusher, Quartic, Slider,
-    StraightPath, predict_under, push_along,
+    Ellipsoid, Patch, PathSettings, PointSet, Push, Pusher, Quartic, Slider, StraightPath, predict,
+    predict_under, push_along,
 };
 use nalgebra::{Unit, Vector2};
 use planar::{Pose, Shape, Wrench};
@@ -31,13 +31,13 @@ fn rows() -> Result<Vec<Row>> {
     let quartic = Quartic::from_ellipsoid(&ellipsoid)?;
     let points = PointSet::sampling(&square, F_MAX, N_POINTS)?;
     let general = |push: &Push| predict_under(&ellipsoid, push, &Wrench::default());
-    let closed = |push: &Push| ellipsoid.push(push);
+    let closed = |push: &Push| predict(&ellipsoid, push);
     Ok(vec![
         row("ellipsoid, closed form", 1, 4096, &closed, &general),
         row("ellipsoid, general solver", 1, 256, &general, &closed),
-        row("quartic", 1, 64, &|push: &Push| quartic.push(push), &general),
-        row("uniform patch", 1, 64, &|push: &Push| patch.push(push), &general),
-        row("point set", N_POINTS, 4, &|push: &Push| points.push(push), &general),
+        row("quartic", 1, 64, &|push: &Push| predict(&quartic, push), &general),
+        row("uniform patch", 1, 64, &|push: &Push| predict(&patch, push), &general),
+        row("point set", N_POINTS, 4, &|push: &Push| predict(&points, push), &general),
         path_row(&square, &ellipsoid),
     ])
 }
@@ -110,14 +110,15 @@ fn euler(slider: &Slider, path: &StraightPath) -> Pose {
 #[cfg(test)]
 mod tests {
     use super::{PUSHER, SIDE, euler, path, pushes};
-    use mechanics::{ContactMode, Ellipsoid, LimitSurface, PathSettings, Slider, push_along};
+    use mechanics::{ContactMode, Ellipsoid, PathSettings, Slider, predict, push_along};
     use planar::{Pose, Shape};
 
     #[test]
     fn the_pushes_stick_and_slide_to_both_sides() {
         let square = Shape::square(SIDE).unwrap();
         let surface = Ellipsoid::uniform(&square, 2.0).unwrap();
-        let modes: Vec<_> = pushes().iter().map(|push| surface.push(push).unwrap().mode).collect();
+        let modes: Vec<_> =
+            pushes().iter().map(|push| predict(&surface, push).unwrap().mode).collect();
         for mode in [ContactMode::Sticking, ContactMode::SlidingLeft, ContactMode::SlidingRight] {
             assert!(modes.iter().filter(|m| **m == mode).count() >= 8, "{mode:?}");
         }
