@@ -12,8 +12,10 @@ mod file_head;
 mod fixture_readme;
 mod glob_import;
 mod half_written;
+mod import_order;
 mod library_root;
 mod module_name;
+mod module_tree;
 mod project;
 mod rust_code;
 mod size;
@@ -22,6 +24,7 @@ mod top_level;
 mod unfinished;
 mod unit_suffix;
 mod unsafe_code;
+mod use_path;
 
 use anyhow::{Result, ensure};
 
@@ -69,6 +72,7 @@ const RULES: &[Rule] = &[
     fixture_readme::RULE,
     glob_import::RULE,
     half_written::RULE,
+    import_order::RULE,
     library_root::RULE,
     module_name::RULE,
     size::RULE,
