@@ -7,10 +7,10 @@ use cargo_metadata::MetadataCommand;
 use clap::ValueEnum;
 
 use crate::cargo::{cargo, run as run_command, workspace_root};
-use crate::{fixtures, fuzz, test, tidy, trials};
+use crate::{starters, test, tidy};
 
 /// Time for each reader of files, in s.
-const FUZZ_SECONDS: f64 = 10.0;
+const FUZZ_SECONDS: &str = "10";
 
 /// Run every check that a change has to pass; stops at the first that fails.
 #[derive(clap::Args)]
@@ -87,12 +87,16 @@ impl Stage {
                 cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"),
             ),
             Stage::Alone => check_each_crate(),
-            Stage::Fixtures => fixtures::run(&fixtures::Args { check: true }),
+            Stage::Fixtures => start("fixtures", &["--check"]),
             Stage::Test => test::run(&test::Args {}),
-            Stage::Fuzz => fuzz::run(&fuzz::Args::short(FUZZ_SECONDS)),
-            Stage::Trials => trials::quick(),
+            Stage::Fuzz => start("fuzz", &["--seconds", FUZZ_SECONDS]),
+            Stage::Trials => start("diagnosis-trials", &["--quick"]),
         }
     }
+}
+
+fn start(task: &str, arguments: &[&str]) -> Result<()> {
+    run_command(&mut starters::command(task, arguments)?)
 }
 
 fn check_each_crate() -> Result<()> {

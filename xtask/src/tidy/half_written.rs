@@ -15,11 +15,11 @@ const CALLS: &[&str] = &["fs::write(", "fs::rename(", "fs::copy(", "File::create
 /// Where they may stand, each with the reason why no half file can be left.
 const EXCEPTIONS: &[(&str, &str)] = &[
     ("crates/output/src/", "it is what makes them whole"),
-    ("xtask/src/fuzz/reader.rs", "writes into its scratch folder, which goes with it"),
-    ("xtask/src/fuzz/readers/", "write into their scratch folders, which go with them"),
-    ("xtask/src/fuzz/watch.rs", "writes into its scratch folder, which goes with it"),
-    ("xtask/src/fuzz/worker.rs", "writes into its scratch folder, which goes with it"),
-    ("xtask/src/trials/trial.rs", "moves a whole set away from its truth"),
+    ("crates/fuzzing/src/reader.rs", "writes into its scratch folder, which goes with it"),
+    ("crates/fuzzing/src/readers/", "write into their scratch folders, which go with them"),
+    ("crates/fuzzing/src/watch.rs", "writes into its scratch folder, which goes with it"),
+    ("crates/fuzzing/src/worker.rs", "writes into its scratch folder, which goes with it"),
+    ("crates/validation/src/trials/trial.rs", "moves a whole set away from its truth"),
 ];
 
 fn check(project: &Project) -> Vec<Finding> {

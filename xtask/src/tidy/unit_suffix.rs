@@ -10,7 +10,8 @@ pub(super) const RULE: Rule = Rule {
 };
 
 /// Crates at the edges.
-const EDGES: &[&str] = &["dataset", "report", "pushlab", "xtask"];
+const EDGES: &[&str] =
+    &["dataset", "report", "pushlab", "studies", "validation", "fuzzing", "benchmarks", "xtask"];
 
 /// Endings of names that are not in SI units.
 const SUFFIXES: &[&str] =

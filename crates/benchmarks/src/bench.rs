@@ -1,0 +1,87 @@
+//! `cargo xtask bench`: speed beside a reference, as a table and as `target/bench/NAME.json`.
+//!
+//! One file a benchmark; [`BENCHMARKS`] registers them.
+
+use anyhow::{Context, Result};
+use clap::builder::PossibleValuesParser;
+use validation::workspace_root;
+
+use crate::report::publish;
+use crate::timing::Row;
+use crate::{
+    contact, diagnosis, effects, filter, gp, gp_rff, gp_sparse, ingest, matching, peers, plant,
+    push,
+};
+
+/// Time the workspace beside a reference; writes target/bench/NAME.json.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Benchmarks to run [default: all]
+    #[arg(value_parser = PossibleValuesParser::new(BENCHMARKS.iter().map(|benchmark| benchmark.name)))]
+    names: Vec<String>,
+    /// Sizes of the sets that are diagnosed
+    #[arg(long, value_delimiter = ',', value_name = "N", default_value = "100,1000,10000,100000")]
+    pub(crate) pushes: Vec<usize>,
+    /// Time other libraries' Gaussian processes beside ours instead, on the same data
+    #[arg(long)]
+    peers: bool,
+    /// Diagnose so many pushes once and print what it took as JSON
+    #[arg(long, hide = true, value_name = "N")]
+    once: Option<usize>,
+}
+
+/// Runs the benchmarks named, or all of them.
+///
+/// # Errors
+/// The first benchmark that fails, by name.
+pub fn run(args: &Args) -> Result<()> {
+    if let Some(n_pushes) = args.once {
+        return diagnosis::once(n_pushes);
+    }
+    let folder = workspace_root().join("target/bench");
+    if cfg!(debug_assertions) {
+        println!("built with checks; without: cargo run --release -p benchmarks -- bench");
+    }
+    if args.peers {
+        return peers::run(&folder);
+    }
+    let is_chosen = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
+    for benchmark in BENCHMARKS.iter().filter(|benchmark| is_chosen(benchmark.name)) {
+        println!("{}: {}", benchmark.name, benchmark.about);
+        (benchmark.rows)(args)
+            .and_then(|rows| publish(benchmark.name, &rows, &folder))
+            .with_context(|| format!("benchmark `{}`", benchmark.name))?;
+    }
+    Ok(())
+}
+
+/// What is timed, what `size` counts and what the reference is, in one line; and how.
+pub(crate) struct Benchmark {
+    pub(crate) name: &'static str,
+    pub(crate) about: &'static str,
+    pub(crate) rows: fn(&Args) -> Result<Vec<Row>>,
+}
+
+const BENCHMARKS: &[Benchmark] = &[
+    contact::BENCHMARK,
+    diagnosis::BENCHMARK,
+    effects::BENCHMARK,
+    filter::BENCHMARK,
+    gp::BENCHMARK,
+    gp_rff::BENCHMARK,
+    gp_sparse::BENCHMARK,
+    ingest::BENCHMARK,
+    matching::BENCHMARK,
+    plant::BENCHMARK,
+    push::BENCHMARK,
+];
+
+#[cfg(test)]
+mod tests {
+    use super::BENCHMARKS;
+
+    #[test]
+    fn benchmarks_are_registered_once_and_in_order() {
+        assert!(BENCHMARKS.is_sorted_by(|a, b| a.name < b.name));
+    }
+}

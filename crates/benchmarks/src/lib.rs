@@ -1,0 +1,21 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod bench;
+mod contact;
+mod diagnosis;
+mod effects;
+mod filter;
+mod floor;
+mod gp;
+mod gp_rff;
+mod gp_sparse;
+mod ingest;
+mod matching;
+mod peers;
+mod plant;
+mod push;
+mod report;
+mod timing;
+
+pub use bench::{Args, run};

@@ -1,0 +1,17 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod case;
+mod fuzz;
+mod keep;
+mod memory;
+mod minimize;
+mod mutate;
+mod reader;
+mod readers;
+mod scratch;
+mod table;
+mod watch;
+mod worker;
+
+pub use fuzz::{Args, WorkerArgs, run, work};

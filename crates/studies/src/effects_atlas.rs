@@ -1,0 +1,56 @@
+//! `cargo xtask effects-atlas`: what each effect does to a push, as docs/effects.md and its figures.
+
+mod page;
+mod signature;
+
+use std::fs;
+
+use anyhow::{Context, Result};
+use effects::all;
+
+use validation::workspace_root;
+
+/// Draw each effect's signature into docs/effects, and write docs/effects.md.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Draw only these effects, by id
+    #[arg(long, value_delimiter = ',', value_name = "ID")]
+    only: Vec<String>,
+}
+
+/// Writes the page, and one figure for each effect.
+///
+/// # Errors
+/// An unknown id, a push that cannot be predicted, or a file that cannot be written, by its name.
+pub fn run(args: &Args) -> Result<()> {
+    let docs = workspace_root().join("docs");
+    let folder = docs.join("effects");
+    fs::create_dir_all(&folder).with_context(|| format!("cannot create {}", folder.display()))?;
+    let chosen: Vec<_> = match args.only.as_slice() {
+        [] => all().to_vec(),
+        ids => ids.iter().map(|id| effects::by_id(id)).collect::<Result<_, _>>()?,
+    };
+    for effect in chosen {
+        let id = effect.about().id;
+        let svg = signature::figure(effect).with_context(|| format!("effect `{id}`"))?.svg()?;
+        let path = folder.join(format!("{id}.svg"));
+        output::write(&path, &svg)?;
+        println!("{} ({} kB)", path.display(), svg.len() / 1000);
+    }
+    let path = docs.join("effects.md");
+    Ok(output::write(&path, page::text())?)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::page;
+    use validation::workspace_root;
+
+    #[test]
+    fn the_page_says_what_the_effects_say_of_themselves() {
+        let text = fs::read_to_string(workspace_root().join("docs/effects.md")).unwrap();
+        assert!(text == page::text(), "make docs/effects.md anew: cargo xtask effects-atlas");
+    }
+}

@@ -1,0 +1,129 @@
+//! A diagnosed set of pushes: the model asked about, and the same with each effect that is named.
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+
+use anyhow::Result;
+use diagnosis::{
+    DiagnoseSettings, Fit, FitSettings, NoiseFloor, NoiseModel, Observations, Predictions,
+    RepeatTolerance, ScreenSettings, ScreenedEffect, diagnose, fit_with_noise, noise_floor, screen,
+};
+use effects::by_id;
+use models::{Analytical, Description, PushModel};
+use plant::{Design, GenerateSettings, Hidden, generate};
+
+use crate::figures::inputs::Inputs;
+use validation::fixtures::rig;
+use validation::made_once::{key, made_once};
+use validation::workspace_root;
+
+/// Where the set with hidden effects is kept, below `target/`.
+const FOLDER: &str = "hidden-effects";
+/// With fewer, a diagnosis is not sure enough to name what is hidden.
+const N_PUSHES: usize = 60;
+const SEED: u64 = 41;
+/// What it hides besides that its object stands on its whole face, which no ellipsoid describes.
+const HIDDEN: [&str; 2] =
+    ["table-anisotropy: ratio=1.25, direction_deg=60", "table-tilt: x_m_s2=0.2, y_m_s2=0.1"];
+
+/// A set with its diagnosis.
+pub(crate) struct Study {
+    pub(super) observations: Observations,
+    /// The part that nothing was fitted to.
+    pub(super) aside: Observations,
+    /// The model asked about, and with one more effect each.
+    pub(super) stages: Vec<Stage>,
+    /// Of all pushes, about the last model.
+    pub(super) floor: NoiseFloor,
+    /// The answer in words.
+    pub(super) sentence: String,
+}
+
+/// A model on the way from the one asked about to the one with all that is named.
+pub(super) struct Stage {
+    /// What it has more than the one before.
+    pub(super) added: Option<String>,
+    /// With the nominal numbers as fitted, like the model of every other stage.
+    pub(super) model: Description,
+    /// The noise as it is learnt beside this model.
+    pub(super) noise: NoiseModel,
+    /// Tests of every effect that it does not have; none beside the last model.
+    pub(super) screen: Vec<ScreenedEffect>,
+}
+
+impl Study {
+    /// Of the pushes of the user's, or else of a set that hides two effects; none if nothing is
+    /// named there.
+    ///
+    /// # Errors
+    /// Pushes that cannot be made or read; a fit that fails.
+    pub(crate) fn of(inputs: &Inputs) -> Result<Option<Self>> {
+        if inputs.is_users() {
+            return Self::made(inputs);
+        }
+        Self::made(&Inputs::open(&hidden_effects()?, inputs.quick())?)
+    }
+
+    fn made(inputs: &Inputs) -> Result<Option<Self>> {
+        let observations = inputs.steady_observations()?;
+        let nominal = Analytical::nominal(inputs.pusher()?.friction)?.describe()?;
+        let found = diagnose(&observations, &nominal, &DiagnoseSettings::default())?.diagnosis;
+        if found.named.is_empty() {
+            return Ok(None);
+        }
+        let fitted = observations.part(&found.split.fit)?;
+        let aside = observations.part(&found.split.confirm)?;
+        let stages = stages(&fitted, &nominal, &found.named)?;
+        let best = &stages[found.named.len()];
+        let predictions = Predictions::of(&best.model, &[], &observations)?;
+        let floor = noise_floor(&observations, &predictions, &RepeatTolerance::default())?;
+        Ok(Some(Self { aside, stages, floor, sentence: found.sentence, observations }))
+    }
+}
+
+/// The model asked about, and the same with one named effect more each, fitted to a part.
+fn stages(fitted: &Observations, nominal: &Description, named: &[String]) -> Result<Vec<Stage>> {
+    let first = NoiseModel::learn(nominal, &[], fitted)?;
+    let free: Vec<&str> = named.iter().map(String::as_str).collect();
+    let stage = |n: usize| {
+        let (intervals, resemblances) = (false, false);
+        let settings = FitSettings { intervals, resemblances, ..FitSettings::default() };
+        let fit = fit_with_noise(fitted, nominal, &free[..n], &first, &settings)?;
+        let Fit { description, with_nuisances: model, .. } = fit;
+        let noise = NoiseModel::learn(&model, &[], fitted)?;
+        let screen = match n < free.len() {
+            true => screen(&description, &[], fitted, &noise, &ScreenSettings::default())?.effects,
+            false => Vec::new(),
+        };
+        Ok(Stage { added: n.checked_sub(1).map(|last| named[last].clone()), model, noise, screen })
+    };
+    (0..=named.len()).map(stage).collect()
+}
+
+impl Stage {
+    /// What it adds, for people.
+    pub(super) fn title(&self) -> Option<String> {
+        Some(by_id(self.added.as_deref()?).ok()?.about().title.to_lowercase())
+    }
+}
+
+/// The recording set with hidden effects: the kept one, or a new one.
+fn hidden_effects() -> Result<PathBuf> {
+    /// Figures are drawn side by side.
+    static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+    let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let hidden = HIDDEN.iter().map(|text| text.parse::<Hidden>());
+    let settings = GenerateSettings {
+        name: format!("{N_PUSHES} simulated pushes with hidden effects"),
+        design: Design { n_pushes: N_PUSHES, ..Design::default() },
+        hidden: hidden.collect::<Result<_, _>>()?,
+        seed: SEED,
+        ..rig()
+    };
+    let folder = workspace_root().join("target").join(FOLDER);
+    made_once(&folder, &key(std::slice::from_ref(&settings))?, |folder| {
+        generate(&settings, &folder.join("set"))?;
+        Ok(())
+    })?;
+    Ok(folder.join("set"))
+}

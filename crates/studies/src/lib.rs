@@ -1,0 +1,14 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+pub mod effects_atlas;
+pub mod figures;
+mod held_out;
+mod learned_kinds;
+pub mod real_comparison;
+pub mod real_data;
+mod residual_grid;
+pub mod samples;
+pub mod simulated_and_real;
+
+pub use held_out::quantile;

@@ -1,0 +1,90 @@
+//! `cargo xtask real-comparison`: the models against public measurements, on a page.
+
+mod corner;
+mod ends;
+mod learned;
+mod page;
+mod source;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use clap::ValueEnum;
+
+/// Compares the models with public measurements and writes the page about it.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Folder with the public data sets (`mit-push-table`, `mit-push-raw`, `mit-push-endpoints`)
+    #[arg(long)]
+    data: PathBuf,
+    /// Folder for `real-data.md` and its picture
+    #[arg(long, default_value = "docs")]
+    out: PathBuf,
+    /// Write these sections anew, and leave the page's others as they are
+    #[arg(long, value_delimiter = ',')]
+    only: Vec<Part>,
+}
+
+/// A section of the page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Part {
+    /// The analytical model on the one-step pushes
+    Table,
+    /// Every model that learns, on the same
+    Learned,
+    /// The analytical model on the raw pushes
+    Raw,
+    /// The ends of long pushes
+    Ends,
+}
+
+/// Writes the page, or some of its sections anew.
+///
+/// # Errors
+/// Data that cannot be read; a comparison that fails; a page that cannot be read or written.
+pub fn run(args: &Args) -> Result<()> {
+    let page = args.out.join("real-data.md");
+    let mut text = page::HEAD.to_owned();
+    if !args.only.is_empty() {
+        let old = std::fs::read_to_string(&page);
+        let old = old.with_context(|| format!("cannot read {}", page.display()))?;
+        text += page::sections(&old);
+    }
+    for part in Part::value_variants() {
+        let section = match part {
+            _ if args.only.is_empty() || args.only.contains(part) => part.text(args)?,
+            _ => continue,
+        };
+        text = if args.only.is_empty() { text + &section } else { page::with(&text, &section)? };
+    }
+    write(&page, &text)?;
+    println!("written: {}", page.display());
+    Ok(())
+}
+
+impl Part {
+    fn text(self, args: &Args) -> Result<String> {
+        let table = args.data.join("mit-push-table/table.csv");
+        Ok(match self {
+            Self::Table => {
+                let table = source::one_step_table(&table)?;
+                let corner = corner::Corner::of(&table)?;
+                write(&args.out.join("real-data-corner.svg"), &corner.picture(&table)?)?;
+                page::one_step_text(&table, &corner)
+            }
+            Self::Learned => learned::Learned::of(&table)?.text(),
+            Self::Raw => page::raw_text(&source::raw_pushes(&args.data.join("mit-push-raw"))?),
+            Self::Ends => {
+                ends::text(&ends::ends(&args.data.join("mit-push-endpoints/plywood.csv"))?)
+            }
+        })
+    }
+}
+
+/// Writes a whole file, in a folder that is made where it is missing.
+fn write(path: &Path, text: &str) -> Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot create {}", folder.display()))?;
+    Ok(output::write(path, text)?)
+}

@@ -1,0 +1,10 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+pub mod fixtures;
+pub mod made_once;
+pub mod surface;
+pub mod trials;
+mod workspace;
+
+pub use workspace::workspace_root;

@@ -1,0 +1,9 @@
+//! The whole against simulated recordings.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+mod compare_finds_what_is_hidden;
+mod fits_recover_what_is_hidden;
+mod plant_meets_mechanics;
+mod recordings_that_contradict_mechanics;
+mod screen_names_what_is_hidden;

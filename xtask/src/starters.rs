@@ -1,0 +1,169 @@
+//! Tasks in crates of their own, which are compiled when one of them is started.
+
+use std::env;
+use std::ffi::{OsStr, OsString};
+use std::process::{Command, ExitCode};
+
+use anyhow::{Context, Result};
+
+use crate::cargo::{line, workspace_root};
+
+/// A task, the crate whose program does it, and what it does.
+pub(crate) struct Starter {
+    task: &'static str,
+    package: &'static str,
+    about: &'static str,
+}
+
+const STARTERS: &[Starter] = &[
+    Starter {
+        task: "bench",
+        package: "benchmarks",
+        about: "Time the workspace beside a reference; writes target/bench/NAME.json",
+    },
+    Starter {
+        task: "diagnosis-trials",
+        package: "validation",
+        about: "Answer many recording sets with sealed truth, score the answers, write the table in docs/",
+    },
+    Starter {
+        task: "effects-atlas",
+        package: "studies",
+        about: "Draw each effect's signature into docs/effects, and write docs/effects.md",
+    },
+    Starter {
+        task: "fixtures",
+        package: "validation",
+        about: "Write the recordings in `fixtures/` anew",
+    },
+    Starter {
+        task: "fuzz",
+        package: "fuzzing",
+        about: "Read damaged inputs with every reader; those on which one fails are kept",
+    },
+    Starter {
+        task: "real-comparison",
+        package: "studies",
+        about: "Compares the models with public measurements and writes the page about it",
+    },
+    Starter {
+        task: "real-data",
+        package: "studies",
+        about: "Runs the models on published measurements and compares with the numbers to expect",
+    },
+    Starter {
+        task: "reproduce-figures",
+        package: "studies",
+        about: "Draw the thesis' figures on one offline page",
+    },
+    Starter {
+        task: "samples",
+        package: "studies",
+        about: "Compare sets that hide a known effect with the thesis' model and with the effect added, in docs/",
+    },
+    Starter {
+        task: "simulated-and-real",
+        package: "studies",
+        about: "Put the simulated table of the thesis' design beside a measured one, in docs/",
+    },
+];
+
+/// The task of this name, if another crate does it.
+pub(crate) fn by_task(task: &OsStr) -> Option<&'static Starter> {
+    STARTERS.iter().find(|starter| starter.task == task)
+}
+
+/// What the help lists of them.
+pub(crate) fn commands() -> impl Iterator<Item = clap::Command> {
+    STARTERS.iter().map(|starter| clap::Command::new(starter.task).about(starter.about))
+}
+
+/// The program of a task with these arguments, in the folder that this one was started in.
+///
+/// # Errors
+/// A task that no crate does.
+pub(crate) fn command(task: &str, arguments: &[&str]) -> Result<Command> {
+    let starter = by_task(task.as_ref()).with_context(|| format!("there is no task `{task}`"))?;
+    Ok(starter.command(arguments.iter().map(OsString::from)))
+}
+
+impl Starter {
+    /// Runs the task to its end and hands its exit code back.
+    ///
+    /// # Errors
+    /// If cargo cannot be started, or was ended from outside.
+    pub(crate) fn start(&self, arguments: impl Iterator<Item = OsString>) -> Result<ExitCode> {
+        let mut command = self.command(arguments);
+        let status =
+            command.status().with_context(|| format!("cannot start {}", line(&command)))?;
+        let code = status.code().and_then(|code| u8::try_from(code).ok());
+        let code = code.with_context(|| format!("{} ended early ({status})", line(&command)))?;
+        Ok(ExitCode::from(code))
+    }
+
+    fn command(&self, arguments: impl Iterator<Item = OsString>) -> Command {
+        let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        command.args(["run", "--quiet", "--package", self.package, "--manifest-path"]);
+        command.arg(workspace_root().join("Cargo.toml")).args(["--", self.task]).args(arguments);
+        command
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::ffi::OsString;
+    use std::fs;
+
+    use super::{STARTERS, by_task, command};
+    use crate::cargo::workspace_root;
+
+    #[test]
+    fn every_argument_is_handed_through_as_it_is() {
+        let starter = by_task("fuzz".as_ref()).unwrap();
+        let arguments = ["--help", "--", "-x", "a b"].map(OsString::from);
+        let command = starter.command(arguments.iter().cloned());
+        let words: Vec<_> = command.get_args().collect();
+        assert_eq!(words[..4], ["run", "--quiet", "--package", "fuzzing"]);
+        assert_eq!(words[words.len() - 6..][..2], ["--", "fuzz"]);
+        assert_eq!(words[words.len() - 4..], arguments);
+        assert_eq!(command.get_current_dir(), None);
+    }
+
+    #[test]
+    fn tasks_are_registered_once_and_in_order() {
+        assert!(STARTERS.is_sorted_by(|a, b| a.task < b.task));
+        assert!(by_task("paint".as_ref()).is_none());
+        assert_eq!(command("paint", &[]).unwrap_err().to_string(), "there is no task `paint`");
+    }
+
+    /// Each program's variants, as `DiagnosisTrials(`, are the tasks that are started in it.
+    #[test]
+    fn every_task_is_known_to_the_program_that_does_it() {
+        let packages: BTreeSet<_> = STARTERS.iter().map(|starter| starter.package).collect();
+        for package in packages {
+            let path = workspace_root().join("crates").join(package).join("src/main.rs");
+            let program = fs::read_to_string(&path).unwrap();
+            let (_, rest) = program.split_once("enum Task {\n").unwrap();
+            let (variants, _) = rest.split_once("\n}").unwrap();
+            let names = variants.lines().filter_map(|line| line.trim().split_once('('));
+            let known: BTreeSet<_> = names.map(|(name, _)| kebab(name)).collect();
+            let own = STARTERS.iter().filter(|starter| starter.package == package);
+            for starter in own {
+                assert!(known.contains(starter.task), "{package} does not know {}", starter.task);
+            }
+        }
+    }
+
+    /// `DiagnosisTrials` as the command line has it: `diagnosis-trials`.
+    fn kebab(name: &str) -> String {
+        let mut word = String::new();
+        for letter in name.chars() {
+            if letter.is_uppercase() && !word.is_empty() {
+                word.push('-');
+            }
+            word.extend(letter.to_lowercase());
+        }
+        word
+    }
+}
