@@ -1,7 +1,7 @@
 //! A crate that is useful alone compiles nothing of plotting and file formats.
 
 use super::Rule;
-use super::project::{Finding, Project};
+use super::project::{Finding, LIGHT, Project};
 
 pub(super) const RULE: Rule = Rule {
     name: "crate-weight",
@@ -9,17 +9,11 @@ pub(super) const RULE: Rule = Rule {
     check,
 };
 
-const LIGHT: &[&str] = &["planar", "mechanics", "gp-core", "gp-rff", "gp-sparse"];
-
 /// Packages that no light crate may pull in, by how their names begin.
 const HEAVY: &[&str] = &["kuva", "mcap", "parquet", "arrow", "hdf5", "prost", "rosbag"];
 
-pub(super) fn is_light(name: &str) -> bool {
-    LIGHT.contains(&name)
-}
-
 fn check(project: &Project) -> Vec<Finding> {
-    let light = project.crates().iter().filter(|member| is_light(&member.name));
+    let light = project.crates().iter().filter(|member| LIGHT.contains(&member.name.as_str()));
     let pairs =
         light.flat_map(|member| member.pulls_in.iter().map(move |package| (member, package)));
     let heavy = pairs.filter(|(_, package)| HEAVY.iter().any(|name| package.starts_with(name)));

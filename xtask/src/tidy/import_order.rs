@@ -14,8 +14,15 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(project: &Project) -> Vec<Finding> {
+    // A library and its program stand in one folder: what both roots show is told once.
     let roots = project.crates().iter().flat_map(|one| &one.roots);
-    roots.flat_map(|root| check_root(project, root)).collect()
+    let mut findings: Vec<Finding> = Vec::new();
+    for finding in roots.flat_map(|root| check_root(project, root)) {
+        if !findings.contains(&finding) {
+            findings.push(finding);
+        }
+    }
+    findings
 }
 
 fn check_root(project: &Project, root: &str) -> Vec<Finding> {

@@ -8,9 +8,11 @@ use std::process::Command;
 use anyhow::{Context, Result};
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package, TargetKind};
 
-use super::crate_weight;
 use super::rust_code::mask;
 use crate::cargo::{cargo, output, workspace_root};
+
+/// Crates that are useful alone: of these it is read what they pull in.
+pub(super) const LIGHT: &[&str] = &["planar", "mechanics", "gp-core", "gp-rff", "gp-sparse"];
 
 /// Files by path (relative to the workspace root, `/`-separated) and the workspace's crates.
 pub(super) struct Project {
@@ -180,7 +182,7 @@ fn load_crates(metadata: &Metadata) -> Result<Vec<Crate>> {
             roots: roots.map(|target| relative(&target.src_path)).collect(),
             imports: imports.filter(|import| names.contains(import)).collect(),
             unset_keys: unset_keys(package),
-            pulls_in: if crate_weight::is_light(&name) { tree(&name)? } else { BTreeSet::new() },
+            pulls_in: if LIGHT.contains(&name.as_str()) { tree(&name)? } else { BTreeSet::new() },
             name,
         })
     };
