@@ -1,10 +1,10 @@
 //! Random features whose products approximate a kernel.
 
 use faer::{Mat, MatMut, MatRef};
+use gp_core::GpError;
 use gp_core::checks::{check_count, check_inputs, check_positive};
 use gp_core::kernel::column_of;
 use gp_core::vector::{self, SIN_COS_LIMIT};
-use gp_core::GpError;
 use serde::{Deserialize, Serialize};
 
 use crate::draw::draw;

@@ -1,4 +1,4 @@
-//! One file for each log format.
+//! A file of any log format goes in, a recording comes out: one file for each format.
 
 #[cfg(feature = "bag")]
 pub(crate) mod assemble;

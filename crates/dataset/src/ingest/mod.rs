@@ -1,4 +1,5 @@
-//! From a recording set to a table, recording by recording and in parallel.
+//! A recording set goes in, the step table and its report come out, recording by recording and in
+//! parallel.
 
 pub(crate) mod contact;
 pub(crate) mod first_contact;

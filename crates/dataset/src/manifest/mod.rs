@@ -1,5 +1,5 @@
-//! The manifest of a recording set, `dataset.toml`: what was pushed, by what, on what, and where
-//! the recordings are.
+//! A folder of recordings goes in, what was pushed, by what, on what, and where the recordings are,
+//! comes out: the manifest of a recording set, `dataset.toml`.
 
 pub(crate) mod init;
 pub(crate) mod object;

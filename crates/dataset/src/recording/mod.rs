@@ -1,4 +1,4 @@
-//! One recording: the streams of a log exactly as they were recorded.
+//! One recording, as all formats give it: the streams of a log exactly as they were recorded.
 
 pub(crate) mod frames;
 pub(crate) mod lateness;

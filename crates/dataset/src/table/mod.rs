@@ -1,4 +1,4 @@
-//! The step table: rows with the record of what made them.
+//! The step table: rows with the record of what made them, and their files.
 
 pub(crate) mod column;
 pub(crate) mod coverage;

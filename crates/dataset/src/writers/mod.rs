@@ -1,4 +1,4 @@
-//! One file for each way to write recordings.
+//! A recording goes in, a file comes out that the format of the same kind reads: one file for each.
 
 #[cfg(feature = "bag")]
 pub(crate) mod list;

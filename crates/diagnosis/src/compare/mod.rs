@@ -1,4 +1,5 @@
-//! Predictions, observed steps and the noise floor go in, where and by how much the model fails comes out.
+//! Predictions, observed steps and the noise floor go in, where and by how much the model fails
+//! comes out.
 
 pub(crate) mod axis;
 pub(crate) mod calibration;

@@ -1,5 +1,5 @@
-//! A table of steps goes in, the observed steps come out, with the clusters that share errors and the parts
-//! that are held out.
+//! A table of steps goes in, the observed steps come out, with the clusters that share errors and
+//! the parts that are held out.
 
 pub(crate) mod clusters;
 pub(crate) mod covariate;

@@ -1,4 +1,5 @@
-//! Which physical effect a model lacks, how sure that is, and what else it could be.
+//! Screens and fits of a set's parts go in, the verdict comes out: which physical effect a model
+//! lacks, how sure that is, and what else it could be.
 
 mod answer;
 mod claims;

@@ -1,4 +1,5 @@
-//! Parameters of a model, fitted to observed steps.
+//! A model with free parameters and observed steps go in, the fitted model comes out, with
+//! intervals.
 
 mod descent;
 mod estimates;

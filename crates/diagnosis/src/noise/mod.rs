@@ -1,4 +1,5 @@
-//! Predictions and repeats go in, the noise floor and the covariance of a push's residuals come out.
+//! Predictions and repeats go in, the noise floor and the covariance of a push's residuals come
+//! out.
 
 pub(crate) mod floor_growth;
 pub(crate) mod noise_floor;

@@ -1,5 +1,5 @@
-//! A model and observed steps go in, its predictions come out, with their slopes by all that may move them,
-//! and whole pushes.
+//! A model and observed steps go in, its predictions come out, with their slopes by all that may
+//! move them, and whole pushes.
 
 pub(crate) mod candidates;
 pub(crate) mod error_shapes;

@@ -1,4 +1,5 @@
-//! Which effects would lower the error, before any of them is fitted.
+//! A model, observed steps and their noise go in, a test of every effect that the model lacks comes
+//! out, before any of them is fitted.
 
 pub(crate) mod screened;
 pub(crate) mod untestable;

@@ -1,4 +1,5 @@
-//! The pushes that would tell most, among those that a rig can do.
+//! Candidates that look alike go in, the pushes come out that would tell most, among those that a
+//! rig can do.
 
 mod aim;
 mod area;

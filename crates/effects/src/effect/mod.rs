@@ -1,4 +1,4 @@
-//! The trait of every physical effect, and what it says about itself.
+//! The trait of every physical effect, and all that an effect may change.
 
 pub(crate) mod contact_law;
 pub(crate) mod geometry;

@@ -1,4 +1,4 @@
-//! What is pushed: outline, mass and support.
+//! An outline with mass goes in, what is pushed comes out: outline, mass and support.
 
 pub(crate) mod patch_table;
 pub(crate) mod points;

@@ -1,4 +1,4 @@
-//! All channels of a step, by a rig with its effects.
+//! A rig, its effects and a step go in, all channels of the step come out.
 
 pub(crate) mod balance;
 pub(crate) mod forward;

@@ -1,4 +1,5 @@
-//! A limit surface and a contact's velocity go in, the object's velocity and the contact's force come out.
+//! A limit surface and a contact's velocity go in, the object's velocity and the contact's force
+//! come out.
 
 pub(crate) mod contact;
 pub(crate) mod friction_cone;

@@ -1,4 +1,4 @@
-//! The analytical model: the quasi-static push on a limit surface.
+//! A step goes in, the quasi-static push on a limit surface comes out: the analytical model.
 
 pub(crate) mod estimate;
 pub(crate) mod fit;

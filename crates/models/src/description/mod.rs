@@ -1,4 +1,5 @@
-//! A model as plain data: what goes into `model.toml` and its weights file.
+//! A model as plain data: what goes into `model.toml` and its weights file, and what comes out of
+//! them.
 
 pub(crate) mod beside_physics;
 pub(crate) mod model_effect;

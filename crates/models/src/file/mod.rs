@@ -1,4 +1,4 @@
-//! `model.toml`: what people read, edit, version and pass on.
+//! `model.toml` in and out: what people read, edit, version and pass on.
 
 mod check;
 mod effects_table;

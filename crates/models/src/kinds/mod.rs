@@ -1,4 +1,4 @@
-//! The list of all kinds of models.
+//! A description goes in, a pushing model comes out: the trait, the kinds, and their list.
 
 pub(crate) mod analytical;
 pub(crate) mod build;

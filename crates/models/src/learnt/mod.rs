@@ -1,4 +1,5 @@
-//! Observed steps go in, models come out that know no mechanics: processes, tables of them, and mixtures.
+//! Observed steps go in, models come out that know no mechanics: processes, tables of them, and
+//! mixtures.
 
 pub(crate) mod closed_form;
 pub(crate) mod gp_push_model;

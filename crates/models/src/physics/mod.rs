@@ -1,4 +1,5 @@
-//! An analytical model with its effects as one function of the parameters that a fit may move.
+//! An analytical model with its effects goes in, one function of the parameters that a fit may move
+//! comes out, and the fit.
 
 pub(crate) mod channel_model;
 pub(crate) mod fit;

@@ -1,4 +1,5 @@
-//! The processes that can learn an output: one list, and one way to learn, save and ask them.
+//! Rows of inputs and one output go in, a learnt process comes out: one list of kinds, and one way
+//! to learn, save and ask them.
 
 pub(crate) mod kind;
 pub(crate) mod training;

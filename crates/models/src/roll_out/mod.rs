@@ -1,4 +1,4 @@
-//! A whole push by a model of its steps, with its uncertainty.
+//! A model of steps and the pusher's path go in, the whole push comes out, with its uncertainty.
 
 pub(crate) mod measurements;
 pub(crate) mod step_correlation;

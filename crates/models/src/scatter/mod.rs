@@ -1,4 +1,5 @@
-//! Recorded pushes and a model that has not seen them go in, how the errors of steps go together comes out.
+//! Recorded pushes and a model that has not seen them go in, how the errors of steps go together
+//! comes out.
 
 pub(crate) mod end_check;
 pub(crate) mod error_products;

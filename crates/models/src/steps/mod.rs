@@ -1,4 +1,5 @@
-//! A step table goes in, steps and whole pushes come out, as models see them and with what was observed.
+//! A step table goes in, steps and whole pushes come out, as models see them and with what was
+//! observed.
 
 pub(crate) mod channel_steps;
 pub(crate) mod contact_gap;

@@ -1,4 +1,5 @@
-//! What is true of a rig and the path of its tip go in, the motion and the forces of one push come out.
+//! What is true of a rig and the path of its tip go in, the motion and the forces of one push come
+//! out.
 
 pub(crate) mod balance;
 pub(crate) mod energy;
