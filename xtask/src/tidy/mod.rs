@@ -18,6 +18,7 @@ mod project;
 mod rust_code;
 mod size;
 mod spread_name;
+mod test_binary;
 mod top_level;
 mod unfinished;
 mod unit_suffix;
@@ -73,6 +74,7 @@ const RULES: &[Rule] = &[
     module_name::RULE,
     size::RULE,
     spread_name::RULE,
+    test_binary::RULE,
     top_level::RULE,
     unfinished::RULE,
     unit_suffix::RULE,
