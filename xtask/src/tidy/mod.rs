@@ -20,6 +20,7 @@ mod project;
 mod rust_code;
 mod size;
 mod spread_name;
+mod test_binary;
 mod top_level;
 mod unfinished;
 mod unit_suffix;
@@ -77,6 +78,7 @@ const RULES: &[Rule] = &[
     module_name::RULE,
     size::RULE,
     spread_name::RULE,
+    test_binary::RULE,
     top_level::RULE,
     unfinished::RULE,
     unit_suffix::RULE,

@@ -37,6 +37,8 @@ pub(super) struct Crate {
     pub(super) is_library: bool,
     /// Root files of its library and programs.
     pub(super) roots: Vec<String>,
+    /// Root files of its programs of integration tests.
+    pub(super) test_roots: Vec<String>,
     /// Other members that it depends on, in any dependency table.
     pub(super) imports: Vec<String>,
     /// Keys that its manifest leaves unset.
@@ -173,13 +175,18 @@ fn load_crates(metadata: &Metadata) -> Result<Vec<Crate>> {
     let load = |package: &&Package| {
         let name = package.name.to_string();
         let folder = package.manifest_path.parent().map(relative).unwrap_or_default();
-        let is_root = |kind: &TargetKind| matches!(kind, TargetKind::Lib | TargetKind::Bin);
-        let roots = package.targets.iter().filter(|target| target.kind.iter().any(is_root));
+        let paths_of = |kinds: &[TargetKind]| {
+            let targets = package.targets.iter();
+            let of_kind =
+                targets.filter(|target| target.kind.iter().any(|kind| kinds.contains(kind)));
+            of_kind.map(|target| relative(&target.src_path)).collect()
+        };
         let imports = package.dependencies.iter().map(|dependency| dependency.name.clone());
         Ok(Crate {
             folder,
             is_library: package.targets.iter().any(|target| target.is_lib()),
-            roots: roots.map(|target| relative(&target.src_path)).collect(),
+            roots: paths_of(&[TargetKind::Lib, TargetKind::Bin]),
+            test_roots: paths_of(&[TargetKind::Test]),
             imports: imports.filter(|import| names.contains(import)).collect(),
             unset_keys: unset_keys(package),
             pulls_in: if LIGHT.contains(&name.as_str()) { tree(&name)? } else { BTreeSet::new() },

@@ -1,0 +1,7 @@
+//! What comparisons, splits and screens obey, from outside the crate.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+mod rollout;
+mod screen_laws;
+mod split;

@@ -1,0 +1,10 @@
+//! What the effects obey, one by one and together.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+mod any_values;
+mod exact_push;
+mod extremes;
+mod known_answers;
+mod laws;
+mod separation;

@@ -1,0 +1,158 @@
+//! Linear means and mean functions.
+
+use faer::Mat;
+use gp_core::{
+    Gp, GpError, GpModel, HeteroscedasticGp, LearnOptions, Mean, Posterior, SquaredExponential,
+    WithMean,
+};
+
+const NOISE_VARIANCE: f64 = 0.02;
+
+fn kernel(scale: f64) -> SquaredExponential {
+    SquaredExponential::new(&[0.8, 1.1], 0.7 * scale * scale).unwrap()
+}
+
+fn inputs(n: usize, seed: f64) -> Mat<f64> {
+    Mat::from_fn(n, 2, |i, d| 2.0 * (1.7 * (2 * i + d) as f64 + seed).sin() + 5.0)
+}
+
+fn outputs(x: &Mat<f64>) -> Vec<f64> {
+    (0..x.nrows()).map(|i| (2.0 * x[(i, 0)]).sin() + 0.3 * x[(i, 1)].powi(2)).collect()
+}
+
+fn plane(x: &Mat<f64>, i: usize) -> f64 {
+    2.0 - 3.0 * x[(i, 0)] + 0.5 * x[(i, 1)]
+}
+
+fn fit(x: &Mat<f64>, y: &[f64]) -> Gp {
+    Gp::fit_with_mean(kernel(1.0), x.as_ref(), y, NOISE_VARIANCE, Mean::Linear).unwrap()
+}
+
+#[test]
+fn a_plane_is_found_exactly_and_continued_far_away() {
+    let x = inputs(12, 0.0);
+    let y: Vec<f64> = (0..12).map(|i| plane(&x, i)).collect();
+    let gp = fit(&x, &y);
+    assert!((gp.mean() - 2.0).abs() < 1e-10);
+    assert!((gp.mean_slopes()[0] + 3.0).abs() < 1e-11 && (gp.mean_slopes()[1] - 0.5).abs() < 1e-11);
+    let far = Mat::from_fn(4, 2, |i, d| 100.0 * (i + d) as f64 - 70.0);
+    let mean = gp.predict_mean(far.as_ref()).unwrap();
+    assert!((0..4).all(|i| (mean[i] - plane(&far, i)).abs() < 1e-8), "{mean:?}");
+    let slopes = gp.mean_gradient(far.as_ref()).unwrap();
+    assert!((0..4).all(|i| (slopes[(i, 0)] + 3.0).abs() < 1e-9));
+}
+
+#[test]
+fn a_plane_added_to_the_outputs_is_added_to_the_predictions() {
+    let (x, x_star) = (inputs(15, 0.0), inputs(6, 0.4));
+    let y = outputs(&x);
+    let (mean, variance) = fit(&x, &y).predict(x_star.as_ref()).unwrap();
+    let scale = -7.0;
+    let moved: Vec<f64> = (0..15).map(|i| scale * y[i] + plane(&x, i)).collect();
+    let noise = scale * scale * NOISE_VARIANCE;
+    let gp = Gp::fit_with_mean(kernel(scale), x.as_ref(), &moved, noise, Mean::Linear).unwrap();
+    let (moved_mean, moved_variance) = gp.predict(x_star.as_ref()).unwrap();
+    for i in 0..6 {
+        let expected = scale * mean[i] + plane(&x_star, i);
+        assert!((moved_mean[i] - expected).abs() < 1e-10 * (1.0 + expected.abs()));
+        assert!((moved_variance[i] - scale * scale * variance[i]).abs() < 1e-11);
+    }
+}
+
+#[test]
+fn slopes_of_the_likelihood_equal_finite_differences() {
+    let x = inputs(15, 0.0);
+    let y = outputs(&x);
+    let values = [0.8, 1.1, 0.7, NOISE_VARIANCE];
+    let likelihood = |values: [f64; 4]| {
+        let kernel = SquaredExponential::new(&values[..2], values[2]).unwrap();
+        Gp::fit_with_mean(kernel, x.as_ref(), &y, values[3], Mean::Linear).unwrap()
+    };
+    let gradient = likelihood(values).log_marginal_likelihood_gradient().unwrap();
+    for (p, slope) in gradient.iter().enumerate() {
+        let moved = |h: f64| {
+            let mut values = values;
+            values[p] *= h.exp();
+            likelihood(values).log_marginal_likelihood()
+        };
+        let expected = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+        assert!((slope - expected).abs() < 1e-6 * (1.0 + slope.abs()), "{p} {slope} {expected}");
+    }
+}
+
+#[test]
+fn rows_come_and_go_and_models_are_saved_with_a_linear_mean() {
+    let x = inputs(15, 0.0);
+    let y = outputs(&x);
+    let mut gp = fit(&x, &y);
+    let model: GpModel =
+        serde_json::from_str(&serde_json::to_string(&gp.to_model().unwrap()).unwrap()).unwrap();
+    let x_star = inputs(6, 0.4);
+    let expected = gp.predict(x_star.as_ref()).unwrap();
+    assert_eq!(Gp::from_model(&model).unwrap().predict(x_star.as_ref()).unwrap(), expected);
+    gp.remove_row(0).unwrap();
+    gp.add_row(&[x[(0, 0)], x[(0, 1)]], y[0], 0.0).unwrap();
+    let mean = gp.predict_mean(x_star.as_ref()).unwrap();
+    assert!((0..6).all(|i| (mean[i] - expected.0[i]).abs() < 1e-9));
+}
+
+#[test]
+fn a_process_with_changing_noise_learns_no_slopes() {
+    let x = inputs(12, 0.0);
+    let options = LearnOptions { mean: Mean::Linear, ..LearnOptions::default() };
+    let found =
+        HeteroscedasticGp::learn(kernel(1.0), kernel(1.0), x.as_ref(), &outputs(&x), &options);
+    assert_eq!(found.unwrap_err(), GpError::LinearMean);
+}
+
+#[test]
+fn a_linear_mean_is_learnt_with_the_hyperparameters() {
+    let x = inputs(40, 0.0);
+    let wave = |x: f64| 0.2 * (3.0 * x).sin();
+    let y: Vec<f64> = (0..40).map(|i| plane(&x, i) + wave(x[(i, 0)])).collect();
+    let learn = |mean| {
+        let options = LearnOptions { mean, ..LearnOptions::default() };
+        let kernel = SquaredExponential::unit(2).unwrap();
+        Gp::learn(kernel, x.as_ref(), &y, &options).unwrap().0
+    };
+    let (linear, constant) = (learn(Mean::Linear), learn(Mean::Estimated));
+    assert!(linear.log_marginal_likelihood() > constant.log_marginal_likelihood() + 3.0);
+    assert!((linear.mean_slopes()[1] - 0.5).abs() < 0.05, "{:?}", linear.mean_slopes());
+}
+
+#[test]
+fn a_constant_mean_function_is_a_fixed_mean() {
+    let (x, x_star) = (inputs(15, 0.0), inputs(6, 0.4));
+    let y = outputs(&x);
+    let fixed = |mean, y: &[f64]| {
+        Gp::fit_with_mean(kernel(1.0), x.as_ref(), y, NOISE_VARIANCE, Mean::Fixed(mean))
+    };
+    let about = WithMean::fit(|_: &[f64]| 1.5, x.as_ref(), &y, |y| fixed(0.0, y)).unwrap();
+    let expected = fixed(1.5, &y).unwrap();
+    let close = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+    let (mean, variance) = about.predict_observation(x_star.as_ref()).unwrap();
+    let (expected_mean, expected_variance) = expected.predict_observation(x_star.as_ref()).unwrap();
+    assert!(close(&mean, &expected_mean) && close(&variance, &expected_variance));
+    let joint = about.predict_joint(x_star.as_ref()).unwrap();
+    assert!(close(joint.mean(), &expected_mean));
+}
+
+#[test]
+fn far_from_all_data_the_physics_is_left() {
+    let x = inputs(15, 0.0);
+    let y = outputs(&x);
+    let physics = |x: &[f64]| 0.3 * x[1] * x[1];
+    let hybrid = WithMean::fit(physics, x.as_ref(), &y, |residuals| {
+        Gp::fit_with_mean(kernel(1.0), x.as_ref(), residuals, NOISE_VARIANCE, Mean::Fixed(0.0))
+    });
+    let far = Mat::from_fn(1, 2, |_, _| 60.0);
+    let mean = hybrid.unwrap().predict_mean(far.as_ref()).unwrap();
+    assert!((mean[0] - 0.3 * 3600.0).abs() < 1e-9);
+    let broken = WithMean::fit(
+        |_: &[f64]| f64::NAN,
+        x.as_ref(),
+        &y,
+        |y| Gp::fit(kernel(1.0), x.as_ref(), y, NOISE_VARIANCE),
+    );
+    assert!(matches!(broken.unwrap_err(), GpError::NotFinite { what: "mean function", .. }));
+}

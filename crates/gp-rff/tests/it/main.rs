@@ -1,0 +1,8 @@
+//! What processes on random features obey, from outside the crate.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+mod bad_input;
+mod laws;
+mod learning;
+mod uncertain_inputs;

@@ -1,0 +1,9 @@
+//! What sparse processes obey, from outside the crate.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+mod bad_input;
+mod laws;
+mod learning;
+mod reference;
+mod uncertain_inputs;

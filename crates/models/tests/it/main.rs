@@ -1,0 +1,13 @@
+//! What the models obey, from outside the crate.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+mod beside_physics;
+mod effects;
+mod estimation;
+mod fast_roll_out;
+mod laws;
+mod schema;
+mod several_shapes;
+mod true_outline;
+mod without_particles;

@@ -1,0 +1,197 @@
+//! `docs/model.schema.json` against the files that are written and the rules of the reader.
+
+use models::{
+    Analytical, CharacteristicLength, Cluster, Description, Estimate, GpPushModel, Hybrid,
+    ModelEffect, ModelFile, ProcessKind, PushModel, Split, StepFeatures, StepInput,
+    StepObservation, SurfaceKind, Training, learn_options, model_kinds,
+};
+use nalgebra::{Matrix3, Vector3};
+use planar::Shape;
+use serde_json::{Value, json};
+use std::sync::Arc;
+
+fn schema() -> Value {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/model.schema.json");
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Whether a value obeys a schema made of the words that ours uses.
+fn obeys(value: &Value, schema: &Value, root: &Value) -> bool {
+    let Value::Object(rules) = schema else { return schema.as_bool().unwrap() };
+    rules.iter().all(|(word, rule)| obeys_word(value, word, rule, rules, root))
+}
+
+fn obeys_word(
+    value: &Value,
+    word: &str,
+    rule: &Value,
+    rules: &serde_json::Map<String, Value>,
+    root: &Value,
+) -> bool {
+    let length = || match value {
+        Value::Array(items) => items.len() as u64,
+        Value::String(text) => text.chars().count() as u64,
+        _ => 0,
+    };
+    match word {
+        "$schema" | "$id" | "$defs" | "title" | "description" | "default" => true,
+        "$ref" => obeys(value, root.pointer(&rule.as_str().unwrap()[1..]).unwrap(), root),
+        "const" => value == rule,
+        "enum" => rule.as_array().unwrap().contains(value),
+        "type" => match rule.as_str().unwrap() {
+            "object" => value.is_object(),
+            "array" => value.is_array(),
+            "string" => value.is_string(),
+            "integer" => value.is_i64(),
+            "number" => value.is_number(),
+            other => panic!("type {other}"),
+        },
+        "minimum" => value.as_f64().is_none_or(|number| number >= rule.as_f64().unwrap()),
+        "maximum" => value.as_f64().is_none_or(|number| number <= rule.as_f64().unwrap()),
+        "minItems" | "minLength" => length() >= rule.as_u64().unwrap(),
+        "maxItems" | "maxLength" => length() <= rule.as_u64().unwrap(),
+        "items" => value.as_array().unwrap().iter().all(|item| obeys(item, rule, root)),
+        "required" => {
+            rule.as_array().unwrap().iter().all(|key| value.get(key.as_str().unwrap()).is_some())
+        }
+        "properties" => rule
+            .as_object()
+            .unwrap()
+            .iter()
+            .all(|(key, rule)| value.get(key).is_none_or(|value| obeys(value, rule, root))),
+        "additionalProperties" => {
+            let known = |key: &str| rules.get("properties").is_some_and(|of| of.get(key).is_some());
+            let of = value.as_object();
+            of.is_none_or(|of| of.iter().all(|(key, item)| known(key) || obeys(item, rule, root)))
+        }
+        "oneOf" => {
+            rule.as_array().unwrap().iter().filter(|rule| obeys(value, rule, root)).count() == 1
+        }
+        other => panic!("the schema uses {other}, which this test does not know"),
+    }
+}
+
+/// A description as the JSON of its `model.toml`.
+fn written(description: &Description) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.toml");
+    let description = description.clone();
+    let split = Some(Split {
+        set: "00ff".into(),
+        seed: 7,
+        cluster: Cluster::Push,
+        fit: vec!["push-0#0".into(), "push-0#1".into()],
+        confirm: vec!["push-1#0".into()],
+        confirm_set: Some("ff00".into()),
+    });
+    let file = ModelFile { name: "x".into(), description, split };
+    file.write(&path).unwrap();
+    assert_eq!(ModelFile::read(&path).unwrap(), file);
+    toml::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap()
+}
+
+fn models() -> Vec<Box<dyn PushModel>> {
+    let nominal = Analytical::nominal(0.25).unwrap();
+    let shape = Arc::new(Shape::square(0.09).unwrap());
+    let step = |k: u32| {
+        let (p, beta) = (f64::from(k) / 20.0, f64::from(k * 7 % 20) / 20.0 - 0.5);
+        let bare = StepInput::on_edge(shape.clone(), 0.005, 1, p, beta, 0.004).unwrap();
+        let input = bare.lasting(0.1 + 0.01 * f64::from(k * 11 % 20)).unwrap();
+        let noise = 1e-5 * f64::from(k * 13 % 7);
+        let outputs = input.outputs(&nominal.motion(&input).unwrap()) + Vector3::repeat(noise);
+        StepObservation { input, outputs }
+    };
+    let steps: Vec<_> = (0..=20).map(step).collect();
+    let features = StepFeatures { speed: true, ..StepFeatures::default() };
+    let training = Training { features, ..Training::with(ProcessKind::Rff) };
+    let length = CharacteristicLength::Given(Estimate::exact(0.035, "test"));
+    let given = Analytical::new(Estimate::exact(0.2, "test"), length, Matrix3::identity());
+    let on = |surface| nominal.clone().with_surface(surface).unwrap();
+    vec![
+        Box::new(nominal.clone()),
+        Box::new(given.unwrap()),
+        Box::new(on(SurfaceKind::UniformPatch)),
+        Box::new(on(SurfaceKind::Points { n_points: 9 })),
+        Box::new(on(SurfaceKind::Quartic)),
+        Box::new(GpPushModel::learn(&steps, &learn_options()).unwrap().0),
+        Box::new(Hybrid::learn(nominal.clone(), &steps, &learn_options()).unwrap().0),
+        Box::new(Hybrid::train(&nominal.describe().unwrap(), None, &steps, &training).unwrap().0),
+        Box::new(GpPushModel::train(&steps, &training).unwrap().0),
+    ]
+}
+
+#[test]
+fn a_file_with_every_effect_obeys_the_schema() {
+    let schema = schema();
+    let rig = effects::Rig::new(effects::Surface::Ellipsoid, 0.25, 0.25).unwrap();
+    let setting = |effect: &&'static dyn effects::Effect| {
+        let about = effect.about();
+        ModelEffect::from(effects::Setting::new(about, &about.typical(&rig)))
+    };
+    let nominal = Analytical::nominal(0.25).unwrap().describe().unwrap();
+    let effects = effects::all().iter().map(setting).collect();
+    let file = written(&Description { effects, ..nominal });
+    assert!(obeys(&file, &schema, &schema), "{file:#}");
+    let ids: Vec<_> = effects::all().iter().map(|effect| effect.about().id).collect();
+    assert_eq!(schema.pointer("/$defs/effect/properties/id/enum").unwrap(), &json!(ids));
+}
+
+#[test]
+fn every_file_that_is_written_obeys_the_schema() {
+    let schema = schema();
+    for model in models() {
+        let file = written(&model.describe().unwrap());
+        assert!(obeys(&file, &schema, &schema), "{file:#}");
+    }
+}
+
+#[test]
+fn the_schema_refuses_what_the_reader_refuses() {
+    let schema = schema();
+    let good = written(&Analytical::nominal(0.25).unwrap().describe().unwrap());
+    for (pointer, key, value) in [
+        ("", "schema", json!("pushlab.model/9")),
+        ("", "effects", json!([{ "id": "table-tilt" }])),
+        ("", "effects", json!([{ "id": "oracle", "parameters": {} }])),
+        ("", "effects", json!([{ "id": "inertia", "parameters": { "kappa": 1.0 } }])),
+        ("", "effects", json!([{ "id": "inertia", "parameters": { "kappa": { "value": "on" } } }])),
+        ("", "extra", json!(1)),
+        ("", "learned", json!({})),
+        ("", "learned", json!({ "weights": "w", "sha256": "0", "inputs": ["beta_rad", "p"] })),
+        ("", "split", json!({ "set": "", "seed": 7, "cluster": "push", "fit": ["a#0"] })),
+        ("/split", "cluster", json!("block")),
+        ("/split", "confirm", json!([])),
+        ("/split", "seed", json!(-1)),
+        ("/base", "kind", json!("oracle")),
+        ("/base", "kind", json!("gp")),
+        ("/base", "kind", json!("hybrid")),
+        ("/base", "limit_surface", json!("sphere")),
+        ("/base", "pressure", json!("rim")),
+        ("/base", "n_points", json!(9)),
+        ("/base", "characteristic_length", json!({ "value": 0.03 })),
+        ("/base", "scatter_per_m", json!([[1.0, 0.0, 0.0]])),
+        ("/base/pusher_friction", "value", json!(-0.25)),
+        ("/base/pusher_friction", "value", json!(1e308)),
+        ("/base/pusher_friction", "se", json!(-1e9)),
+        ("/base/pusher_friction", "se", json!(1e308)),
+        ("/base/pusher_friction", "se", json!("small")),
+        ("/base/pusher_friction", "sd", json!(0.0)),
+    ] {
+        let mut file = good.clone();
+        file.pointer_mut(pointer).unwrap()[key] = value;
+        assert!(!obeys(&file, &schema, &schema), "{pointer}/{key}");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("model.toml");
+        std::fs::write(&path, toml::to_string(&file).unwrap()).unwrap();
+        assert!(ModelFile::read(&path).is_err(), "{pointer}/{key}");
+    }
+}
+
+#[test]
+fn the_schema_lists_the_kinds_and_surfaces_that_there_are() {
+    let schema = schema();
+    let kinds: Vec<_> = model_kinds().iter().map(|kind| kind.id).collect();
+    assert_eq!(schema.pointer("/$defs/base/properties/kind/enum").unwrap(), &json!(kinds));
+    let surfaces = schema.pointer("/$defs/base/properties/limit_surface/enum").unwrap();
+    assert_eq!(surfaces, &json!(SurfaceKind::NAMES));
+}

@@ -1,0 +1,25 @@
+//! The command-line tool, run as its users run it, and what it says of recordings read wrongly.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+mod bad_input;
+mod checked;
+mod commands;
+mod comparison;
+mod contradicting;
+mod demonstrated;
+mod diagnosed;
+mod diagnosing;
+mod documentation;
+mod fitting;
+mod generated;
+mod killed;
+mod misread_data;
+mod report_page;
+mod schema;
+mod simulated;
+mod small_set;
+mod suggested;
+mod trained;
+mod usage;
+mod written;
