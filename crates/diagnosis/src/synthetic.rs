@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use dataset::{RecordingSet, SupportSpec, ingest};
+use dataset::{Manifest, RecordingSet, StepRow, SupportSpec, Table, ingest};
 use effects::{Object, StepInput, Track};
 use models::{Analytical, ChannelObservation, Cluster, Description, PushModel, SetAside};
 use nalgebra::{DMatrix, DVector, Vector2};
@@ -12,6 +12,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::data::observations::Place;
+use crate::predict::tangent::Tangent;
 use crate::{
     Floor, FloorSource, NoiseFloor, Observations, Predictions, PushName, Whitening, steady_ingest,
 };
@@ -103,6 +104,25 @@ pub(crate) const NOISE: [f64; 7] = [3e-5, 3e-5, 1.5e-3, 0.05, 0.05, 5e-5, 5e-5];
 
 /// The recorded pushes, taken in so many sessions, and the thesis' nominal model.
 pub(crate) fn recorded(n_sessions: u32) -> (Observations, Description) {
+    let (table, manifest) = recorded_table(n_sessions);
+    described(&table, &manifest)
+}
+
+/// A third of the steps of the same pushes, each of which is repeated in its session.
+pub(crate) fn repeated(n_sessions: u32, n_copies: usize) -> (Observations, Description) {
+    let (mut table, manifest) = recorded_table(n_sessions);
+    table.rows.retain(|row| row.step % 3 == 1);
+    let copy = |k: usize| {
+        let named = |row: &StepRow| format!("{}-{k}", row.recording).into();
+        let rows =
+            table.rows.iter().map(move |row| StepRow { recording: named(row), ..row.clone() });
+        rows.collect::<Vec<_>>()
+    };
+    table.rows = (0..n_copies).flat_map(copy).collect();
+    described(&table, &manifest)
+}
+
+fn recorded_table(n_sessions: u32) -> (Table, Manifest) {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/pushes");
     let set = RecordingSet::open(folder.as_ref()).unwrap();
     let mut table = ingest(&set, &steady_ingest()).unwrap().0;
@@ -110,8 +130,65 @@ pub(crate) fn recorded(n_sessions: u32) -> (Observations, Description) {
         let session = row.recording[5..].parse::<u32>().unwrap() % n_sessions;
         row.session = Some(format!("day {session}").into());
     }
-    let model = Analytical::nominal(set.manifest().pusher.friction).unwrap().describe().unwrap();
-    (Observations::steady(&table, set.manifest()).unwrap(), model)
+    (table, set.manifest().clone())
+}
+
+fn described(table: &Table, manifest: &Manifest) -> (Observations, Description) {
+    let model = Analytical::nominal(manifest.pusher.friction).unwrap().describe().unwrap();
+    (Observations::steady(table, manifest).unwrap(), model)
+}
+
+/// Pushes of a model that is true but for what differs from session to session.
+pub(crate) struct SessionErrors {
+    /// The pushes, as recorded.
+    pub(crate) observations: Observations,
+    /// The model.
+    pub(crate) model: Description,
+    /// Its slopes on them.
+    pub(crate) tangent: Tangent,
+    /// Coordinates of what differs, with their standard deviations.
+    sizes: Vec<(usize, f64)>,
+}
+
+impl SessionErrors {
+    /// - `differs`: effects that differ from session to session, and by what standard deviation in
+    ///   the unit of their coordinates.
+    pub(crate) fn of(
+        (observations, model): (Observations, Description),
+        differs: &[(&str, f64)],
+    ) -> Self {
+        let tangent = Tangent::of(&model, &[], &observations).unwrap();
+        let of = |(id, sd): &(&str, f64)| {
+            let mut effects = tangent.candidates.effects.iter();
+            let found = effects.find(|one| one.effect.about().id == *id).unwrap();
+            let sd = *sd;
+            found.coordinates.clone().map(move |k| (k, sd))
+        };
+        let sizes = differs.iter().flat_map(of).collect();
+        Self { observations, model, tangent, sizes }
+    }
+
+    /// The pushes as observed with errors that those of a session share and noise of [`NOISE`];
+    /// `lasting` is what all sessions have of the former, in their standard deviations.
+    pub(crate) fn observed(&self, seed: u64, lasting: f64) -> Observations {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut draw = |(k, sd): &(usize, f64)| (*k, sd * (normal(&mut rng) + lasting));
+        let last = self.observations.steps.iter().map(|step| step.input.session).max();
+        let session = |_| self.sizes.iter().map(&mut draw).collect();
+        let sessions: Vec<Vec<(usize, f64)>> = (0..=last.unwrap_or(0)).map(session).collect();
+        let mut observed = self.observations.clone();
+        for (index, step) in observed.steps.iter_mut().enumerate() {
+            let of_session = &sessions[step.input.session as usize];
+            for (number, value) in step.observed.iter_mut().enumerate() {
+                let slope = |k: usize| self.tangent.slopes(k)[index][number];
+                let shared: f64 = of_session.iter().map(|(k, size)| size * slope(*k)).sum();
+                let predicted = self.tangent.linearisation.predicted[index][number];
+                let noise = NOISE[number] * normal(&mut rng);
+                value.iter_mut().for_each(|value| *value = predicted + shared + noise);
+            }
+        }
+        observed
+    }
 }
 
 /// The covariance of noise of [`NOISE`].

@@ -146,3 +146,70 @@ pub fn diagnose(
     };
     Ok(Diagnosed { diagnosis, description: found.description })
 }
+
+#[cfg(test)]
+mod tests {
+    use models::Cluster;
+
+    use super::{DiagnoseSettings, Diagnosis, Verdict, diagnose};
+    use crate::Observations;
+    use crate::synthetic::{SessionErrors, repeated};
+
+    /// Twenty sessions leave fifteen to fit to: flips of fewer than thirteen make no name sure.
+    const N_SESSIONS: u32 = 20;
+    /// Six pushes a session, which share 6 mm of the friction center's offset.
+    const SHARED: [(&str, f64); 1] = [("friction-center-offset", 6e-3)];
+
+    fn diagnosed((observed, seed): (&Observations, u64), sessions: &SessionErrors) -> Diagnosis {
+        let settings = DiagnoseSettings { seed, ..DiagnoseSettings::default() };
+        diagnose(observed, &sessions.model, &settings).unwrap().diagnosis
+    }
+
+    fn names(found: &Diagnosis) -> bool {
+        matches!(found.verdict, Verdict::Named | Verdict::OneOf)
+    }
+
+    fn claims(found: &Diagnosis) -> bool {
+        names(found) || found.verdict == Verdict::StructureUnexplained
+    }
+
+    /// `PUSHLAB_SESSION_SETS` sets, two of them else.
+    #[test]
+    fn what_sessions_share_is_no_effect_and_no_structure() {
+        let sets = std::env::var("PUSHLAB_SESSION_SETS").ok();
+        let n_sets: u64 = sets.map_or(2, |n| n.parse().unwrap());
+        let (all, model) = repeated(N_SESSIONS, 2);
+        let sessions = SessionErrors::of((all, model), &SHARED);
+        let found = |seed: u64| {
+            let found = diagnosed((&sessions.observed(seed, 0.0), seed), &sessions);
+            assert_eq!(found.data.clusters_fitted.map(|fitted| fitted.n), Some(15));
+            assert_eq!(found.data.clusters_missing, Some(0));
+            found
+        };
+        let found: Vec<Diagnosis> = (1..=n_sets).map(found).collect();
+        let [named, claimed] =
+            [names, claims].map(|is| found.iter().filter(|found| is(found)).count() as u64);
+        println!("{named} named, {claimed} named or with structure, of {n_sets}");
+        assert!(100 * named <= n_sets && 20 * claimed <= n_sets, "{named}, {claimed} of {n_sets}");
+    }
+
+    /// Else the law above says nothing.
+    #[test]
+    fn pushes_as_clusters_make_structure_of_what_sessions_share() {
+        let (all, model) = repeated(N_SESSIONS, 2);
+        let sessions = SessionErrors::of((all, model), &SHARED);
+        let mut observed = sessions.observed(1, 0.0);
+        observed.cluster = Cluster::Push;
+        observed.cluster_of.clone_from(&observed.push_of);
+        let found = diagnosed((&observed, 1), &sessions);
+        assert!(claims(&found), "{}", found.sentence);
+    }
+
+    #[test]
+    fn what_all_sessions_share_is_named() {
+        let (all, model) = repeated(N_SESSIONS, 1);
+        let sessions = SessionErrors::of((all, model), &[("friction-center-offset", 1e-3)]);
+        let found = diagnosed((&sessions.observed(1, 6.0), 1), &sessions);
+        assert_eq!(found.named, ["friction-center-offset"], "{}", found.sentence);
+    }
+}

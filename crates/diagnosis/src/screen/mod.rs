@@ -46,13 +46,10 @@ pub(crate) fn screen_at(
 #[cfg(test)]
 mod tests {
     use models::Cluster;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
 
     use super::{Screen, ScreenSettings, screen_at};
-    use crate::predict::tangent::Tangent;
-    use crate::synthetic::{NOISE, normal, recorded, white};
-    use crate::{Observations, Whitening, split};
+    use crate::split;
+    use crate::synthetic::{SessionErrors, recorded, white};
 
     /// What differs from session to session, and by what standard deviation in its unit.
     const SESSIONS: [(&str, f64); 7] = [
@@ -66,70 +63,39 @@ mod tests {
     ];
     const N_SESSIONS: u32 = 15;
 
-    /// The part to fit to of pushes that were recorded in fifteen sessions, with its slopes.
-    struct Sessions {
-        fitted: Observations,
-        tangent: Tangent,
-        whitening: Whitening,
-        /// Coordinates of what differs, with their standard deviations.
-        sizes: Vec<(usize, f64)>,
+    /// The part to fit to of pushes that were recorded in fifteen sessions.
+    fn sessions() -> SessionErrors {
+        let (all, model) = recorded(N_SESSIONS);
+        let fitted = all.part(&split(&all, 7).unwrap().fit).unwrap();
+        SessionErrors::of((fitted, model), &SESSIONS)
     }
 
-    impl Sessions {
-        fn new() -> Self {
-            let (all, model) = recorded(N_SESSIONS);
-            let fitted = all.part(&split(&all, 7).unwrap().fit).unwrap();
-            let tangent = Tangent::of(&model, &[], &fitted).unwrap();
-            let of = |(id, sd): (&str, f64)| {
-                let mut effects = tangent.candidates.effects.iter();
-                let found = effects.find(|one| one.effect.about().id == id).unwrap();
-                found.coordinates.clone().map(move |k| (k, sd))
-            };
-            let sizes = SESSIONS.into_iter().flat_map(of).collect();
-            Self { whitening: white(&fitted), fitted, tangent, sizes }
-        }
+    /// The screen of a set in which nothing is missing but what differs from session to session;
+    /// `lasting` is what all sessions have of it, in its standard deviations.
+    fn screened(sessions: &SessionErrors, seed: u64, lasting: f64) -> Screen {
+        let settings = ScreenSettings { n_flips: 999, seed, ..ScreenSettings::default() };
+        let whitening = white(&sessions.observations);
+        screen_at(&sessions.tangent, &sessions.observed(seed, lasting), &whitening, &settings)
+    }
 
-        /// The screen of a set in which nothing is missing but what differs from session to session;
-        /// `lasting` is what all sessions have of it, in its standard deviations.
-        fn screen(&self, seed: u64, lasting: f64) -> Screen {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            let mut draw = |(k, sd): &(usize, f64)| (*k, sd * (normal(&mut rng) + lasting));
-            let session = |_| self.sizes.iter().map(&mut draw).collect();
-            let sessions: Vec<Vec<(usize, f64)>> = (0..N_SESSIONS).map(session).collect();
-            let mut observed = self.fitted.clone();
-            for (index, step) in observed.steps.iter_mut().enumerate() {
-                let of_session = &sessions[step.input.session as usize];
-                for (number, value) in step.observed.iter_mut().enumerate() {
-                    let slope = |k: usize| self.tangent.slopes(k)[index][number];
-                    let shared: f64 = of_session.iter().map(|(k, size)| size * slope(*k)).sum();
-                    let predicted = self.tangent.linearisation.predicted[index][number];
-                    let noise = NOISE[number] * normal(&mut rng);
-                    value.iter_mut().for_each(|value| *value = predicted + shared + noise);
-                }
-            }
-            let settings = ScreenSettings { n_flips: 999, seed, ..ScreenSettings::default() };
-            screen_at(&self.tangent, &observed, &self.whitening, &settings)
-        }
-
-        /// Sets in which some effect has an adjusted probability of at most 0.05.
-        fn alarms(&self, n_sets: u64, lasting: f64) -> usize {
-            let is_alarm = |seed: &u64| {
-                let found = self.screen(*seed, lasting);
-                found.effects.iter().any(|effect| effect.p_adjusted <= 0.05)
-            };
-            (0..n_sets).filter(is_alarm).count()
-        }
+    /// Sets in which some effect has an adjusted probability of at most 0.05.
+    fn alarms(sessions: &SessionErrors, n_sets: u64, lasting: f64) -> usize {
+        let is_alarm = |seed: &u64| {
+            let found = screened(sessions, *seed, lasting);
+            found.effects.iter().any(|effect| effect.p_adjusted <= 0.05)
+        };
+        (0..n_sets).filter(is_alarm).count()
     }
 
     #[test]
     fn what_differs_from_session_to_session_is_no_effect() {
-        let sessions = Sessions::new();
-        let calibration = sessions.screen(0, 0.0).calibration;
+        let sessions = sessions();
+        let calibration = screened(&sessions, 0, 0.0).calibration;
         assert_eq!((calibration.cluster, calibration.n_clusters), (Cluster::Session, 11));
         // 95 % of binomial counts of 80 draws at 0.05 are at most 7.
-        let n = sessions.alarms(80, 0.0);
+        let n = alarms(&sessions, 80, 0.0);
         assert!(n <= 7, "{n} of 80 where at most 4 are expected");
-        let n = sessions.alarms(10, 3.0);
+        let n = alarms(&sessions, 10, 3.0);
         assert!(n >= 8, "{n} of 10 that all sessions share");
     }
 }
