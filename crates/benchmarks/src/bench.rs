@@ -6,8 +6,8 @@ use anyhow::{Context, Result};
 use clap::builder::PossibleValuesParser;
 use validation::workspace_root;
 
+use crate::benchmark::{Benchmark, Sizes};
 use crate::report::publish;
-use crate::timing::Row;
 use crate::{
     contact, diagnosis, effects, filter, gp, gp_rff, gp_sparse, ingest, matching, peers, plant,
     push,
@@ -19,9 +19,8 @@ pub struct Args {
     /// Benchmarks to run [default: all]
     #[arg(value_parser = PossibleValuesParser::new(BENCHMARKS.iter().map(|benchmark| benchmark.name)))]
     names: Vec<String>,
-    /// Sizes of the sets that are diagnosed
-    #[arg(long, value_delimiter = ',', value_name = "N", default_value = "100,1000,10000,100000")]
-    pub(crate) pushes: Vec<usize>,
+    #[command(flatten)]
+    sizes: Sizes,
     /// Time other libraries' Gaussian processes beside ours instead, on the same data
     #[arg(long)]
     peers: bool,
@@ -48,18 +47,11 @@ pub fn run(args: &Args) -> Result<()> {
     let is_chosen = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
     for benchmark in BENCHMARKS.iter().filter(|benchmark| is_chosen(benchmark.name)) {
         println!("{}: {}", benchmark.name, benchmark.about);
-        (benchmark.rows)(args)
+        (benchmark.rows)(&args.sizes)
             .and_then(|rows| publish(benchmark.name, &rows, &folder))
             .with_context(|| format!("benchmark `{}`", benchmark.name))?;
     }
     Ok(())
-}
-
-/// What is timed, what `size` counts and what the reference is, in one line; and how.
-pub(crate) struct Benchmark {
-    pub(crate) name: &'static str,
-    pub(crate) about: &'static str,
-    pub(crate) rows: fn(&Args) -> Result<Vec<Row>>,
 }
 
 const BENCHMARKS: &[Benchmark] = &[

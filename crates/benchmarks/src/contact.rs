@@ -6,7 +6,7 @@ use anyhow::Result;
 use nalgebra::Vector2;
 use planar::{MIT_NAMES, Shape, mit_object};
 
-use super::bench::Benchmark;
+use super::benchmark::Benchmark;
 use super::timing::{Case, Row};
 
 pub(super) const BENCHMARK: Benchmark = Benchmark {

@@ -10,7 +10,7 @@ use anyhow::{Context, Result, ensure};
 pub(super) use self::once::once;
 
 use self::once::Once;
-use super::bench::{Args, Benchmark};
+use super::benchmark::{Benchmark, Sizes};
 use super::timing::{Row, median};
 
 pub(super) const BENCHMARK: Benchmark = Benchmark {
@@ -25,10 +25,10 @@ const ALLOWED: (usize, f64, f64) = (100, 5.0, 120.0);
 /// Sets up to this size are diagnosed more than once.
 const REPEATED: (usize, usize) = (1000, 3);
 
-fn rows(args: &Args) -> Result<Vec<Row>> {
+fn rows(sizes: &Sizes) -> Result<Vec<Row>> {
     copies::originals()?;
     let mut rows = Vec::new();
-    for &n_pushes in &args.pushes {
+    for &n_pushes in &sizes.pushes {
         let n_times = if n_pushes <= REPEATED.0 { REPEATED.1 } else { 1 };
         let found: Vec<Once> =
             (0..n_times).map(|_| in_own_process(n_pushes)).collect::<Result<_>>()?;

@@ -8,7 +8,7 @@ use mechanics::{Ellipsoid, LimitSurface, Patch, Push, predict};
 use nalgebra::{UnitVector2, Vector2};
 use planar::{Pose, Shape, Twist};
 
-use super::bench::Benchmark;
+use super::benchmark::Benchmark;
 use super::timing::{Case, Row};
 
 pub(super) const BENCHMARK: Benchmark = Benchmark {

@@ -15,7 +15,7 @@ use nalgebra::{Vector2, Vector3};
 use planar::{Pose, Shape};
 use rayon::ThreadPoolBuilder;
 
-use super::bench::Benchmark;
+use super::benchmark::Benchmark;
 use super::floor::Floor;
 use super::timing::{Case, Row};
 use validation::surface::surface;

@@ -5,7 +5,7 @@ use gp_core::{Gp, LearnOptions, Posterior, SquaredExponential};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 
-use super::bench::Benchmark;
+use super::benchmark::Benchmark;
 use super::floor::Floor;
 use super::timing::{Case, Row};
 use validation::surface::{NOISE_SD, surface};

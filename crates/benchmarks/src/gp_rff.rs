@@ -6,7 +6,7 @@ use gp_core::{Mean, Posterior};
 use gp_rff::{FeatureOptions, RandomFeatures, RffGp, Spectrum, SufficientStatistics};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use super::bench::Benchmark;
+use super::benchmark::Benchmark;
 use super::floor::Floor;
 use super::gp::predictions_name;
 use super::timing::{Case, Row};

@@ -5,7 +5,7 @@ use gp_core::{Posterior, SquaredExponential};
 use gp_sparse::{Approximation, Placement, PseudoInputs, SparseGp, SparseOptions, SparseSettings};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use super::bench::Benchmark;
+use super::benchmark::Benchmark;
 use super::floor::Floor;
 use super::gp::predictions_name;
 use super::timing::{Case, Row};

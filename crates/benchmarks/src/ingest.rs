@@ -12,7 +12,7 @@ use mcap::MessageStream;
 use rayon::ThreadPoolBuilder;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
-use super::bench::Benchmark;
+use super::benchmark::Benchmark;
 use super::timing::{Case, Row};
 use validation::workspace_root;
 

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod bench;
+mod benchmark;
 mod contact;
 mod diagnosis;
 mod effects;

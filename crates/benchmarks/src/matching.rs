@@ -9,7 +9,7 @@ use models::{
 use planar::Pose;
 use rayon::ThreadPoolBuilder;
 
-use super::bench::Benchmark;
+use super::benchmark::Benchmark;
 use super::filter::{observations, push, square};
 use super::timing::{Case, Row};
 

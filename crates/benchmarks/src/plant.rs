@@ -6,7 +6,7 @@ use planar::Pose;
 use plant::{Numerics, PlannedPush, Plant, TipPath, Truth, Variation};
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
-use super::bench::Benchmark;
+use super::benchmark::Benchmark;
 use super::timing::{Case, Row};
 
 pub(super) const BENCHMARK: Benchmark = Benchmark {

@@ -8,7 +8,7 @@ use mechanics::{
 use nalgebra::{Unit, Vector2};
 use planar::{Pose, Shape, Wrench};
 
-use super::bench::Benchmark;
+use super::benchmark::Benchmark;
 use super::timing::{Case, Row};
 
 pub(super) const BENCHMARK: Benchmark = Benchmark {

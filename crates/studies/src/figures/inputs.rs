@@ -12,7 +12,7 @@ use dataset::{
 use diagnosis::{Observations, steady_ingest};
 use sha2::{Digest, Sha256};
 
-use super::missing::Study;
+use super::missing::{Study, hidden_effects};
 use validation::workspace_root;
 
 /// The seed of every random stream in the figures.
@@ -92,7 +92,7 @@ impl Inputs {
     pub(crate) fn study(&self) -> Result<&Study> {
         // On a thread of its own, as the ingest.
         let study = self.study.get_or_init(|| {
-            std::thread::scope(|scope| scope.spawn(|| Study::of(self).map_err(Arc::new)).join())
+            std::thread::scope(|scope| scope.spawn(|| self.studied().map_err(Arc::new)).join())
                 .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         });
         match study {
@@ -100,6 +100,14 @@ impl Inputs {
             Ok(None) => Err(self.lacking("effects that a diagnosis names")),
             Err(error) => Err(anyhow!("{error:#}")),
         }
+    }
+
+    fn studied(&self) -> Result<Option<Study>> {
+        if self.is_users() {
+            return Study::of(self.steady_observations()?, self.pusher()?.friction);
+        }
+        let set = Self::open(&hidden_effects()?, self.quick())?;
+        Study::of(set.steady_observations()?, set.pusher()?.friction)
     }
 
     /// The same pushes at higher speeds, in their order; none for data of one speed.

@@ -4,4 +4,4 @@ pub(crate) mod error_falls;
 mod study;
 pub(crate) mod which_effect;
 
-pub(crate) use self::study::Study;
+pub(crate) use self::study::{Study, hidden_effects};

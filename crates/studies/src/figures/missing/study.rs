@@ -12,7 +12,6 @@ use effects::by_id;
 use models::{Analytical, Description, PushModel};
 use plant::{Design, GenerateSettings, Hidden, generate};
 
-use crate::figures::inputs::Inputs;
 use validation::fixtures::rig;
 use validation::made_once::{key, made_once};
 use validation::workspace_root;
@@ -52,21 +51,12 @@ pub(super) struct Stage {
 }
 
 impl Study {
-    /// Of the pushes of the user's, or else of a set that hides two effects; none if nothing is
-    /// named there.
+    /// Of pushes, from a pusher of this nominal friction; none if nothing is named there.
     ///
     /// # Errors
-    /// Pushes that cannot be made or read; a fit that fails.
-    pub(crate) fn of(inputs: &Inputs) -> Result<Option<Self>> {
-        if inputs.is_users() {
-            return Self::made(inputs);
-        }
-        Self::made(&Inputs::open(&hidden_effects()?, inputs.quick())?)
-    }
-
-    fn made(inputs: &Inputs) -> Result<Option<Self>> {
-        let observations = inputs.steady_observations()?;
-        let nominal = Analytical::nominal(inputs.pusher()?.friction)?.describe()?;
+    /// A fit that fails.
+    pub(crate) fn of(observations: Observations, friction: f64) -> Result<Option<Self>> {
+        let nominal = Analytical::nominal(friction)?.describe()?;
         let found = diagnose(&observations, &nominal, &DiagnoseSettings::default())?.diagnosis;
         if found.named.is_empty() {
             return Ok(None);
@@ -108,7 +98,10 @@ impl Stage {
 }
 
 /// The recording set with hidden effects: the kept one, or a new one.
-fn hidden_effects() -> Result<PathBuf> {
+///
+/// # Errors
+/// Pushes that cannot be made.
+pub(crate) fn hidden_effects() -> Result<PathBuf> {
     /// Figures are drawn side by side.
     static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
     let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
