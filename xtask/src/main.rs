@@ -1,7 +1,5 @@
 //! Project tasks: `cargo xtask --help`.
 
-#![forbid(unsafe_code)]
-
 mod cargo;
 mod ci;
 mod starters;

@@ -1,7 +1,5 @@
 //! The benchmarks as a program: `cargo run -p benchmarks -- --help`.
 
-#![forbid(unsafe_code)]
-
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};

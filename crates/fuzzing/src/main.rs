@@ -1,7 +1,5 @@
 //! The fuzzing task as a program: `cargo run -p fuzzing -- --help`.
 
-#![forbid(unsafe_code)]
-
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};

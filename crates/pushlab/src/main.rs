@@ -1,7 +1,5 @@
 //! The command-line tool `pushlab`: reads the arguments, runs one command, says what went wrong.
 
-#![forbid(unsafe_code)]
-
 mod command_line;
 mod commands;
 mod destination;

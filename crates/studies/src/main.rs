@@ -1,7 +1,5 @@
 //! The studies as a program: `cargo run -p studies -- --help`.
 
-#![forbid(unsafe_code)]
-
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};

@@ -1,7 +1,5 @@
 //! Validation as a program: `cargo run -p validation -- --help`.
 
-#![forbid(unsafe_code)]
-
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};

@@ -54,7 +54,7 @@ mod tests {
 
     #[test]
     fn attributes_modules_and_exports_are_fine() {
-        let code = "#![doc = include_str!(\"../README.md\")]\n#![forbid(unsafe_code)]\n\n\
+        let code = "#![doc = include_str!(\"../README.md\")]\n\n\
             mod a;\n#[cfg(feature = \"x[\")]\nmod b;\n\npub use a::{\n    A, B,\n};\npub use b::C;\n";
         assert_eq!(check(&Project::in_memory(&[("crates/a/src/lib.rs", code)])), []);
     }

@@ -10,7 +10,6 @@ mod crate_readme;
 mod crate_weight;
 mod file_head;
 mod fixture_readme;
-mod glob_import;
 mod half_written;
 mod import_order;
 mod library_root;
@@ -24,7 +23,6 @@ mod test_binary;
 mod top_level;
 mod unfinished;
 mod unit_suffix;
-mod unsafe_code;
 mod use_path;
 
 use anyhow::{Result, ensure};
@@ -71,7 +69,6 @@ const RULES: &[Rule] = &[
     crate_weight::RULE,
     file_head::RULE,
     fixture_readme::RULE,
-    glob_import::RULE,
     half_written::RULE,
     import_order::RULE,
     library_root::RULE,
@@ -82,7 +79,6 @@ const RULES: &[Rule] = &[
     top_level::RULE,
     unfinished::RULE,
     unit_suffix::RULE,
-    unsafe_code::RULE,
 ];
 
 fn check(project: &Project) -> Vec<String> {
@@ -99,7 +95,7 @@ mod tests {
     use super::{RULES, check};
 
     const MANIFEST: &str = "[package]\nname = \"planar\"\n\n[lints]\nworkspace = true\n";
-    const LIBRARY: &str = "#![doc = include_str!(\"../README.md\")]\n#![forbid(unsafe_code)]\n\n\
+    const LIBRARY: &str = "#![doc = include_str!(\"../README.md\")]\n\n\
         mod pose;\n\npub use pose::Pose;\n";
     const README: &str = "# planar\n\n```rust\nassert_eq!(1 + 1, 2);\n```\n";
 
