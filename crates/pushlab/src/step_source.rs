@@ -243,3 +243,29 @@ impl Steps {
         Ok((Self::of_table(observations, inputs), manifest.pusher))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use dataset::Preset;
+
+    use super::Known;
+
+    #[test]
+    fn what_was_known_is_found_again_in_the_words_of_the_command() {
+        for known in [
+            Known { preset: Some(Preset::MitTable), ..Known::default() },
+            Known { manifest: Some(PathBuf::from("a set/dataset.toml")), ..Known::default() },
+            Known { mapping: Some(PathBuf::from("columns.toml")), ..Known::default() },
+        ] {
+            let mut words = ["diagnose", "t.csv", "--seed", "7"].map(str::to_owned).to_vec();
+            words.extend(known.words());
+            assert_eq!(Known::default().or_of(&words).words(), known.words());
+            // What is named now counts.
+            let now = Known { preset: Some(Preset::MitPush), ..Known::default() };
+            assert_eq!(now.clone().or_of(&words).words(), now.words());
+        }
+        assert!(Known::default().or_of(&["diagnose".to_owned()]).words().is_empty());
+    }
+}

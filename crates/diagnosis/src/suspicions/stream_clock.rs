@@ -1,5 +1,6 @@
 //! Whether the streams of pusher and object have one clock.
 
+use super::force_clock::SHORTEST;
 use super::mistake::View;
 use super::numbers::{length, quantile};
 use super::places::{NEAR, NEARER, SHARE, distance};
@@ -15,9 +16,6 @@ pub(super) const CHECK: Check = Check {
 
 /// Shifts that are looked at to either side of where streams begin or end together, in s.
 const FARTHEST: f64 = 6.0;
-/// Shorter shifts, in s, are latencies, which a diagnosis measures, unless the object moves by more
-/// than this share of its size in them.
-pub(super) const SHORTEST: f64 = 0.25;
 const WIDE: f64 = 0.2;
 /// Distances with the shift that are near, over the object's size.
 const NEAR_SHIFTED: f64 = 0.06;

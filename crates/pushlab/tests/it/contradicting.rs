@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use crate::schema;
 use crate::small_set::SmallSet;
 
 /// Pushes of the simulator as CSV, whose manifest can be made wrong, with the nominal model.
@@ -98,6 +99,39 @@ fn what_is_right_raises_no_warning() {
     let document: Value = serde_json::from_str(&run.stdout).unwrap();
     assert_eq!(document["result"]["suspicions"].as_array().map(Vec::len), Some(0));
     assert_eq!(run.stderr, "");
+}
+
+/// Forces in lbf are those of a table with less friction.
+#[test]
+fn what_may_be_wrong_and_what_is_excluded_stands_beside_each_answer() {
+    let set = pushes(&["--pushes", "14"]);
+    say(
+        &set,
+        "\n[streams.wrench.columns]\nfx = { column = \"fx_n\", scale = 0.2248 }\n\
+         fy = { column = \"fy_n\", scale = 0.2248 }\n",
+    );
+    let object = "pushes/pushes/push-0000/object.csv";
+    let before_contact: Vec<_> = set.read(object).lines().take(12).map(str::to_owned).collect();
+    set.write(object, &(before_contact.join("\n") + "\n"));
+    let warning = "perhaps the force is in lbf, not N";
+    let answer = |command: &str| {
+        let run = set.done(&[command, "pushes", "--json"]);
+        assert!(run.stderr.contains("note: 1 of 14 pushes are excluded: "), "{}", run.stderr);
+        assert!(run.stderr.starts_with(&format!("warning: {warning}: ")), "{}", run.stderr);
+        serde_json::from_str::<Value>(&run.stdout).unwrap()
+    };
+    let compared = answer("compare")["result"].take();
+    assert_eq!(schema::fault(&compared, &schema::comparison()), None);
+    let diagnosed = answer("diagnose");
+    assert_eq!(schema::fault(&diagnosed, &schema::diagnosis()), None);
+    for suspicions in [&compared["suspicions"], &diagnosed["suspicions"]] {
+        assert_eq!(suspicions.as_array().map(Vec::len), Some(1));
+        let Value::Object(one) = &suspicions[0] else { panic!("{suspicions}") };
+        assert_eq!((&one["what"], &one["is_certain"]), (&warning[8..].into(), &false.into()));
+    }
+    assert_eq!(diagnosed["data"]["pushes_set_aside"], 1);
+    let sentence = diagnosed["sentence"].as_str().unwrap();
+    assert!(sentence.starts_with("Only if what may be wrong with these recordings"), "{sentence}");
 }
 
 #[test]

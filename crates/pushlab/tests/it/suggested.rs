@@ -156,6 +156,29 @@ fn the_list_is_made_on_the_simulated_rig_and_has_the_path_for_a_robot() {
     }
 }
 
+/// From the recordings' table, whose manifest is named; then by the diagnosis alone.
+#[test]
+fn what_was_known_of_the_table_is_kept_in_the_command() {
+    let (set, mut diagnosis) = diagnosed();
+    diagnosis["one_of"] = json!([]);
+    set.done(&["ingest", "pushes", "-o", "steps.csv", "-q"]);
+    let known = ["--manifest", "pushes/dataset.toml"];
+    let of_table = ["diagnose", "steps.csv", "--model", "model.toml", "--seed", "7"];
+    let arguments = [&of_table[..], &known].concat();
+    diagnosis["made_by"] = json!({ "tool": "pushlab", "arguments": arguments, "inputs": [] });
+    set.write("d.json", &diagnosis.to_string());
+    let few = ["--from", "d.json", "-n", "1", "--repeats", "1", "--force", "--json"];
+    for named in [&["steps.csv", "--manifest", "pushes/dataset.toml"][..], &[]] {
+        let run = set.done(&[&["suggest"], named, &few].concat());
+        let made: Value = serde_json::from_str(&run.stdout).unwrap();
+        let words: Vec<_> =
+            made["arguments"].as_array().unwrap().iter().map(|one| one.as_str().unwrap()).collect();
+        let n = words.windows(2).filter(|pair| *pair == known).count();
+        assert_eq!(n, 1, "{words:?}");
+        assert!(set.read("suggested.csv").contains("--manifest pushes/dataset.toml"));
+    }
+}
+
 /// The object of the fixture pushes.
 fn object() -> planar::Shape {
     planar::Shape::square(0.09).unwrap()

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use diagnosis::{
     ChannelChange, Comparison, MapSettings, Observations, Predictions, PushEnds, RepeatTolerance,
-    change, compare, noise_floor, push_ends, roll_out,
+    Suspicion, change, compare, noise_floor, push_ends, roll_out,
 };
 use models::{Base, Description, ModelFile, Unexplained};
 use serde::Serialize;
@@ -64,6 +64,9 @@ struct Compared {
     /// Whole pushes; none where every push is one step.
     roll_outs: Option<PushEnds>,
     against: Option<Against>,
+    /// What of the recordings may be wrong; the errors hold only if none of it is.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    suspicions: Vec<Suspicion>,
 }
 
 /// How the error changes from another model.
@@ -84,7 +87,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let model = read(&args.model)?;
     let other = args.against.as_deref().map(&mut read).transpose()?;
     let reading = Reading::Plain(args.step);
-    let Steps { observations, inputs, .. } = args.source.read(reading, terminal)?;
+    let Steps { observations, inputs, suspicions, .. } = args.source.read(reading, terminal)?;
     origin.inputs.extend(inputs);
     let splits =
         [Some(&model), other.as_ref()].into_iter().flatten().filter_map(|f| f.split.as_ref());
@@ -104,7 +107,8 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         None => None,
     };
     let unexplained = unexplained(&model.description, &observations)?;
-    let result = Compared { model: model.name, part, unexplained, comparison, roll_outs, against };
+    let model = model.name;
+    let result = Compared { model, part, unexplained, comparison, roll_outs, against, suspicions };
     terminal.finish(&origin, &result, &result)
 }
 

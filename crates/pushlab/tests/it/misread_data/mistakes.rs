@@ -15,6 +15,13 @@ pub(crate) struct Mistake {
     pub(crate) named: &'static [&'static str],
 }
 
+impl Mistake {
+    /// Whether what is read depends on how the yaw is written.
+    pub(crate) fn is_of_quaternions(&self) -> bool {
+        self.name.starts_with("quaternion")
+    }
+}
+
 const fn mistake(
     name: &'static str,
     stream: &'static str,

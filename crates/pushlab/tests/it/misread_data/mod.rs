@@ -1,17 +1,22 @@
 //! What the tool says of recordings that are read wrongly: each mistake by its name, on slow and on
-//! fast pushes, as `docs/misread-data.md` shows it.
+//! fast pushes, as `docs/misread-data.md` shows it; and what `pushlab diagnose` answers.
 
 mod mistakes;
+mod written;
 
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
+use std::process::{Command, Output};
 
 use dataset::{Manifest, Recording, RecordingSet};
 use diagnosis::{CHECKS, Suspicion, suspicions};
 use plant::{Design, GenerateSettings, PushedObject, Scatter, generate};
+use serde_json::Value;
+use tempfile::TempDir;
 
 use self::mistakes::{MISTAKES, Mistake};
+use self::written::{Yaw, write_set};
 
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/misread-data.md");
 const SLOW: [f64; 1] = [0.02];
@@ -35,15 +40,18 @@ fn made(
     (set.recordings().iter().map(|path| read(path)).collect(), set.manifest().clone())
 }
 
-/// What is said of a set with a mistake.
-fn told((recordings, manifest): &(Vec<Recording>, Manifest), mistake: &Mistake) -> Vec<Suspicion> {
+/// A set with a mistake.
+fn mistaken(
+    (recordings, manifest): &(Vec<Recording>, Manifest),
+    mistake: &Mistake,
+) -> (Vec<Recording>, Manifest) {
     let (mut own, mut stated) = (recordings.clone(), manifest.clone());
     for recording in &mut own {
         // Of the manifest it is made once.
         stated = manifest.clone();
         (mistake.make)(recording, &mut stated);
     }
-    suspicions(own, &stated)
+    (own, stated)
 }
 
 /// What is said, in a cell of the table.
@@ -61,13 +69,77 @@ fn as_named(found: &[Suspicion], mistake: &Mistake) -> bool {
     }
 }
 
+/// Sets on the disk, as the tool reads them, beside a model.
+struct Tool(TempDir);
+
+impl Tool {
+    fn new(sound: &(Vec<Recording>, Manifest)) -> Self {
+        let tool = Self(tempfile::tempdir().unwrap());
+        write_set(&tool.0.path().join("sound"), sound, Yaw::Angle);
+        assert!(tool.run(&["models", "init", "sound"]).status.success());
+        tool
+    }
+
+    fn run(&self, words: &[&str]) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pushlab"));
+        command.args(words).arg("-q").current_dir(self.0.path()).output().unwrap()
+    }
+
+    /// The answer of `diagnose`, and what it tells people.
+    fn diagnosed(&self, set: &str) -> (Option<Value>, String) {
+        let run = self.run(&["diagnose", set, "--model", "model.toml", "--json"]);
+        let told = String::from_utf8(run.stderr).unwrap();
+        (run.status.success().then(|| serde_json::from_slice(&run.stdout).unwrap()), told)
+    }
+
+    /// What `diagnose` does with a set with a mistake, or its answer where it is confident without a
+    /// word of the mistake.
+    fn outcome(
+        &self,
+        sound: &(Vec<Recording>, Manifest),
+        mistake: &Mistake,
+    ) -> Result<&'static str, String> {
+        let (recordings, manifest) = mistaken(sound, mistake);
+        let folder = self.0.path().join("misread");
+        match mistake.is_of_quaternions() {
+            true => write_set(&folder, sound, Yaw::ReorderedQuaternion),
+            false => write_set(&folder, &(recordings, manifest), Yaw::Angle),
+        }
+        let (answer, told) = self.diagnosed("misread");
+        fs::remove_dir_all(folder).unwrap();
+        let is_told = |text: &str| mistake.named.iter().any(|part| text.contains(part));
+        match &answer {
+            _ if mistake.named.is_empty() => {
+                let of = |answer: Option<Value>| answer.map(|answer| answer["sentence"].clone());
+                match of(answer.clone()) == of(self.diagnosed("sound").0) && answer.is_some() {
+                    true => Ok("answers as without it"),
+                    false => Err(format!("{answer:?} {told}")),
+                }
+            }
+            None if is_told(&told) && told.contains("contradict the mechanics") => Ok("refuses"),
+            None if is_told(&told) && told.starts_with("warning: perhaps") => {
+                Ok("warns, and finds no answer")
+            }
+            Some(found)
+                if is_told(&told)
+                    && is_told(&found["suspicions"][0].to_string())
+                    && found["sentence"].to_string().starts_with("\"Only if what may be") =>
+            {
+                Ok("warns, and answers `only if`")
+            }
+            _ => Err(format!("{answer:?} {told}")),
+        }
+    }
+}
+
 /// The two tables of the page.
 fn tables(rows: &[String]) -> String {
     let mut text = "| check | looks at | names |\n|---|---|---|\n".to_owned();
     for check in CHECKS {
         let _ = writeln!(text, "| `{}` | {} | {} |", check.id, check.looks_at, check.names);
     }
-    text += "\n| mistake | of | at 20 mm/s | at 200 to 400 mm/s |\n|---|---|---|---|\n";
+    text += "\n| mistake | of | at 20 mm/s | at 200 to 400 mm/s | \
+             `diagnose`, then |\n|---|---|---|---|---|\n";
     text + &rows.concat()
 }
 
@@ -75,15 +147,24 @@ fn tables(rows: &[String]) -> String {
 fn each_mistake_is_told_by_its_name_slow_and_fast_as_the_page_shows() {
     let sets = [made(&SLOW, 5, |_| {}), made(&FAST, 5, |_| {})];
     let (mut rows, mut wrong) = (Vec::new(), Vec::new());
+    let tool = Tool::new(&sets[1]);
     for mistake in MISTAKES {
-        let found = sets.each_ref().map(|set| told(set, mistake));
+        let found = sets.each_ref().map(|set| {
+            let (recordings, manifest) = mistaken(set, mistake);
+            suspicions(recordings, &manifest)
+        });
         for found in &found {
             if !as_named(found, mistake) {
                 wrong.push(format!("{} of {}: {found:?}", mistake.name, mistake.stream));
             }
         }
+        let outcome = tool.outcome(&sets[1], mistake).unwrap_or_else(|answer| {
+            wrong.push(format!("{} of {} is diagnosed: {answer}", mistake.name, mistake.stream));
+            "**says nothing of it**"
+        });
         let [slow, fast] = found.each_ref().map(|found| cell(found));
-        rows.push(format!("| {} | {} | {slow} | {fast} |\n", mistake.name, mistake.stream));
+        let Mistake { name, stream, .. } = mistake;
+        rows.push(format!("| {name} | {stream} | {slow} | {fast} | {outcome} |\n"));
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     let page = fs::read_to_string(PAGE).unwrap();
