@@ -14,8 +14,7 @@ pub(super) const CHECK: Check = Check {
     find: Find::Forces(find),
 };
 
-/// Shorter shifts, in s, are latencies, which a diagnosis measures, unless the object moves by more
-/// than this share of its size in them.
+/// Shorter shifts, in s, are latencies, which a diagnosis measures.
 pub(super) const SHORTEST: f64 = 0.25;
 /// Shifts that are looked at to either side, in s.
 const FARTHEST: f64 = 6.0;

@@ -16,6 +16,7 @@ pub(super) const CHECK: Check = Check {
 
 /// Shifts that are looked at to either side of where streams begin or end together, in s.
 const FARTHEST: f64 = 6.0;
+/// Way of the object in a latency, over its size, from which that is told as well.
 const WIDE: f64 = 0.2;
 /// Distances with the shift that are near, over the object's size.
 const NEAR_SHIFTED: f64 = 0.06;
