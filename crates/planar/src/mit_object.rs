@@ -187,7 +187,8 @@ const BUTTER: [[f64; 2]; 159] = [
 
 #[cfg(test)]
 mod tests {
-    use super::{MIT_NAMES, mit_object};
+    use super::mit_object;
+    use crate::MIT_NAMES;
     use crate::PlanarError;
     use nalgebra::Vector2;
 
