@@ -22,7 +22,7 @@ pub struct MitObject {
 /// Finds an object by the data set's name.
 ///
 /// # Errors
-/// `UnknownObject` for any other name than those in [`MIT_NAMES`].
+/// `UnknownObject` for any other name than those in [`crate::MIT_NAMES`].
 pub fn mit_object(name: &str) -> Result<MitObject, PlanarError> {
     let row = ROWS.iter().find(|row| row.name == name);
     let row = row.ok_or_else(|| PlanarError::UnknownObject { name: name.to_owned() })?;

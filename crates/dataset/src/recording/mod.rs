@@ -18,7 +18,7 @@ use crate::{error::DatasetError, remark::Remark};
 /// no usable value are missing, and each such loss is one of the `remarks`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
-    /// Name of the recording, as [`crate::recording::name`] gives it.
+    /// Name of the recording, as [`crate::recording_name`] gives it.
     pub name: String,
     /// Where it was read from.
     pub path: PathBuf,

@@ -123,7 +123,7 @@ impl Observations {
 
     /// As [`Observations::of`], without steps whose noise is of another kind: the first touch, with
     /// its peak of force, those near a vertex, where the outline's normal jumps, and those within which the
-    /// pusher starts or stops. For tables that were made with [`crate::data::steady_ingest`].
+    /// pusher starts or stops. For tables that were made with [`crate::steady_ingest`].
     ///
     /// # Errors
     /// As [`Observations::of`].

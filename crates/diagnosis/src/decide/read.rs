@@ -15,7 +15,7 @@ struct Head {
 }
 
 impl Diagnosis {
-    /// Reads a diagnosis that [`crate::decide`] gave and a tool wrote as JSON.
+    /// Reads a diagnosis that [`crate::diagnose`] gave and a tool wrote as JSON.
     ///
     /// # Errors
     /// `Dataset`; `NoDiagnosis` with line and column where it is no JSON or not of the form, and with

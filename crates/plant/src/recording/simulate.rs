@@ -84,7 +84,7 @@ pub struct SimulatedPush {
 /// Simulates the pushes of a set without writing anything, in order.
 ///
 /// # Errors
-/// As [`generate`], without those of files.
+/// As [`crate::generate`], without those of files.
 pub fn simulate(settings: &GenerateSettings) -> Result<Vec<SimulatedPush>, PlantError> {
     Set::new(settings)?.pushes().collect()
 }
