@@ -1,6 +1,5 @@
 //! A file of any log format goes in, a recording comes out: one file for each format.
 
-#[cfg(feature = "bag")]
 pub(crate) mod assemble;
 pub(crate) mod channel;
 pub(crate) mod container;
@@ -11,6 +10,7 @@ pub(crate) mod list;
 pub(crate) mod log;
 pub(crate) mod select;
 
+#[cfg(feature = "bag")]
 mod bag;
 #[cfg(feature = "bag")]
 mod bag_record;

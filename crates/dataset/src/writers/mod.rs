@@ -1,9 +1,9 @@
 //! A recording goes in, a file comes out that the format of the same kind reads: one file for each.
 
-#[cfg(feature = "bag")]
 pub(crate) mod list;
 pub(crate) mod writer;
 
+#[cfg(feature = "bag")]
 mod bag_writer;
 mod cdr;
 mod csv_writer;
