@@ -15,7 +15,9 @@ use super::score::is_right;
 /// Seed of the slice: of development, for it runs with every change.
 const SEED: u64 = 500_000;
 const N_PUSHES: usize = 60;
-const PATIENCE: Duration = Duration::from_secs(300);
+/// What takes longer hangs. On a new machine one trial first works out what its design can show, which
+/// alone takes minutes.
+const PATIENCE: Duration = Duration::from_secs(900);
 /// Effects that such a set shows many times over.
 const PLAIN: [&str; 5] = [
     "table-anisotropy",
