@@ -3,7 +3,7 @@
 use anyhow::Result;
 use mechanics::{
     Ellipsoid, Patch, PathSettings, PointSet, Push, Pusher, Quartic, Slider, StraightPath, predict,
-    predict_under, push_along,
+    predict_with_external_wrench, push_along,
 };
 use nalgebra::{Unit, Vector2};
 use planar::{Pose, Shape, Wrench};
@@ -30,7 +30,7 @@ fn rows() -> Result<Vec<Row>> {
     let patch = Patch::uniform(&square, F_MAX)?;
     let quartic = Quartic::from_ellipsoid(&ellipsoid)?;
     let points = PointSet::sampling(&square, F_MAX, N_POINTS)?;
-    let general = |push: &Push| predict_under(&ellipsoid, push, &Wrench::default());
+    let general = |push: &Push| predict_with_external_wrench(&ellipsoid, push, &Wrench::default());
     let closed = |push: &Push| predict(&ellipsoid, push);
     Ok(vec![
         row("ellipsoid, closed form", 1, 4096, &closed, &general),

@@ -3,14 +3,14 @@
 
 use dataset::{RecordingSet, ingest};
 use diagnosis::{DiagnoseSettings, Observations, Verdict, diagnose, steady_ingest};
-use effects::{About, Channel, Effect, Parameter, Sliding, Stage};
+use effects::{Channel, Effect, EffectInfo, Parameter, Sliding, Stage};
 use models::{Analytical, PushModel};
 
 /// Friction that grows towards one place of the table.
 #[derive(Debug)]
 struct StickySpot;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "sticky-spot",
     title: "Sticky spot",
     physics: "Friction is larger around the origin of the table's frame.",
@@ -23,8 +23,8 @@ static ABOUT: About = About {
 };
 
 impl Effect for StickySpot {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
     fn local_friction(&self, values: &[f64], sliding: &Sliding) -> f64 {
@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if found.diagnosis.verdict == Verdict::Named {
         println!("the model with it: {:?}", found.description.effects);
     }
-    for effect in found.diagnosis.effects.iter().filter(|effect| effect.id == ABOUT.id) {
+    for effect in found.diagnosis.effects.iter().filter(|effect| effect.id == INFO.id) {
         println!("{}: {:?}, p {:?} {}", effect.id, effect.status, effect.p_adjusted, effect.why);
     }
     Ok(())

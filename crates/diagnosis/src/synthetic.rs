@@ -160,7 +160,7 @@ impl SessionErrors {
         let tangent = Tangent::of(&model, &[], &observations).unwrap();
         let of = |(id, sd): &(&str, f64)| {
             let mut effects = tangent.candidates.effects.iter();
-            let found = effects.find(|one| one.effect.about().id == *id).unwrap();
+            let found = effects.find(|one| one.effect.info().id == *id).unwrap();
             let sd = *sd;
             found.coordinates.clone().map(move |k| (k, sd))
         };

@@ -1,7 +1,7 @@
 //! An effect of one's own: a sticky spot on the table. `cargo run -p effects --example own_effect`
 
 use effects::{
-    About, Channel, Effect, Object, Parameter, PushPhysics, Rig, Sliding, Stage, StepInput,
+    Channel, Effect, EffectInfo, Object, Parameter, PushPhysics, Rig, Sliding, Stage, StepInput,
     Surface, Track,
 };
 use nalgebra::Vector2;
@@ -14,7 +14,7 @@ struct StickySpot;
 const PLACE_W: Vector2<f64> = Vector2::new(0.3, 0.1);
 const RADIUS: f64 = 0.03;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "sticky-spot",
     title: "Sticky spot",
     physics: "Friction is larger around one place of the table.",
@@ -27,8 +27,8 @@ static ABOUT: About = About {
 };
 
 impl Effect for StickySpot {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
     fn local_friction(&self, values: &[f64], sliding: &Sliding) -> f64 {

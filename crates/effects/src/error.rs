@@ -84,7 +84,7 @@ pub enum EffectError {
     },
     /// An effect was added twice.
     #[error("{effect} is already in the model; change its values instead of adding it again")]
-    Twice {
+    DuplicateEffect {
         /// Id of the effect.
         effect: String,
     },

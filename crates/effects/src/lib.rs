@@ -26,10 +26,10 @@ pub use catalogue::{
 pub use effect::contact_law::ContactLaw;
 pub use effect::geometry::{Geometry, TrueOutline};
 pub use effect::parameter::{Coordinate, Frame, Off, Parameter, Role};
-pub use effect::reading::Reading;
+pub use effect::reading::MeasurementModel;
 pub use effect::setting::Setting;
 pub use effect::support::{LogTensor, Support};
-pub use effect::{About, Effect, LookAlike, Moment, Sliding, Stage};
+pub use effect::{Effect, EffectInfo, LookAlike, Sliding, Snapshot, Stage};
 pub use error::EffectError;
 pub use object::Object;
 pub use predict::push_physics::PushPhysics;

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 
-use crate::slab::Slab;
+use crate::slab::TruncatedNormal;
 use crate::{FilterError, Rule};
 
 /// A Gaussian over vectors.
@@ -148,7 +148,7 @@ impl Gaussian {
         let mut parts = Vec::with_capacity(shares.len());
         let mut below = 0.0;
         for (way, share) in shares {
-            let slab = Slab::between(below, below + share);
+            let slab = TruncatedNormal::between(below, below + share);
             below += share;
             let mean = &self.mean + slab.mean * &across;
             let covariance =

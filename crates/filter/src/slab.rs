@@ -3,12 +3,12 @@
 use std::f64::consts::{SQRT_2, TAU};
 
 /// The moments of a standard normal between two quantiles.
-pub(crate) struct Slab {
+pub(crate) struct TruncatedNormal {
     pub(crate) mean: f64,
     pub(crate) variance: f64,
 }
 
-impl Slab {
+impl TruncatedNormal {
     /// Between the quantiles of two probabilities, the first the smaller one.
     ///
     /// With a and b the quantiles: E z = (φ(a) − φ(b))/P, E z² = 1 + (a φ(a) − b φ(b))/P.
@@ -39,15 +39,15 @@ pub(crate) fn quantile(share: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::Slab;
+    use super::TruncatedNormal;
 
     #[test]
     fn slabs_have_the_moments_known_from_tables() {
         // The half normal: √(2/π), and 1 − 2/π.
-        let half = Slab::between(0.5, 1.0);
+        let half = TruncatedNormal::between(0.5, 1.0);
         assert!((half.mean - (2.0 / std::f64::consts::PI).sqrt()).abs() < 1e-13);
         assert!((half.variance - (1.0 - 2.0 / std::f64::consts::PI)).abs() < 1e-13);
-        let whole = Slab::between(0.0, 1.0);
+        let whole = TruncatedNormal::between(0.0, 1.0);
         assert!(whole.mean.abs() < 1e-14 && (whole.variance - 1.0).abs() < 1e-13);
     }
 }

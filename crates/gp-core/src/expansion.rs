@@ -8,7 +8,7 @@ use std::fmt::Debug;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 
-pub use self::bumps::{AveragedBumps, Bumps};
+pub use self::bumps::{AveragedSquaredExponentialBasis, SquaredExponentialBasis};
 use crate::checks::check_count;
 use crate::kernel::column;
 use crate::triangle::add_outer;

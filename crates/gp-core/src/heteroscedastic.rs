@@ -252,7 +252,7 @@ impl Posterior for HeteroscedasticGp {
         self.belief().predict(x_star)
     }
 
-    fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
+    fn predict_multi_contact(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
         let mean = self.predict_mean(x_star)?;
         let mut cross = Mat::zeros(self.y.len(), x_star.nrows());
         fill_cross(&*self.kernel, self.x.as_ref(), x_star, cross.as_mut());

@@ -39,7 +39,10 @@ pub use bayesian_linear::BayesianLinear;
 pub use bfgs::StopReason;
 pub use cholesky::Cholesky;
 pub use error::GpError;
-pub use expansion::{AveragedBumps, Averages, Basis, Bumps, Expansion, UncertainOutputs};
+pub use expansion::{
+    AveragedSquaredExponentialBasis, Averages, Basis, Expansion, SquaredExponentialBasis,
+    UncertainOutputs,
+};
 pub use gaussian_input::GaussianInput;
 pub use gp::Gp;
 pub use heteroscedastic::{HeteroscedasticGp, HeteroscedasticGpModel};

@@ -1,6 +1,6 @@
 //! The sparse process as a sum of bumps, for inputs that are uncertain.
 
-use gp_core::{Bumps, Expansion, GpError};
+use gp_core::{Expansion, GpError, SquaredExponentialBasis};
 
 use crate::SparseGp;
 
@@ -9,8 +9,8 @@ impl SparseGp {
     ///
     /// # Errors
     /// `NoClosedForm` for any kernel but the squared exponential of all inputs.
-    pub fn expansion(&self) -> Result<Expansion<Bumps>, GpError> {
-        let basis = Bumps::new(self.kernel(), self.pseudo_inputs())?;
+    pub fn expansion(&self) -> Result<Expansion<SquaredExponentialBasis>, GpError> {
+        let basis = SquaredExponentialBasis::new(self.kernel(), self.pseudo_inputs())?;
         let prior = basis.signal_variance();
         let roots = vec![(-1.0, self.reduction.clone())];
         let weights = self.weights.clone();

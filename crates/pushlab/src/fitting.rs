@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, ensure};
 use dataset::RecordingSet;
 use diagnosis::{Fit, FitSettings, NoiseModel, Observations, fit_with_noise, split, steady_ingest};
-use effects::About;
+use effects::EffectInfo;
 use models::{ModelFile, Split};
 use output::OutputFile;
 
@@ -60,7 +60,7 @@ impl Fitting {
     ///
     /// # Errors
     /// If the model cannot predict these pushes.
-    pub(crate) fn off(&self, model: &ModelFile, about: &About) -> Result<Vec<f64>> {
+    pub(crate) fn off(&self, model: &ModelFile, about: &EffectInfo) -> Result<Vec<f64>> {
         Ok(self.train.off(&model.description, about)?)
     }
 

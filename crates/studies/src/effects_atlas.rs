@@ -31,7 +31,7 @@ pub fn run(args: &Args) -> Result<()> {
         ids => ids.iter().map(|id| effects::by_id(id)).collect::<Result<_, _>>()?,
     };
     for effect in chosen {
-        let id = effect.about().id;
+        let id = effect.info().id;
         let svg = signature::figure(effect).with_context(|| format!("effect `{id}`"))?.svg()?;
         let path = folder.join(format!("{id}.svg"));
         output::write(&path, &svg)?;

@@ -68,14 +68,14 @@ pub(crate) struct Place {
 }
 
 /// What steps are about.
-struct About<'a> {
+struct EffectInfo<'a> {
     object: &'a ObjectChoice,
     /// In m.
     pusher_radius: f64,
     support: SupportSpec,
 }
 
-impl<'a> About<'a> {
+impl<'a> EffectInfo<'a> {
     fn of(manifest: &'a Manifest) -> Self {
         let (pusher_radius, support) = (manifest.pusher.radius, manifest.support);
         Self { object: &manifest.object, pusher_radius, support }
@@ -95,7 +95,7 @@ impl Observations {
     /// # Errors
     /// `Model` for a row that is no step; `TooFewPushes`.
     pub fn of(table: &Table, manifest: &Manifest) -> Result<Self, DiagnosisError> {
-        Self::selected(table, &About::of(manifest), StepSelection::default(), |_| true)
+        Self::selected(table, &EffectInfo::of(manifest), StepSelection::default(), |_| true)
     }
 
     /// The steps of a table of others, read through its mapping.
@@ -108,7 +108,7 @@ impl Observations {
     pub fn of_mapped(table: &Table, mapping: &TableMapping) -> Result<Self, DiagnosisError> {
         let object = ObjectChoice::Fixed(Box::new(mapping.object.clone()));
         let (pusher_radius, support) = (mapping.pusher.radius, mapping.support);
-        let about = About { object: &object, pusher_radius, support };
+        let about = EffectInfo { object: &object, pusher_radius, support };
         let mut all = Self::selected(table, &about, StepSelection::default(), |_| true)?;
         if !mapping.gives("object_x_m") {
             all.steps.iter_mut().for_each(|step| step.observed[GAP_START..].fill(None));
@@ -130,16 +130,16 @@ impl Observations {
     pub fn steady(table: &Table, manifest: &Manifest) -> Result<Self, DiagnosisError> {
         let vertex = Flags::VERTEX | Flags::NEAR_VERTEX | Flags::EDGE_CHANGED;
         let without = StepSelection::default().without | vertex | Flags::FIRST_TOUCH;
-        Self::selected(table, &About::of(manifest), StepSelection { without }, goes_steadily)
+        Self::selected(table, &EffectInfo::of(manifest), StepSelection { without }, goes_steadily)
     }
 
     fn selected(
         table: &Table,
-        about: &About<'_>,
+        about: &EffectInfo<'_>,
         selection: StepSelection,
         is_wanted: fn(&Track) -> bool,
     ) -> Result<Self, DiagnosisError> {
-        let About { object, pusher_radius, support } = *about;
+        let EffectInfo { object, pusher_radius, support } = *about;
         let found = selection.channel_steps(table, object, pusher_radius)?;
         let ChannelSteps { steps, rows, mut set_aside } = found;
         let (wanted, unwanted): (Vec<_>, Vec<_>) =
@@ -250,7 +250,7 @@ impl Observations {
     pub fn off(
         &self,
         model: &Description,
-        about: &effects::About,
+        about: &effects::EffectInfo,
     ) -> Result<Vec<f64>, DiagnosisError> {
         let model = ChannelModel::new(model, self.support, &[])?;
         let physics = model.physics(&self.steps[0].input.object)?;

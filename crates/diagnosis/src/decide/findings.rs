@@ -137,8 +137,8 @@ impl Finding<'_> {
     fn fitted(&self, fit: &EffectFit) -> Vec<ParameterFinding> {
         let effect = self.effect();
         let detectable = |name: &str| {
-            let index = effect?.about().parameters.iter().position(|one| one.name == name)?;
-            let is_sized = effect?.about().parameters[index].off != Off::Undefined;
+            let index = effect?.info().parameters.iter().position(|one| one.name == name)?;
+            let is_sized = effect?.info().parameters[index].off != Off::Undefined;
             let coordinate = self.screened.coordinates.get(index).filter(|_| is_sized)?;
             // A coordinate of a ratio along a direction is ½ ln ratio.
             let is_axis = coordinate.name != name;
@@ -160,7 +160,7 @@ impl Finding<'_> {
 
     fn effect(&self) -> Option<&'static dyn Effect> {
         let mut own = self.settings.own.iter().copied();
-        own.find(|effect| effect.about().id == self.screened.id)
+        own.find(|effect| effect.info().id == self.screened.id)
             .or_else(|| by_id(self.screened.id).ok())
     }
 }

@@ -23,20 +23,20 @@ impl Search<'_> {
         there: &Refit,
     ) -> Result<Vec<&'static str>, DiagnosisError> {
         let (winner, apart) = (&tried[best].trial, Rules::APART * there.scale().powi(2));
-        let of_alike = Rules::SHARE_APART * (here.misfit() - winner.misfit());
+        let of_alike = Rules::SHARE_APART * (here.objective() - winner.objective());
         let mut rivals = Vec::new();
         for (index, Tried { trial: other, .. }) in tried.iter().enumerate() {
             let bound = match self.are_known_alike(winner.id(), other.id()) {
                 true => apart.max(of_alike),
                 false => apart,
             };
-            if index == best || other.misfit() >= winner.misfit() + bound {
+            if index == best || other.objective() >= winner.objective() + bound {
                 continue;
             }
             let alone = here.misfit_by(there) - other.misfit_by(there);
             // What cannot be predicted beside the winner is no second effect.
             let beside =
-                there.trial(other.effect).map_or(0.0, |both| there.misfit() - both.misfit());
+                there.trial(other.effect).map_or(0.0, |both| there.objective() - both.objective());
             if beside < Rules::OWN_SHARE * alone {
                 rivals.push(other.id());
             }
@@ -47,7 +47,7 @@ impl Search<'_> {
     /// Whether one of two effects is documented to look like the other.
     pub(super) fn are_known_alike(&self, one: &str, other: &str) -> bool {
         let names = |id: &str, other: &str| {
-            let about = self.effect(id).map(Effect::about);
+            let about = self.effect(id).map(Effect::info);
             about.is_some_and(|about| about.look_alikes.iter().any(|alike| alike.id == other))
         };
         names(one, other) || names(other, one)
@@ -78,7 +78,7 @@ impl Search<'_> {
 
     /// A model with a rival of the last effect that does without an earlier one, if there is one.
     pub(super) fn with_a_rival<'a>(&self, there: Refit<'a>, progress: &mut Progress) -> Refit<'a> {
-        let most = there.misfit() + Rules::APART * there.scale().powi(2);
+        let most = there.objective() + Rules::APART * there.scale().powi(2);
         let last = progress.chosen.len() - 1;
         let Choice { id: last_id, rivals, p_adjusted } = progress.chosen[last].clone();
         for id in ids(&progress.chosen[..last]) {

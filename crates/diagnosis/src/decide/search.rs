@@ -43,13 +43,13 @@ impl Search<'_> {
         let (_, whitening, first_screen) = self.linearised(self.model)?;
         let settings = self.fit_settings(false);
         let here = Refit::new(self.fitted, self.model, &whitening, &settings)?;
-        self.go_on(&here, Progress { first_screen, chosen: Vec::new(), refused: Vec::new() })
+        self.forward_step(&here, Progress { first_screen, chosen: Vec::new(), refused: Vec::new() })
     }
 
     /// Adds one effect after the other to a model at its minimum. Each time the noise is learnt anew,
     /// for what alike pushes differ by is the less the model misses the surer noise; and its
     /// covariance is linearised anew, for pushes at the edge of sliding change sides.
-    fn go_on(&self, from: &Refit, mut progress: Progress) -> Result<Found, DiagnosisError> {
+    fn forward_step(&self, from: &Refit, mut progress: Progress) -> Result<Found, DiagnosisError> {
         let (noise, whitening, screen) = self.linearised(&self.screened(from)?)?;
         let here = from.rewhitened(&whitening)?;
         if progress.chosen.len() == self.settings.most_effects {
@@ -61,7 +61,7 @@ impl Search<'_> {
         progress.refused.retain(|one| one.id != choice.id);
         progress.chosen.push(choice);
         let there = self.without_superfluous(there, &mut progress)?;
-        self.go_on(&there, progress)
+        self.forward_step(&there, progress)
     }
 
     /// The best effect beside those chosen that obeys every rule; notes those that do not.
@@ -78,7 +78,7 @@ impl Search<'_> {
             let (id, without) = (trial.id(), without.as_ref().unwrap_or(here));
             let screened = screen.effects.iter().find(|effect| effect.id == id);
             let p_adjusted = screened.map_or(1.0, |effect| effect.p_adjusted);
-            let gain = without.misfit_by(here) - trial.misfit();
+            let gain = without.misfit_by(here) - trial.objective();
             let mut objection = rules.objection(p_adjusted, gain, *size);
             // An effect whose refit does not settle is no explanation.
             if objection.is_none() {
@@ -132,7 +132,7 @@ impl Search<'_> {
             tried.extend(self.try_one(here, id, &mut progress.refused)?);
         }
         let least = tried.iter().map(Tried::cost).fold(f64::INFINITY, f64::min);
-        let near = FINALIST.0.max(FINALIST.1 * (here.misfit() - least));
+        let near = FINALIST.0.max(FINALIST.1 * (here.objective() - least));
         let is_finalist = |one: &Tried| one.size >= Rules::SIZE && one.cost() < least + near;
         // A single one needs no exact comparison.
         let is_close = tried.iter().filter(|one| is_finalist(one)).count() > 1;
@@ -206,7 +206,8 @@ impl Search<'_> {
         let last = progress.chosen.len() - 1;
         for id in ids(&progress.chosen[..last]) {
             let without = there.roughly_without(&[id])?;
-            if without.misfit_by(&there) - there.misfit() < Rules::APART * there.scale().powi(2) {
+            if without.misfit_by(&there) - there.objective() < Rules::APART * there.scale().powi(2)
+            {
                 progress.chosen.retain(|one| one.id != id);
                 progress.refused.push(Refused { id, objection: Objection::Superfluous });
                 return Ok(without);
@@ -247,7 +248,7 @@ impl Search<'_> {
 
     pub(super) fn effect(&self, id: &str) -> Option<&'static dyn Effect> {
         let mut own = self.settings.own.iter().copied();
-        own.find(|effect| effect.about().id == id).or_else(|| by_id(id).ok())
+        own.find(|effect| effect.info().id == id).or_else(|| by_id(id).ok())
     }
 }
 
@@ -256,12 +257,12 @@ fn gain_so_far(here: &Refit, progress: &Progress) -> Result<f64, DiagnosisError>
     if progress.chosen.is_empty() {
         return Ok(0.0);
     }
-    Ok(here.roughly_without(&ids(&progress.chosen))?.misfit_by(here) - here.misfit())
+    Ok(here.roughly_without(&ids(&progress.chosen))?.misfit_by(here) - here.objective())
 }
 
 impl Tried<'_> {
     /// What is minimised, with a price for each number.
     pub(super) fn cost(&self) -> f64 {
-        self.trial.misfit() + 2.0 * self.trial.freedom as f64
+        self.trial.objective() + 2.0 * self.trial.freedom as f64
     }
 }

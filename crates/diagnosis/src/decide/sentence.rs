@@ -87,7 +87,7 @@ fn fall(error: &ErrorFall) -> String {
 /// As "friction along a direction of the table (table-anisotropy): ratio 1.34 (1.31 to 1.37), …".
 fn with_size(effect: &EffectFinding) -> String {
     let id = &effect.id;
-    let title = by_id(id).map_or(String::new(), |known| known.about().title.to_lowercase());
+    let title = by_id(id).map_or(String::new(), |known| known.info().title.to_lowercase());
     let sizes: Vec<String> = effect.parameters.iter().filter_map(size).collect();
     let name = if title.is_empty() { id.clone() } else { format!("{title} ({id})") };
     if sizes.is_empty() { name } else { format!("{name}: {}", sizes.join(", ")) }

@@ -2,13 +2,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::problem::{Problem, Standing};
+use super::problem::{Evaluation, Problem};
 use crate::DiagnosisError;
 
 /// Where a descent ended.
 #[derive(Clone, Debug)]
 pub(super) struct Minimum {
-    pub(super) at: Standing,
+    pub(super) at: Evaluation,
     /// The numbers that are not held by a bound, and shares; columns of `slopes` and `curvature` are theirs.
     pub(super) moved: Vec<usize>,
     /// −∂z/∂x, the rows of the data and then those of the priors.
@@ -26,7 +26,7 @@ pub(super) struct Minimum {
 
 /// Where a descent starts, and what it may take for granted.
 pub(super) struct Start {
-    pub(super) at: Standing,
+    pub(super) at: Evaluation,
     /// Slopes of a place nearby, of all numbers that are not frozen.
     pub(super) slopes: Option<DMatrix<f64>>,
     pub(super) exactness: Exactness,
@@ -177,7 +177,11 @@ impl Problem<'_> {
     }
 
     /// The quadratic at a place, over the numbers that do not press against a bound.
-    fn quadratic(&self, at: &Standing, whole: &DMatrix<f64>) -> Result<Quadratic, DiagnosisError> {
+    fn quadratic(
+        &self,
+        at: &Evaluation,
+        whole: &DMatrix<f64>,
+    ) -> Result<Quadratic, DiagnosisError> {
         let weights = self.robust.weights(&at.z);
         let all = self.moved();
         let pull = whole.tr_mul(&at.z.component_mul(&weights));
@@ -197,10 +201,10 @@ impl Problem<'_> {
     /// A damped step that keeps some of its promise; none if only one too short to matter would.
     fn step_down(
         &self,
-        from: &Standing,
+        from: &Evaluation,
         quadratic: &Quadratic,
         damping: &mut f64,
-    ) -> Option<Standing> {
+    ) -> Option<Evaluation> {
         let Quadratic { moved, curvature, pull, .. } = quadratic;
         while *damping < STIFFEST {
             let mut damped = curvature.clone();
@@ -227,7 +231,7 @@ impl Problem<'_> {
 
     /// The lowest place near by that is lower by more than a descent would stop at; none if no place
     /// is.
-    fn poll(&self, from: &Standing, quadratic: &Quadratic) -> Option<Standing> {
+    fn poll(&self, from: &Evaluation, quadratic: &Quadratic) -> Option<Evaluation> {
         let Quadratic { moved, curvature, .. } = quadratic;
         // In standard errors that each number has when the others are known, so that units do not
         // matter.
@@ -237,7 +241,7 @@ impl Problem<'_> {
         });
         let axes = scaled.symmetric_eigen();
         let enough = SETTLED * self.robust.scale().powi(2);
-        let mut lowest: Option<Standing> = None;
+        let mut lowest: Option<Evaluation> = None;
         for (axis, stiffness) in axes.eigenvectors.column_iter().zip(&axes.eigenvalues) {
             let length = POLL * self.robust.scale() / stiffness.sqrt();
             for side in [-length, length] {
@@ -258,7 +262,7 @@ impl Problem<'_> {
     fn end(
         &self,
         quadratic: Quadratic,
-        at: Standing,
+        at: Evaluation,
         whole: DMatrix<f64>,
         iterations: usize,
     ) -> Minimum {
@@ -273,7 +277,7 @@ impl Problem<'_> {
         Minimum { at, moved, slopes, weights, curvature, whole, iterations, decrement }
     }
 
-    fn fit_widths(&self, widths: &mut [f64], at: &Quadratic, from: &Standing, to: &Standing) {
+    fn fit_widths(&self, widths: &mut [f64], at: &Quadratic, from: &Evaluation, to: &Evaluation) {
         for (column, &k) in at.moved.iter().enumerate() {
             let least = self.robust.scale() / at.curvature[(column, column)].sqrt();
             let last = (to.x[k] - from.x[k]).abs();
@@ -324,8 +328,8 @@ fn updated(
     mut slopes: DMatrix<f64>,
     moved: &[usize],
     widths: &[f64],
-    from: &Standing,
-    to: &Standing,
+    from: &Evaluation,
+    to: &Evaluation,
 ) -> DMatrix<f64> {
     let step = |k: &usize| to.x[*k] - from.x[*k];
     let step = DVector::from_iterator(moved.len(), moved.iter().map(step));

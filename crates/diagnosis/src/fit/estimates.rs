@@ -201,7 +201,7 @@ impl Ending<'_> {
     fn unseen(&self, index: usize) -> Option<Undetermined> {
         let Problem { space, whitening, robust, .. } = self.problem;
         let member = &space.members[index];
-        let about = member.effect.about();
+        let about = member.effect.info();
         let n_pushes = whitening.rows().len();
         let numbers = (0..n_pushes).flat_map(|push| whitening.entries(push));
         let mut channels = numbers.map(|(_, number)| Channels::KINDS[*number]);
@@ -252,7 +252,7 @@ impl Ending<'_> {
                 continue;
             }
             let (values, [covariance, _]) = self.values(index);
-            let mut effect = ModelEffect::from(Setting::new(member.effect.about(), &values));
+            let mut effect = ModelEffect::from(Setting::new(member.effect.info(), &values));
             for (k, parameter) in member.parameters().iter().enumerate() {
                 if let Some(estimate) = effect.parameters.get_mut(parameter.name) {
                     (estimate.se, estimate.source) = (covariance[(k, k)].sqrt(), source.to_owned());

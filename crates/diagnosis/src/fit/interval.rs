@@ -166,7 +166,7 @@ const NUDGE: f64 = 1e-4;
 /// How the coordinates of an effect change with one of its values.
 fn coordinate_slopes(member: &Member, values: &[f64], k: usize) -> Vec<f64> {
     let step = NUDGE * member.coordinates[k].secant;
-    let place = |values: &[f64]| member.effect.about().to_coordinates(values);
+    let place = |values: &[f64]| member.effect.info().to_coordinates(values);
     let mut moved = values.to_vec();
     moved[k] += step;
     place(&moved).iter().zip(place(values)).map(|(moved, known)| (moved - known) / step).collect()

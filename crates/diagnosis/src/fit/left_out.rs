@@ -36,7 +36,7 @@ impl Minimum {
 #[cfg(test)]
 mod tests {
     use super::super::descent::Minimum;
-    use super::super::problem::Standing;
+    use super::super::problem::Evaluation;
     use nalgebra::{DMatrix, DVector};
 
     /// The least squares of z = b − S x, which a zero x stands for.
@@ -45,7 +45,7 @@ mod tests {
         let x = curvature.clone().cholesky().unwrap().solve(&slopes.tr_mul(b));
         let z = b - slopes * &x;
         Minimum {
-            at: Standing { x: x.as_slice().to_vec(), value: z.norm_squared(), z },
+            at: Evaluation { x: x.as_slice().to_vec(), value: z.norm_squared(), z },
             moved: (0..slopes.ncols()).collect(),
             weights: DVector::repeat(slopes.nrows(), 1.0),
             whole: slopes.clone(),

@@ -49,7 +49,7 @@ const TURN: f64 = 0.2;
 impl Member {
     /// An effect with the weak prior of its coordinates about "off".
     pub(super) fn new(effect: &'static dyn Effect, part: Part, start: &[f64], rig: &Rig) -> Self {
-        let about = effect.about();
+        let about = effect.info();
         let coordinates = about.coordinates(rig);
         Self {
             effect,
@@ -66,7 +66,7 @@ impl Member {
 
     /// The same with a normal prior about its start, of these standard errors of its values.
     pub(super) fn with_prior(mut self, se: &[f64]) -> Self {
-        let about = self.effect.about();
+        let about = self.effect.info();
         self.center = about.to_coordinates(&self.start);
         self.prior_sd = vec![0.0; self.center.len()];
         for (value, se) in se.iter().enumerate().filter(|(_, se)| **se > 0.0) {
@@ -81,11 +81,11 @@ impl Member {
     }
 
     pub(super) fn id(&self) -> &'static str {
-        self.effect.about().id
+        self.effect.info().id
     }
 
     pub(super) fn parameters(&self) -> &'static [Parameter] {
-        self.effect.about().parameters
+        self.effect.info().parameters
     }
 
     pub(super) fn len(&self) -> usize {
@@ -95,7 +95,7 @@ impl Member {
     /// The effect's values at a place of its chart, within their ranges.
     pub(super) fn values(&self, x: &[f64]) -> Vec<f64> {
         let values = match self.chart {
-            Chart::Coordinates => self.effect.about().from_coordinates(x),
+            Chart::Coordinates => self.effect.info().from_coordinates(x),
             Chart::Values => x.to_vec(),
         };
         let inside = |(parameter, value): (&Parameter, f64)| match parameter.role {
@@ -108,20 +108,20 @@ impl Member {
     /// The place of values in the chart.
     pub(super) fn place(&self, values: &[f64]) -> Vec<f64> {
         match self.chart {
-            Chart::Coordinates => self.effect.about().to_coordinates(values),
+            Chart::Coordinates => self.effect.info().to_coordinates(values),
             Chart::Values => values.to_vec(),
         }
     }
 
     /// (coordinate − center)/sd of the prior; 0 where there is none.
-    pub(super) fn strain(&self, values: &[f64]) -> Vec<f64> {
-        let coordinates = self.effect.about().to_coordinates(values);
+    pub(super) fn prior_residual(&self, values: &[f64]) -> Vec<f64> {
+        let coordinates = self.effect.info().to_coordinates(values);
         let priors = self.center.iter().zip(&self.prior_sd);
-        let strain = |(x, (center, sd)): (f64, (&f64, &f64))| match *sd > 0.0 {
+        let prior_residual = |(x, (center, sd)): (f64, (&f64, &f64))| match *sd > 0.0 {
             true => (x - center) / sd,
             false => 0.0,
         };
-        coordinates.into_iter().zip(priors).map(strain).collect()
+        coordinates.into_iter().zip(priors).map(prior_residual).collect()
     }
 
     /// The size of what each number of a place of the coordinates is part of: of a number its own, of
@@ -235,7 +235,7 @@ mod tests {
     #[test]
     fn the_size_of_a_vector_turns_with_the_axes_and_a_number_has_its_own() {
         for effect in all() {
-            let about = effect.about();
+            let about = effect.info();
             let rig = Rig::new(Surface::Ellipsoid, 0.25, 0.3).unwrap();
             let typical = about.typical(&rig);
             let (_, x, squares) = sized(about.id, &typical);

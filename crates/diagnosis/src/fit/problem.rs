@@ -22,7 +22,7 @@ pub(super) struct Problem<'a> {
 
 /// Where one stands: a place, the residuals there with the priors' strains below, and their sum.
 #[derive(Clone, Debug)]
-pub(super) struct Standing {
+pub(super) struct Evaluation {
     pub(super) x: Vec<f64>,
     pub(super) z: DVector<f64>,
     pub(super) value: f64,
@@ -58,10 +58,10 @@ impl<'a> Problem<'a> {
 
     /// # Errors
     /// What a prediction refuses.
-    pub(super) fn stand(&self, x: Vec<f64>) -> Result<Standing, DiagnosisError> {
+    pub(super) fn stand(&self, x: Vec<f64>) -> Result<Evaluation, DiagnosisError> {
         let z = self.residuals(&x)?;
         let value = self.robust.value(&z);
-        Ok(Standing { x, z, value })
+        Ok(Evaluation { x, z, value })
     }
 
     /// −∂z/∂x of the moved numbers, by secants of half-widths `widths` that stay within the ranges.
@@ -72,7 +72,7 @@ impl<'a> Problem<'a> {
     /// What a prediction refuses on both sides.
     pub(super) fn slopes(
         &self,
-        at: &Standing,
+        at: &Evaluation,
         widths: &[f64],
     ) -> Result<DMatrix<f64>, DiagnosisError> {
         let moved = self.moved();

@@ -142,7 +142,7 @@ impl<'a> Refit<'a> {
     }
 
     /// What is minimised: squares of whitened residuals with a say of their own, and of priors.
-    pub(crate) fn misfit(&self) -> f64 {
+    pub(crate) fn objective(&self) -> f64 {
         self.minimum.at.value
     }
 
@@ -166,7 +166,7 @@ impl<'a> Refit<'a> {
     pub(crate) fn trial(&self, effect: &'static dyn Effect) -> Result<Trial<'a>, DiagnosisError> {
         let Problem { space, whitening, robust, .. } = &self.problem;
         let mut problem = Problem::new(space.with(effect)?, whitening, robust.clone());
-        let numbers = problem.space.numbers_of(effect.about().id).unwrap_or(0..0);
+        let numbers = problem.space.numbers_of(effect.info().id).unwrap_or(0..0);
         // What was taken out stays out.
         for (k, frozen) in self.problem.frozen.iter().enumerate() {
             problem.frozen[k] |= *frozen && !numbers.contains(&k);
@@ -316,11 +316,11 @@ impl<'a> Refit<'a> {
 
 impl Trial<'_> {
     pub(crate) fn id(&self) -> &'static str {
-        self.effect.about().id
+        self.effect.info().id
     }
 
     /// What is minimised, with the thresholds of the model that was tried.
-    pub(crate) fn misfit(&self) -> f64 {
+    pub(crate) fn objective(&self) -> f64 {
         self.minimum.at.value
     }
 
@@ -358,7 +358,7 @@ mod tests {
         let push_of = observations.push_of.clone();
         let steps = observations.steps.iter_mut().zip(predicted.steps());
         for ((step, predicted), push) in steps.zip(push_of) {
-            // Twice the noise that is expected, and every fourth push far off.
+            // DuplicateEffect the noise that is expected, and every fourth push far off.
             let sd = if push % 4 == 0 { 40.0 } else { 2.0 };
             for (number, value) in step.observed.iter_mut().enumerate() {
                 let made = predicted[number].map(|at| at + sd * NOISE[number] * normal(&mut rng));
@@ -369,10 +369,10 @@ mod tests {
         let settings = FitSettings::default();
         let here = Refit::new(&observations, &model, &whitening, &settings).unwrap();
         let again = here.without(&[]).unwrap();
-        let loss = again.misfit_by(&here) - here.misfit();
+        let loss = again.misfit_by(&here) - here.objective();
         assert!(loss.abs() < 1.0, "{loss}");
         // Thresholds of their own make as much of it as an effect would.
-        let apparent = again.misfit() - here.misfit();
+        let apparent = again.objective() - here.objective();
         assert!(apparent.abs() > 20.0, "{apparent}");
     }
 }

@@ -31,7 +31,7 @@ pub(super) fn resemblances(
     index: usize,
 ) -> Result<Vec<Resemblance>, DiagnosisError> {
     let members = &problem.space.members;
-    let about = members[index].effect.about();
+    let about = members[index].effect.info();
     let signature = signature(problem, minimum, index)?;
     let declared = about.look_alikes.iter().map(|alike| (alike.id, alike.when));
     let others = members.iter().filter(|member| member.part != Part::Nuisance);

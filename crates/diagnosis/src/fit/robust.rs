@@ -6,7 +6,7 @@ use nalgebra::DVector;
 
 /// Huber's function of whitened residuals, once for each number and once for each push.
 ///
-/// F = Σₚ nₚ H(sₚ) + Σ strain², sₚ² = Σᵢ H(zᵢ)/nₚ over the nₚ numbers of push p, with
+/// F = Σₚ nₚ H(sₚ) + Σ prior_residual², sₚ² = Σᵢ H(zᵢ)/nₚ over the nₚ numbers of push p, with
 /// H(z) = z² up to the threshold k and 2k|z| − k² beyond. The rows after the last push's are the
 /// strains of priors, plain squares.
 ///

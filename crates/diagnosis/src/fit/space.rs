@@ -48,20 +48,20 @@ impl<'a> Space<'a> {
         let rig =
             ChannelModel::new(&bare, observations.support, &[])?.physics(&first)?.rig().clone();
         let find = |id: &str| {
-            let own = settings.own.iter().copied().find(|effect| effect.about().id == id);
+            let own = settings.own.iter().copied().find(|effect| effect.info().id == id);
             own.map_or_else(|| by_id(id), Ok)
         };
         let mut ids: Vec<&str> = asked.to_vec();
         ids.extend(model.effects.iter().map(|effect| effect.id.as_str()));
-        let known = effects::all().iter().map(|effect| effect.about().id);
+        let known = effects::all().iter().map(|effect| effect.info().id);
         ids.extend(known.filter(|id| settings.tolerances.of(id).is_some()));
         let (mut members, mut seen) = (Vec::new(), Vec::new());
         for id in ids {
             let effect = find(id).map_err(models::ModelError::from)?;
-            if !seen.contains(&effect.about().id) {
-                seen.push(effect.about().id);
+            if !seen.contains(&effect.info().id) {
+                seen.push(effect.info().id);
                 let carried = model.effects.iter().find(|carried| carried.id == id);
-                let is_open = id == OPEN && observations.show(effect.about().reaches);
+                let is_open = id == OPEN && observations.show(effect.info().reaches);
                 let wish = match asked.contains(&id) {
                     true => Some(Part::Asked),
                     false => is_open.then_some(Part::Carried),
@@ -70,7 +70,7 @@ impl<'a> Space<'a> {
             }
         }
         let started =
-            |member: &Member| ModelEffect::from(Setting::new(member.effect.about(), &member.start));
+            |member: &Member| ModelEffect::from(Setting::new(member.effect.info(), &member.start));
         let is_fixed = |carried: &&ModelEffect| members.iter().all(|m| m.id() != carried.id);
         let mut effects: Vec<_> = model.effects.iter().filter(is_fixed).cloned().collect();
         effects.extend(members.iter().map(started));
@@ -85,7 +85,7 @@ impl<'a> Space<'a> {
                 objects.push(step);
             }
         }
-        let order = physics[0].effects().iter().map(|(effect, _)| effect.about().id);
+        let order = physics[0].effects().iter().map(|(effect, _)| effect.info().id);
         let order: Vec<_> = order.collect();
         members.sort_by_key(|member| order.iter().position(|id| *id == member.id()));
         Ok(Self { observations, physics, object_of, members })
@@ -95,8 +95,8 @@ impl<'a> Space<'a> {
     pub(super) fn with(&self, effect: &'static dyn Effect) -> Result<Self, DiagnosisError> {
         let mut other = self.clone();
         let rig = self.physics[0].rig().clone();
-        let off = effect.about().off(&rig);
-        if let Some(known) = other.members.iter_mut().find(|m| m.id() == effect.about().id) {
+        let off = effect.info().off(&rig);
+        if let Some(known) = other.members.iter_mut().find(|m| m.id() == effect.info().id) {
             *known = Member::new(effect, Part::Asked, &known.start, &rig);
             return Ok(other);
         }
@@ -148,7 +148,9 @@ impl<'a> Space<'a> {
 
     /// The strains of the priors at a place.
     pub(super) fn strains(&self, x: &[f64]) -> Vec<f64> {
-        self.shares(x).flat_map(|(member, own)| member.strain(&member.values(own))).collect()
+        self.shares(x)
+            .flat_map(|(member, own)| member.prior_residual(&member.values(own)))
+            .collect()
     }
 
     /// Observed less predicted at a place; 0 for what is not observed.
@@ -187,7 +189,7 @@ fn member(
     rig: &effects::Rig,
     settings: &FitSettings,
 ) -> Result<Option<Member>, DiagnosisError> {
-    let about = effect.about();
+    let about = effect.info();
     let start = match carried {
         Some(carried) => carried.setting().values(about).map_err(models::ModelError::from)?,
         None => about.off(rig),
@@ -223,7 +225,7 @@ fn unfolded(
     let mut model = model.clone();
     let has = |model: &Description, id: &str| model.effects.iter().any(|effect| effect.id == id);
     if let CharacteristicLength::Given(length) = base.length()
-        && !has(&model, PressureRadius.about().id)
+        && !has(&model, PressureRadius.info().id)
     {
         let uniform = observations.steps[0].input.object.mean_distance();
         let Estimate { value, se, source } = length.clone();
@@ -236,14 +238,14 @@ fn unfolded(
         )?;
         model.base = Base::Analytical(nominal.with_surface(base.surface())?);
     }
-    if base.pusher_friction().se > 0.0 && !has(&model, PusherFriction.about().id) {
+    if base.pusher_friction().se > 0.0 && !has(&model, PusherFriction.info().id) {
         model.effects.push(one_parameter(&PusherFriction, base.pusher_friction().clone()));
     }
     Ok(model)
 }
 
 fn one_parameter(effect: &dyn Effect, estimate: Estimate) -> ModelEffect {
-    let about = effect.about();
+    let about = effect.info();
     let name = about.parameters[0].name.to_owned();
     ModelEffect { id: about.id.to_owned(), parameters: [(name, estimate)].into() }
 }

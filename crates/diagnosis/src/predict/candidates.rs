@@ -42,10 +42,10 @@ impl Candidates {
     ) -> Result<Self, DiagnosisError> {
         let physics = ChannelModel::new(model, observations.support, own)?
             .physics(&observations.steps[0].input.object)?;
-        let has = |id: &str| physics.effects().iter().any(|(other, _)| other.about().id == id);
+        let has = |id: &str| physics.effects().iter().any(|(other, _)| other.info().id == id);
         let mut found = Self::default();
         for effect in all().iter().chain(own).copied() {
-            let about = effect.about();
+            let about = effect.info();
             let first = found.directions.len();
             for (index, coordinate) in about.coordinates(physics.rig()).iter().enumerate() {
                 let parameter = &about.parameters[index];

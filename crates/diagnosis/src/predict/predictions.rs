@@ -144,8 +144,8 @@ fn uncertain(
         all.extend(Uncertain::of(length, (LEAST_LENGTH * length.value, f64::INFINITY), of_length)?);
     }
     for (index, effect) in model.effects.iter().enumerate() {
-        let known = own.iter().copied().find(|own| own.about().id == effect.id);
-        let about = known.map_or_else(|| by_id(&effect.id), Ok)?.about();
+        let known = own.iter().copied().find(|own| own.info().id == effect.id);
+        let about = known.map_or_else(|| by_id(&effect.id), Ok)?.info();
         for parameter in about.parameters {
             let Some(estimate) = effect.parameters.get(parameter.name) else { continue };
             let of_effect = |moved| {
@@ -238,7 +238,7 @@ mod tests {
         let all = uncertain(&model, base, &[]).unwrap();
         let ends: Vec<f64> =
             all[0].ends.iter().map(|end| end.effects[0].parameters["ax"].value).collect();
-        let (low, high) = effects::by_id("table-tilt").unwrap().about().parameters[0].range;
+        let (low, high) = effects::by_id("table-tilt").unwrap().info().parameters[0].range;
         assert_eq!((all.len(), ends), (1, vec![low, high]));
         assert!(widest(1e3).is_finite());
     }

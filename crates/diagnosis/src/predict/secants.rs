@@ -146,8 +146,8 @@ impl Probes {
 impl Sides {
     fn new(physics: &PushPhysics, direction: &Direction) -> Result<Self, EffectError> {
         let Direction { effect, coordinate, size } = *direction;
-        let about = effect.about();
-        let found = physics.effects().iter().find(|(other, _)| other.about().id == about.id);
+        let about = effect.info();
+        let found = physics.effects().iter().find(|(other, _)| other.info().id == about.id);
         let off = about.off(physics.rig());
         let values = found.map_or(&off, |(_, values)| values);
         let here = about.to_coordinates(values);

@@ -1,6 +1,6 @@
 //! Why data cannot show an effect, and what to measure.
 
-use effects::{About, Channel, Frame, Role, Stage};
+use effects::{Channel, EffectInfo, Frame, Role, Stage};
 use serde::Serialize;
 
 use crate::Observations;
@@ -41,7 +41,7 @@ pub(crate) fn untestable(
     scale: &[f64],
     score: Option<&Score>,
 ) -> Option<NotTestable> {
-    let about = candidate.effect.about();
+    let about = candidate.effect.info();
     let seen = observations.channels();
     let reaches: Vec<Channel> = about.reaches.to_vec();
     let detectable = |information: &nalgebra::DMatrix<f64>| {
@@ -98,11 +98,11 @@ fn rival(candidates: &Candidates, score: &Score) -> &'static str {
         .effects
         .iter()
         .find(|candidate| index.is_some_and(|index| candidate.coordinates.contains(&index)));
-    owner.map_or("another one", |candidate| candidate.effect.about().id)
+    owner.map_or("another one", |candidate| candidate.effect.info().id)
 }
 
 /// What would make an effect show.
-fn advice(coverage: &Coverage, about: &About, lacks_force: bool) -> String {
+fn advice(coverage: &Coverage, about: &EffectInfo, lacks_force: bool) -> String {
     let has = |stage: Stage| about.stages.contains(&stage);
     let is_fixed = |frame: Frame| {
         let of_frame = |role: Role| matches!(role, Role::X(f) | Role::Ratio(f) if f == frame);
@@ -113,7 +113,7 @@ fn advice(coverage: &Coverage, about: &About, lacks_force: bool) -> String {
         list.push("the contact force");
     }
     if coverage.speed[1] < 2.0 * coverage.speed[0]
-        && (has(Stage::Local) || has(Stage::Dynamics) || has(Stage::Reading))
+        && (has(Stage::Local) || has(Stage::Dynamics) || has(Stage::Measurement))
     {
         list.push("pushes at several speeds");
     }

@@ -44,7 +44,7 @@ impl<'a> Whitened<'a> {
         let mut is_free = vec![true; scale.len()];
         let mut nuisances = Vec::new();
         for candidate in &candidates.effects {
-            let tolerance = settings.tolerances.of(candidate.effect.about().id);
+            let tolerance = settings.tolerances.of(candidate.effect.info().id);
             if let Some(tolerance) = tolerance.filter(|tolerance| tolerance.is_finite()) {
                 for k in candidate.coordinates.clone() {
                     (scale[k], is_free[k]) = (tolerance, candidate.is_in_model);
@@ -135,7 +135,7 @@ impl<'a> Whitened<'a> {
 
     /// The test of one effect, with each cluster's part in it.
     fn tested(&self, candidate: &Candidate, clusters: &[Products]) -> (ScreenedEffect, FlipTest) {
-        let about = candidate.effect.about();
+        let about = candidate.effect.info();
         let indices: Vec<usize> = candidate.coordinates.clone().collect();
         let freedom = indices.len();
         let mut found = ScreenedEffect {
@@ -219,7 +219,7 @@ impl<'a> Whitened<'a> {
             let (name, unit) = self.candidates.names[*index];
             let scale = self.scale[*index];
             let tolerance = (!self.is_free[*index]).then_some(scale);
-            let effect = owner(*index)?.effect.about().id;
+            let effect = owner(*index)?.effect.info().id;
             Some(Nuisance { effect, name, unit, tolerance, change: scale * change })
         };
         let nuisances = self.nuisances.iter().zip(score.estimate.iter()).filter_map(nuisance);
@@ -229,7 +229,7 @@ impl<'a> Whitened<'a> {
 
     fn look_alikes(&self, effects: &[ScreenedEffect]) -> Vec<LookAlikes> {
         let is_tested = |candidate: &&Candidate| {
-            let id = candidate.effect.about().id;
+            let id = candidate.effect.info().id;
             effects.iter().any(|effect| effect.id == id && effect.not_testable.is_none())
         };
         let tested: Vec<&Candidate> = self.candidates.effects.iter().filter(is_tested).collect();
@@ -241,7 +241,7 @@ impl<'a> Whitened<'a> {
                 let correlation =
                     likeness(&self.all, (&groups[0], &groups[1]), &self.nuisances, &self.is_free);
                 if let Some(correlation) = correlation.filter(|c| *c >= self.settings.alike) {
-                    let (one, other) = (one.effect.about().id, other.effect.about().id);
+                    let (one, other) = (one.effect.info().id, other.effect.info().id);
                     found.push(LookAlikes { one, other, correlation });
                 }
             }

@@ -76,13 +76,13 @@ impl Standpoint {
         let mut other = self.clone();
         let candidates = Candidates::of(&self.description, &self.own, all)?;
         for id in ids {
-            let own = self.own.iter().copied().find(|effect| effect.about().id == id);
+            let own = self.own.iter().copied().find(|effect| effect.info().id == id);
             let effect = own.map_or_else(|| by_id(id), Ok).map_err(models::ModelError::from)?;
-            let id = effect.about().id;
+            let id = effect.info().id;
             if other.free.iter().any(|free| free.effect == id) {
                 continue;
             }
-            let found = candidates.effects.iter().find(|one| one.effect.about().id == id);
+            let found = candidates.effects.iter().find(|one| one.effect.info().id == id);
             let numbers = found.map_or(0..0, |one| one.coordinates.clone());
             other
                 .free
@@ -123,7 +123,7 @@ impl Standpoint {
 fn free(candidates: &Candidates, tolerances: &Tolerances) -> Vec<Free> {
     let mut free = Vec::new();
     for candidate in &candidates.effects {
-        let about = candidate.effect.about();
+        let about = candidate.effect.info();
         let tolerance = tolerances.of(about.id);
         if tolerance.is_none() && !candidate.is_in_model {
             continue;

@@ -36,7 +36,7 @@ pub fn step_suspicions(
     observations: &Observations,
     pusher_friction: f64,
 ) -> Result<Vec<Suspicion>, DiagnosisError> {
-    let beside = Beside::of(observations, pusher_friction)?;
+    let beside = ObservedPredicted::of(observations, pusher_friction)?;
     if beside.0.len() < FEWEST_STEPS {
         return Ok(Vec::new());
     }
@@ -58,9 +58,9 @@ fn found(what: impl Into<String>, evidence: String, fix: &str) -> Suspicion {
 }
 
 /// Observed and predicted Δx, Δy (m) and Δθ (rad) of steps.
-struct Beside(Vec<[(f64, f64); 3]>);
+struct ObservedPredicted(Vec<[(f64, f64); 3]>);
 
-impl Beside {
+impl ObservedPredicted {
     fn of(observations: &Observations, pusher_friction: f64) -> Result<Self, DiagnosisError> {
         let nominal = Description {
             base: Base::Analytical(Analytical::nominal(pusher_friction)?),
@@ -212,20 +212,20 @@ impl Beside {
 
 #[cfg(test)]
 mod tests {
-    use super::Beside;
+    use super::ObservedPredicted;
 
     /// Steps whose observations are `change` of the predictions.
-    fn steps(change: impl Fn([f64; 3]) -> [f64; 3]) -> Beside {
+    fn steps(change: impl Fn([f64; 3]) -> [f64; 3]) -> ObservedPredicted {
         let step = |k: usize| {
             let (p, beta) = (0.1 * (k % 11) as f64 - 0.5, 0.15 * (k % 7) as f64 - 0.45);
             let predicted = [0.0035 - 0.002 * p * p, -0.0012 * beta, -0.04 * p];
             let observed = change(predicted);
             [0, 1, 2].map(|k| (observed[k], predicted[k]))
         };
-        Beside((0..77).map(step).collect())
+        ObservedPredicted((0..77).map(step).collect())
     }
 
-    fn told(beside: &Beside) -> Vec<String> {
+    fn told(beside: &ObservedPredicted) -> Vec<String> {
         let all = beside.units().into_iter().chain(beside.signs());
         all.map(|suspicion| suspicion.what).collect()
     }

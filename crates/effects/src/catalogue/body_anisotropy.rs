@@ -1,15 +1,15 @@
 //! Friction that depends on the direction over the body.
 
 use crate::{
-    About, Channel, Effect, Frame, LogTensor, LookAlike, Moment, Off, Parameter, Role, Stage,
-    Support,
+    Channel, Effect, EffectInfo, Frame, LogTensor, LookAlike, Off, Parameter, Role, Snapshot,
+    Stage, Support,
 };
 
-/// Anisotropy of the body: see [`About`] for its physics.
+/// Anisotropy of the body: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BodyAnisotropy;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "body-anisotropy",
     title: "Anisotropy of the body",
     physics: "The object's base has a grain. An object that slides along the grain meets another \
@@ -48,11 +48,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for BodyAnisotropy {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn support(&self, values: &[f64], _: &Moment<'_>, support: &mut Support) {
+    fn support(&self, values: &[f64], _: &Snapshot<'_>, support: &mut Support) {
         support.tensor_o += LogTensor::axis(values[0], values[1]);
     }
 }

@@ -1,12 +1,14 @@
 //! A force that acts beside the nearest point.
 
-use crate::{About, Channel, Effect, Geometry, LookAlike, Off, Parameter, Role, Stage, StepInput};
+use crate::{
+    Channel, Effect, EffectInfo, Geometry, LookAlike, Off, Parameter, Role, Stage, StepInput,
+};
 
-/// Bias of the contact point: see [`About`] for its physics.
+/// Bias of the contact point: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContactBias;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "contact-bias",
     title: "Bias of the contact point",
     physics: "The pusher leans, or its tip is worn on one side: it touches where pusher and outline \
@@ -33,8 +35,8 @@ static ABOUT: About = About {
 };
 
 impl Effect for ContactBias {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
     fn geometry(&self, values: &[f64], _: &StepInput, geometry: &mut Geometry) {

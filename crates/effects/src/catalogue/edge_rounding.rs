@@ -1,12 +1,12 @@
 //! Corners that are round.
 
-use crate::{About, Channel, Effect, Geometry, Off, Parameter, Role, Stage, StepInput};
+use crate::{Channel, Effect, EffectInfo, Geometry, Off, Parameter, Role, Stage, StepInput};
 
-/// Rounded corners: see [`About`] for its physics.
+/// Rounded corners: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EdgeRounding;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "edge-rounding",
     title: "Rounded corners",
     physics: "Corners of real objects are round. Near them the contact normal turns before the \
@@ -30,8 +30,8 @@ static ABOUT: About = About {
 };
 
 impl Effect for EdgeRounding {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
     fn geometry(&self, values: &[f64], _: &StepInput, geometry: &mut Geometry) {

@@ -2,13 +2,15 @@
 
 use nalgebra::Vector2;
 
-use crate::{About, Channel, Effect, Frame, Off, Parameter, Reading, Role, Stage, StepInput};
+use crate::{
+    Channel, Effect, EffectInfo, Frame, MeasurementModel, Off, Parameter, Role, Stage, StepInput,
+};
 
-/// Bias of the force sensor: see [`About`] for its physics.
+/// Bias of the force sensor: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ForceBias;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "force-bias",
     title: "Bias of the force sensor",
     physics: "The sensor's zero has moved, and its axes are turned against the table's. The \
@@ -17,7 +19,7 @@ static ABOUT: About = About {
     source: "Kubus, Kröger & Wahl (2008), On-line estimation of inertial parameters using a \
         recursive total least-squares approach, IROS, which estimates the sensor's offsets with \
         the load.",
-    stages: &[Stage::Reading],
+    stages: &[Stage::Measurement],
     reaches: &[Channel::Force],
     parameters: &[
         Parameter {
@@ -52,11 +54,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for ForceBias {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn reading(&self, values: &[f64], _: &StepInput, reading: &mut Reading) {
+    fn reading(&self, values: &[f64], _: &StepInput, reading: &mut MeasurementModel) {
         reading.force_bias_w += Vector2::new(values[0], values[1]);
         reading.force_turn += values[2];
     }

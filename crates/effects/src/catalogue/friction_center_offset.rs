@@ -3,14 +3,14 @@
 use nalgebra::Vector2;
 
 use crate::{
-    About, Channel, Effect, Frame, LookAlike, Moment, Off, Parameter, Role, Stage, Support,
+    Channel, Effect, EffectInfo, Frame, LookAlike, Off, Parameter, Role, Snapshot, Stage, Support,
 };
 
-/// Offset of the center of friction: see [`About`] for its physics.
+/// Offset of the center of friction: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrictionCenterOffset;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "friction-center-offset",
     title: "Offset of the center of friction",
     physics: "The object presses harder on one side, because its mass is not centered or its base \
@@ -53,11 +53,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for FrictionCenterOffset {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn support(&self, values: &[f64], _: &Moment<'_>, support: &mut Support) {
+    fn support(&self, values: &[f64], _: &Snapshot<'_>, support: &mut Support) {
         support.center_o += Vector2::new(values[0], values[1]);
     }
 }

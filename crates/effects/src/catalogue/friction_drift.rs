@@ -1,12 +1,12 @@
 //! Friction that changes in the course of a set.
 
-use crate::{About, Channel, Effect, Moment, Off, Parameter, Role, Stage, Support};
+use crate::{Channel, Effect, EffectInfo, Off, Parameter, Role, Snapshot, Stage, Support};
 
-/// Drift of friction: see [`About`] for its physics.
+/// Drift of friction: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrictionDrift;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "friction-drift",
     title: "Drift of friction",
     physics: "Sliding polishes and soils: friction changes from the first push of a set to the \
@@ -30,11 +30,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for FrictionDrift {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn support(&self, values: &[f64], moment: &Moment<'_>, support: &mut Support) {
+    fn support(&self, values: &[f64], moment: &Snapshot<'_>, support: &mut Support) {
         support.friction *= 1.0 + values[0] * (moment.step.progress - 0.5);
     }
 }

@@ -3,14 +3,14 @@
 use nalgebra::Vector2;
 
 use crate::{
-    About, Channel, Effect, Frame, LookAlike, Moment, Off, Parameter, Role, Stage, Support,
+    Channel, Effect, EffectInfo, Frame, LookAlike, Off, Parameter, Role, Snapshot, Stage, Support,
 };
 
-/// Gradient of friction over the table: see [`About`] for its physics.
+/// Gradient of friction over the table: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrictionGradient;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "friction-gradient",
     title: "Gradient of friction over the table",
     physics: "Friction grows from one side of the table to the other, by wear or dust. The \
@@ -54,11 +54,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for FrictionGradient {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn support(&self, values: &[f64], moment: &Moment<'_>, support: &mut Support) {
+    fn support(&self, values: &[f64], moment: &Snapshot<'_>, support: &mut Support) {
         let gradient_w = Vector2::new(values[0], values[1]);
         let object = &moment.step.object;
         let place_w = moment.pose_wo.transform_point(object.centroid());

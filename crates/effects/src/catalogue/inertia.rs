@@ -1,12 +1,12 @@
 //! An object that takes time to start and to stop.
 
-use crate::{About, Channel, Effect, LookAlike, Off, Parameter, Role, Stage};
+use crate::{Channel, Effect, EffectInfo, LookAlike, Off, Parameter, Role, Stage};
 
-/// Inertia: see [`About`] for its physics.
+/// Inertia: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Inertia;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "inertia",
     title: "Inertia",
     physics: "A fast push does not meet the balance of friction alone: the object takes up the \
@@ -36,8 +36,8 @@ static ABOUT: About = About {
 };
 
 impl Effect for Inertia {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
     fn has_inertia(&self, values: &[f64]) -> bool {

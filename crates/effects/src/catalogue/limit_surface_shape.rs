@@ -1,8 +1,10 @@
 //! Between the ellipsoid and the exact surface of uniform pressure.
 
-use crate::{About, Channel, Effect, LookAlike, Moment, Off, Parameter, Role, Stage, Support};
+use crate::{
+    Channel, Effect, EffectInfo, LookAlike, Off, Parameter, Role, Snapshot, Stage, Support,
+};
 
-/// Shape of the limit surface: see [`About`] for its physics.
+/// Shape of the limit surface: see [`EffectInfo`] for its physics.
 ///
 /// The load w(t) is the gradient of the power P(t) = (1 − λ) P_ellipsoid(t) + λ P_patch(t). Both powers
 /// are support functions of convex surfaces, that is convex and homogeneous of degree one. For 0 ≤ λ
@@ -12,7 +14,7 @@ use crate::{About, Channel, Effect, LookAlike, Moment, Off, Parameter, Role, Sta
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LimitSurfaceShape;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "limit-surface-shape",
     title: "Shape of the limit surface",
     physics: "The exact limit surface of uniform pressure is not an ellipsoid: turns about centers \
@@ -49,11 +51,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for LimitSurfaceShape {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn support(&self, values: &[f64], moment: &Moment<'_>, support: &mut Support) {
+    fn support(&self, values: &[f64], moment: &Snapshot<'_>, support: &mut Support) {
         support.shape += values[0] - moment.rig.surface_shape();
     }
 }

@@ -60,10 +60,10 @@ pub fn all() -> &'static [&'static dyn Effect] {
 /// # Errors
 /// `UnknownEffect`, with the ids that there are.
 pub fn by_id(id: &str) -> Result<&'static dyn Effect, EffectError> {
-    let found = ALL.iter().find(|effect| effect.about().id == id);
+    let found = ALL.iter().find(|effect| effect.info().id == id);
     found.copied().ok_or_else(|| EffectError::UnknownEffect {
         id: id.to_owned(),
-        known: ALL.iter().map(|effect| effect.about().id).collect::<Vec<_>>().join(", "),
+        known: ALL.iter().map(|effect| effect.info().id).collect::<Vec<_>>().join(", "),
     })
 }
 

@@ -3,14 +3,15 @@
 use nalgebra::Vector2;
 
 use crate::{
-    About, Channel, Effect, Frame, LookAlike, Off, Parameter, Reading, Role, Stage, StepInput,
+    Channel, Effect, EffectInfo, Frame, LookAlike, MeasurementModel, Off, Parameter, Role, Stage,
+    StepInput,
 };
 
-/// Offset of the tracked frame: see [`About`] for its physics.
+/// Offset of the tracked frame: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PoseOffset;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "pose-offset",
     title: "Offset of the tracked frame",
     physics: "The markers were not glued where the drawing says: the outline, and with it the \
@@ -20,7 +21,7 @@ static ABOUT: About = About {
         body.",
     source: "Tsai & Lenz (1989), A new technique for fully autonomous and efficient 3D robotics \
         hand/eye calibration, IEEE Trans. Robotics and Automation 5(3), for calibrated frames.",
-    stages: &[Stage::Reading],
+    stages: &[Stage::Measurement],
     reaches: &[Channel::Motion, Channel::Force, Channel::Gap],
     parameters: &[
         Parameter {
@@ -50,11 +51,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for PoseOffset {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn reading(&self, values: &[f64], _: &StepInput, reading: &mut Reading) {
+    fn reading(&self, values: &[f64], _: &StepInput, reading: &mut MeasurementModel) {
         reading.offset_b += Vector2::new(values[0], values[1]);
     }
 }

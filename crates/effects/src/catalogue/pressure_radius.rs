@@ -1,12 +1,14 @@
 //! Pressure nearer to the rim or to the middle.
 
-use crate::{About, Channel, Effect, LookAlike, Moment, Off, Parameter, Role, Stage, Support};
+use crate::{
+    Channel, Effect, EffectInfo, LookAlike, Off, Parameter, Role, Snapshot, Stage, Support,
+};
 
-/// Pressure radius: see [`About`] for its physics.
+/// Pressure radius: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PressureRadius;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "pressure-radius",
     title: "Pressure radius",
     physics: "Pressure that sits at the rim resists turning more than uniform pressure, pressure \
@@ -34,11 +36,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for PressureRadius {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn support(&self, values: &[f64], _: &Moment<'_>, support: &mut Support) {
+    fn support(&self, values: &[f64], _: &Snapshot<'_>, support: &mut Support) {
         support.length_ratio *= values[0];
     }
 }

@@ -1,12 +1,14 @@
 //! A pusher that yields.
 
-use crate::{About, Channel, ContactLaw, Effect, LookAlike, Moment, Off, Parameter, Role, Stage};
+use crate::{
+    Channel, ContactLaw, Effect, EffectInfo, LookAlike, Off, Parameter, Role, Snapshot, Stage,
+};
 
-/// Compliance of the pusher: see [`About`] for its physics.
+/// Compliance of the pusher: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PusherCompliance;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "pusher-compliance",
     title: "Compliance of the pusher",
     physics: "Arm and pin are springs: under force the tip stays behind the place that the robot \
@@ -34,11 +36,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for PusherCompliance {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn contact(&self, values: &[f64], _: &Moment<'_>, law: &mut ContactLaw) {
+    fn contact(&self, values: &[f64], _: &Snapshot<'_>, law: &mut ContactLaw) {
         law.compliance += values[0];
     }
 }

@@ -1,12 +1,12 @@
 //! Another friction between pusher and object.
 
-use crate::{About, Channel, ContactLaw, Effect, Moment, Off, Parameter, Role, Stage};
+use crate::{Channel, ContactLaw, Effect, EffectInfo, Off, Parameter, Role, Snapshot, Stage};
 
-/// Friction with the pusher: see [`About`] for its physics.
+/// Friction with the pusher: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PusherFriction;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "pusher-friction",
     title: "Friction with the pusher",
     physics: "The pusher sticks to steeper pushes, or slides at flatter ones, than stated: the \
@@ -29,11 +29,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for PusherFriction {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn contact(&self, values: &[f64], moment: &Moment<'_>, law: &mut ContactLaw) {
+    fn contact(&self, values: &[f64], moment: &Snapshot<'_>, law: &mut ContactLaw) {
         law.friction += values[0] - moment.rig.pusher_friction();
     }
 }

@@ -1,12 +1,12 @@
 //! A friction cone that leans to one side.
 
-use crate::{About, Channel, ContactLaw, Effect, Moment, Off, Parameter, Role, Stage};
+use crate::{Channel, ContactLaw, Effect, EffectInfo, Off, Parameter, Role, Snapshot, Stage};
 
-/// Asymmetry of the pusher friction: see [`About`] for its physics.
+/// Asymmetry of the pusher friction: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PusherFrictionAsymmetry;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "pusher-friction-asymmetry",
     title: "Asymmetry of the pusher friction",
     physics: "The edge's surface has teeth or fibers that lie one way: the pusher slides to one \
@@ -30,11 +30,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for PusherFrictionAsymmetry {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn contact(&self, values: &[f64], _: &Moment<'_>, law: &mut ContactLaw) {
+    fn contact(&self, values: &[f64], _: &Snapshot<'_>, law: &mut ContactLaw) {
         law.asymmetry += values[0];
     }
 }

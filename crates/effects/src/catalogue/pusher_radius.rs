@@ -1,12 +1,14 @@
 //! A pusher of another radius.
 
-use crate::{About, Channel, Effect, Geometry, LookAlike, Off, Parameter, Role, Stage, StepInput};
+use crate::{
+    Channel, Effect, EffectInfo, Geometry, LookAlike, Off, Parameter, Role, Stage, StepInput,
+};
 
-/// Pusher radius: see [`About`] for its physics.
+/// Pusher radius: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PusherRadius;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "pusher-radius",
     title: "Pusher radius",
     physics: "A pusher thicker than stated touches earlier, which shows in the gap; it touches \
@@ -31,8 +33,8 @@ static ABOUT: About = About {
 };
 
 impl Effect for PusherRadius {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
     fn geometry(&self, values: &[f64], _: &StepInput, geometry: &mut Geometry) {

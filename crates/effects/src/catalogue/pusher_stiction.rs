@@ -1,12 +1,14 @@
 //! A pusher that sticks harder than it slides.
 
-use crate::{About, Channel, ContactLaw, Effect, LookAlike, Moment, Off, Parameter, Role, Stage};
+use crate::{
+    Channel, ContactLaw, Effect, EffectInfo, LookAlike, Off, Parameter, Role, Snapshot, Stage,
+};
 
-/// Stiction of the pusher: see [`About`] for its physics.
+/// Stiction of the pusher: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PusherStiction;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "pusher-stiction",
     title: "Stiction of the pusher",
     physics: "A sticking contact holds until the force leaves a cone that is wider than the one \
@@ -43,11 +45,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for PusherStiction {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn contact(&self, values: &[f64], _: &Moment<'_>, law: &mut ContactLaw) {
+    fn contact(&self, values: &[f64], _: &Snapshot<'_>, law: &mut ContactLaw) {
         law.static_ratio *= values[0];
         law.stribeck_velocity = values[1];
     }

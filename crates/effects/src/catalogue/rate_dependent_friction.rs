@@ -1,12 +1,12 @@
 //! Friction that grows with the logarithm of speed.
 
-use crate::{About, Channel, Effect, LookAlike, Off, Parameter, Role, Sliding, Stage};
+use crate::{Channel, Effect, EffectInfo, LookAlike, Off, Parameter, Role, Sliding, Stage};
 
-/// Friction that depends on speed: see [`About`] for its physics.
+/// Friction that depends on speed: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RateDependentFriction;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "rate-dependent-friction",
     title: "Friction that depends on speed",
     physics: "Many dry contacts resist more, or less, the faster they slide. Every point of the \
@@ -46,8 +46,8 @@ static ABOUT: About = About {
 };
 
 impl Effect for RateDependentFriction {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
     fn local_friction(&self, values: &[f64], sliding: &Sliding) -> f64 {

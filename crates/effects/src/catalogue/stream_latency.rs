@@ -1,12 +1,15 @@
 //! Object poses that come late.
 
-use crate::{About, Channel, Effect, LookAlike, Off, Parameter, Reading, Role, Stage, StepInput};
+use crate::{
+    Channel, Effect, EffectInfo, LookAlike, MeasurementModel, Off, Parameter, Role, Stage,
+    StepInput,
+};
 
-/// Latency of the object stream: see [`About`] for its physics.
+/// Latency of the object stream: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StreamLatency;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "stream-latency",
     title: "Latency of the object stream",
     physics: "The object's stamps are late against the robot's: the pose at a stamp is that of a \
@@ -15,7 +18,7 @@ static ABOUT: About = About {
     equation: "pose_measured(t) = pose_true(t − τ), with τ in s; the pusher's way before and \
         after the step goes on at the velocity of its ends.",
     source: "Olson (2010), A passive solution to the sensor synchronization problem, IROS.",
-    stages: &[Stage::Reading],
+    stages: &[Stage::Measurement],
     reaches: &[Channel::Motion, Channel::Force, Channel::Gap],
     parameters: &[Parameter {
         name: "latency",
@@ -34,11 +37,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for StreamLatency {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn reading(&self, values: &[f64], _: &StepInput, reading: &mut Reading) {
+    fn reading(&self, values: &[f64], _: &StepInput, reading: &mut MeasurementModel) {
         reading.latency += values[0];
     }
 }

@@ -1,12 +1,12 @@
 //! Another friction between object and table.
 
-use crate::{About, Channel, Effect, Moment, Off, Parameter, Role, Stage, Support};
+use crate::{Channel, Effect, EffectInfo, Off, Parameter, Role, Snapshot, Stage, Support};
 
-/// Friction with the table: see [`About`] for its physics.
+/// Friction with the table: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SupportFriction;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "support-friction",
     title: "Friction with the table",
     physics: "The table is rougher or smoother than stated. On a level table the quasi-static \
@@ -30,11 +30,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for SupportFriction {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn support(&self, values: &[f64], moment: &Moment<'_>, support: &mut Support) {
+    fn support(&self, values: &[f64], moment: &Snapshot<'_>, support: &mut Support) {
         support.friction *= values[0] / moment.rig.support_friction();
     }
 }

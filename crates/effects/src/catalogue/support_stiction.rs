@@ -1,12 +1,12 @@
 //! Friction with the table that is larger at low speed.
 
-use crate::{About, Channel, Effect, LookAlike, Off, Parameter, Role, Sliding, Stage};
+use crate::{Channel, Effect, EffectInfo, LookAlike, Off, Parameter, Role, Sliding, Stage};
 
-/// Stiction of the support: see [`About`] for its physics.
+/// Stiction of the support: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SupportStiction;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "support-stiction",
     title: "Stiction of the support",
     physics: "A resting contact holds more than a sliding one, and the difference fades as it \
@@ -46,8 +46,8 @@ static ABOUT: About = About {
 };
 
 impl Effect for SupportStiction {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
     fn local_friction(&self, values: &[f64], sliding: &Sliding) -> f64 {

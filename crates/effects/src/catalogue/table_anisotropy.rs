@@ -1,15 +1,15 @@
 //! Friction that depends on the direction over the table.
 
 use crate::{
-    About, Channel, Effect, Frame, LogTensor, LookAlike, Moment, Off, Parameter, Role, Stage,
-    Support,
+    Channel, Effect, EffectInfo, Frame, LogTensor, LookAlike, Off, Parameter, Role, Snapshot,
+    Stage, Support,
 };
 
-/// Anisotropy of the table: see [`About`] for its physics.
+/// Anisotropy of the table: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TableAnisotropy;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "table-anisotropy",
     title: "Anisotropy of the table",
     physics: "The table has a grain. An object that slides along the grain meets another friction \
@@ -48,11 +48,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for TableAnisotropy {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn support(&self, values: &[f64], moment: &Moment<'_>, support: &mut Support) {
+    fn support(&self, values: &[f64], moment: &Snapshot<'_>, support: &mut Support) {
         support.tensor_o += LogTensor::axis(values[0], values[1] - moment.pose_wo.angle);
     }
 }

@@ -3,13 +3,13 @@
 use nalgebra::Vector2;
 use planar::Wrench;
 
-use crate::{About, Channel, Effect, Frame, LookAlike, Moment, Off, Parameter, Role, Stage};
+use crate::{Channel, Effect, EffectInfo, Frame, LookAlike, Off, Parameter, Role, Snapshot, Stage};
 
-/// Tilt of the table: see [`About`] for its physics.
+/// Tilt of the table: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TableTilt;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "table-tilt",
     title: "Tilt of the table",
     physics: "On a table that is not level a part of gravity pulls at the center of mass. Below \
@@ -52,11 +52,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for TableTilt {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn load(&self, values: &[f64], moment: &Moment<'_>, load_w: &mut Wrench) {
+    fn load(&self, values: &[f64], moment: &Snapshot<'_>, load_w: &mut Wrench) {
         let object = &moment.step.object;
         let force_w = object.mass() * Vector2::new(values[0], values[1]);
         let arm_w = moment.pose_wo.rotate(object.center_of_mass());

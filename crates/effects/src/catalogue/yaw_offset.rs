@@ -1,12 +1,14 @@
 //! A tracked frame that is turned against the outline.
 
-use crate::{About, Channel, Effect, Off, Parameter, Reading, Role, Stage, StepInput};
+use crate::{
+    Channel, Effect, EffectInfo, MeasurementModel, Off, Parameter, Role, Stage, StepInput,
+};
 
-/// Turn of the tracked frame: see [`About`] for its physics.
+/// Turn of the tracked frame: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct YawOffset;
 
-static ABOUT: About = About {
+static INFO: EffectInfo = EffectInfo {
     id: "yaw-offset",
     title: "Turn of the tracked frame",
     physics: "The tracked frame is turned against the drawing: every β is wrong by the same \
@@ -14,7 +16,7 @@ static ABOUT: About = About {
     equation: "pose_wo = pose_wb · (0, 0, ψ), with O the outline's frame, ψ in rad.",
     source: "Tsai & Lenz (1989), A new technique for fully autonomous and efficient 3D robotics \
         hand/eye calibration, IEEE Trans. Robotics and Automation 5(3), for calibrated frames.",
-    stages: &[Stage::Reading],
+    stages: &[Stage::Measurement],
     reaches: &[Channel::Motion, Channel::Force, Channel::Gap],
     parameters: &[Parameter {
         name: "yaw",
@@ -29,11 +31,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for YawOffset {
-    fn about(&self) -> &About {
-        &ABOUT
+    fn info(&self) -> &EffectInfo {
+        &INFO
     }
 
-    fn reading(&self, values: &[f64], _: &StepInput, reading: &mut Reading) {
+    fn reading(&self, values: &[f64], _: &StepInput, reading: &mut MeasurementModel) {
         reading.yaw += values[0];
     }
 }

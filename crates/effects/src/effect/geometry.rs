@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use planar::{Contact, Polygon, Pose, Shape, cross, perpendicular};
 
-use crate::{EffectError, Reading, StepInput};
+use crate::{EffectError, MeasurementModel, StepInput};
 
 /// Gathered changes of the contact's geometry: effects add to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -41,7 +41,7 @@ impl TrueOutline {
     pub(crate) fn new(
         step: &StepInput,
         geometry: Geometry,
-        reading: &Reading,
+        reading: &MeasurementModel,
     ) -> Result<Self, EffectError> {
         let Outline { core, radius, .. } = Outline::new(step, geometry)?;
         let corner_radius = if core.is_some() { geometry.corner_radius } else { 0.0 };

@@ -14,28 +14,28 @@ use planar::{Pose, Wrench};
 
 use crate::effect::parameter::{coordinates, from_coordinates, to_coordinates};
 use crate::{
-    Channel, ContactLaw, Coordinate, EffectError, Geometry, Parameter, Reading, Rig, StepInput,
-    Support,
+    Channel, ContactLaw, Coordinate, EffectError, Geometry, MeasurementModel, Parameter, Rig,
+    StepInput, Support,
 };
 
 /// A physical effect that a model can carry.
 ///
 /// An effect adds to what the effects before it have gathered; the sums do not depend on their
-/// order. It is asked at the stages that [`About::stages`] names and at no other, with its
-/// parameter values in the order of [`About::parameters`], all finite and in range. With all values
+/// order. It is asked at the stages that [`EffectInfo::stages`] names and at no other, with its
+/// parameter values in the order of [`EffectInfo::parameters`], all finite and in range. With all values
 /// at "off" it must leave everything as it is, bit for bit.
 pub trait Effect: Debug + Sync {
     /// Name, parameters, physics and claims.
-    fn about(&self) -> &About;
+    fn info(&self) -> &EffectInfo;
 
-    /// [`Stage::Reading`]: how the streams are read; once a step.
-    fn reading(&self, _values: &[f64], _step: &StepInput, _reading: &mut Reading) {}
+    /// [`Stage::Measurement`]: how the streams are read; once a step.
+    fn reading(&self, _values: &[f64], _step: &StepInput, _reading: &mut MeasurementModel) {}
 
     /// [`Stage::Geometry`]: what touches where; once a step.
     fn geometry(&self, _values: &[f64], _step: &StepInput, _geometry: &mut Geometry) {}
 
     /// [`Stage::Support`]: the limit surface, at a moment of the step.
-    fn support(&self, _values: &[f64], _moment: &Moment<'_>, _support: &mut Support) {}
+    fn support(&self, _values: &[f64], _moment: &Snapshot<'_>, _support: &mut Support) {}
 
     /// [`Stage::Local`]: relative surplus of friction at one point of the support; 0 when off.
     fn local_friction(&self, _values: &[f64], _sliding: &Sliding) -> f64 {
@@ -53,11 +53,11 @@ pub trait Effect: Debug + Sync {
 
     /// [`Stage::Contact`]: friction and stiffness between pusher and object; once a step, at its
     /// start.
-    fn contact(&self, _values: &[f64], _moment: &Moment<'_>, _law: &mut ContactLaw) {}
+    fn contact(&self, _values: &[f64], _moment: &Snapshot<'_>, _law: &mut ContactLaw) {}
 
     /// [`Stage::Load`]: what acts on the object besides pusher and friction, in N and N·m about the
     /// origin of the outline's frame, axes of W.
-    fn load(&self, _values: &[f64], _moment: &Moment<'_>, _load_w: &mut Wrench) {}
+    fn load(&self, _values: &[f64], _moment: &Snapshot<'_>, _load_w: &mut Wrench) {}
 
     /// [`Stage::Dynamics`]: whether the object's inertia is integrated.
     fn has_inertia(&self, _values: &[f64]) -> bool {
@@ -67,7 +67,7 @@ pub trait Effect: Debug + Sync {
 
 /// A moment of a step, as far as it is known.
 #[derive(Clone, Copy, Debug)]
-pub struct Moment<'a> {
+pub struct Snapshot<'a> {
     /// The rig's nominal numbers.
     pub rig: &'a Rig,
     /// The step.
@@ -91,7 +91,7 @@ pub struct Sliding {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
     /// How measured streams are read: frames, clocks, force sensor.
-    Reading,
+    Measurement,
     /// What touches where: outline, radius, contact point.
     Geometry,
     /// The limit surface: size, shape, center, directions.
@@ -109,7 +109,7 @@ pub enum Stage {
 impl Stage {
     /// Every stage, in the order in which a prediction passes them.
     pub const ALL: [Self; 7] = [
-        Self::Reading,
+        Self::Measurement,
         Self::Geometry,
         Self::Support,
         Self::Local,
@@ -121,7 +121,7 @@ impl Stage {
 
 /// What an effect says about itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct About {
+pub struct EffectInfo {
     /// Lower-case name with hyphens, as in `model.toml`.
     pub id: &'static str,
     /// A few words for people.
@@ -151,7 +151,7 @@ pub struct LookAlike {
     pub when: &'static str,
 }
 
-impl About {
+impl EffectInfo {
     /// The coordinates that fits work with.
     pub fn coordinates(&self, rig: &Rig) -> Vec<Coordinate> {
         coordinates(self.parameters, rig)

@@ -5,7 +5,7 @@ use planar::Pose;
 
 /// Gathered errors of the measured streams: effects add to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Reading {
+pub struct MeasurementModel {
     /// Place of the true outline in the tracked frame B, in m.
     pub offset_b: Vector2<f64>,
     /// Turn of the true outline against B, in rad.
@@ -18,7 +18,7 @@ pub struct Reading {
     pub force_turn: f64,
 }
 
-impl Reading {
+impl MeasurementModel {
     /// The true outline's frame in the tracked frame.
     pub(crate) fn pose_bo(&self) -> Pose {
         Pose { position: self.offset_b, angle: self.yaw }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{About, EffectError};
+use crate::{EffectError, EffectInfo};
 
 /// The id of an effect and its named parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,7 +18,7 @@ pub struct Setting {
 
 impl Setting {
     /// The setting of an effect with one value for each of its parameters.
-    pub fn new(about: &About, values: &[f64]) -> Self {
+    pub fn new(about: &EffectInfo, values: &[f64]) -> Self {
         let names = about.parameters.iter().map(|parameter| parameter.name.to_owned());
         let parameters = names.zip(values.iter().copied()).collect();
         Self { id: about.id.to_owned(), parameters }
@@ -28,7 +28,7 @@ impl Setting {
     ///
     /// # Errors
     /// `UnknownParameter` for one that the effect does not have, `MissingParameter` for one without value.
-    pub fn values(&self, about: &About) -> Result<Vec<f64>, EffectError> {
+    pub fn values(&self, about: &EffectInfo) -> Result<Vec<f64>, EffectError> {
         let (effect, parameters) = (&self.id, about.names());
         let is_known = |name: &str| about.parameters.iter().any(|known| known.name == name);
         if let Some(name) = self.parameters.keys().find(|name| !is_known(name)) {

@@ -22,7 +22,7 @@ pub(crate) struct Balance<'a> {
 
 /// One contact, about S in the axes of the outline.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Touch {
+pub(crate) struct ContactKinematics {
     /// Where the pusher touches: no motion goes through it.
     pub(crate) point: Vector2<f64>,
     /// Where its force acts.
@@ -34,7 +34,7 @@ pub(crate) struct Touch {
 
 /// Motion and contact force that belong together.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Answer {
+pub(crate) struct ContactSolution {
     pub(crate) mode: ContactMode,
     /// (vx, vy, ω) at S.
     pub(crate) motion: Vector3<f64>,
@@ -42,7 +42,7 @@ pub(crate) struct Answer {
     pub(crate) force: Vector2<f64>,
 }
 
-impl Answer {
+impl ContactSolution {
     /// No push, no motion.
     pub(crate) const AT_REST: Self = Self {
         mode: ContactMode::Separated,
@@ -61,16 +61,16 @@ const SHORT: f64 = 1e-6;
 /// The push in closed form on an ellipsoid, with a friction cone that need not be even.
 pub(crate) fn closed_form(
     surface: &Ellipsoid,
-    touch: &Touch,
+    touch: &ContactKinematics,
     law: &ContactLaw,
-) -> Result<Answer, EffectError> {
+) -> Result<ContactSolution, EffectError> {
     // A cone of the larger half-width tells on which side the force is.
     let wide = law.static_ratio * law.sliding(1.0).max(law.sliding(-1.0));
     let push = touch.push(wide);
     let motion = predict(surface, &push)?;
     let (normal, tangential) = touch.split(&motion.force_s);
     if motion.mode == ContactMode::Separated {
-        return Ok(Answer::AT_REST);
+        return Ok(ContactSolution::AT_REST);
     }
     let fits = motion.mode == ContactMode::Sticking && law.sticks(normal, tangential);
     let side = tangential.signum();
@@ -79,10 +79,14 @@ pub(crate) fn closed_form(
     } else {
         predict(surface, &touch.push(law.sliding(side)))?
     };
-    Ok(Answer { mode: motion.mode, motion: motion.twist_ws_s.to_vector(), force: motion.force_s })
+    Ok(ContactSolution {
+        mode: motion.mode,
+        motion: motion.twist_ws_s.to_vector(),
+        force: motion.force_s,
+    })
 }
 
-impl Touch {
+impl ContactKinematics {
     fn push(&self, friction: f64) -> Push {
         let normal_s = UnitVector2::new_unchecked(self.normal);
         Push { p_sc: self.point, normal_s, v_wp_s: self.velocity, friction }
@@ -145,10 +149,10 @@ impl Balance<'_> {
     /// A contact that would have to pull is separated, and its motion without meaning.
     pub(crate) fn touched(
         &self,
-        touch: &Touch,
+        touch: &ContactKinematics,
         law: &ContactLaw,
-        guess: &Answer,
-    ) -> Result<Answer, EffectError> {
+        guess: &ContactSolution,
+    ) -> Result<ContactSolution, EffectError> {
         // What slides goes on sliding while it can, though it might stick by now.
         if is_sliding(guess.mode) {
             let edge = Edge::new(touch, law, guess.mode);
@@ -162,13 +166,14 @@ impl Balance<'_> {
         let (motion, force) = self.stick(touch, 0.0, guess.motion.z)?;
         let (normal, tangential) = touch.split(&force);
         if normal > 0.0 && law.sticks(normal, tangential) {
-            return Ok(Answer { mode: ContactMode::Sticking, motion, force });
+            return Ok(ContactSolution { mode: ContactMode::Sticking, motion, force });
         }
         let mode = match tangential >= 0.0 {
             true => ContactMode::SlidingLeft,
             false => ContactMode::SlidingRight,
         };
-        let guess = if guess.mode == mode { *guess } else { Answer { mode, motion, force } };
+        let guess =
+            if guess.mode == mode { *guess } else { ContactSolution { mode, motion, force } };
         let edge = Edge::new(touch, law, mode);
         match self.slide_by_newton(touch, &edge, &guess)? {
             Some(answer) => Ok(answer),
@@ -181,7 +186,7 @@ impl Balance<'_> {
     /// The moment grows with ω, because the dissipation is convex: Newton's method within a bracket.
     fn stick(
         &self,
-        touch: &Touch,
+        touch: &ContactKinematics,
         slip: f64,
         guess: f64,
     ) -> Result<(Vector3<f64>, Vector2<f64>), EffectError> {
@@ -223,10 +228,10 @@ impl Balance<'_> {
     /// The turn and the slip for which the force is on the cone's edge; none where steps grow.
     fn slide_by_newton(
         &self,
-        touch: &Touch,
+        touch: &ContactKinematics,
         edge: &Edge<'_>,
-        guess: &Answer,
-    ) -> Result<Option<Answer>, EffectError> {
+        guess: &ContactSolution,
+    ) -> Result<Option<ContactSolution>, EffectError> {
         let (turn, tangent) = (touch.turn() / self.length, touch.tangent());
         let lever = touch.lever() / self.length;
         let along = Vector3::new(-tangent.x, -tangent.y, 0.0);
@@ -270,10 +275,10 @@ impl Balance<'_> {
     /// The same by the sticking solution at each slip: the force turns one way as the slip grows.
     fn slide_by_bracket(
         &self,
-        touch: &Touch,
+        touch: &ContactKinematics,
         edge: &Edge<'_>,
         guess: f64,
-    ) -> Result<Answer, EffectError> {
+    ) -> Result<ContactSolution, EffectError> {
         let speed = self.speed(touch);
         let (mut low, mut high) = (0.0, 0.25 * speed);
         let excess = |slip: f64, guess: f64| {
@@ -306,7 +311,7 @@ impl Balance<'_> {
     }
 
     /// The size of velocities: the pusher's, or that of an object which is faster, in m/s.
-    fn speed(&self, touch: &Touch) -> f64 {
+    fn speed(&self, touch: &ContactKinematics) -> f64 {
         let pull = self
             .inertia
             .map_or(0.0, |(_, target)| target.xy().norm().max(self.length * target.z.abs()));
@@ -319,13 +324,13 @@ struct Edge<'a> {
     mode: ContactMode,
     /// +1 for the left edge, −1 for the right.
     side: f64,
-    touch: &'a Touch,
+    touch: &'a ContactKinematics,
     law: &'a ContactLaw,
 }
 
 impl<'a> Edge<'a> {
     /// The edge on which the force of a sliding `mode` is.
-    fn new(touch: &'a Touch, law: &'a ContactLaw, mode: ContactMode) -> Self {
+    fn new(touch: &'a ContactKinematics, law: &'a ContactLaw, mode: ContactMode) -> Self {
         let side = if mode == ContactMode::SlidingLeft { 1.0 } else { -1.0 };
         Self { mode, side, touch, law }
     }
@@ -339,9 +344,18 @@ impl<'a> Edge<'a> {
     }
 
     /// A solution with its force on the edge, or on the edge's other side of the contact: separated.
-    fn answer(&self, touch: &Touch, motion: Vector3<f64>, force: Vector2<f64>) -> Answer {
+    fn answer(
+        &self,
+        touch: &ContactKinematics,
+        motion: Vector3<f64>,
+        force: Vector2<f64>,
+    ) -> ContactSolution {
         let pushes = touch.normal.dot(&force) > 0.0;
-        Answer { mode: if pushes { self.mode } else { ContactMode::Separated }, motion, force }
+        ContactSolution {
+            mode: if pushes { self.mode } else { ContactMode::Separated },
+            motion,
+            force,
+        }
     }
 }
 

@@ -6,15 +6,15 @@ use planar::{Contact, Feature, Pose, Twist, perpendicular};
 
 use crate::effect::Stage;
 use crate::effect::geometry::Outline;
-use crate::predict::instant::{Instant, Memory, Rate};
+use crate::predict::instant::{ForceBalance, Memory, Rate};
 use crate::predict::touch_time::{TOUCH, touch_time};
-use crate::{Channels, ContactLaw, EffectError, PushPhysics, Reading, StepInput};
+use crate::{Channels, ContactLaw, EffectError, MeasurementModel, PushPhysics, StepInput};
 
 /// The state of a step while it is integrated.
 pub(crate) struct Forward<'a> {
     pub(crate) physics: &'a PushPhysics,
     pub(crate) step: &'a StepInput,
-    reading: Reading,
+    reading: MeasurementModel,
     outline: Outline<'a>,
     pub(crate) law: ContactLaw,
     /// The tracked frame in the outline's.
@@ -28,7 +28,7 @@ pub(crate) struct Forward<'a> {
     pub(crate) twist_w: Twist,
     pub(crate) touching: bool,
     /// The contact at this time and pose.
-    pub(crate) now: Meeting,
+    pub(crate) now: ContactEvent,
     /// How far the pusher yields along the normal, in m.
     deflection: f64,
     /// Time integral of the measured force, normal and tangential to the nominal contact, in N·s.
@@ -40,7 +40,7 @@ pub(crate) struct Forward<'a> {
 
 /// The contact of a moment, frame of the outline, and the pusher's velocity in W.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Meeting {
+pub(crate) struct ContactEvent {
     pub(crate) contact: Contact,
     pub(crate) velocity_w: Vector2<f64>,
 }
@@ -65,7 +65,7 @@ impl<'a> Forward<'a> {
         let pose_bo = reading.pose_bo();
         let pose_wo = step.pose_wb * pose_bo;
         let (law, has_inertia) = (physics.contact(step, &pose_wo), physics.has_inertia());
-        let is_plain = reading == Reading::default()
+        let is_plain = reading == MeasurementModel::default()
             && geometry.radius_excess == 0.0
             && geometry.corner_radius == 0.0
             && law.compliance == 0.0;
@@ -90,7 +90,7 @@ impl<'a> Forward<'a> {
             pose_wo,
             twist_w: Twist::default(),
             touching: false,
-            now: Meeting { contact: nowhere, velocity_w: Vector2::zeros() },
+            now: ContactEvent { contact: nowhere, velocity_w: Vector2::zeros() },
             deflection: 0.0,
             impulse: Vector2::zeros(),
             memory: Memory::default(),
@@ -262,8 +262,13 @@ impl<'a> Forward<'a> {
     }
 
     /// Motion and force at a moment of the quasi-static push.
-    fn rate(&mut self, time: f64, pose: &Pose, meeting: &Meeting) -> Result<Rate, EffectError> {
-        let instant = Instant::new(self.physics, self.step, pose, time)?;
+    fn rate(
+        &mut self,
+        time: f64,
+        pose: &Pose,
+        meeting: &ContactEvent,
+    ) -> Result<Rate, EffectError> {
+        let instant = ForceBalance::new(self.physics, self.step, pose, time)?;
         let point = self.outline.acting_point(&meeting.contact);
         let touch = instant.touch(&meeting.contact, &point, &meeting.velocity_w);
         instant.pushed(&touch, &self.law, &mut self.memory)
@@ -306,7 +311,8 @@ impl<'a> Forward<'a> {
 
     /// Refuses an object that has to rest at a pose and cannot.
     pub(crate) fn rest(&self, pose: &Pose, memory: &mut Memory) -> Result<(), EffectError> {
-        Instant::new(self.physics, self.step, pose, self.time)?.refuse_sliding_by_itself(memory)
+        ForceBalance::new(self.physics, self.step, pose, self.time)?
+            .refuse_sliding_by_itself(memory)
     }
 
     /// Pose and velocity after some time without contact.
@@ -319,11 +325,11 @@ impl<'a> Forward<'a> {
     }
 
     /// The true contact, its gap that to the yielding pusher.
-    pub(crate) fn meet(&self, time: f64, pose_wo: &Pose) -> Meeting {
+    pub(crate) fn meet(&self, time: f64, pose_wo: &Pose) -> ContactEvent {
         let (center_w, velocity_w) = self.pusher(time);
         let mut contact = self.outline.nearest(&pose_wo.inverse_transform_point(&center_w));
         contact.gap += self.deflection;
-        Meeting { contact, velocity_w }
+        ContactEvent { contact, velocity_w }
     }
 
     /// Where the pusher is, in m, and its velocity, in m/s, at a time of the object's stream.
@@ -337,7 +343,7 @@ impl<'a> Forward<'a> {
     }
 
     /// Speed at which pusher and contact point near each other, in m/s.
-    pub(crate) fn closing_speed(&self, meeting: &Meeting, pose: &Pose, twist: &Twist) -> f64 {
+    pub(crate) fn closing_speed(&self, meeting: &ContactEvent, pose: &Pose, twist: &Twist) -> f64 {
         let arm = meeting.contact.point - self.step.object.center_of_mass();
         let point_velocity = twist.velocity_at(&pose.rotate(&arm));
         pose.rotate(&meeting.contact.normal).dot(&(meeting.velocity_w - point_velocity))

@@ -299,7 +299,7 @@ mod tests {
 
     #[test]
     fn over_the_range_of_lambda_the_dissipation_is_convex() {
-        let (low, high) = by_id("limit-surface-shape").unwrap().about().parameters[0].range;
+        let (low, high) = by_id("limit-surface-shape").unwrap().info().parameters[0].range;
         for (name, shape) in shapes() {
             let object = Object::uniform(Arc::new(shape), 0.8).unwrap();
             // Along the motion itself the curvature is zero; on the longest shape the patch's table

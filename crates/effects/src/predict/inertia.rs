@@ -5,8 +5,8 @@ use nalgebra::Vector2;
 use planar::{Pose, Twist};
 
 use crate::EffectError;
-use crate::predict::forward::{Forward, Meeting, moved};
-use crate::predict::instant::{Instant, Rate};
+use crate::predict::forward::{ContactEvent, Forward, moved};
+use crate::predict::instant::{ForceBalance, Rate};
 
 /// 1 − 1/√2: both stages of the rule have this share of the sub-step.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -75,7 +75,7 @@ impl Forward<'_> {
                 self.rest(&pose, &mut memory)?;
                 return Ok((pose, Twist::default()));
             }
-            let now = Instant::new(self.physics, self.step, &pose, self.time)?;
+            let now = ForceBalance::new(self.physics, self.step, &pose, self.time)?;
             let (acceleration, power) = now.free_acceleration(&twist, &mut memory)?;
             // With constant forces the energy 2E/P more seconds would bring the object to rest.
             let until_rest = if power > 0.0 { 2.0 * energy / power } else { f64::INFINITY };
@@ -87,7 +87,7 @@ impl Forward<'_> {
             let length = left.min(SLIDE_SHARE * until_rest);
             let middle = twist + 0.5 * length * acceleration;
             let half_way = self.moved_center(&pose, &twist, 0.5 * length);
-            let then = Instant::new(self.physics, self.step, &half_way, self.time)?;
+            let then = ForceBalance::new(self.physics, self.step, &half_way, self.time)?;
             let (acceleration, _) = then.free_acceleration(&middle, &mut memory)?;
             pose = self.moved_center(&pose, &middle, length);
             twist = twist + length * acceleration;
@@ -100,7 +100,7 @@ impl Forward<'_> {
     fn meet_pusher(&mut self) -> Result<(), EffectError> {
         if self.closing_speed(&self.now, &self.pose_wo, &self.twist_w) > 0.0 {
             let contact = &self.now.contact;
-            let instant = Instant::new(self.physics, self.step, &self.pose_wo, self.time)?;
+            let instant = ForceBalance::new(self.physics, self.step, &self.pose_wo, self.time)?;
             let point = self.acting_point(contact);
             let touch = instant.touch(contact, &point, &self.now.velocity_w);
             self.twist_w = instant.struck(&touch, &self.law, &self.twist_w)?;
@@ -115,10 +115,10 @@ impl Forward<'_> {
         pose: &Pose,
         length: f64,
         target: &Twist,
-    ) -> Result<Option<(Rate, Meeting)>, EffectError> {
+    ) -> Result<Option<(Rate, ContactEvent)>, EffectError> {
         let meeting = self.meet(time, pose);
         let point: Vector2<f64> = self.acting_point(&meeting.contact);
-        let instant = Instant::new(self.physics, self.step, pose, time)?;
+        let instant = ForceBalance::new(self.physics, self.step, pose, time)?;
         let touch = instant.touch(&meeting.contact, &point, &meeting.velocity_w);
         let rate =
             instant.pushed_with_inertia(&touch, &self.law, length, target, &mut self.memory)?;

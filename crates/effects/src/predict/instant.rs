@@ -6,17 +6,19 @@ use mechanics::{ContactMode, Ellipsoid, MechanicsError};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Contact, Pose, Twist, cross, perpendicular};
 
-use crate::effect::{Moment, Stage};
+use crate::effect::{Snapshot, Stage};
 use crate::error::positive;
 use crate::object::points::Point;
 use crate::object::pressure::Pressure;
-use crate::predict::balance::{Answer, Balance, Touch, closed_form, is_sliding};
+use crate::predict::balance::{
+    Balance, ContactKinematics, ContactSolution, closed_form, is_sliding,
+};
 use crate::predict::friction::{Friction, Local, ellipsoid, turning_ratio};
 use crate::predict::holding::overload;
 use crate::{ContactLaw, EffectError, PushPhysics, StepInput, Support};
 
 /// The model at one pose and time of a step.
-pub(crate) struct Instant<'a> {
+pub(crate) struct ForceBalance<'a> {
     physics: &'a PushPhysics,
     step: &'a StepInput,
     pose_wo: Pose,
@@ -46,16 +48,16 @@ pub(crate) struct Memory {
     ellipsoid: Option<(Support, Ellipsoid)>,
     pressure: Option<Arc<Pressure>>,
     /// The last answer and the one before, with their times.
-    answers: [Option<(f64, Answer)>; 2],
+    answers: [Option<(f64, ContactSolution)>; 2],
 }
 
 impl Memory {
-    fn keep(&mut self, time: f64, answer: Answer) {
+    fn keep(&mut self, time: f64, answer: ContactSolution) {
         self.answers = [Some((time, answer)), self.answers[0]];
     }
 
     /// Where the last answers lead to at a time; none after a separation.
-    fn foreseen(&self, time: f64) -> Option<Answer> {
+    fn foreseen(&self, time: f64) -> Option<ContactSolution> {
         let (last_time, last) =
             self.answers[0].filter(|(_, a)| a.mode != ContactMode::Separated)?;
         let before = self.answers[1].filter(|(at, a)| a.mode == last.mode && *at < last_time);
@@ -63,7 +65,7 @@ impl Memory {
             let ahead = (time - last_time) / (last_time - at);
             last.motion + ahead * (last.motion - before.motion)
         });
-        Some(Answer { motion, ..last })
+        Some(ContactSolution { motion, ..last })
     }
 }
 
@@ -72,14 +74,14 @@ const SLOWEST: f64 = 1e-60;
 /// Speed of an object that is about to rest, in m/s: below what any law of friction resolves.
 const SLOW: f64 = 1e-12;
 
-impl<'a> Instant<'a> {
+impl<'a> ForceBalance<'a> {
     pub(crate) fn new(
         physics: &'a PushPhysics,
         step: &'a StepInput,
         pose_wo: &Pose,
         time: f64,
     ) -> Result<Self, EffectError> {
-        let moment = Moment { rig: physics.rig(), step, pose_wo: *pose_wo, time };
+        let moment = Snapshot { rig: physics.rig(), step, pose_wo: *pose_wo, time };
         let support = physics.support(&moment).checked()?;
         let center = step.object.centroid() + support.center_o;
         let nominal = physics.rig().nominal_force(step.object.mass());
@@ -103,28 +105,28 @@ impl<'a> Instant<'a> {
         contact: &Contact,
         acting_o: &Vector2<f64>,
         velocity_w: &Vector2<f64>,
-    ) -> Touch {
+    ) -> ContactKinematics {
         let velocity = self.pose_wo.inverse_rotate(velocity_w);
         let [point, acting] = [&contact.point, acting_o].map(|place| place - self.center);
-        Touch { point, acting, normal: contact.normal, velocity }
+        ContactKinematics { point, acting, normal: contact.normal, velocity }
     }
 
     /// The quasi-static motion.
     pub(crate) fn pushed(
         &self,
-        touch: &Touch,
+        touch: &ContactKinematics,
         law: &ContactLaw,
         memory: &mut Memory,
     ) -> Result<Rate, EffectError> {
         self.refuse_sliding_by_itself(memory)?;
         if touch.approach() <= 0.0 {
-            return Ok(self.rate(&Answer::AT_REST));
+            return Ok(self.rate(&ContactSolution::AT_REST));
         }
         let speed = touch.velocity.amax();
         if speed < SLOWEST {
             // The push scales with its speed.
             let scale = 2.0 * SLOWEST / speed;
-            let faster = Touch { velocity: scale * touch.velocity, ..*touch };
+            let faster = ContactKinematics { velocity: scale * touch.velocity, ..*touch };
             let rate = self.pushed(&faster, law, memory)?;
             return Ok(Rate { twist_w: 1.0 / scale * rate.twist_w, ..rate });
         }
@@ -146,7 +148,7 @@ impl<'a> Instant<'a> {
     }
 
     /// Why there is no push of an object that rests but slides by itself at the pusher's speed.
-    fn runaway(&self, touch: &Touch, memory: &mut Memory) -> Option<EffectError> {
+    fn runaway(&self, touch: &ContactKinematics, memory: &mut Memory) -> Option<EffectError> {
         if self.external == Vector3::zeros() {
             return None;
         }
@@ -158,7 +160,7 @@ impl<'a> Instant<'a> {
     /// that moves with `target`. Both are motions of the center of mass, axes of W.
     pub(crate) fn pushed_with_inertia(
         &self,
-        touch: &Touch,
+        touch: &ContactKinematics,
         law: &ContactLaw,
         duration: f64,
         target: &Twist,
@@ -182,7 +184,7 @@ impl<'a> Instant<'a> {
     /// `target`, both of the center of mass, axes of W.
     pub(crate) fn struck(
         &self,
-        touch: &Touch,
+        touch: &ContactKinematics,
         law: &ContactLaw,
         target: &Twist,
     ) -> Result<Twist, EffectError> {
@@ -192,7 +194,7 @@ impl<'a> Instant<'a> {
         let length = self.step.object.mean_distance();
         let balance = Balance { friction: None, length, external: Vector3::zeros(), inertia };
         let mode = ContactMode::Separated;
-        let guess = Answer { mode, motion, force: Vector2::zeros() };
+        let guess = ContactSolution { mode, motion, force: Vector2::zeros() };
         let answer = balance.touched(touch, law, &guess)?;
         let pushes = answer.mode != ContactMode::Separated;
         Ok(if pushes { self.to_twist(&answer.motion, center) } else { *target })
@@ -228,10 +230,10 @@ impl<'a> Instant<'a> {
     /// Where a search starts: at the moment before, else at the push on the ellipsoid.
     fn guess(
         &self,
-        touch: &Touch,
+        touch: &ContactKinematics,
         law: &ContactLaw,
         memory: &mut Memory,
-    ) -> Result<Answer, EffectError> {
+    ) -> Result<ContactSolution, EffectError> {
         if let Some(answer) = memory.foreseen(self.time) {
             return Ok(answer);
         }
@@ -246,7 +248,7 @@ impl<'a> Instant<'a> {
 
     /// Whether a contact slides at the start of a step: one that just came about, and one whose
     /// measured slip is more than half of the one that sliding has.
-    fn slides_already(&self, touch: &Touch, sliding: &Answer) -> bool {
+    fn slides_already(&self, touch: &ContactKinematics, sliding: &ContactSolution) -> bool {
         let measured = touch.slip(&self.to_motion(&self.step.twist_wb, &Vector2::zeros()));
         let slip = touch.slip(&sliding.motion);
         is_sliding(sliding.mode) && (!self.step.touching || measured * slip > 0.5 * slip * slip)
@@ -373,17 +375,17 @@ impl<'a> Instant<'a> {
         Vector3::new(linear.x, linear.y, twist_w.angular)
     }
 
-    /// The inverse of [`Instant::to_motion`].
+    /// The inverse of [`ForceBalance::to_motion`].
     fn to_twist(&self, motion: &Vector3<f64>, at: &Vector2<f64>) -> Twist {
         let linear = motion.xy() + motion.z * perpendicular(&(at - self.center));
         Twist { linear: self.pose_wo.rotate(&linear), angular: motion.z }
     }
 
-    fn rate(&self, answer: &Answer) -> Rate {
+    fn rate(&self, answer: &ContactSolution) -> Rate {
         self.rate_at(answer, &Vector2::zeros())
     }
 
-    fn rate_at(&self, answer: &Answer, at: &Vector2<f64>) -> Rate {
+    fn rate_at(&self, answer: &ContactSolution, at: &Vector2<f64>) -> Rate {
         let twist_w = self.to_twist(&answer.motion, at);
         Rate { mode: answer.mode, twist_w, force_o: self.f_max * answer.force }
     }

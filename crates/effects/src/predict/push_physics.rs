@@ -3,9 +3,10 @@
 use planar::{Pose, Wrench};
 
 use crate::effect::setting::Setting;
-use crate::effect::{Effect, Moment, Sliding, Stage};
+use crate::effect::{Effect, Sliding, Snapshot, Stage};
 use crate::{
-    ContactLaw, EffectError, Geometry, Reading, Rig, StepInput, Support, TrueOutline, all, by_id,
+    ContactLaw, EffectError, Geometry, MeasurementModel, Rig, StepInput, Support, TrueOutline, all,
+    by_id,
 };
 
 /// The prediction of all channels of a step, by a rig with any set of effects.
@@ -29,21 +30,21 @@ impl PushPhysics {
     /// The same model with one more effect; `values` in the order of its parameters.
     ///
     /// # Errors
-    /// `Twice` if the model has it already; `WrongCount`, `OutOfRange`, `NotASwitch` for its values.
+    /// `DuplicateEffect` if the model has it already; `WrongCount`, `OutOfRange`, `NotASwitch` for its values.
     pub fn with(
         mut self,
         effect: &'static dyn Effect,
         values: &[f64],
     ) -> Result<Self, EffectError> {
-        let about = effect.about();
+        let about = effect.info();
         about.check(values)?;
-        if self.effects.iter().any(|(other, _)| other.about().id == about.id) {
-            return Err(EffectError::Twice { effect: about.id.to_owned() });
+        if self.effects.iter().any(|(other, _)| other.info().id == about.id) {
+            return Err(EffectError::DuplicateEffect { effect: about.id.to_owned() });
         }
         self.effects.push((effect, values.to_vec()));
-        self.effects.sort_by_key(|(effect, _)| place(effect.about().id));
+        self.effects.sort_by_key(|(effect, _)| place(effect.info().id));
         for (stage, indices) in Stage::ALL.into_iter().zip(&mut self.at_stage) {
-            let acts = |index: &usize| self.effects[*index].0.about().stages.contains(&stage);
+            let acts = |index: &usize| self.effects[*index].0.info().stages.contains(&stage);
             *indices = (0..self.effects.len()).filter(acts).collect();
         }
         Ok(self)
@@ -54,13 +55,13 @@ impl PushPhysics {
     /// # Errors
     /// `UnknownEffect` if it has no such effect; those of its values.
     pub fn set(&mut self, id: &str, values: &[f64]) -> Result<(), EffectError> {
-        let ids: Vec<_> = self.effects.iter().map(|(effect, _)| effect.about().id).collect();
-        let found = self.effects.iter_mut().find(|(effect, _)| effect.about().id == id);
+        let ids: Vec<_> = self.effects.iter().map(|(effect, _)| effect.info().id).collect();
+        let found = self.effects.iter_mut().find(|(effect, _)| effect.info().id == id);
         let (effect, old) = found.ok_or_else(|| EffectError::UnknownEffect {
             id: id.to_owned(),
             known: ids.join(", "),
         })?;
-        effect.about().check(values)?;
+        effect.info().check(values)?;
         old.copy_from_slice(values);
         Ok(())
     }
@@ -77,16 +78,16 @@ impl PushPhysics {
         own: &[&'static dyn Effect],
     ) -> Result<Self, EffectError> {
         settings.iter().try_fold(Self::new(rig), |model, setting| {
-            let found = own.iter().find(|effect| effect.about().id == setting.id);
+            let found = own.iter().find(|effect| effect.info().id == setting.id);
             let effect = found.copied().map_or_else(|| by_id(&setting.id), Ok)?;
-            let values = setting.values(effect.about())?;
+            let values = setting.values(effect.info())?;
             model.with(effect, &values)
         })
     }
 
     /// What a file says of the effects, in the order in which they act.
     pub fn settings(&self) -> Vec<Setting> {
-        self.effects.iter().map(|(effect, values)| Setting::new(effect.about(), values)).collect()
+        self.effects.iter().map(|(effect, values)| Setting::new(effect.info(), values)).collect()
     }
 
     /// The effects with their values, in the order in which they act.
@@ -118,9 +119,9 @@ impl PushPhysics {
         })
     }
 
-    pub(crate) fn reading(&self, step: &StepInput) -> Reading {
-        let mut reading = Reading::default();
-        self.at(Stage::Reading).for_each(|(e, values)| e.reading(values, step, &mut reading));
+    pub(crate) fn reading(&self, step: &StepInput) -> MeasurementModel {
+        let mut reading = MeasurementModel::default();
+        self.at(Stage::Measurement).for_each(|(e, values)| e.reading(values, step, &mut reading));
         reading
     }
 
@@ -131,13 +132,13 @@ impl PushPhysics {
     }
 
     pub(crate) fn contact(&self, step: &StepInput, pose_wo: &Pose) -> ContactLaw {
-        let moment = Moment { rig: &self.rig, step, pose_wo: *pose_wo, time: 0.0 };
+        let moment = Snapshot { rig: &self.rig, step, pose_wo: *pose_wo, time: 0.0 };
         let mut law = ContactLaw::rigid(self.rig.pusher_friction());
         self.at(Stage::Contact).for_each(|(e, values)| e.contact(values, &moment, &mut law));
         law
     }
 
-    pub(crate) fn support(&self, moment: &Moment<'_>) -> Support {
+    pub(crate) fn support(&self, moment: &Snapshot<'_>) -> Support {
         let mut support = Support::nominal(self.rig.support_friction(), self.rig.surface_shape());
         self.at(Stage::Support).for_each(|(e, values)| e.support(values, moment, &mut support));
         support
@@ -155,7 +156,7 @@ impl PushPhysics {
         })
     }
 
-    pub(crate) fn load(&self, moment: &Moment<'_>) -> Wrench {
+    pub(crate) fn load(&self, moment: &Snapshot<'_>) -> Wrench {
         let mut load_w = Wrench::default();
         self.at(Stage::Load).for_each(|(e, values)| e.load(values, moment, &mut load_w));
         load_w
@@ -168,6 +169,6 @@ impl PushPhysics {
 
 /// Order of action: the catalogue's, then that of ids.
 fn place(id: &'static str) -> (usize, &'static str) {
-    let index = all().iter().position(|effect| effect.about().id == id);
+    let index = all().iter().position(|effect| effect.info().id == id);
     (index.unwrap_or(usize::MAX), id)
 }

@@ -61,7 +61,7 @@ fn a_prediction_is_finite_or_refused_with_a_reason() {
         let mut physics = PushPhysics::new(Rig::new(surface, 0.3, 0.25).unwrap());
         let share = random.random_range(0.0..0.4);
         for effect in all() {
-            let about = effect.about();
+            let about = effect.info();
             let reach = 10_f64.powf(random.random_range(-2.0..0.0));
             let value = |parameter: &effects::Parameter| {
                 let (low, high) = parameter.range;

@@ -44,7 +44,7 @@ fn objects() -> &'static [Arc<Object>] {
 
 /// Low, high, and typical values of all parameters.
 fn values(effect: &dyn Effect, rig: &Rig) -> [Vec<f64>; 3] {
-    let about = effect.about();
+    let about = effect.info();
     let of = |pick: fn(&effects::Parameter) -> f64| about.parameters.iter().map(pick).collect();
     [of(|parameter| parameter.range.0), of(|parameter| parameter.range.1), about.typical(rig)]
 }
@@ -57,7 +57,7 @@ fn check(rig: &Rig, step: &StepInput) {
             match physics.predict(step) {
                 Ok(found) => {
                     let is_finite = found.to_array().iter().all(|value| value.is_finite());
-                    assert!(is_finite, "{} {values:?} {step:?} {found:?}", effect.about().id);
+                    assert!(is_finite, "{} {values:?} {step:?} {found:?}", effect.info().id);
                 }
                 Err(error) => assert!(!error.to_string().is_empty()),
             }
@@ -92,10 +92,10 @@ fn every_effect_predicts_on_every_outline() {
             for edge in 0..object.shape().n_edges().min(2) {
                 let step = step(object, edge, 0.4, 0.005, 0.2, 4e-3);
                 for effect in all() {
-                    let typical = effect.about().typical(&rig);
+                    let typical = effect.info().typical(&rig);
                     let physics = PushPhysics::new(rig.clone()).with(*effect, &typical).unwrap();
                     let found = physics.predict(&step);
-                    let name = (effect.about().id, edge, object.shape().bounding_radius());
+                    let name = (effect.info().id, edge, object.shape().bounding_radius());
                     let found = found.unwrap_or_else(|error| panic!("{name:?}: {error}"));
                     assert!((1e-3..1e-2).contains(&found.dx.hypot(found.dy)), "{name:?} {found:?}");
                 }

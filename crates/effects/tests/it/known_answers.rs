@@ -1,7 +1,7 @@
 //! What each effect does to pushes that can be worked out by hand.
 
 use effects::{Channels, EffectError, Object, PushPhysics, Rig, StepInput, Surface, Track, by_id};
-use mechanics::predict_under;
+use mechanics::predict_with_external_wrench;
 use mechanics::{Ellipsoid, LimitSurface, MechanicsError, Patch, PointSet, Pusher, Slider};
 use nalgebra::{Matrix4, Vector2, Vector4};
 use planar::{Pose, Shape, Twist, Wrench};
@@ -264,7 +264,7 @@ fn a_tilt_pulls_like_the_same_load_of_the_mechanics() {
         let velocity = step.track.mean_velocity();
         let push = slider.push_at(&pusher, &step.pose_wb, &contact_of(&step), &velocity);
         let load = Wrench { force: MASS * tilt, torque: 0.0 };
-        let expected = predict_under(&surface, &push, &load).unwrap();
+        let expected = predict_with_external_wrench(&surface, &push, &load).unwrap();
         let short = Track::straight(step.track.start(), step.track.start() + 1e-6 * velocity, 1e-6);
         let step = StepInput { track: short, ..step };
         let model = PushPhysics::new(rig(Surface::UniformPatch));

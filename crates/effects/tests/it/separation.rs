@@ -158,7 +158,7 @@ fn off_a_vertex_the_gap_is_that_of_the_pusher() {
 #[test]
 fn with_any_effect_a_leaving_pusher_moves_nothing() {
     for effect in all() {
-        let about = effect.about();
+        let about = effect.info();
         // With these the pusher is elsewhere than it seems, and need not leave.
         if ["pose-offset", "yaw-offset", "edge-rounding", "pusher-radius"].contains(&about.id) {
             continue;

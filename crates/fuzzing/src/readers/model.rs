@@ -47,7 +47,7 @@ impl Reader for Models {
         add(nominal.clone().with_surface(SurfaceKind::Points { n_points: 9 })?, Vec::new())?;
         for effects in effects::all().chunks(4) {
             let one = |effect: &&'static dyn effects::Effect| {
-                let about = effect.about();
+                let about = effect.info();
                 ModelEffect::from(Setting::new(about, &about.typical(&rig)))
             };
             add(nominal.clone(), effects.iter().map(one).collect())?;

@@ -11,14 +11,14 @@ use crate::{GaussianInput, Gp, GpError, Kernel, KernelSpec};
 
 /// φᵢ(x) = s² exp(−½ Σ_d ((x_d − z_id)/l_d)²): k(x, zᵢ) of a squared-exponential kernel.
 #[derive(Clone, Debug)]
-pub struct Bumps {
+pub struct SquaredExponentialBasis {
     lengthscales: Vec<f64>,
     signal_variance: f64,
     /// N×D.
     centers: Mat<f64>,
 }
 
-impl Bumps {
+impl SquaredExponentialBasis {
     /// The columns of a kernel at the rows of `centers`, N×D.
     ///
     /// # Errors
@@ -42,9 +42,9 @@ impl Bumps {
     }
 }
 
-/// Bumps at an input.
+/// SquaredExponentialBasis at an input.
 #[derive(Clone, Debug)]
-pub struct AveragedBumps {
+pub struct AveragedSquaredExponentialBasis {
     averages: Averages,
     log_averages: Vec<f64>,
     precisions: Vec<f64>,
@@ -55,14 +55,14 @@ pub struct AveragedBumps {
     product: Mat<f64>,
 }
 
-impl AsRef<Averages> for AveragedBumps {
+impl AsRef<Averages> for AveragedSquaredExponentialBasis {
     fn as_ref(&self) -> &Averages {
         &self.averages
     }
 }
 
-impl Basis for Bumps {
-    type Averaged = AveragedBumps;
+impl Basis for SquaredExponentialBasis {
+    type Averaged = AveragedSquaredExponentialBasis;
 
     fn n_inputs(&self) -> usize {
         self.lengthscales.len()
@@ -70,7 +70,7 @@ impl Basis for Bumps {
 
     /// q = s² |I + S P|^−½ exp(−½ dᵀ (S + P⁻¹)⁻¹ d) with d = z − m, whose slope by m is
     /// q (S + P⁻¹)⁻¹ d; and (S + P⁻¹)⁻¹ = P − P (S⁻¹ + P)⁻¹ P.
-    fn averaged(&self, input: &GaussianInput) -> AveragedBumps {
+    fn averaged(&self, input: &GaussianInput) -> AveragedSquaredExponentialBasis {
         let (n, d, precisions) = (self.centers.nrows(), self.n_inputs(), self.precisions());
         let Factors { log_determinant, product } = Factors::new(input, &precisions);
         let mean = input.mean();
@@ -89,15 +89,22 @@ impl Basis for Bumps {
             column_mut(&mut slopes, k).iter_mut().zip(&values).for_each(|(s, q)| *s *= q);
         }
         let averages = Averages { values, slopes };
-        AveragedBumps { averages, log_averages, precisions, pulls, log_determinant, product }
+        AveragedSquaredExponentialBasis {
+            averages,
+            log_averages,
+            precisions,
+            pulls,
+            log_determinant,
+            product,
+        }
     }
 
     /// E φᵢψⱼ = qᵢ rⱼ e^δ, so that the covariance is qᵢ rⱼ (e^δ − 1), where δ vanishes with S: with
     /// T = (S⁻¹ + P + P')⁻¹ it is ½ ln |I + SP| + ½ ln |I + SP'| − ½ ln |I + S(P + P')|
     /// + ½ uᵢᵀ (T − (S⁻¹ + P)⁻¹) uᵢ + ½ vⱼᵀ (T − (S⁻¹ + P')⁻¹) vⱼ + uᵢᵀ T vⱼ.
     fn covariances(
-        own: &AveragedBumps,
-        other: &AveragedBumps,
+        own: &AveragedSquaredExponentialBasis,
+        other: &AveragedSquaredExponentialBasis,
         input: &GaussianInput,
         lower: bool,
         mut visit: impl FnMut(usize, &[f64]),
@@ -126,7 +133,7 @@ impl Basis for Bumps {
     }
 }
 
-impl AveragedBumps {
+impl AveragedSquaredExponentialBasis {
     /// ½ uᵢᵀ (T − (S⁻¹ + P)⁻¹) uᵢ.
     fn changes(&self, product: &Mat<f64>) -> Vec<f64> {
         let turned = times(&self.pulls, &(product - &self.product));
@@ -197,8 +204,8 @@ impl Gp {
     ///
     /// # Errors
     /// `NoClosedForm` for any kernel but the squared exponential of all inputs.
-    pub fn expansion(&self) -> Result<Expansion<Bumps>, GpError> {
-        let basis = Bumps::new(self.kernel(), self.inputs())?;
+    pub fn expansion(&self) -> Result<Expansion<SquaredExponentialBasis>, GpError> {
+        let basis = SquaredExponentialBasis::new(self.kernel(), self.inputs())?;
         let prior = basis.signal_variance();
         let roots = vec![(-1.0, inverse(self.cholesky.factor()))];
         let trend = (self.mean(), self.mean_slopes());

@@ -3,8 +3,8 @@
 use faer::{Mat, MatRef};
 use gp_core::cholesky::pivoted_factor;
 use gp_core::{
-    Bumps, Expansion, GaussianInput, Gp, GpError, Matern52, Mean, Posterior, SquaredExponential,
-    UncertainOutputs,
+    Expansion, GaussianInput, Gp, GpError, Matern52, Mean, Posterior, SquaredExponential,
+    SquaredExponentialBasis, UncertainOutputs,
 };
 use proptest::collection::vec;
 use proptest::prelude::{ProptestConfig, Strategy, prop_assert, proptest};
@@ -47,7 +47,7 @@ impl Case {
 
     fn moments(&self, scale: f64) -> UncertainOutputs {
         let [a, b] = self.processes.each_ref().map(|one| one.expansion().unwrap());
-        Expansion::<Bumps>::at(&[&a, &b], &self.input(scale)).unwrap()
+        Expansion::<SquaredExponentialBasis>::at(&[&a, &b], &self.input(scale)).unwrap()
     }
 
     /// The moments as sums over points m + A z with weights.
@@ -266,6 +266,6 @@ fn what_has_no_closed_form_is_refused() {
     let expected = GpError::ShapeMismatch { what: "inputs of a function", expected: 2, actual: 1 };
     let found = Expansion::at(&[&process.unwrap().expansion().unwrap()], &plane);
     assert_eq!(found.map(|_| ()), Err(expected));
-    let nothing = Expansion::<Bumps>::at(&[], &plane).map(|_| ());
+    let nothing = Expansion::<SquaredExponentialBasis>::at(&[], &plane).map(|_| ());
     assert_eq!(nothing, Err(GpError::Empty { what: "functions" }));
 }

@@ -6,8 +6,8 @@ mod way;
 use nalgebra::Vector2;
 use planar::{Pose, Shape, perpendicular};
 
-use self::lanes::{LANES, along_together};
-use self::way::{Edge, Way, sin_cos};
+use self::lanes::{LANES, integrate_batch};
+use self::way::{Edge, EdgeContactOde, sin_cos};
 use crate::{Ellipsoid, Pusher};
 
 /// What [`crate::push_along`] does, for the pushes that planning asks for millions of times: straight
@@ -88,7 +88,7 @@ impl EdgePush {
             for (way, push) in ways.iter_mut().zip(pushes) {
                 *way = self.begin(pusher, push);
             }
-            let together = along_together(&ways, self.length_squared, pusher.friction);
+            let together = integrate_batch(&ways, self.length_squared, pusher.friction);
             moved.extend(ways.iter().zip(together).zip(pushes).map(|((way, last), push)| {
                 let way = way.as_ref()?;
                 Some(self.end(way, push, last.or_else(|| way.along())?))
@@ -99,7 +99,7 @@ impl EdgePush {
 
     /// The way on which the pusher pushes, from where it touches.
     #[inline]
-    fn begin(&self, pusher: &Pusher, push: &StraightPush) -> Option<Way> {
+    fn begin(&self, pusher: &Pusher, push: &StraightPush) -> Option<EdgeContactOde> {
         let edge = *self.edges.get(push.edge)?;
         let left_b = perpendicular(&edge.normal_b);
         let in_edge = |v: &Vector2<f64>| Vector2::new(edge.normal_b.dot(v), left_b.dot(v));
@@ -112,7 +112,7 @@ impl EdgePush {
         if !(free >= 0.0 && free < push.distance) {
             return None;
         }
-        Some(Way {
+        Some(EdgeContactOde {
             edge,
             length_squared: self.length_squared,
             friction: pusher.friction,
@@ -126,8 +126,8 @@ impl EdgePush {
 
     /// The motion of B to the last state: where the pusher's center is tells where the object is.
     #[inline]
-    fn end(&self, way: &Way, push: &StraightPush, last: Vector2<f64>) -> Pose {
-        let Way { edge: Edge { normal_b, .. }, direction, start, center_x, .. } = way;
+    fn end(&self, way: &EdgeContactOde, push: &StraightPush, last: Vector2<f64>) -> Pose {
+        let EdgeContactOde { edge: Edge { normal_b, .. }, direction, start, center_x, .. } = way;
         let (sin, cos) = sin_cos(last.y);
         let center = start + push.distance * direction;
         let held = Vector2::new(cos * center_x - sin * last.x, sin * center_x + cos * last.x);

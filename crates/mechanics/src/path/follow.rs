@@ -5,7 +5,7 @@ use crate::numerics::runge_kutta::{Step, step};
 use crate::path::travel::{mean_speed, within_travel};
 use crate::{
     ContactMode, ContactPhase, MechanicsError, PathMotion, PathSample, PathSettings, Place, Push,
-    Pusher, PusherPath, Slider, predict_joint,
+    Pusher, PusherPath, Slider, predict_multi_contact,
 };
 use nalgebra::{Matrix2, SVector, Vector2};
 use planar::{Contact, Feature, Pose, Wrench};
@@ -26,7 +26,7 @@ type State = SVector<f64, 6>;
 /// Moves `slider` from `pose_wb` by a pusher that follows `path`, until the path's end.
 ///
 /// The object rests until it is touched and after the pusher has left. In contact, its velocity is
-/// that of [`crate::predict`] at the contact of the moment, or of [`predict_joint`] at several; the
+/// that of [`crate::predict`] at the contact of the moment, or of [`predict_multi_contact`] at several; the
 /// round pusher rolls over the outline as the object turns, passes vertices and wedges in notches.
 /// Runge–Kutta of orders 5 and 4 with adaptive steps that end at each change of mode, edge or vertex
 /// (to 10 nm of travel); after each step the object is moved so that the gaps stay closed. A pusher
@@ -41,7 +41,9 @@ pub fn push_along(
     pose_wb: &Pose,
     settings: &PathSettings,
 ) -> Result<PathMotion, MechanicsError> {
-    push_along_under(slider, pusher, path, pose_wb, settings, &|_, _| Wrench::default())
+    push_along_with_external_wrench(slider, pusher, path, pose_wb, settings, &|_, _| {
+        Wrench::default()
+    })
 }
 
 /// [`push_along`] under an external load besides the pusher's, such as gravity on a tilted table.
@@ -51,7 +53,7 @@ pub fn push_along(
 /// # Errors
 /// As [`push_along`], and `SlidesByItself` if the limit surface cannot bear the load at some time
 /// that is looked at.
-pub fn push_along_under(
+pub fn push_along_with_external_wrench(
     slider: &Slider,
     pusher: &Pusher,
     path: &dyn PusherPath,
@@ -278,7 +280,7 @@ impl<'a> Run<'a> {
         let push_at = |contact| self.slider.push_at(self.pusher, &pose, contact, &velocity);
         let pushes: Vec<Push> = contacts.iter().map(push_at).collect();
         let external = (self.external_s)(time, &pose);
-        let motions = predict_joint(self.slider.surface, &pushes, &external)?;
+        let motions = predict_multi_contact(self.slider.surface, &pushes, &external)?;
         let twist = self.slider.velocity_of(&motions[0].twist_ws_s, &pose);
         let mut derivative =
             State::from([twist.linear.x, twist.linear.y, twist.angular, 0.0, 0.0, 0.0]);

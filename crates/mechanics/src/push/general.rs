@@ -29,7 +29,7 @@ pub fn predict<S: LimitSurface + ?Sized>(
 ) -> Result<PushMotion, MechanicsError> {
     match surface.quadric() {
         Some(matrix) => quadric_push(matrix, push),
-        None => predict_under(surface, push, &Wrench::default()),
+        None => predict_with_external_wrench(surface, push, &Wrench::default()),
     }
 }
 
@@ -51,7 +51,7 @@ pub fn predict<S: LimitSurface + ?Sized>(
 /// # Errors
 /// `SlidesByItself` if the surface cannot bear `external_s`, whatever the pusher does; a push or
 /// load that is not finite; a negative friction; a solver that did not converge.
-pub fn predict_under<S: LimitSurface + ?Sized>(
+pub fn predict_with_external_wrench<S: LimitSurface + ?Sized>(
     surface: &S,
     push: &Push,
     external_s: &Wrench,
@@ -62,7 +62,7 @@ pub fn predict_under<S: LimitSurface + ?Sized>(
     motion.sped_up_by(scale)
 }
 
-/// [`predict_under`] for a velocity whose squares neither over- nor underflow.
+/// [`predict_with_external_wrench`] for a velocity whose squares neither over- nor underflow.
 fn at_unit_speed<S: LimitSurface + ?Sized>(
     surface: &S,
     push: &Push,

@@ -1,7 +1,10 @@
 //! The push at several contacts at once.
 
 use crate::numerics::root::root_bracket;
-use crate::{ContactMode, LimitSurface, MechanicsError, Push, PushMotion, predict, predict_under};
+use crate::{
+    ContactMode, LimitSurface, MechanicsError, Push, PushMotion, predict,
+    predict_with_external_wrench,
+};
 use nalgebra::{Matrix3, Vector3};
 use planar::{Twist, Wrench, cross};
 
@@ -18,9 +21,9 @@ const ROUNDING: f64 = 1e-9;
 /// leave open (they may squeeze the slider between them) are those of the smallest sum.
 ///
 /// # Errors
-/// As [`predict_under`] for each contact; `PushersDiffer` for different velocities of the pusher;
+/// As [`predict_with_external_wrench`] for each contact; `PushersDiffer` for different velocities of the pusher;
 /// `NotConverged` if no motion fits, which rounding only can cause.
-pub fn predict_joint<S: LimitSurface + ?Sized>(
+pub fn predict_multi_contact<S: LimitSurface + ?Sized>(
     surface: &S,
     pushes: &[Push],
     external_s: &Wrench,
@@ -37,7 +40,7 @@ pub fn predict_joint<S: LimitSurface + ?Sized>(
     motions.into_iter().map(|motion| motion.sped_up_by(scale)).collect()
 }
 
-/// [`predict_joint`] for a velocity whose squares neither over- nor underflow.
+/// [`predict_multi_contact`] for a velocity whose squares neither over- nor underflow.
 fn at_unit_speed<S: LimitSurface + ?Sized>(
     surface: &S,
     pushes: &[Push],
@@ -54,7 +57,7 @@ fn at_unit_speed<S: LimitSurface + ?Sized>(
         if push.approach_speed() > 0.0 {
             let motion = match *external_s == Wrench::default() {
                 true => predict(surface, push)?,
-                false => predict_under(surface, push, external_s)?,
+                false => predict_with_external_wrench(surface, push, external_s)?,
             };
             if let Some(motions) = around(pushes, &[(index, motion)]) {
                 return Ok(motions);

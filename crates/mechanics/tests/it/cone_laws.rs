@@ -2,7 +2,7 @@
 
 use mechanics::{
     CenterOfRotation, ContactMode, Ellipsoid, LimitSurface, MotionCone, Patch, PointSet, Push,
-    QuadraticTraction, Sense, predict, predict_under, sense_of_rotation,
+    QuadraticTraction, Sense, predict, predict_with_external_wrench, sense_of_rotation,
 };
 use nalgebra::{Unit, Vector2};
 use planar::{Polygon, Shape, Twist, Wrench, cross, perpendicular};
@@ -141,7 +141,7 @@ fn a_velocity_on_the_edge_of_the_motion_cone_sticks() {
     let cone = MotionCone::new(&surface, &push).unwrap();
     assert!(cone.contains(&push.v_wp_s) && !cone.contains(&-push.v_wp_s));
     assert_eq!(predict(&surface, &push).unwrap().mode, ContactMode::Sticking);
-    let general = predict_under(&surface, &push, &Wrench::default()).unwrap();
+    let general = predict_with_external_wrench(&surface, &push, &Wrench::default()).unwrap();
     assert_eq!(general.mode, ContactMode::Sticking);
 }
 

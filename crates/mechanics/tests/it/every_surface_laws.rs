@@ -4,7 +4,7 @@ use crate::surfaces::{Lopsided, Row, rows};
 use mechanics::{
     ContactMode, Ellipsoid, LimitSurface, MechanicsError, PathMotion, PathSettings, Push,
     PushMotion, Pusher, PusherPath, SinglePoint, Slider, SmoothPath, StraightPath, predict,
-    predict_joint, predict_under, push_along,
+    predict_multi_contact, predict_with_external_wrench, push_along,
 };
 use nalgebra::{Unit, UnitVector2, Vector2};
 use planar::{Pose, Shape, Twist, Wrench};
@@ -117,7 +117,7 @@ proptest! {
         for Row { name, surface, .. } in rows() {
             let along = Wrench::new(direction.0, direction.1, 0.04 * direction.2);
             let external = level / surface.level(&along).unwrap() * along;
-            let motion = predict_under(surface.as_ref(), &push, &external).unwrap();
+            let motion = predict_with_external_wrench(surface.as_ref(), &push, &external).unwrap();
             prop_assert_eq!(check(surface.as_ref(), &push, &external, &motion), Ok(()), "{}", name);
         }
     }
@@ -178,9 +178,9 @@ fn a_push_is_the_same_at_every_speed_under_every_law() {
             };
             let all = |v_wp_s| -> Vec<PushMotion> {
                 let push = Push { v_wp_s, ..push };
-                let mut motions = predict_joint(surface, &notch(v_wp_s), &load).unwrap();
+                let mut motions = predict_multi_contact(surface, &notch(v_wp_s), &load).unwrap();
                 motions.push(predict(surface, &push).unwrap());
-                motions.push(predict_under(surface, &push, &load).unwrap());
+                motions.push(predict_with_external_wrench(surface, &push, &load).unwrap());
                 motions
             };
             let here = all(push.v_wp_s);
@@ -258,10 +258,10 @@ fn friction_that_resists_one_way_more_bears_a_load_that_way() {
     let external = Wrench::new(2.4, 0.0, 0.0);
     for slope in [0.0, 0.02, -0.04] {
         let push = Push { v_wp_s: push.v_wp_s + Vector2::new(0.0, slope), ..push };
-        let motion = predict_under(&surface, &push, &external).unwrap();
+        let motion = predict_with_external_wrench(&surface, &push, &external).unwrap();
         assert_eq!(check(&surface, &push, &external, &motion), Ok(()));
     }
-    let straight = predict_under(&surface, &push, &external).unwrap();
+    let straight = predict_with_external_wrench(&surface, &push, &external).unwrap();
     assert!((straight.force_s - Vector2::new(-2.8, 0.0)).norm() < 1e-9, "{straight:?}");
 }
 

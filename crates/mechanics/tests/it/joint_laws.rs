@@ -2,7 +2,7 @@
 
 use mechanics::{
     ContactMode, Ellipsoid, LimitSurface, MechanicsError, Patch, Push, PushMotion, predict,
-    predict_joint, predict_under,
+    predict_multi_contact, predict_with_external_wrench,
 };
 use nalgebra::{Unit, UnitVector2, Vector2};
 use planar::{Shape, Wrench};
@@ -73,7 +73,8 @@ fn check(
 #[test]
 fn a_straight_push_into_a_symmetric_notch_presses_on_both_walls_alike() {
     let surface = Ellipsoid::new(2.0, 0.07).unwrap();
-    let motions = predict_joint(&surface, &notch(0.7, 0.0, 0.0), &Wrench::default()).unwrap();
+    let motions =
+        predict_multi_contact(&surface, &notch(0.7, 0.0, 0.0), &Wrench::default()).unwrap();
     // 2 N along x, shared by two forces at ±0.7 rad.
     for motion in &motions {
         assert!((motion.force_s.norm() - 1.0 / 0.7_f64.cos()).abs() < 1e-12);
@@ -86,7 +87,8 @@ fn a_straight_push_into_a_symmetric_notch_presses_on_both_walls_alike() {
 fn walls_that_could_squeeze_the_slider_press_no_harder_than_they_must() {
     let surface = Ellipsoid::new(2.0, 0.07).unwrap();
     let (half, friction) = (0.7_f64, 0.2);
-    let motions = predict_joint(&surface, &notch(half, 0.0, friction), &Wrench::default()).unwrap();
+    let motions =
+        predict_multi_contact(&surface, &notch(half, 0.0, friction), &Wrench::default()).unwrap();
     // 2 N along x, shared by the edges of the cones that are nearest to x.
     let expected = 1.0 / (half.cos() + friction * half.sin());
     for (motion, side) in motions.iter().zip([1.0, -1.0]) {
@@ -101,7 +103,8 @@ fn an_oblique_push_leaves_one_wall_or_carries_the_slider_along() {
     let surface = Ellipsoid::new(2.0, 0.07).unwrap();
     let modes = |direction: f64| {
         let motions =
-            predict_joint(&surface, &notch(0.7, direction, 0.2), &Wrench::default()).unwrap();
+            predict_multi_contact(&surface, &notch(0.7, direction, 0.2), &Wrench::default())
+                .unwrap();
         [motions[0].mode, motions[1].mode]
     };
     assert_eq!(modes(0.0), [ContactMode::Sticking; 2]);
@@ -118,7 +121,7 @@ fn two_walls_keep_the_laws_wherever_the_pusher_is() {
     for y in [0.06, 0.03, 0.0, -0.02, -0.05] {
         let moved =
             pushes.map(|push| Push { p_sc: push.p_sc + Vector2::new(0.0, y - 0.04), ..push });
-        let motions = predict_joint(&surface, &moved, &Wrench::default()).unwrap();
+        let motions = predict_multi_contact(&surface, &moved, &Wrench::default()).unwrap();
         assert_eq!(check(&surface, &moved, &Wrench::default(), &motions, 1e-9), Ok(()));
         seen.push([motions[0].mode, motions[1].mode]);
     }
@@ -137,7 +140,7 @@ fn contacts_that_do_not_move_together_are_refused() {
     let surface = Ellipsoid::new(2.0, 0.07).unwrap();
     let [first, second] = notch(0.7, 0.0, 0.2);
     let faster = Push { v_wp_s: 2.0 * second.v_wp_s, ..second };
-    let error = predict_joint(&surface, &[first, faster], &Wrench::default());
+    let error = predict_multi_contact(&surface, &[first, faster], &Wrench::default());
     assert_eq!(error, Err(MechanicsError::PushersDiffer));
 }
 
@@ -161,7 +164,7 @@ proptest! {
         let surface = Ellipsoid::new(2.0, 2.0 * c).unwrap();
         let surface = surface.shifted(&Vector2::new(x, 0.01)).unwrap();
         for external in [Wrench::default(), Wrench::new(load, 0.3, 0.2 * c * load)] {
-            let motions = predict_joint(&surface, &pushes, &external).unwrap();
+            let motions = predict_multi_contact(&surface, &pushes, &external).unwrap();
             prop_assert_eq!(check(&surface, &pushes, &external, &motions, 1e-8), Ok(()));
         }
     }
@@ -170,10 +173,10 @@ proptest! {
     fn one_contact_is_the_single_push(pushes in pushes(), c in 0.01..0.1f64) {
         let surface = Ellipsoid::new(2.0, 2.0 * c).unwrap();
         let external = Wrench::new(0.1, -0.2, 0.01 * c);
-        let one = predict_joint(&surface, &pushes[..1], &Wrench::default()).unwrap();
+        let one = predict_multi_contact(&surface, &pushes[..1], &Wrench::default()).unwrap();
         prop_assert_eq!(one[0], predict(&surface, &pushes[0]).unwrap());
-        let loaded = predict_joint(&surface, &pushes[..1], &external).unwrap();
-        prop_assert_eq!(loaded[0], predict_under(&surface, &pushes[0], &external).unwrap());
+        let loaded = predict_multi_contact(&surface, &pushes[..1], &external).unwrap();
+        prop_assert_eq!(loaded[0], predict_with_external_wrench(&surface, &pushes[0], &external).unwrap());
     }
 }
 
@@ -183,7 +186,7 @@ fn the_laws_hold_on_a_patch_too() {
     for direction in [-1.3, -0.5, 0.0, 0.2, 0.9] {
         for (half, friction) in [(0.7, 0.2), (0.3, 0.6), (1.2, 0.0)] {
             let pushes = notch(half, direction, friction);
-            let motions = predict_joint(&patch, &pushes, &Wrench::default()).unwrap();
+            let motions = predict_multi_contact(&patch, &pushes, &Wrench::default()).unwrap();
             let laws = check(&patch, &pushes, &Wrench::default(), &motions, 1e-7);
             assert_eq!(laws, Ok(()));
         }

@@ -2,7 +2,7 @@
 
 use mechanics::{
     ContactMode, Ellipsoid, MechanicsError, PathMotion, PathSettings, Place, Polyline, Pusher,
-    PusherPath, Slider, SmoothPath, StraightPath, push_along, push_along_under,
+    PusherPath, Slider, SmoothPath, StraightPath, push_along, push_along_with_external_wrench,
 };
 use nalgebra::Vector2;
 use planar::{Polygon, Pose, Shape, Wrench, mit_object};
@@ -343,7 +343,14 @@ fn a_load_that_helps_the_pusher_lowers_its_force_along_the_path() {
             force: pose.inverse_rotate(&load.force),
             torque: load.torque,
         };
-        push_along_under(&slider, &PUSHER, path, &ORIGIN, &PathSettings::default(), &external)
+        push_along_with_external_wrench(
+            &slider,
+            &PUSHER,
+            path,
+            &ORIGIN,
+            &PathSettings::default(),
+            &external,
+        )
     };
     let central = push(&straight(0.0, 0.0, 0.02, 0.2), Wrench::new(0.5, 0.0, 0.0)).unwrap();
     assert!((central.mean_normal_force - 1.5).abs() < 1e-9);
@@ -375,7 +382,9 @@ fn on_a_turned_table_everything_turns_with_it() {
         let external =
             |_: f64, pose: &Pose| Wrench { force: pose.inverse_rotate(&downhill), torque: 0.0 };
         let settings = PathSettings::default();
-        push_along_under(&slider, &PUSHER, &path, table, &settings, &external).unwrap().pose_wb
+        push_along_with_external_wrench(&slider, &PUSHER, &path, table, &settings, &external)
+            .unwrap()
+            .pose_wb
     };
     let table = Pose::new(0.1, -0.2, 0.8);
     let (turned, expected) = (push(&table), table * push(&ORIGIN));

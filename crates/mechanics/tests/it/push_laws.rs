@@ -2,7 +2,7 @@
 
 use mechanics::{
     ContactMode, Ellipsoid, LimitSurface, MechanicsError, Patch, PointSet, Push, PushMotion,
-    predict, predict_under,
+    predict, predict_with_external_wrench,
 };
 use nalgebra::{Unit, UnitVector2, Vector2};
 use planar::{Shape, Twist, Wrench};
@@ -132,7 +132,7 @@ fn bad_pushes_are_refused_with_their_value() {
         let refuse = |push: Push| {
             let surface = ellipsoid();
             let result = if general {
-                predict_under(&surface, &push, &Wrench::default())
+                predict_with_external_wrench(&surface, &push, &Wrench::default())
             } else {
                 predict(&surface, &push)
             };
@@ -152,14 +152,16 @@ fn bad_pushes_are_refused_with_their_value() {
 #[test]
 fn a_load_beyond_the_limit_surface_is_refused() {
     let push = square_push(0.0, Vector2::new(0.02, 0.0), 0.3);
-    let error = predict_under(&ellipsoid(), &push, &Wrench::new(3.0, 0.0, 0.0)).unwrap_err();
+    let error =
+        predict_with_external_wrench(&ellipsoid(), &push, &Wrench::new(3.0, 0.0, 0.0)).unwrap_err();
     assert_eq!(error, MechanicsError::SlidesByItself { level: 1.5 });
 }
 
 #[test]
 fn a_load_along_the_push_lowers_the_pusher_s_force() {
     let push = square_push(0.0, Vector2::new(0.02, 0.0), 0.3);
-    let motion = predict_under(&ellipsoid(), &push, &Wrench::new(0.5, 0.0, 0.0)).unwrap();
+    let motion =
+        predict_with_external_wrench(&ellipsoid(), &push, &Wrench::new(0.5, 0.0, 0.0)).unwrap();
     assert_eq!(motion.mode, ContactMode::Sticking);
     assert!((motion.force_s - Vector2::new(1.5, 0.0)).norm() < 1e-12);
     assert!(distance(&motion.twist_ws_s, &Twist::new(0.02, 0.0, 0.0), 0.03) < 1e-15);
@@ -224,7 +226,7 @@ proptest! {
     #[test]
     fn the_general_solver_agrees_with_the_closed_form(surface in surfaces(), push in pushes()) {
         let closed = predict(&surface, &push).unwrap();
-        let general = predict_under(&surface, &push, &Wrench::default()).unwrap();
+        let general = predict_with_external_wrench(&surface, &push, &Wrench::default()).unwrap();
         let c = surface.characteristic_length();
         prop_assert_eq!(closed.mode, general.mode);
         let error = distance(&closed.twist_ws_s, &general.twist_ws_s, c);
@@ -241,7 +243,7 @@ proptest! {
         let c = surface.characteristic_length();
         let along = Wrench::new(direction.0, direction.1, c * direction.2);
         let external = level / surface.level(&along).unwrap() * along;
-        let motion = predict_under(&surface, &push, &external).unwrap();
+        let motion = predict_with_external_wrench(&surface, &push, &external).unwrap();
         prop_assert_eq!(check_laws(&surface, &push, &external, &motion, 1e-9), Ok(()));
     }
 

@@ -1,6 +1,6 @@
 //! The effects of a model file, checked against the catalogue.
 
-use effects::{About, Effect, Parameter, all};
+use effects::{Effect, EffectInfo, Parameter, all};
 use serde_spanned::Spanned;
 
 use super::raw::{Raw, RawEffect, RawParameter};
@@ -47,7 +47,7 @@ impl Source<'_> {
         own: &[&'static dyn Effect],
     ) -> Result<ModelEffect, ModelError> {
         let RawEffect { id, parameters } = raw.get_ref();
-        let known = || own.iter().chain(all()).map(|effect| effect.about());
+        let known = || own.iter().chain(all()).map(|effect| effect.info());
         let Some(about) = known().find(|about| about.id == id.get_ref()) else {
             let ids: Vec<_> = known().map(|about| about.id).collect();
             return Err(self.unknown(id, "effects.id", &ids));
@@ -107,7 +107,7 @@ impl Source<'_> {
 }
 
 /// The parameters with their units and ranges, for messages.
-fn described(about: &About) -> String {
+fn described(about: &EffectInfo) -> String {
     let one = |parameter: &Parameter| {
         let Parameter { name, unit, range: (low, high), .. } = parameter;
         format!("{name} (from {low} to {high}, unit {unit})")

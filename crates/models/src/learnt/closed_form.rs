@@ -1,6 +1,6 @@
 //! What learnt processes say of a step that is uncertain itself, without points.
 
-use gp_core::{Bumps, Expansion, GaussianInput, UncertainOutputs};
+use gp_core::{Expansion, GaussianInput, SquaredExponentialBasis, UncertainOutputs};
 use gp_rff::Waves;
 
 use crate::process::Process;
@@ -19,7 +19,7 @@ pub(crate) struct ClosedForm {
 
 #[derive(Debug)]
 enum Outputs {
-    Bumps([Expansion<Bumps>; 3]),
+    SquaredExponentialBasis([Expansion<SquaredExponentialBasis>; 3]),
     Waves([Expansion<Waves>; 3]),
 }
 
@@ -49,7 +49,7 @@ impl ClosedForm {
         let outputs = match &processes[0] {
             Process::Rff(_) => Outputs::Waves([waves(0)?, waves(1)?, waves(2)?]),
             Process::Gp(_) | Process::Spgp(_) | Process::Vhgp(_) => {
-                Outputs::Bumps([bumps(0)?, bumps(1)?, bumps(2)?])
+                Outputs::SquaredExponentialBasis([bumps(0)?, bumps(1)?, bumps(2)?])
             }
         };
         Ok(Self { features, outputs, noise })
@@ -70,7 +70,7 @@ impl ClosedForm {
     /// `Gp` for inputs of another number.
     pub(crate) fn at(&self, input: &GaussianInput) -> Result<UncertainOutputs, ModelError> {
         match &self.outputs {
-            Outputs::Bumps([a, b, c]) => Expansion::at(&[a, b, c], input),
+            Outputs::SquaredExponentialBasis([a, b, c]) => Expansion::at(&[a, b, c], input),
             Outputs::Waves([a, b, c]) => Expansion::at(&[a, b, c], input),
         }
         .map_err(of_output(0))

@@ -6,7 +6,7 @@ pub(crate) mod fit;
 pub(crate) mod orthogonal;
 
 use dataset::SupportSpec;
-use effects::{About, Effect, Rig, Role, TrueOutline, by_id};
+use effects::{Effect, EffectInfo, Rig, Role, TrueOutline, by_id};
 use nalgebra::Vector3;
 
 use crate::{
@@ -126,7 +126,7 @@ impl Physics {
             free.push(Free { name: "characteristic-length".to_owned(), label: "c", place });
         }
         for (index, effect) in self.effects.iter().enumerate() {
-            let about = self.about(effect)?;
+            let about = self.info(effect)?;
             let values = effect.setting().values(about)?;
             let here = about.to_coordinates(&values);
             let coordinates = about.coordinates(&self.rig(step)?);
@@ -154,7 +154,7 @@ impl Physics {
                     length = CharacteristicLength::Given(Estimate::exact(at * factor, ""));
                 }
                 Place::Effect { effect, coordinate, at, secant, range } => {
-                    let about = self.about(&effects[*effect])?;
+                    let about = self.info(&effects[*effect])?;
                     let values = effects[*effect].setting().values(about)?;
                     let mut coordinates = about.to_coordinates(&values);
                     coordinates[*coordinate] = (at + u * secant).clamp(range.0, range.1);
@@ -228,11 +228,11 @@ impl Physics {
         Ok(self)
     }
 
-    fn about(&self, effect: &ModelEffect) -> Result<&'static About, ModelError> {
+    fn info(&self, effect: &ModelEffect) -> Result<&'static EffectInfo, ModelError> {
         let own = self.setup.iter().flat_map(|setup| &setup.own);
-        match own.into_iter().find(|own| own.about().id == effect.id) {
-            Some(own) => Ok(own.about()),
-            None => Ok(by_id(&effect.id)?.about()),
+        match own.into_iter().find(|own| own.info().id == effect.id) {
+            Some(own) => Ok(own.info()),
+            None => Ok(by_id(&effect.id)?.info()),
         }
     }
 
@@ -253,7 +253,7 @@ impl Physics {
     }
 }
 
-fn set(effect: &mut ModelEffect, about: &About, values: &[f64]) {
+fn set(effect: &mut ModelEffect, about: &EffectInfo, values: &[f64]) {
     for (parameter, value) in about.parameters.iter().zip(values) {
         if let Some(estimate) = effect.parameters.get_mut(parameter.name) {
             estimate.value = *value;

@@ -4,7 +4,7 @@ use dataset::{
     ContactForce, Flags, ObjectChoice, ObjectSpec, Phase, Provenance, StepForce, StepRow,
     SupportSpec, Table,
 };
-use effects::{About, Effect, Object, PushPhysics, Rig, Setting, Surface, Track, all};
+use effects::{Effect, EffectInfo, Object, PushPhysics, Rig, Setting, Surface, Track, all};
 use models::{
     Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelEffect,
     ModelError, ModelFile, ProcessKind, PushModel, SetAsideReason, StepInput, StepSelection,
@@ -57,7 +57,7 @@ fn with(effects: Vec<ModelEffect>) -> Description {
     Description { effects, ..nominal() }
 }
 
-fn typical(about: &About) -> Vec<f64> {
+fn typical(about: &EffectInfo) -> Vec<f64> {
     about.typical(&Rig::new(Surface::Ellipsoid, 0.25, 0.25).unwrap())
 }
 
@@ -130,7 +130,7 @@ fn without_effects_the_motion_is_the_analytical_models() {
 fn with_effects_every_channel_is_that_of_the_physics() {
     let (steps, rig) = (asked(), Rig::new(Surface::Ellipsoid, 0.25, 0.25).unwrap());
     for effect in all() {
-        let about = effect.about();
+        let about = effect.info();
         let values = typical(about);
         let setting = Setting::new(about, &values);
         let model = ChannelModel::new(&with(vec![setting.into()]), TABLE, &[]).unwrap();
@@ -165,7 +165,7 @@ fn a_file_with_effects_comes_back_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.toml");
     let of = |effect: &&'static dyn Effect| {
-        let mut effect = ModelEffect::from(Setting::new(effect.about(), &typical(effect.about())));
+        let mut effect = ModelEffect::from(Setting::new(effect.info(), &typical(effect.info())));
         for (k, known) in effect.parameters.values_mut().enumerate() {
             *known = Estimate {
                 se: 0.1 / (3.0 + k as f64),
@@ -231,7 +231,7 @@ fn every_impossible_effect_names_its_line_key_and_what_is_allowed() {
 
 #[test]
 fn effects_need_mechanics_and_a_set_up() {
-    let effect: ModelEffect = Setting::new(all()[0].about(), &typical(all()[0].about())).into();
+    let effect: ModelEffect = Setting::new(all()[0].info(), &typical(all()[0].info())).into();
     let error = with(vec![effect.clone()]).build().unwrap_err();
     assert!(matches!(&error, ModelError::EffectsNeedMore { effects } if *effects == effect.id));
     let gp = Description { base: Base::Process(ProcessKind::Gp), ..nominal() };

@@ -125,14 +125,14 @@ fn a_file_with_every_effect_obeys_the_schema() {
     let schema = schema();
     let rig = effects::Rig::new(effects::Surface::Ellipsoid, 0.25, 0.25).unwrap();
     let setting = |effect: &&'static dyn effects::Effect| {
-        let about = effect.about();
+        let about = effect.info();
         ModelEffect::from(effects::Setting::new(about, &about.typical(&rig)))
     };
     let nominal = Analytical::nominal(0.25).unwrap().describe().unwrap();
     let effects = effects::all().iter().map(setting).collect();
     let file = written(&Description { effects, ..nominal });
     assert!(obeys(&file, &schema, &schema), "{file:#}");
-    let ids: Vec<_> = effects::all().iter().map(|effect| effect.about().id).collect();
+    let ids: Vec<_> = effects::all().iter().map(|effect| effect.info().id).collect();
     assert_eq!(schema.pointer("/$defs/effect/properties/id/enum").unwrap(), &json!(ids));
 }
 

@@ -22,7 +22,7 @@ fn model(effects: &[(&str, &[f64])]) -> Box<dyn PushModel> {
     let friction = Estimate::exact(0.25, "");
     let base = Analytical::new(friction, CharacteristicLength::UniformPressure, scatter).unwrap();
     let effect = |(id, values): &(&str, &[f64])| -> ModelEffect {
-        Setting::new(by_id(id).unwrap().about(), values).into()
+        Setting::new(by_id(id).unwrap().info(), values).into()
     };
     let plain: (&str, &[f64]) = ("pusher-friction", &[0.25]);
     let effects = std::iter::once(&plain).chain(effects).map(effect).collect();

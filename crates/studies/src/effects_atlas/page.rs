@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use effects::{About, Channel, Off, Parameter, all};
+use effects::{Channel, EffectInfo, Off, Parameter, all};
 
 const HEAD: &str = "# The catalogue of effects
 
@@ -25,20 +25,20 @@ pub(super) fn text() -> String {
     let mut text = HEAD.to_owned();
     text.push_str("\n| id | what it is | parameters | seen in |\n|---|---|---|---|\n");
     for effect in all() {
-        let about = effect.about();
+        let about = effect.info();
         let names: Vec<_> = about.parameters.iter().map(with_unit).collect();
         let (id, title) = (about.id, about.title);
         let row = format!("| [`{id}`](#{id}) | {title} | {} | {} |", names.join(", "), seen(about));
         writeln!(text, "{row}").expect("a String takes any text");
     }
     for effect in all() {
-        section(&mut text, effect.about());
+        section(&mut text, effect.info());
     }
     text
 }
 
-fn section(text: &mut String, about: &About) {
-    let About { id, title, physics, equation, source, .. } = about;
+fn section(text: &mut String, about: &EffectInfo) {
+    let EffectInfo { id, title, physics, equation, source, .. } = about;
     let mut line = |content: String| {
         text.push_str(&content);
         text.push('\n');
@@ -79,7 +79,7 @@ fn off(parameter: &Parameter) -> String {
     }
 }
 
-fn seen(about: &About) -> String {
+fn seen(about: &EffectInfo) -> String {
     let name = |channel: &Channel| match channel {
         Channel::Motion => "motion",
         Channel::Force => "force",

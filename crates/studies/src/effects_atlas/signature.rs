@@ -57,7 +57,7 @@ pub(super) fn figure(effect: &'static dyn Effect) -> Result<Figure> {
     // The lines are for the push that shows the effect most.
     let cells = (0..changes.len()).max_by(|a, b| size(a).total_cmp(&size(b)));
     let shot = shot_of_cell(cells.unwrap_or(0));
-    let about = effect.about();
+    let about = effect.info();
     let values: Vec<_> = (about.parameters.iter().zip(about.typical(atlas.without.rig())))
         .map(|(parameter, value)| match parameter.unit {
             "1" => format!("{} {value}", parameter.name),
@@ -110,7 +110,7 @@ impl Atlas {
     fn new(effect: &'static dyn Effect) -> Result<Self> {
         let shape = Arc::new(Shape::square(0.09)?);
         let without = PushPhysics::new(Rig::new(Surface::Ellipsoid, 0.25, 0.25)?);
-        let values = effect.about().typical(without.rig());
+        let values = effect.info().typical(without.rig());
         let with = without.clone().with(effect, &values)?;
         Ok(Self { object: Arc::new(Object::uniform(shape, 0.8374)?), without, with })
     }

@@ -18,7 +18,7 @@ pub(super) struct Detectable {
 
 /// Of every effect that sets without a hidden effect bound.
 pub(super) fn detectable(records: &[Record], oracle: &Oracle) -> Vec<Detectable> {
-    let catalogue = effects::all().iter().map(|effect| effect.about().id);
+    let catalogue = effects::all().iter().map(|effect| effect.info().id);
     catalogue.filter_map(|id| of(id, records, oracle)).collect()
 }
 
@@ -52,7 +52,7 @@ fn told(id: &str, record: &Record) -> Option<f64> {
 /// The catalogue's coordinates of a hidden effect at a share of its typical size.
 fn coordinates(id: &str, share: f64) -> Option<Vec<f64>> {
     let effect = by_id(id).ok()?;
-    let asked = Asked::typical(effect.about().id);
+    let asked = Asked::typical(effect.info().id);
     let values = asked.hidden(share).ok()?.values;
     let values = values.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     let parameters = TrueEffect { id: id.to_owned(), values }.parameters();
@@ -61,5 +61,5 @@ fn coordinates(id: &str, share: f64) -> Option<Vec<f64>> {
         // A stiff arm has some: the catalogue's departure is from the nuisance's size.
         values[0] -= 2e-5;
     }
-    Some(effect.about().to_coordinates(&values))
+    Some(effect.info().to_coordinates(&values))
 }

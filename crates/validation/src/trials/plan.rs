@@ -96,7 +96,7 @@ fn case(family: Family, about: &str, kind: &str, turn: usize) -> Case {
 }
 
 fn catalogue() -> Vec<&'static str> {
-    all().iter().map(|effect| effect.about().id).collect()
+    all().iter().map(|effect| effect.info().id).collect()
 }
 
 fn without(ids: &[&'static str], id: &str) -> Vec<&'static str> {
@@ -155,7 +155,7 @@ fn pairs() -> Vec<Case> {
     let ids = without(&catalogue(), OF_THE_PUSHES);
     let looks_like = |one: &str, other: &str| {
         effects::by_id(one)
-            .is_ok_and(|effect| effect.about().look_alikes.iter().any(|alike| alike.id == other))
+            .is_ok_and(|effect| effect.info().look_alikes.iter().any(|alike| alike.id == other))
     };
     let mut pairs: Vec<(&'static str, &'static str)> = Vec::new();
     for (k, one) in ids.iter().enumerate() {

@@ -110,7 +110,7 @@ pub(super) fn is_right(record: &Record) -> bool {
 /// Whether a group is an effect with documented look-alikes of it.
 fn is_class_of(group: &[String], id: &str) -> bool {
     let documents = |one: &str, other: &str| {
-        let alikes = by_id(one).map(|effect| effect.about().look_alikes);
+        let alikes = by_id(one).map(|effect| effect.info().look_alikes);
         alikes.is_ok_and(|alikes| alikes.iter().any(|alike| alike.id == other))
     };
     let is_alike = |other: &String| other == id || documents(id, other) || documents(other, id);

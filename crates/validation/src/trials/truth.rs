@@ -189,7 +189,7 @@ mod tests {
             let values = HiddenEffect::typical(kind.id).unwrap().values;
             let values = values.into_iter().map(|(name, value)| (name.to_owned(), value));
             let told = TrueEffect { id: kind.id.into(), values: values.collect() }.parameters();
-            let known = all().iter().map(|effect| effect.about()).find(|about| about.id == kind.id);
+            let known = all().iter().map(|effect| effect.info()).find(|about| about.id == kind.id);
             assert_eq!(known.is_some(), kind.in_catalogue);
             let names: Vec<_> = told.iter().map(|(name, _)| *name).collect();
             let own = known.map_or(Vec::new(), |about| {

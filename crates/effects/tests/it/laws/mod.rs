@@ -25,7 +25,7 @@ fn predict(physics: &PushPhysics, steps: &[StepInput]) -> Vec<[f64; 7]> {
 /// The model with one effect of its typical size, in a world of its own units and axes.
 fn with_typical(effect: &'static dyn Effect, world: &World, surface: &Surface) -> PushPhysics {
     let rig = world.rig(surface.clone());
-    let values = world.values(effect, &effect.about().typical(&World::PLAIN.rig(surface.clone())));
+    let values = world.values(effect, &effect.info().typical(&World::PLAIN.rig(surface.clone())));
     PushPhysics::new(rig).with(effect, &values).unwrap()
 }
 
@@ -36,9 +36,9 @@ fn an_effect_that_is_off_equals_the_baseline_bit_for_bit() {
         let baseline = predict(&PushPhysics::new(rig.clone()), &steps);
         let mut every = PushPhysics::new(rig.clone());
         for effect in all() {
-            let off = effect.about().off(&rig);
+            let off = effect.info().off(&rig);
             let alone = PushPhysics::new(rig.clone()).with(*effect, &off).unwrap();
-            assert_eq!(predict(&alone, &steps), baseline, "{}", effect.about().id);
+            assert_eq!(predict(&alone, &steps), baseline, "{}", effect.info().id);
             every = every.with(*effect, &off).unwrap();
         }
         assert_eq!(predict(&every, &steps), baseline);
@@ -51,7 +51,7 @@ fn an_effect_reaches_the_channels_that_it_claims_and_no_other() {
         let steps = World::PLAIN.steps();
         let baseline = predict(&PushPhysics::new(World::PLAIN.rig(surface.clone())), &steps);
         for effect in all() {
-            let about = effect.about();
+            let about = effect.info();
             let with = predict(&with_typical(*effect, &World::PLAIN, &surface), &steps);
             for channel in Channel::ALL {
                 let changes = with.iter().zip(&baseline).any(|(a, b)| {
@@ -70,7 +70,7 @@ fn agree(name: &str, world: &World, tolerance: f64) {
     let (plain_steps, steps) = (World::PLAIN.steps(), world.steps());
     for surface in SURFACES {
         for effect in all() {
-            let id = effect.about().id;
+            let id = effect.info().id;
             let is_tabulated = surface_shape(&surface) != 0.0 || id == "limit-surface-shape";
             let is_limited = is_tabulated && world.body_turn != 0.0;
             let plain = predict(&with_typical(*effect, &World::PLAIN, &surface), &plain_steps);
@@ -138,7 +138,7 @@ fn the_same_set_of_effects_in_any_order_gives_the_same_bits() {
             all().iter().copied().filter(|_| random.random_bool(0.8)).collect();
         let built = |order: &[&'static dyn Effect]| {
             let add = |model: PushPhysics, effect: &&'static dyn Effect| {
-                model.with(*effect, &effect.about().typical(&rig)).unwrap()
+                model.with(*effect, &effect.info().typical(&rig)).unwrap()
             };
             predict(&order.iter().fold(PushPhysics::new(rig.clone()), add), &steps)
         };
@@ -152,7 +152,7 @@ fn the_same_set_of_effects_in_any_order_gives_the_same_bits() {
 fn settings_bring_a_model_back() {
     let rig = World::PLAIN.rig(Surface::Ellipsoid);
     let add = |model: PushPhysics, effect: &&'static dyn Effect| {
-        model.with(*effect, &effect.about().typical(&rig)).unwrap()
+        model.with(*effect, &effect.info().typical(&rig)).unwrap()
     };
     let model = all().iter().fold(PushPhysics::new(rig.clone()), add);
     let text = serde_json::to_string(&model.settings()).unwrap();
@@ -167,7 +167,7 @@ fn settings_bring_a_model_back() {
 fn values_out_of_range_are_named() {
     let rig = World::PLAIN.rig(Surface::Ellipsoid);
     for effect in all() {
-        let about = effect.about();
+        let about = effect.info();
         for (index, parameter) in about.parameters.iter().enumerate() {
             for bad in [parameter.range.1 + 1.0, parameter.range.0 - 1.0, f64::NAN, f64::INFINITY] {
                 let mut values = about.typical(&rig);
@@ -184,7 +184,7 @@ fn values_out_of_range_are_named() {
         assert!(matches!(error, EffectError::WrongCount { got, .. } if got == too_many.len()));
         let once = PushPhysics::new(rig.clone()).with(*effect, &about.off(&rig)).unwrap();
         let twice = once.with(*effect, &about.off(&rig)).unwrap_err();
-        assert_eq!(twice, EffectError::Twice { effect: about.id.to_owned() });
+        assert_eq!(twice, EffectError::DuplicateEffect { effect: about.id.to_owned() });
     }
     assert!(matches!(by_id("friction"), Err(EffectError::UnknownEffect { .. })));
 }
@@ -194,10 +194,10 @@ fn the_catalogue_is_consistent() {
     let rig = World::PLAIN.rig(Surface::Ellipsoid);
     assert_eq!(all().len(), 23);
     for effect in all() {
-        let about = effect.about();
-        assert_eq!(by_id(about.id).unwrap().about().id, about.id);
+        let about = effect.info();
+        assert_eq!(by_id(about.id).unwrap().info().id, about.id);
         for look_alike in about.look_alikes {
-            let other = by_id(look_alike.id).unwrap().about();
+            let other = by_id(look_alike.id).unwrap().info();
             assert_ne!(other.id, about.id);
         }
         about.check(&about.off(&rig)).unwrap();

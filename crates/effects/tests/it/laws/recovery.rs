@@ -25,16 +25,16 @@ impl Problem {
 
     fn of(effect: &'static dyn Effect, steps: Vec<StepInput>, seed: u64) -> Self {
         let mut problem = Self { effect, steps, data: DVector::zeros(0) };
-        let truth = effect.about().typical(&World::PLAIN.rig(Surface::Ellipsoid));
+        let truth = effect.info().typical(&World::PLAIN.rig(Surface::Ellipsoid));
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        problem.data = problem.model(&effect.about().to_coordinates(&truth));
+        problem.data = problem.model(&effect.info().to_coordinates(&truth));
         problem.data.iter_mut().for_each(|x| *x += NOISE * random.random_range(-1.7..1.7));
         problem
     }
 
     /// All channels of all steps in standard deviations.
     fn model(&self, coordinates: &[f64]) -> DVector<f64> {
-        let values = self.effect.about().from_coordinates(coordinates);
+        let values = self.effect.info().from_coordinates(coordinates);
         let rig = World::PLAIN.rig(Surface::Ellipsoid);
         let physics = PushPhysics::new(rig).with(self.effect, &values).unwrap();
         let channels = physics.predict_all(&self.steps).unwrap();
@@ -52,7 +52,7 @@ impl Problem {
     /// Levenberg–Marquardt from near "off", with differences over `share` of a secant.
     fn fit(&self) -> Vec<f64> {
         let rig = World::PLAIN.rig(Surface::Ellipsoid);
-        let list = self.effect.about().coordinates(&rig);
+        let list = self.effect.info().coordinates(&rig);
         let mut at: Vec<f64> = list.iter().map(|c| c.off + 0.2 * c.secant).collect();
         let (mut damping, mut misfit) = (1e-3, self.misfit(&at));
         for iteration in 0..60 {
@@ -93,7 +93,7 @@ impl Problem {
 fn an_effect_is_recovered_from_its_own_simulation() {
     let rig = World::PLAIN.rig(Surface::Ellipsoid);
     for (seed, effect) in all().iter().enumerate() {
-        let about = effect.about();
+        let about = effect.info();
         // A switch and a threshold have no slope: the next test searches for them.
         if ["inertia", "pusher-stiction"].contains(&about.id) {
             continue;
@@ -120,9 +120,9 @@ fn a_switch_and_a_threshold_are_recovered_by_search() {
             step.twist_wb.angular = 0.0;
         }
         let problem = Problem::of(effect, steps, 99);
-        let (low, high) = effect.about().parameters[0].range;
+        let (low, high) = effect.info().parameters[0].range;
         let value = |k: u32| low + (high - low) * f64::from(k) / f64::from(n - 1);
-        let mut at = effect.about().typical(&World::PLAIN.rig(Surface::Ellipsoid));
+        let mut at = effect.info().typical(&World::PLAIN.rig(Surface::Ellipsoid));
         let mut misfit = |k: u32| {
             at[0] = value(k);
             problem.misfit(&at)

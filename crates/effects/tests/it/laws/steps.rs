@@ -1,7 +1,8 @@
 //! Laws of the integration: parts of a step, shorter sub-steps, and the energy of a step.
 
 use effects::{
-    Channels, Effect, Geometry, Moment, PushPhysics, Reading, StepInput, Surface, Track, all,
+    Channels, Effect, Geometry, MeasurementModel, PushPhysics, Snapshot, StepInput, Surface, Track,
+    all,
 };
 use nalgebra::Vector2;
 use planar::{Pose, Twist, Wrench, perpendicular};
@@ -66,7 +67,7 @@ fn apart<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
 
 fn model(effect: &'static dyn Effect, surface: &Surface, longest: f64) -> PushPhysics {
     let rig = World::PLAIN.rig(surface.clone()).with_longest_substep(longest).unwrap();
-    let typical = effect.about().typical(&rig);
+    let typical = effect.info().typical(&rig);
     PushPhysics::new(rig).with(effect, &typical).unwrap()
 }
 
@@ -80,7 +81,7 @@ fn two_half_steps_are_the_whole_step() {
     for surface in super::SURFACES {
         let steps = straight_steps();
         for effect in all() {
-            let (id, physics) = (effect.about().id, model(*effect, &surface, 1e-3));
+            let (id, physics) = (effect.info().id, model(*effect, &surface, 1e-3));
             // Whole and halves are each within 4 µm over 4 mm; with inertia the rule has six
             // sub-steps for an impact and what follows.
             let (farthest, strongest) = if id == "inertia" { (3e-5, 5e-2) } else { (6e-6, 2e-2) };
@@ -129,7 +130,7 @@ fn shorter_substeps_come_nearer_to_the_limit() {
                 };
                 (steps.iter().map(square).sum::<f64>() / steps.len() as f64).sqrt()
             });
-            let id = effect.about().id;
+            let id = effect.info().id;
             // A sub-step with inertia that begins or ends a contact is not of order two.
             let least = if id == "inertia" { 1.5 } else { 3.0 };
             assert!(fine < coarse / least, "{id} {surface:?}: {coarse} {fine}");
@@ -139,8 +140,8 @@ fn shorter_substeps_come_nearer_to_the_limit() {
 
 /// Energy in J: what the pusher and other loads do, less what the object takes up.
 fn dissipated(effect: &'static dyn Effect, physics: &PushPhysics, step: &StepInput) -> [f64; 2] {
-    let typical = effect.about().typical(physics.rig());
-    let (mut reading, mut geometry) = (Reading::default(), Geometry::default());
+    let typical = effect.info().typical(physics.rig());
+    let (mut reading, mut geometry) = (MeasurementModel::default(), Geometry::default());
     effect.reading(&typical, step, &mut reading);
     effect.geometry(&typical, step, &mut geometry);
     let pose_bo = Pose { position: reading.offset_b, angle: reading.yaw };
@@ -160,7 +161,7 @@ fn dissipated(effect: &'static dyn Effect, physics: &PushPhysics, step: &StepInp
     let place = contact.point - geometry.contact_shift * perpendicular(&contact.normal);
     let way = |place: &Vector2<f64>| after.transform_point(place) - before.transform_point(place);
     let mut load = Wrench::default();
-    let moment = Moment { rig: physics.rig(), step, pose_wo: before, time: 0.0 };
+    let moment = Snapshot { rig: physics.rig(), step, pose_wo: before, time: 0.0 };
     effect.load(&typical, &moment, &mut load);
     let work = force.dot(&way(&place))
         + load.force.dot(&way(&Vector2::zeros()))
@@ -194,7 +195,7 @@ fn no_effect_makes_energy() {
                 let step = rest(&physics, &settled(&physics, step), 0.7 * step.track.duration());
                 let short = part(&step, 0.0, 0.02 * step.track.duration());
                 let [energy, scale] = dissipated(*effect, &physics, &short);
-                assert!(energy > 0.1 * scale, "{} {surface:?}: {energy} J", effect.about().id);
+                assert!(energy > 0.1 * scale, "{} {surface:?}: {energy} J", effect.info().id);
             }
         }
     }

@@ -33,7 +33,7 @@ impl World {
 
     /// Values of the plain world, as they are in this one.
     pub(crate) fn values(&self, effect: &dyn Effect, values: &[f64]) -> Vec<f64> {
-        let about = effect.about();
+        let about = effect.info();
         let scaled: Vec<f64> =
             about.parameters.iter().zip(values).map(|(p, v)| v * self.unit(p.unit)).collect();
         let sign = if self.is_mirrored { -1.0 } else { 1.0 };

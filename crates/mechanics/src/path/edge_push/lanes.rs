@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::way::{MAX_TRAVEL, MOST_STEPS, SMALL_TURN, TOLERANCE, Way, small_sin_cos};
+use super::way::{EdgeContactOde, MAX_TRAVEL, MOST_STEPS, SMALL_TURN, TOLERANCE, small_sin_cos};
 use crate::numerics::runge_kutta::{ERROR, STAGES};
 
 /// How many run beside each other: the doubles of the widest registers.
@@ -12,17 +12,17 @@ pub(super) const LANES: usize = 8;
 /// A number of each push.
 type Lanes = [f64; LANES];
 
-/// The states at the ends of ways, as [`Way::along`] has them to the bit; none of a lane without way,
+/// The states at the ends of ways, as [`EdgeContactOde::along`] has them to the bit; none of a lane without way,
 /// and none where one of its steps was not taken: where the contact begins to slide or to stick, leaves
 /// the edge or the pusher, turns far, or the step is too long for the tolerance.
 ///
 /// Every lane does the same operations, and none is fused, whatever the registers.
-pub(super) fn along_together(
-    ways: &[Option<Way>; LANES],
+pub(super) fn integrate_batch(
+    ways: &[Option<EdgeContactOde>; LANES],
     length_squared: f64,
     friction: f64,
 ) -> [Option<Vector2<f64>>; LANES] {
-    let mut together = Together::idle(length_squared, friction);
+    let mut together = Batch::idle(length_squared, friction);
     for (lane, way) in ways.iter().enumerate() {
         if let Some(way) = way {
             together.set(lane, way);
@@ -36,9 +36,9 @@ pub(super) fn along_together(
     std::array::from_fn(end)
 }
 
-/// The numbers of [`Way`]s, and how far each is.
+/// The numbers of [`EdgeContactOde`]s, and how far each is.
 #[derive(Clone, Copy)]
-struct Together {
+struct Batch {
     length_squared: f64,
     friction: f64,
     x: Lanes,
@@ -62,7 +62,7 @@ struct Looks {
     slides: Lanes,
 }
 
-impl Together {
+impl Batch {
     /// Lanes that have nothing to do.
     fn idle(length_squared: f64, friction: f64) -> Self {
         let (zero, one) = ([0.0; LANES], [1.0; LANES]);
@@ -72,7 +72,7 @@ impl Together {
         Self { length_squared, friction, x, ends, direction, center_x, place, turn, left }
     }
 
-    fn set(&mut self, lane: usize, way: &Way) {
+    fn set(&mut self, lane: usize, way: &EdgeContactOde) {
         self.x[lane] = way.edge.x;
         self.ends[0][lane] = way.edge.ends[0];
         self.ends[1][lane] = way.edge.ends[1];
@@ -83,7 +83,7 @@ impl Together {
         self.left[lane] = way.length;
     }
 
-    /// As [`Way`] looks at one.
+    /// As [`EdgeContactOde`] looks at one.
     #[inline(always)]
     fn look(&self, place: &Lanes, turn: &Lanes) -> Looks {
         let (c2, friction) = (self.length_squared, self.friction);
@@ -117,7 +117,7 @@ impl Together {
     }
 }
 
-impl WithSimd for Together {
+impl WithSimd for Batch {
     type Output = Self;
 
     #[inline(always)]
@@ -133,7 +133,7 @@ impl WithSimd for Together {
     }
 }
 
-impl Together {
+impl Batch {
     /// One step of every lane that has way left.
     #[inline(always)]
     fn step(&mut self, here: &Looks) -> Looks {

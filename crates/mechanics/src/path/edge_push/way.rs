@@ -16,7 +16,7 @@ pub(super) struct Edge {
 
 /// How the pusher moves; the state is the contact's place s along t, in m, and the turn φ, in rad.
 #[derive(Clone, Copy)]
-pub(super) struct Way {
+pub(super) struct EdgeContactOde {
     pub(super) edge: Edge,
     /// Of c = Mmax/Fmax, in m².
     pub(super) length_squared: f64,
@@ -64,7 +64,7 @@ const SWITCH: f64 = 1e-8;
 /// Most steps, and most looks for a change.
 pub(super) const MOST_STEPS: usize = 64;
 
-impl Way {
+impl EdgeContactOde {
     /// The state at its end; none if the pusher leaves the edge.
     pub(super) fn along(&self) -> Option<Vector2<f64>> {
         let mut state = Vector2::new(self.first, 0.0);

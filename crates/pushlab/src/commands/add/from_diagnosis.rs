@@ -53,7 +53,7 @@ pub(crate) fn diagnosed_effect(found: &Diagnosis, id: &str) -> Result<ModelEffec
         said.is_empty(),
         "{id} {said}{why}; to add it all the same: `pushlab add {id} --fit SET`, or `--set`"
     );
-    let about = by_id(id)?.about();
+    let about = by_id(id)?.info();
     let values = parameters.iter().filter_map(|one| Some((one.name.clone(), one.estimate?)));
     let setting = Setting { id: id.to_owned(), parameters: values.collect() };
     let Ok(values) = setting.values(about) else {

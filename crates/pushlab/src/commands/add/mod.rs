@@ -97,7 +97,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     if let Some(from) = &args.from {
         return from_file(args, (from, model, origin), destination, terminal);
     }
-    let about = by_id(args.effect())?.about();
+    let about = by_id(args.effect())?.info();
     refuse_twice(&model, about.id)?;
     let name = format!("{} + {}", model.name, about.id);
     let Some(set) = &args.fit else {
@@ -113,7 +113,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
 
 fn refuse_twice(model: &ModelFile, id: &str) -> Result<()> {
     let is_there = model.description.effects.iter().any(|effect| effect.id == id);
-    ensure!(!is_there, EffectError::Twice { effect: id.to_owned() });
+    ensure!(!is_there, EffectError::DuplicateEffect { effect: id.to_owned() });
     Ok(())
 }
 
@@ -190,7 +190,7 @@ fn by_hand(
             bail!(WrongUsage("a parameter has two values; give one"));
         }
     }
-    let about = by_id(args.effect())?.about();
+    let about = by_id(args.effect())?.info();
     let setting = Setting { id: about.id.to_owned(), parameters };
     about.check(&setting.values(about)?)?;
     let mut effect = ModelEffect::from(setting);

@@ -138,13 +138,13 @@ fn showable(found: &Screen) -> Vec<Showable> {
         };
         Showable {
             id: effect.id,
-            title: by_id(effect.id).map_or("", |known| known.about().title),
+            title: by_id(effect.id).map_or("", |known| known.info().title),
             not_testable: effect.not_testable.clone(),
             coordinates: effect.coordinates.iter().map(size).collect(),
         }
     };
     let place =
-        |effect: &Showable| effects::all().iter().position(|known| known.about().id == effect.id);
+        |effect: &Showable| effects::all().iter().position(|known| known.info().id == effect.id);
     let mut list: Vec<_> = found.effects.iter().map(of).collect();
     list.sort_by_key(place);
     list

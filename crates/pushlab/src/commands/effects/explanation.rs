@@ -78,7 +78,7 @@ impl Explanation {
 
 impl InModel {
     fn of(id: &str) -> Result<Self> {
-        let about = by_id(id)?.about();
+        let about = by_id(id)?.info();
         let parameter = |parameter: &effects::Parameter| {
             let effects::Parameter { name, unit, meaning, typical, range: (low, high), .. } =
                 *parameter;
@@ -185,11 +185,11 @@ mod tests {
     #[test]
     fn every_effect_of_the_catalogue_is_explained_and_can_be_hidden() {
         for effect in effects::all() {
-            let id = effect.about().id;
+            let id = effect.info().id;
             let explanation = Explanation::of(id).unwrap();
             assert!(explanation.model.is_some(), "{id}");
             let text = explanation.to_string();
-            assert!(text.contains(effect.about().title) && text.contains("--hidden"), "{text}");
+            assert!(text.contains(effect.info().title) && text.contains("--hidden"), "{text}");
         }
     }
 

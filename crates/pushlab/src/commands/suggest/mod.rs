@@ -163,7 +163,7 @@ impl Args {
             let known = if matches!(aim, Aim::Rivals(_)) { named } else { Vec::new() };
             return Ok((aim, known));
         };
-        let target = by_id(target)?.about().id;
+        let target = by_id(target)?.info().id;
         let firsts = found.one_of.iter().filter_map(|group| group.first());
         let known: Vec<&str> = named.iter().copied().chain(firsts.map(String::as_str)).collect();
         let ids = vec![target.to_owned()];

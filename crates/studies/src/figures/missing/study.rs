@@ -93,7 +93,7 @@ fn stages(fitted: &Observations, nominal: &Description, named: &[String]) -> Res
 impl Stage {
     /// What it adds, for people.
     pub(super) fn title(&self) -> Option<String> {
-        Some(by_id(self.added.as_deref()?).ok()?.about().title.to_lowercase())
+        Some(by_id(self.added.as_deref()?).ok()?.info().title.to_lowercase())
     }
 }
 

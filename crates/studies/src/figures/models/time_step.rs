@@ -31,7 +31,7 @@ const AS_GOOD: f64 = 0.1;
 /// What "flat" allows beyond.
 const FLAT: f64 = 0.25;
 /// What "about 0.2 s" is, in s.
-const ABOUT: [f64; 2] = [0.1, 0.4];
+const INFO: [f64; 2] = [0.1, 0.4];
 
 /// The errors at one speed.
 struct Curve {
@@ -209,7 +209,7 @@ fn claim(curves: &[Curve]) -> Claim {
     let [slowest, faster @ ..] = curves else {
         return judged(CLAIMS[0], value, false, "no curve");
     };
-    let holds = (ABOUT[0]..=ABOUT[1]).contains(&slowest.shortest())
+    let holds = (INFO[0]..=INFO[1]).contains(&slowest.shortest())
         && slowest.is_flat_after()
         && faster.iter().all(|curve| curve.shortest() < slowest.shortest());
     let reason = "the shortest time step within 10 % of the lowest error is from 0.1 to 0.4 s at the \

@@ -121,7 +121,7 @@ fn process(kind: ProcessKind, steps: &[StepObservation]) -> Result<Box<dyn PushM
 /// that is left about it.
 fn with_effects(setting: &Setting, steps: &[StepObservation]) -> Result<Box<dyn PushModel>> {
     let fit = Analytical::nominal(setting.friction)?.fit(steps)?.model;
-    let about = effects::by_id("limit-surface-shape")?.about();
+    let about = effects::by_id("limit-surface-shape")?.info();
     let effect: ModelEffect = effects::Setting::new(about, &[1.0]).into();
     let build = |scatter: Matrix3<f64>| {
         let length = models::CharacteristicLength::UniformPressure;

@@ -103,7 +103,7 @@ fn variance(covariance: &DMatrix<f64>, weights: &DVector<f64>) -> f64 {
 /// Degrees of freedom of the test of an effect: parameters that say how much.
 fn freedom(id: &str) -> usize {
     let Ok(effect) = by_id(id) else { return 1 };
-    let parameters = effect.about().parameters.iter();
+    let parameters = effect.info().parameters.iter();
     let sized = parameters.filter(|parameter| {
         parameter.off != effects::Off::Undefined || matches!(parameter.role, Role::Direction(_))
     });
