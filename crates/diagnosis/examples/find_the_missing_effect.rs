@@ -1,5 +1,5 @@
 //! Finds the physical effect that the nominal model lacks, with one of one's own among the
-//! candidates: `cargo run -p diagnosis --example find_the_missing_effect -- fixtures/pushes`
+//! candidates: `cargo run -p pushlab-diagnosis --example find_the_missing_effect -- fixtures/pushes`
 
 use dataset::{RecordingSet, ingest};
 use diagnosis::{DiagnoseSettings, Observations, Verdict, diagnose, steady_ingest};

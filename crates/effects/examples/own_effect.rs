@@ -1,4 +1,4 @@
-//! An effect of one's own: a sticky spot on the table. `cargo run -p effects --example own_effect`
+//! An effect of one's own: a sticky spot on the table. `cargo run -p pushlab-effects --example own_effect`
 
 use effects::{
     Channel, Effect, EffectInfo, Object, Parameter, PushPhysics, Rig, Sliding, Stage, StepInput,

@@ -1,5 +1,5 @@
 //! Times `Gp::learn` on a smooth surface of two inputs with noise:
-//! `cargo run --release -p gp-core --example learning_time`.
+//! `cargo run --release -p pushlab-gp-core --example learning_time`.
 
 use std::error::Error;
 use std::time::Instant;

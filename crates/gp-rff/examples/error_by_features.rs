@@ -1,5 +1,5 @@
 //! How the error falls with the number of features, for each way to choose them:
-//! `cargo run --release -p gp-rff --example error_by_features`.
+//! `cargo run --release -p pushlab-gp-rff --example error_by_features`.
 
 use std::error::Error;
 

@@ -1,5 +1,5 @@
 //! What each approximation takes for noise, on data whose noise is known:
-//! `cargo run --release -p gp-sparse --example noise_estimates`.
+//! `cargo run --release -p pushlab-gp-sparse --example noise_estimates`.
 //!
 //! FITC may explain noise by the variance that its pseudo-inputs leave over, and does so the more,
 //! the longer pseudo-inputs are free to move; VFE cannot.

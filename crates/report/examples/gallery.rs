@@ -1,4 +1,4 @@
-//! Draws every mark and panel kind onto one page: `cargo run -p report --example gallery -- OUT`.
+//! Draws every mark and panel kind onto one page: `cargo run -p pushlab-report --example gallery -- OUT`.
 
 use std::error::Error;
 use std::f64::consts::{PI, TAU};
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, caption, (figure, data)) in plates {
         let drawn = figure.write(&folder, name, &data)?;
         section =
-            section.figure(Plate::new(drawn, caption, "cargo run -p report --example gallery"));
+            section.figure(Plate::new(drawn, caption, "cargo run -p pushlab-report --example gallery"));
     }
     page(section).write(&folder)?;
     println!("{}", folder.join("index.html").display());

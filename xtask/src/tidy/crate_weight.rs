@@ -43,7 +43,7 @@ mod tests {
         assert_eq!(
             findings("gp-core", &["faer", "hdf5-pure"])[0].message("r"),
             "crates/gp-core/Cargo.toml:1: r: importing `gp-core` alone compiles `hdf5-pure`; \
-             see `cargo tree -p gp-core -i hdf5-pure`"
+             see `cargo tree -p pushlab-gp-core -i hdf5-pure`"
         );
     }
 

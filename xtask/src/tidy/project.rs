@@ -167,13 +167,13 @@ impl Crate {
 
 fn load_crates(metadata: &Metadata) -> Result<Vec<Crate>> {
     let members = metadata.workspace_packages();
-    let names: BTreeSet<_> = members.iter().map(|package| package.name.to_string()).collect();
+    let names: BTreeSet<_> = members.iter().map(|package| short_name(&package.name)).collect();
     let root = &metadata.workspace_root;
     let relative = |path: &cargo_metadata::camino::Utf8Path| {
         path.strip_prefix(root).unwrap_or(path).as_str().replace('\\', "/")
     };
     let load = |package: &&Package| {
-        let name = package.name.to_string();
+        let name = short_name(&package.name);
         let folder = package.manifest_path.parent().map(relative).unwrap_or_default();
         let paths_of = |kinds: &[TargetKind]| {
             let targets = package.targets.iter();
@@ -181,7 +181,7 @@ fn load_crates(metadata: &Metadata) -> Result<Vec<Crate>> {
                 targets.filter(|target| target.kind.iter().any(|kind| kinds.contains(kind)));
             of_kind.map(|target| relative(&target.src_path)).collect()
         };
-        let imports = package.dependencies.iter().map(|dependency| dependency.name.clone());
+        let imports = package.dependencies.iter().map(|dependency| short_name(&dependency.name));
         Ok(Crate {
             folder,
             is_library: package.targets.iter().any(|target| target.is_lib()),
@@ -189,11 +189,16 @@ fn load_crates(metadata: &Metadata) -> Result<Vec<Crate>> {
             test_roots: paths_of(&[TargetKind::Test]),
             imports: imports.filter(|import| names.contains(import)).collect(),
             unset_keys: unset_keys(package),
-            pulls_in: if LIGHT.contains(&name.as_str()) { tree(&name)? } else { BTreeSet::new() },
+            pulls_in: if LIGHT.contains(&name.as_str()) { tree(&package.name)? } else { BTreeSet::new() },
             name,
         })
     };
     members.iter().map(load).collect()
+}
+
+/// What the workspace calls a package: its name without the prefix that makes it unique in public.
+fn short_name(package: &str) -> String {
+    package.strip_prefix("pushlab-").unwrap_or(package).to_owned()
 }
 
 fn unset_keys(package: &Package) -> Vec<&'static str> {
