@@ -115,7 +115,7 @@ mod tests {
     use std::ffi::OsString;
     use std::fs;
 
-    use super::{STARTERS, by_task, command};
+    use super::{STARTERS, Starter, by_task, command};
     use crate::cargo::workspace_root;
 
     #[test]
@@ -152,6 +152,15 @@ mod tests {
             for starter in own {
                 assert!(known.contains(starter.task), "{package} does not know {}", starter.task);
             }
+        }
+    }
+
+    #[test]
+    fn the_architecture_has_a_row_for_every_task() {
+        let page = fs::read_to_string(workspace_root().join("ARCHITECTURE.md")).unwrap();
+        for Starter { task, package, .. } in STARTERS {
+            let is_row = |line: &str| line.contains(&format!("`{task}`")) && line.contains(package);
+            assert!(page.lines().any(is_row), "{task} of {package}");
         }
     }
 

@@ -20,7 +20,7 @@ fn check(project: &Project) -> Vec<Finding> {
     heavy
         .map(|(member, package)| {
             let fault = format!("importing `{}` alone compiles `{package}`", member.name);
-            let remedy = format!("see `cargo tree -p {} -i {package}`", member.name);
+            let remedy = format!("see `cargo tree -p pushlab-{} -i {package}`", member.name);
             Finding::new(&member.manifest(), 1, fault, remedy)
         })
         .collect()

@@ -15,6 +15,8 @@ mod import_order;
 mod library_root;
 mod module_name;
 mod module_tree;
+mod pages;
+mod private_words;
 mod project;
 mod rust_code;
 mod size;
@@ -73,6 +75,8 @@ const RULES: &[Rule] = &[
     import_order::RULE,
     library_root::RULE,
     module_name::RULE,
+    pages::RULE,
+    private_words::RULE,
     size::RULE,
     spread_name::RULE,
     test_binary::RULE,
@@ -109,7 +113,7 @@ mod tests {
         };
         Project::in_memory(&[
             ("Cargo.toml", "[workspace]\n"),
-            ("ARCHITECTURE.md", "# Architecture\n"),
+            ("ARCHITECTURE.md", "| crate | imports (ours) |\n|---|---|\n| `planar` | – |\n"),
             ("README.md", "# pushlab\n"),
             ("crates/planar/Cargo.toml", MANIFEST),
             ("crates/planar/README.md", README),

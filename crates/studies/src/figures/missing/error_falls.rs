@@ -1,4 +1,4 @@
-//! Figure M.3: the error on pushes that no fit has seen, as one named effect after the other is added.
+//! Figure M.3: the error on held-out pushes, as one identified effect after the other is added.
 
 use anyhow::{Context, Result};
 use diagnosis::{Comparison, MapSettings, Predictions, Whitening, compare};
@@ -21,19 +21,10 @@ const WIDTH: f64 = 0.6;
 
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let study = inputs.study()?;
-    let last = study.stages.last().context("there is at least the model asked about")?;
-    let whitening = last.noise.whitening(&last.model, &[], &study.aside)?;
-    let white = study.stages.iter().map(|stage| whitened(study, &stage.model, &whitening));
-    let whole = Bar::all(white.collect::<Result<Vec<_>>>()?);
+    let whole = all_channels(study)?;
     let found = study.stages.iter().map(|stage| compared(study, &stage.model));
     let found = found.collect::<Result<Vec<_>>>()?;
-    let mut shown = vec![Shown {
-        name: "whitened",
-        title: "all numbers",
-        unit: "",
-        bars: whole,
-        floor: Some(1.0),
-    }];
+    let mut shown = vec![whole];
     for (name, title, unit, per) in NUMBERS {
         let errors = found.iter().map(|one| {
             let channel = one.channels.iter().find(|channel| channel.name == name)?;
@@ -51,13 +42,22 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     for one in &shown {
         figure = figure.with(one.panel());
     }
-    let alt = "Bars of the error of each number of a step, of the model asked about and with every \
-               effect added, beside a line at the noise floor.";
+    let alt = "Bars of the error of each channel of a step, of the nominal model and with every effect \
+               added, beside a line at the noise floor.";
     Ok(Sketch::new(figure, table(study, &shown), &caption(study, &shown), alt))
 }
 
+/// The error of all channels together, in units of their noise.
+pub(super) fn all_channels(study: &Study) -> Result<Shown> {
+    let last = study.stages.last().context("there is at least the nominal model")?;
+    let whitening = last.noise.whitening(&last.model, &[], &study.aside)?;
+    let white = study.stages.iter().map(|stage| whitened(study, &stage.model, &whitening));
+    let bars = Bar::all(white.collect::<Result<Vec<_>>>()?);
+    Ok(Shown { name: "whitened", title: "all channels", unit: "", bars, floor: Some(1.0) })
+}
+
 /// What the bars' numbers stand for.
-fn added(study: &Study) -> String {
+pub(super) fn added(study: &Study) -> String {
     let titles = study.stages.iter().filter_map(Stage::title).enumerate();
     titles.map(|(k, title)| format!("+ {} {title}", k + 1)).collect::<Vec<_>>().join(",  ")
 }
@@ -65,11 +65,11 @@ fn added(study: &Study) -> String {
 fn caption(study: &Study, shown: &[Shown]) -> String {
     let ends = [shown[0].bars.first(), shown[0].bars.last()].map(|bar| bar.map_or(0.0, |b| b.rms));
     format!(
-        "Root mean square errors of a step on {} pushes that no fit has seen: of the model asked about, \
-         and with one named effect more in each bar, fitted to the other {} pushes. Nominal numbers \
-         are fitted in every model. Whiskers are one standard error, from whole pushes; the dashed line \
-         is the noise floor. Over all numbers, in units of their noise, the error is {:.2} before \
-         and {:.2} after.",
+        "Root mean square errors of a step on {} held-out pushes: of the nominal model, and with one \
+         identified effect more in each bar, fitted to the other {} pushes. Nominal values are fitted \
+         in every model. Whiskers are one standard error, from whole pushes; the dashed line is the \
+         noise floor. Over all channels, in units of their noise, the error is {:.2} before and {:.2} \
+         after.",
         study.aside.pushes().len(),
         study.observations.pushes().len() - study.aside.pushes().len(),
         ends[0],
@@ -77,19 +77,19 @@ fn caption(study: &Study, shown: &[Shown]) -> String {
     )
 }
 
-/// One number of a step under each model.
-struct Shown {
+/// One channel under each model.
+pub(super) struct Shown {
     name: &'static str,
     title: &'static str,
     unit: &'static str,
-    bars: Vec<Bar>,
+    pub(super) bars: Vec<Bar>,
     floor: Option<f64>,
 }
 
 /// An error with its standard error.
-struct Bar {
-    rms: f64,
-    se: f64,
+pub(super) struct Bar {
+    pub(super) rms: f64,
+    pub(super) se: f64,
 }
 
 impl Bar {
@@ -99,15 +99,15 @@ impl Bar {
 }
 
 impl Shown {
-    fn panel(&self) -> Panel {
+    pub(super) fn panel(&self) -> Panel {
         let n = self.bars.len();
-        let name = |k: usize| if k == 0 { "asked about".to_owned() } else { format!("+ {k}") };
+        let name = |k: usize| if k == 0 { "nominal".to_owned() } else { format!("+ {k}") };
         let names: Vec<(f64, String)> = (0..n).map(|k| (k as f64, name(k))).collect();
         let x = Axis::new("").range(-0.6, n as f64 - 0.4).names(&names);
         let ends = self.bars.iter().map(|bar| bar.rms + bar.se);
         let top = ends.fold(self.floor.unwrap_or(0.0), f64::max);
         let y = match self.unit {
-            "" => "RMS error over its noise".to_owned(),
+            "" => "RMS error / noise".to_owned(),
             unit => format!("RMS error / {unit}"),
         };
         let y = Axis::new(&y).range(0.0, 1.08 * top);

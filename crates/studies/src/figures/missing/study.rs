@@ -1,4 +1,4 @@
-//! A diagnosed set of pushes: the model asked about, and the same with each effect that is named.
+//! A diagnosed set of pushes: the nominal model, and the same with each effect that is identified.
 
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -28,9 +28,9 @@ const HIDDEN: [&str; 2] =
 /// A set with its diagnosis.
 pub(crate) struct Study {
     pub(super) observations: Observations,
-    /// The part that nothing was fitted to.
+    /// The held-out part.
     pub(super) aside: Observations,
-    /// The model asked about, and with one more effect each.
+    /// The nominal model, and with one more effect each.
     pub(super) stages: Vec<Stage>,
     /// Of all pushes, about the last model.
     pub(super) floor: NoiseFloor,
@@ -38,11 +38,11 @@ pub(crate) struct Study {
     pub(super) sentence: String,
 }
 
-/// A model on the way from the one asked about to the one with all that is named.
+/// A model on the path from the nominal one to the one with all that is identified.
 pub(super) struct Stage {
     /// What it has more than the one before.
     pub(super) added: Option<String>,
-    /// With the nominal numbers as fitted, like the model of every other stage.
+    /// With the nominal values as fitted, like the model of every other stage.
     pub(super) model: Description,
     /// The noise as it is learnt beside this model.
     pub(super) noise: NoiseModel,
@@ -71,7 +71,7 @@ impl Study {
     }
 }
 
-/// The model asked about, and the same with one named effect more each, fitted to a part.
+/// The nominal model, and the same with one identified effect more each, fitted to a part.
 fn stages(fitted: &Observations, nominal: &Description, named: &[String]) -> Result<Vec<Stage>> {
     let first = NoiseModel::learn(nominal, &[], fitted)?;
     let free: Vec<&str> = named.iter().map(String::as_str).collect();

@@ -1,4 +1,4 @@
-//! Figure M.2: what an effect would change beside what the model misses, and what each effect gains.
+//! Figure M.2: an effect's signature beside the residual, and what each effect gains.
 
 use anyhow::Result;
 use diagnosis::{
@@ -61,7 +61,7 @@ fn caption(study: &Study) -> String {
 }
 
 /// The signature of an effect and the residual, over the same two covariates.
-struct Pair {
+pub(super) struct Pair {
     number: usize,
     over: [Covariate; 2],
     maps: [ResidualMap; 2],
@@ -69,7 +69,7 @@ struct Pair {
 
 impl Pair {
     /// Of the number and covariates over which the effect stands out most from the floor.
-    fn of(study: &Study, without: &Stage, with: &Stage) -> Result<Option<Self>> {
+    pub(super) fn of(study: &Study, without: &Stage, with: &Stage) -> Result<Option<Self>> {
         let seen = &study.observations;
         let before = Predictions::of(&without.model, &[], seen)?;
         let after = Predictions::of(&with.model, &[], seen)?;
@@ -90,7 +90,8 @@ impl Pair {
         Ok(best.map(|(_, pair)| pair))
     }
 
-    fn panel(&self, which: usize, with: &Stage) -> Panel {
+    /// The map of the signature (0) or of the residual (1).
+    pub(super) fn panel(&self, which: usize, with: &Stage) -> Panel {
         let (_, sign, unit, per) = NUMBERS[self.number];
         let [x, y] = self.over.map(axis);
         let values = self.maps.iter().flat_map(|map| &map.cells).map(|cell| per * cell.mean.abs());
@@ -102,14 +103,14 @@ impl Pair {
         let cells = self.maps[which].cells.iter().map(cell).collect();
         let name = with.title().unwrap_or_default();
         let title = match which {
-            0 => format!("{sign}: by {name}"),
-            _ => format!("{sign}: observed less predicted"),
+            0 => format!("{sign}: effect of {name}"),
+            _ => format!("{sign}: observed − predicted"),
         };
         let label = format!("mean {sign} / {unit}");
         Panel::new(x, y).title(&title).with(Cells::new(cells, &label).range(-reach, reach))
     }
 
-    fn note(&self, with: &Stage, rows: &mut Rows) {
+    pub(super) fn note(&self, with: &Stage, rows: &mut Rows) {
         for (what, map) in ["signature", "residual"].into_iter().zip(&self.maps) {
             for cell in &map.cells {
                 let place = self.over.iter().zip(&cell.ranges).map(|(over, [from, to])| {
@@ -203,13 +204,21 @@ const CHANCE: f64 = 12.4;
 
 /// The numbers behind the figure, a line each.
 #[derive(Default)]
-struct Rows {
+pub(super) struct Rows {
     text: [Vec<String>; 4],
     numbers: [Vec<f64>; 2],
 }
 
 impl Rows {
-    fn push(&mut self, with: &Stage, what: &str, name: &str, place: &str, value: f64, of: f64) {
+    pub(super) fn push(
+        &mut self,
+        with: &Stage,
+        what: &str,
+        name: &str,
+        place: &str,
+        value: f64,
+        of: f64,
+    ) {
         let added = with.added.as_deref().unwrap_or_default();
         for (column, text) in self.text.iter_mut().zip([added, what, name, place]) {
             column.push(text.to_owned());
@@ -219,7 +228,7 @@ impl Rows {
     }
 
     /// A value is a mean in SI units with its number of steps, or a gain with its adjusted p.
-    fn table(self) -> Table {
+    pub(super) fn table(self) -> Table {
         let [added, what, name, place] = &self.text;
         Table::new()
             .names("row_adds", added)
