@@ -208,14 +208,14 @@ pub enum DatasetError {
         topic: String,
     },
     /// More than half of a stream's rows cannot be used.
-    #[error("{path}: {set_aside} of {total} rows of the {stream} stream cannot be used: {what}")]
+    #[error("{path}: {excluded} of {total} rows of the {stream} stream cannot be used: {what}")]
     MostlyUnusable {
         /// The recording.
         path: PathBuf,
         /// The stream.
         stream: StreamRole,
         /// Rows set aside.
-        set_aside: u64,
+        excluded: u64,
         /// Rows read.
         total: u64,
         /// The most frequent reason with its first place, and what to do.

@@ -41,7 +41,7 @@ pub use curves::smoothing::{Smoother, smooth};
 pub use curves::spline::{CubicSpline, EndCondition};
 pub use ingest::first_contact::FirstContact;
 pub use ingest::force_zero::{ForceZero, UntaredReason};
-pub use ingest::push::SetAside;
+pub use ingest::push::Exclusion;
 pub use ingest::repair::RepairKind;
 pub use ingest::report::{
     IngestReport, PushReport, RecordingReport, RestingNoise, Spread, StreamInPush, StreamReport,

@@ -12,7 +12,7 @@ pub enum DiagnosisError {
     #[error(
         "{n_pushes} pushes have steps to compare, at least {needed} are needed: record {} more, of at \
          least 20 mm each; rows set aside: {}", needed.saturating_sub(*n_pushes),
-        if set_aside.is_empty() { "none" } else { set_aside }
+        if excluded.is_empty() { "none" } else { excluded }
     )]
     TooFewPushes {
         /// How many there are.
@@ -20,7 +20,7 @@ pub enum DiagnosisError {
         /// How many are needed.
         needed: usize,
         /// Rows set aside, by reason.
-        set_aside: String,
+        excluded: String,
     },
     /// A second set is not of the same rig as the first, or is the first.
     #[error("the set that is to confirm cannot: {what}; give other recordings of the same rig")]

@@ -52,7 +52,7 @@ pub struct LearnReport {
     pub best: StartReport,
     /// Names of the parameters that ended at a wall, such as the lengthscale of an input without
     /// influence.
-    pub at_wall: Vec<String>,
+    pub at_bound: Vec<String>,
 }
 
 /// One start of the optimiser; parameters in the user's units, the noise variance last.
@@ -133,14 +133,14 @@ impl Gp {
         let gp = Self::condition(learnt, x.as_ref(), y, noise, options.mean)?;
         let mut names: Vec<String> = kernel.parameters().into_iter().map(|p| p.name).collect();
         names.push("noise variance".to_owned());
-        let at_wall = space.at_wall(&minimum.point).into_iter().map(|i| names[i].clone()).collect();
+        let at_bound = space.at_bound(&minimum.point).into_iter().map(|i| names[i].clone()).collect();
         let report = |(i, end): (usize, &Result<Minimum, GpError>)| match end {
             Ok(minimum) => Ok(search.report(i, minimum)),
             Err(error) => Err(error.clone()),
         };
         let starts = ends.iter().enumerate().map(report).collect();
         let best = search.report(best, minimum);
-        Ok((gp, LearnReport { starts, best, at_wall }))
+        Ok((gp, LearnReport { starts, best, at_bound }))
     }
 }
 

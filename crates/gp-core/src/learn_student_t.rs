@@ -27,7 +27,7 @@ pub struct StudentTReport {
     pub stop: StopReason,
     /// Names of the parameters that ended at a wall: the degrees of freedom where the noise is
     /// Gaussian.
-    pub at_wall: Vec<String>,
+    pub at_bound: Vec<String>,
 }
 
 impl StudentTGp {
@@ -54,7 +54,7 @@ impl StudentTGp {
         let gp = Self::condition(Arc::from(learnt), x, y, tails, options.mean)?;
         let mut names: Vec<String> = kernel.parameters().into_iter().map(|p| p.name).collect();
         names.extend(["scale variance", "degrees of freedom"].map(String::from));
-        let at_wall = space.at_wall(&best.point).into_iter().map(|i| names[i].clone()).collect();
+        let at_bound = space.at_bound(&best.point).into_iter().map(|i| names[i].clone()).collect();
         let report = StudentTReport {
             parameters: space.parameters(&best.point),
             bound: gp.bound(),
@@ -62,7 +62,7 @@ impl StudentTGp {
             iterations: best.iterations,
             evaluations: best.evaluations,
             stop: best.stop,
-            at_wall,
+            at_bound,
         };
         Ok((gp, report))
     }

@@ -97,7 +97,7 @@ impl SearchSpace {
     }
 
     /// Which parameters stand at a wall or behind it.
-    pub fn at_wall(&self, point: &[f64]) -> Vec<usize> {
+    pub fn at_bound(&self, point: &[f64]) -> Vec<usize> {
         let outside =
             |i: &usize| point[*i] <= self.ranges[*i].lowest || point[*i] >= self.ranges[*i].highest;
         (0..point.len()).filter(outside).collect()

@@ -83,7 +83,7 @@ pub struct RffReport {
     /// Why the taken start stopped; none with `SmallGp`.
     pub stop: Option<StopReason>,
     /// Names of the parameters that the own likelihood drove to a wall.
-    pub at_wall: Vec<String>,
+    pub at_bound: Vec<String>,
 }
 
 impl RffGp {
@@ -111,7 +111,7 @@ impl RffGp {
             iterations: 0,
             evaluations: 0,
             stop: None,
-            at_wall: Vec::new(),
+            at_bound: Vec::new(),
         };
         if options.hyperparameters == Hyperparameters::OwnLikelihood {
             maximize_own(&*kernel, &features, x, y, options, &mut report)?;
@@ -183,7 +183,7 @@ fn maximize_own(
     report.iterations = best.iterations;
     report.evaluations = best.evaluations;
     report.stop = Some(best.stop);
-    report.at_wall = space.at_wall(&best.point).into_iter().map(|i| names[i].clone()).collect();
+    report.at_bound = space.at_bound(&best.point).into_iter().map(|i| names[i].clone()).collect();
     Ok(())
 }
 

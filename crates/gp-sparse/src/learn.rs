@@ -62,7 +62,7 @@ pub struct SparseReport {
     /// The start that was taken: of those that converged, the one with the largest objective.
     pub best: SparseStart,
     /// Names of the hyperparameters that ended at a wall.
-    pub at_wall: Vec<String>,
+    pub at_bound: Vec<String>,
     /// Pseudo-inputs in use; fewer than asked for where more would repeat them.
     pub n_pseudo_inputs: usize,
 }
@@ -130,9 +130,9 @@ impl SparseGp {
         };
         let starts = ends.iter().enumerate().map(report).collect();
         let best = search.report(index, minimum);
-        let at_wall = search.at_wall(&minimum.point);
+        let at_bound = search.at_bound(&minimum.point);
         let n_pseudo_inputs = gp.pseudo_inputs().nrows();
-        Ok((gp, SparseReport { starts, best, at_wall, n_pseudo_inputs }))
+        Ok((gp, SparseReport { starts, best, at_bound, n_pseudo_inputs }))
     }
 }
 
@@ -202,11 +202,11 @@ impl Search<'_> {
         (self.space.parameters(standardized), z)
     }
 
-    fn at_wall(&self, point: &[f64]) -> Vec<String> {
+    fn at_bound(&self, point: &[f64]) -> Vec<String> {
         let mut names: Vec<String> = self.kernel.parameters().into_iter().map(|p| p.name).collect();
         names.push("noise variance".to_owned());
-        let at_wall = self.space.at_wall(&point[..names.len()]);
-        at_wall.into_iter().map(|i| names[i].clone()).collect()
+        let at_bound = self.space.at_bound(&point[..names.len()]);
+        at_bound.into_iter().map(|i| names[i].clone()).collect()
     }
 
     fn report(&self, index: usize, minimum: &Minimum) -> SparseStart {

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use dataset::{
     IngestReport, IngestSettings, MANIFEST_NAME, Provenance, RecordingReport, RecordingSet,
-    SetAside, Table, ingest_each, provenance,
+    Exclusion, Table, ingest_each, provenance,
 };
 
 use crate::origin::Input;
@@ -46,7 +46,7 @@ impl RecordedSteps {
             terminal.tell(format_args!("{WARNING}note:{WARNING:#} {sentence}"));
         }
         let n_pushes =
-            report.summary.pushes_used + report.summary.set_aside.values().sum::<usize>();
+            report.summary.pushes_used + report.summary.excluded.values().sum::<usize>();
         let mut provenance = provenance(set, &report);
         let inputs = recorded_inputs(set, &report, &mut provenance)?;
         Ok(Self { table: Table { rows, provenance }, inputs, n_pushes })
@@ -56,8 +56,8 @@ impl RecordedSteps {
 /// How many pushes gave no steps, and why; nothing if all did.
 fn excluded(report: &IngestReport) -> Option<String> {
     let reasons: Vec<_> =
-        report.summary.set_aside.iter().map(|(reason, n)| format!("{reason} in {n}")).collect();
-    let n: usize = report.summary.set_aside.values().sum();
+        report.summary.excluded.iter().map(|(reason, n)| format!("{reason} in {n}")).collect();
+    let n: usize = report.summary.excluded.values().sum();
     if n == 0 {
         return None;
     }
@@ -67,8 +67,8 @@ fn excluded(report: &IngestReport) -> Option<String> {
         reasons.join(", ")
     );
     // Where other pushes touch, these do so by the manifest alone not.
-    let nearest = |recording: &RecordingReport| match recording.set_aside {
-        Some(SetAside::NoContact { smallest_gap_m }) => smallest_gap_m,
+    let nearest = |recording: &RecordingReport| match recording.excluded {
+        Some(Exclusion::NoContact { smallest_gap_m }) => smallest_gap_m,
         _ => None,
     };
     let nearest = report.recordings.iter().filter_map(nearest);

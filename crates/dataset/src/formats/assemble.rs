@@ -296,15 +296,15 @@ impl Assembly<'_> {
                 ),
             ),
         ];
-        let set_aside: u64 = reasons.iter().map(|(_, losses, _)| losses.count).sum();
-        if 2 * set_aside > total {
+        let excluded: u64 = reasons.iter().map(|(_, losses, _)| losses.count).sum();
+        if 2 * excluded > total {
             let count = |reason: &(_, &Losses, _)| reason.1.count;
             let worst = reasons.iter().rev().max_by_key(|reason| count(reason));
             let worst = worst.unwrap_or(&reasons[0]);
             return Err(DatasetError::MostlyUnusable {
                 path: self.path.into(),
                 stream,
-                set_aside,
+                excluded,
                 total,
                 what: format!("{}; check the sensor or name another topic", worst.2),
             });

@@ -301,8 +301,8 @@ impl<'a> Taker<'a> {
             if 2 * n_misfits > total {
                 let what = format!("{what}; record {} again or name another topic", raw.source);
                 let (path, stream) = (path.into(), role);
-                let set_aside = n_misfits;
-                return Err(DatasetError::MostlyUnusable { path, stream, set_aside, total, what });
+                let excluded = n_misfits;
+                return Err(DatasetError::MostlyUnusable { path, stream, excluded, total, what });
             }
             let text = format!("{n_misfits} of {total} messages set aside: first, {what}");
             let (kind, stream) = (RemarkKind::MessageSetAside, Some(role));

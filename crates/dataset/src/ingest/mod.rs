@@ -67,7 +67,7 @@ pub fn ingest_each(
 ) -> Result<IngestReport, DatasetError> {
     settings.validate()?;
     let mut report = IngestReport {
-        schema: "pushlab.ingest/1",
+        schema: "pushlab.ingest/2",
         tool: TOOL,
         name: set.manifest().name.clone(),
         preset: set.preset().map(|preset| preset.name()),
@@ -135,7 +135,7 @@ fn one_recording(
 fn nothing_usable(set: &RecordingSet, report: &IngestReport) -> DatasetError {
     let first = report.recordings.iter().find_map(|recording| {
         let reason =
-            recording.set_aside.iter().chain(recording.pushes.iter().flat_map(|p| &p.set_aside));
+            recording.excluded.iter().chain(recording.pushes.iter().flat_map(|p| &p.excluded));
         reason.into_iter().next()
     });
     DatasetError::NothingUsable {
@@ -171,9 +171,9 @@ impl Collected {
         let count = |counts: &mut BTreeMap<String, usize>, key: &str| {
             *counts.entry(key.to_owned()).or_default() += 1;
         };
-        let set_aside = recording.pushes.iter().filter_map(|push| push.set_aside.as_ref());
-        for reason in recording.set_aside.iter().chain(set_aside) {
-            count(&mut summary.set_aside, reason.name());
+        let excluded = recording.pushes.iter().filter_map(|push| push.excluded.as_ref());
+        for reason in recording.excluded.iter().chain(excluded) {
+            count(&mut summary.excluded, reason.name());
         }
         for stream in &recording.streams {
             self.rates.entry(stream.stream).or_default().extend(stream.rate_hz);
@@ -198,7 +198,7 @@ impl Collected {
         self.nominal_force.extend(nominal_force);
         for push in &recording.pushes {
             summary.contacts_lost += usize::from(push.contact_lost);
-            summary.pushes_used += usize::from(push.set_aside.is_none());
+            summary.pushes_used += usize::from(push.excluded.is_none());
             summary.steps_lost_in_gaps += push.steps_lost_in_gaps;
             let left =
                 push.resting_force_n.zip(nominal_force).map(|(left, nominal)| left / nominal);

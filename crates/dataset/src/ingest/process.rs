@@ -8,7 +8,7 @@ use crate::curves::noise::median;
 use crate::ingest::contact::{Contacts, find_contacts};
 use crate::ingest::first_contact::FirstContact;
 use crate::ingest::force_zero::{ForceZero, mean_between};
-use crate::ingest::push::{Push, SetAside};
+use crate::ingest::push::{Push, Exclusion};
 use crate::ingest::repair::{CleanStream, RepairKind};
 use crate::ingest::report::{
     PushReport, RecordingReport, RestingNoise, StreamInPush, StreamReport,
@@ -39,7 +39,7 @@ pub(crate) fn unreadable(name: &str, path: &Path, error: impl ToString) -> Recor
         path: path.into(),
         sha256: String::new(),
         session: None,
-        set_aside: Some(SetAside::Unreadable { error: error.to_string() }),
+        excluded: Some(Exclusion::Unreadable { error: error.to_string() }),
         remarks: Vec::new(),
         streams: Vec::new(),
         force_zero: ForceZero::NoForce,
@@ -71,7 +71,7 @@ pub(crate) fn process(
         path: recording.path.clone(),
         sha256: recording.sha256.clone(),
         session: setup.session.map(str::to_owned),
-        set_aside: None,
+        excluded: None,
         remarks: recording.remarks.clone(),
         streams: stream_reports(recording, &scene),
         force_zero: contacts.zero.clone(),
@@ -79,10 +79,10 @@ pub(crate) fn process(
         resting_noise: resting_noise(&scene, &pushes),
         pushes: Vec::new(),
     };
-    report.set_aside = whole_fault(recording, &contacts, settings);
+    report.excluded = whole_fault(recording, &contacts, settings);
     let mut rows = Vec::new();
     let mut n_steps = 0;
-    if report.set_aside.is_none() {
+    if report.excluded.is_none() {
         for (number, push) in pushes.iter().enumerate() {
             let n_before = n_steps;
             let number = number as u32;
@@ -102,14 +102,14 @@ fn whole_fault(
     recording: &Recording,
     contacts: &Contacts,
     settings: &IngestSettings,
-) -> Option<SetAside> {
+) -> Option<Exclusion> {
     let (tilt_rad, limit_rad) = (recording.object.max_tilt, settings.largest_tilt);
     if tilt_rad > limit_rad {
-        Some(SetAside::Tilted { tilt_rad, limit_rad })
+        Some(Exclusion::Tilted { tilt_rad, limit_rad })
     } else if contacts.smallest_gap.is_none() {
-        Some(SetAside::NoOverlap)
+        Some(Exclusion::NoOverlap)
     } else if contacts.intervals.is_empty() {
-        Some(SetAside::NoContact { smallest_gap_m: contacts.smallest_gap })
+        Some(Exclusion::NoContact { smallest_gap_m: contacts.smallest_gap })
     } else {
         None
     }
@@ -126,8 +126,8 @@ fn one_push(
 ) -> Result<(Vec<StepRow>, PushReport), DatasetError> {
     let settings = setup.settings;
     let mut report = push_report(scene, &contacts.zero, push, number, settings);
-    report.set_aside = push.fault(scene, settings);
-    if report.set_aside.is_some() {
+    report.excluded = push.fault(scene, settings);
+    if report.excluded.is_some() {
         return Ok((Vec::new(), report));
     }
     let (force_offset, untared) = match contacts.zero {
@@ -155,7 +155,7 @@ fn one_push(
     report.rows = rows.len();
     if rows.is_empty() {
         let contact_s = push.contact_end() - push.contact.start;
-        report.set_aside = Some(SetAside::NoStep { contact_s, lost_in_gaps: lost });
+        report.excluded = Some(Exclusion::NoStep { contact_s, lost_in_gaps: lost });
     }
     Ok((rows, report))
 }
@@ -198,7 +198,7 @@ fn push_report(
         .map(|force| force.norm());
     PushReport {
         push: number,
-        set_aside: None,
+        excluded: None,
         rows: 0,
         steps_lost_in_gaps: 0,
         contact_start_s: from,

@@ -28,7 +28,7 @@ pub(crate) struct Push {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "reason")]
 #[non_exhaustive]
-pub enum SetAside {
+pub enum Exclusion {
     /// The recording could not be read.
     Unreadable {
         /// The error.
@@ -134,10 +134,10 @@ impl Push {
     }
 
     /// Whether a stated limit is exceeded.
-    pub(crate) fn fault(&self, scene: &Scene<'_>, settings: &IngestSettings) -> Option<SetAside> {
+    pub(crate) fn fault(&self, scene: &Scene<'_>, settings: &IngestSettings) -> Option<Exclusion> {
         let (from, to) = (self.begins, self.contact_end());
         if to <= from {
-            return Some(SetAside::NoMotion);
+            return Some(Exclusion::NoMotion);
         }
         let found = scene.object.n_samples(from, to);
         let needed = settings.fewest_object_samples;
@@ -147,13 +147,13 @@ impl Push {
         let share = share(&scene.object).max(share(&scene.robot));
         let way_m = scene.object.largest(RepairKind::Teleport, from, self.rest.max(to));
         if found < needed {
-            Some(SetAside::TooFewObjectSamples { found, needed })
+            Some(Exclusion::TooFewObjectSamples { found, needed })
         } else if share > settings.largest_gap_share {
             let longest_s =
                 scene.object.longest_gap(from, to).max(scene.robot.longest_gap(from, to));
-            Some(SetAside::GapInContact { share, limit: settings.largest_gap_share, longest_s })
+            Some(Exclusion::GapInContact { share, limit: settings.largest_gap_share, longest_s })
         } else if way_m > 0.0 {
-            Some(SetAside::Teleport { way_m })
+            Some(Exclusion::Teleport { way_m })
         } else {
             None
         }

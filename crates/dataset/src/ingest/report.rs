@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::curves::noise::median;
 use crate::ingest::first_contact::FirstContact;
 use crate::ingest::force_zero::ForceZero;
-use crate::ingest::push::SetAside;
+use crate::ingest::push::Exclusion;
 use crate::ingest::repair::RepairKind;
 use crate::ingest::settings::IngestSettings;
 use crate::remark::{Remark, StreamRole};
@@ -40,7 +40,7 @@ pub struct Summary {
     /// Pushes with rows.
     pub pushes_used: usize,
     /// Pushes and recordings set aside, by reason.
-    pub set_aside: BTreeMap<String, usize>,
+    pub excluded: BTreeMap<String, usize>,
     /// Rows of the table.
     pub rows: usize,
     /// Steps lost because a stream had a gap at their start or end.
@@ -111,7 +111,7 @@ pub struct RecordingReport {
     /// Measuring session, where one is known.
     pub session: Option<String>,
     /// Why the whole recording was set aside.
-    pub set_aside: Option<SetAside>,
+    pub excluded: Option<Exclusion>,
     /// What reading it had to replace, skip or warn about.
     pub remarks: Vec<Remark>,
     /// Its streams.
@@ -175,7 +175,7 @@ pub struct PushReport {
     /// 0-based number within the recording.
     pub push: u32,
     /// Why it was set aside; none if it was used.
-    pub set_aside: Option<SetAside>,
+    pub excluded: Option<Exclusion>,
     /// Rows in the table.
     pub rows: usize,
     /// Steps lost because a stream had a gap at their start or end.

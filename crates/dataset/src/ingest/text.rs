@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::ingest::force_zero::{ForceZero, UntaredReason};
-use crate::ingest::push::SetAside;
+use crate::ingest::push::Exclusion;
 use crate::ingest::repair::RepairKind;
 use crate::ingest::report::{IngestReport, PushReport, RecordingReport, Spread, StreamReport};
 use crate::remark::StreamRole;
@@ -32,20 +32,20 @@ struct SummaryText<'a>(&'a IngestReport);
 impl fmt::Display for SummaryText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (report, summary) = (self.0, &self.0.summary);
-        let set_aside: usize = summary.set_aside.values().sum();
+        let excluded: usize = summary.excluded.values().sum();
         writeln!(f, "{} ({})", report.name, report.tool)?;
         for remark in &report.remarks {
             writeln!(f, "  {}", remark.text)?;
         }
         writeln!(
             f,
-            "  {} recordings, {} pushes used, {set_aside} set aside, {} rows, {} steps lost in gaps",
+            "  {} recordings, {} pushes used, {excluded} set aside, {} rows, {} steps lost in gaps",
             report.recordings.len(),
             summary.pushes_used,
             summary.rows,
             summary.steps_lost_in_gaps
         )?;
-        for (reason, n) in &summary.set_aside {
+        for (reason, n) in &summary.excluded {
             writeln!(f, "  set aside, {reason}: {n}")?;
         }
         for (stream, rates) in &summary.rates_hz {
@@ -135,7 +135,7 @@ fn recording_text(recording: &RecordingReport) -> String {
         out.push_str(&text);
         out.push('\n');
     };
-    if let Some(reason) = &recording.set_aside {
+    if let Some(reason) = &recording.excluded {
         line(format!("set aside: {reason}"));
     }
     for remark in &recording.remarks {
@@ -181,7 +181,7 @@ fn stream_text(stream: &StreamReport, robot: Option<&StreamReport>) -> String {
 }
 
 fn push_text(push: &PushReport) -> String {
-    let fate = match &push.set_aside {
+    let fate = match &push.excluded {
         Some(reason) => format!("set aside: {reason}"),
         None => format!("{} rows", push.rows),
     };
@@ -279,7 +279,7 @@ impl fmt::Display for ForceZero {
     }
 }
 
-impl SetAside {
+impl Exclusion {
     /// The reason in a few words.
     #[must_use]
     pub fn name(&self) -> &'static str {
@@ -297,7 +297,7 @@ impl SetAside {
     }
 }
 
-impl fmt::Display for SetAside {
+impl fmt::Display for Exclusion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unreadable { error } => f.write_str(error),

@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 
 use crate::made::{Made, manifest, write_set};
 use dataset::{
-    DatasetError, IngestSettings, ReadLimits, RecordingSet, RemarkKind, RepairKind, SetAside,
+    DatasetError, IngestSettings, ReadLimits, RecordingSet, RemarkKind, RepairKind, Exclusion,
     StreamRole, Streams, Table, ingest,
 };
 
@@ -165,11 +165,11 @@ fn one_bad_recording_does_not_take_the_others_along() {
     fs::write(dir.path().join("pushes/a/object.csv"), "").unwrap();
     let set = RecordingSet::open(dir.path()).unwrap();
     let (_, report) = ingest(&set, &IngestSettings::default()).unwrap();
-    let Some(SetAside::Unreadable { error }) = &report.recordings[0].set_aside else {
-        panic!("{:?}", report.recordings[0].set_aside)
+    let Some(Exclusion::Unreadable { error }) = &report.recordings[0].excluded else {
+        panic!("{:?}", report.recordings[0].excluded)
     };
     assert!(error.contains("object.csv"), "{error}");
-    assert_eq!((report.summary.pushes_used, report.summary.set_aside["unreadable"]), (1, 1));
+    assert_eq!((report.summary.pushes_used, report.summary.excluded["unreadable"]), (1, 1));
 }
 
 #[test]

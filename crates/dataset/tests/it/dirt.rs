@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::made::{HALF_SIDE, Made, manifest, write_set};
 use dataset::{
     DatasetError, Flags, ForceZero, IngestReport, IngestSettings, Phase, Recording, RecordingSet,
-    RepairKind, SetAside, StreamRole, Table, UntaredReason, ingest,
+    RepairKind, Exclusion, StreamRole, Table, UntaredReason, ingest,
 };
 
 fn try_run(recordings: &[Recording]) -> Result<(Table, IngestReport), DatasetError> {
@@ -138,11 +138,11 @@ fn an_impossible_jump_sets_the_push_aside() {
     let (_, report) = try_run(&[good, recording]).unwrap();
     let push = &report.recordings[1].pushes[0];
     assert!(
-        matches!(push.set_aside, Some(SetAside::Teleport { way_m }) if (way_m - 0.05).abs() < 1e-3),
+        matches!(push.excluded, Some(Exclusion::Teleport { way_m }) if (way_m - 0.05).abs() < 1e-3),
         "{:?}",
-        push.set_aside
+        push.excluded
     );
-    assert_eq!(report.summary.set_aside["impossible jump"], 1);
+    assert_eq!(report.summary.excluded["impossible jump"], 1);
     assert_eq!(report.summary.pushes_used, 1);
 }
 
@@ -153,9 +153,9 @@ fn a_push_with_few_object_samples_is_set_aside() {
     let (table, report) = try_run(&[good, sparse.recording("sparse")]).unwrap();
     let push = &report.recordings[1].pushes[0];
     assert!(
-        matches!(push.set_aside, Some(SetAside::TooFewObjectSamples { found: 4, needed: 6 })),
+        matches!(push.excluded, Some(Exclusion::TooFewObjectSamples { found: 4, needed: 6 })),
         "{:?}",
-        push.set_aside
+        push.excluded
     );
     assert!(table.rows.iter().all(|row| &*row.recording == "good"));
 }
@@ -263,8 +263,8 @@ fn a_file_that_cannot_be_read_is_set_aside_and_the_rest_is_used() {
     std::fs::write(dir.path().join("pushes/b/object.csv"), "t_s,x_m,y_m,yaw\n1,2,3,4\n").unwrap();
     let set = RecordingSet::open(dir.path()).unwrap();
     let (_, report) = ingest(&set, &IngestSettings::default()).unwrap();
-    let Some(SetAside::Unreadable { error }) = &report.recordings[1].set_aside else {
-        panic!("{:?}", report.recordings[1].set_aside)
+    let Some(Exclusion::Unreadable { error }) = &report.recordings[1].excluded else {
+        panic!("{:?}", report.recordings[1].excluded)
     };
     assert!(error.contains("object.csv") && error.contains("theta_rad"), "{error}");
     assert_eq!(report.summary.pushes_used, 1);

@@ -81,7 +81,7 @@ fn every_format_gives_the_same_table() {
 fn every_push_is_used_and_touches_where_it_was_aimed() {
     let (table, report) = table("pushes");
     assert_eq!((report.summary.pushes_used, report.summary.tared), (60, 60));
-    assert!(report.summary.set_aside.is_empty(), "{:?}", report.summary.set_aside);
+    assert!(report.summary.excluded.is_empty(), "{:?}", report.summary.excluded);
     let (mut p_off, mut beta_off) = (Vec::new(), Vec::new());
     for first in table.rows.iter().filter(|row| row.step == 0 && row.phase == Phase::Contact) {
         p_off.push((first.p * 10.0 - (first.p * 10.0).round()).abs() / 10.0);

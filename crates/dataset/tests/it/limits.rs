@@ -10,7 +10,7 @@ use crate::made::{Made, write_set};
 use allocation_counter::measure;
 use dataset::{
     DatasetError, IngestReport, IngestSettings, LogFormat, PoseStream, ReadLimits, Recording,
-    RecordingSet, RemarkKind, SetAside, StepLength, Streams, Table, columns, find_files,
+    RecordingSet, RemarkKind, Exclusion, StepLength, Streams, Table, columns, find_files,
     format_by_id, ingest,
 };
 
@@ -31,8 +31,8 @@ fn half_spoiled(
 fn reason(ingested: Result<(Table, IngestReport), DatasetError>) -> String {
     let (table, report) = ingested.unwrap();
     assert!(!table.is_empty() && table.rows.iter().all(|row| &*row.recording == "good"));
-    match &report.recordings[0].set_aside {
-        Some(SetAside::Unreadable { error }) => error.clone(),
+    match &report.recordings[0].excluded {
+        Some(Exclusion::Unreadable { error }) => error.clone(),
         other => panic!("{other:?}"),
     }
 }
@@ -103,7 +103,7 @@ fn a_force_beyond_physics_is_set_aside_with_its_place() {
     });
     let (table, report) = ingest(&set, &IngestSettings::default()).unwrap();
     let remarks = &report.recordings[0].remarks;
-    assert_eq!(report.recordings[0].set_aside, None);
+    assert_eq!(report.recordings[0].excluded, None);
     let kinds: Vec<_> = remarks.iter().map(|remark| (remark.kind, remark.count)).collect();
     assert_eq!(kinds, [(RemarkKind::OutOfRangeSetAside, 1); 2]);
     assert!(remarks[1].text.contains("1e308 is beyond ±1e9 in SI units, first at line 60"));
@@ -153,12 +153,12 @@ fn a_panic_in_a_format_of_ones_own_sets_its_recording_aside() {
     let set = RecordingSet::open_with_format(dir.path(), &Careless).unwrap();
     let (table, report) = ingest(&set, &IngestSettings::default()).unwrap();
     assert!(!table.is_empty() && table.rows.iter().all(|row| &*row.recording == "c"));
-    let Some(SetAside::Unreadable { error }) = &report.recordings[0].set_aside else {
-        panic!("{:?}", report.recordings[0].set_aside)
+    let Some(Exclusion::Unreadable { error }) = &report.recordings[0].excluded else {
+        panic!("{:?}", report.recordings[0].excluded)
     };
     assert!(error.contains("a.log: the reader failed on this file"), "{error}");
     assert!(error.ends_with("no such sensor: 7"), "{error}");
-    assert_eq!(report.recordings[1].set_aside, Some(SetAside::NoOverlap));
+    assert_eq!(report.recordings[1].excluded, Some(Exclusion::NoOverlap));
 }
 
 #[cfg(unix)]
@@ -283,6 +283,6 @@ fn statistics_without_counts_by_channel_do_not_hide_the_topics() {
         fs::write(&path, bytes).unwrap();
     });
     let (table, report) = ingest(&set, &IngestSettings::default()).unwrap();
-    assert_eq!(report.recordings[0].set_aside, None);
+    assert_eq!(report.recordings[0].excluded, None);
     assert!(table.rows.iter().any(|row| &*row.recording == "bad"));
 }

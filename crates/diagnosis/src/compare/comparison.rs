@@ -25,9 +25,9 @@ pub struct Comparison {
     /// Steps compared.
     pub n_steps: usize,
     /// Rows of the table that are not compared.
-    pub n_set_aside: usize,
+    pub n_excluded: usize,
     /// The same by reason, in words.
-    pub set_aside: String,
+    pub excluded: String,
     /// What the standard errors, intervals and tests take for independent.
     pub cluster: Cluster,
     /// What these data or this model cannot tell, in words.
@@ -66,8 +66,8 @@ pub fn compare(
     Ok(Comparison {
         n_pushes: observations.pushes().len(),
         n_steps: observations.n_steps(),
-        n_set_aside: observations.set_aside().n_rows(),
-        set_aside: observations.set_aside().to_string(),
+        n_excluded: observations.excluded().n_rows(),
+        excluded: observations.excluded().to_string(),
         cluster: observations.cluster,
         not_asked: not_asked(observations, &channels),
         calibration: calibrations(observations, predictions)?,

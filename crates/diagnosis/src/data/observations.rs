@@ -8,7 +8,7 @@ use dataset::{
 };
 use effects::{Channel, Channels, Track};
 use models::{
-    ChannelModel, ChannelObservation, ChannelSteps, Cluster, Description, SetAside, SetAsideReason,
+    ChannelModel, ChannelObservation, ChannelSteps, Cluster, Description, Exclusion, ExclusionReason,
     Split, StepSelection,
 };
 use serde::Serialize;
@@ -36,7 +36,7 @@ pub struct Observations {
     pub(crate) name: String,
     /// What was not measured.
     pub(crate) unknown: Vec<Covariate>,
-    pub(crate) set_aside: SetAside,
+    pub(crate) excluded: Exclusion,
 }
 
 /// A push by its recording and its number there.
@@ -141,11 +141,11 @@ impl Observations {
     ) -> Result<Self, DiagnosisError> {
         let EffectInfo { object, pusher_radius, support } = *about;
         let found = selection.channel_steps(table, object, pusher_radius)?;
-        let ChannelSteps { steps, rows, mut set_aside } = found;
+        let ChannelSteps { steps, rows, mut excluded } = found;
         let (wanted, unwanted): (Vec<_>, Vec<_>) =
             steps.into_iter().zip(rows).partition(|(step, _)| is_wanted(&step.input.track));
         if !unwanted.is_empty() {
-            let resting = set_aside.rows.entry(SetAsideReason::PusherAtRest).or_default();
+            let resting = excluded.rows.entry(ExclusionReason::PusherAtRest).or_default();
             resting.extend(unwanted.into_iter().map(|(_, row)| row));
         }
         let (steps, rows): (Vec<_>, Vec<usize>) = wanted.into_iter().unzip();
@@ -177,7 +177,7 @@ impl Observations {
             set: set_digest(table),
             name: table.provenance.get("set").unwrap_or_default().to_owned(),
             unknown: Vec::new(),
-            set_aside,
+            excluded,
         };
         observations.checked()
     }
@@ -209,7 +209,7 @@ impl Observations {
             set: self.set.clone(),
             name: self.name.clone(),
             unknown: self.unknown.clone(),
-            set_aside: self.set_aside.clone(),
+            excluded: self.excluded.clone(),
         };
         part.checked()
     }
@@ -288,7 +288,7 @@ impl Observations {
 
     /// The error for fewer pushes than are needed.
     pub(crate) fn too_few(&self, n_pushes: usize, needed: usize) -> DiagnosisError {
-        DiagnosisError::TooFewPushes { n_pushes, needed, set_aside: self.set_aside.to_string() }
+        DiagnosisError::TooFewPushes { n_pushes, needed, excluded: self.excluded.to_string() }
     }
 
     /// Whether the covariate was measured.
@@ -351,8 +351,8 @@ impl Observations {
     }
 
     /// Rows of the whole table that are not compared.
-    pub fn set_aside(&self) -> &SetAside {
-        &self.set_aside
+    pub fn excluded(&self) -> &Exclusion {
+        &self.excluded
     }
 }
 

@@ -204,7 +204,8 @@ pub struct DataUsed {
     /// Pushes with steps that were used.
     pub pushes_used: usize,
     /// Pushes without.
-    pub pushes_set_aside: usize,
+    #[serde(rename = "pushes_set_aside")]
+    pub pushes_excluded: usize,
     /// Pushes that fits used: of a large set a part of those of the split.
     pub pushes_fitted: usize,
     /// Pushes that confirmed, likewise.

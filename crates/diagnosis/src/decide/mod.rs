@@ -54,7 +54,7 @@ pub struct DiagnoseSettings {
     /// How effects are screened.
     pub screen: ScreenSettings,
     /// Pushes of the set that gave no steps: told in the answer.
-    pub n_pushes_set_aside: usize,
+    pub n_pushes_excluded: usize,
 }
 
 impl Default for DiagnoseSettings {
@@ -67,7 +67,7 @@ impl Default for DiagnoseSettings {
             most_effects: 3,
             most_steps: 5000,
             screen: ScreenSettings::default(),
-            n_pushes_set_aside: 0,
+            n_pushes_excluded: 0,
         }
     }
 }
@@ -132,7 +132,7 @@ pub fn diagnose(
         noise: NoiseOrigin::of(&found.noise),
         data: DataUsed {
             pushes_used: observations.pushes().len() + second.map_or(0, |set| set.pushes().len()),
-            pushes_set_aside: settings.n_pushes_set_aside,
+            pushes_excluded: settings.n_pushes_excluded,
             pushes_fitted: fitted.pushes().len(),
             pushes_confirming: aside.pushes().len(),
             steps: observations.n_steps() + second.map_or(0, Observations::n_steps),

@@ -1,6 +1,6 @@
 //! Pushes that were not done yet, as observations would have them.
 
-use models::{ChannelObservation, Cluster, SetAside};
+use models::{ChannelObservation, Cluster, Exclusion};
 
 use super::SuggestedPush;
 use super::choice::median;
@@ -47,7 +47,7 @@ impl Planned {
             set: String::new(),
             name: String::new(),
             unknown: observations.unknown.clone(),
-            set_aside: SetAside::default(),
+            excluded: Exclusion::default(),
         })
     }
 }

@@ -45,7 +45,7 @@ fn parameters_of_a_drawn_function_are_recovered() {
     assert!((learnt[1] / 0.8).ln().abs() < 0.2, "{learnt:?}");
     assert!((learnt[2] / 4.0).ln().abs() < 1.0, "{learnt:?}");
     assert!((gp.noise_variance() / 0.01).ln().abs() < 0.25);
-    assert!(report.at_wall.is_empty());
+    assert!(report.at_bound.is_empty());
     let exact = Gp::fit(truth, x.as_ref(), &y, 0.01).unwrap();
     assert!(gp.log_marginal_likelihood() > exact.log_marginal_likelihood());
 }
@@ -128,7 +128,7 @@ fn outputs_without_noise_stop_at_the_noise_wall() {
     let x = Mat::from_fn(25, 1, |i, _| i as f64 / 24.0);
     let y = by_row(&x, |x| (6.0 * x(0)).sin());
     let (gp, report) = learn(x.as_ref(), &y);
-    assert_eq!(report.at_wall, ["noise variance"]);
+    assert_eq!(report.at_bound, ["noise variance"]);
     let mean = gp.predict_mean(x.as_ref()).unwrap();
     assert!(scores::rmse(&y, &mean).unwrap() < 1e-4);
 }

@@ -165,7 +165,7 @@ fn with_outliers_it_finds_the_function_that_a_gaussian_loses() {
     let options = LearnOptions::default();
     let (robust, report) = StudentTGp::learn(kernel(), x.as_ref(), &y, &options).unwrap();
     let (plain, _) = Gp::learn(kernel(), x.as_ref(), &y, &options).unwrap();
-    assert!(report.stop.converged() && report.at_wall.len() <= 1, "{report:?}");
+    assert!(report.stop.converged() && report.at_bound.len() <= 1, "{report:?}");
     let x_star = Mat::from_fn(50, 1, |i, _| 0.02 * i as f64 + 0.01);
     let error = |posterior: &dyn Posterior| {
         let mean = posterior.predict_mean(x_star.as_ref()).unwrap();

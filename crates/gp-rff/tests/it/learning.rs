@@ -53,7 +53,7 @@ fn the_own_likelihood_is_maximal_where_it_stops() {
     let (x, y) = data(300, 1);
     let options = options(Form::Paired, Sampling::LowDiscrepancy, Hyperparameters::OwnLikelihood);
     let (gp, report) = RffGp::learn(x.as_ref(), &y, &options).unwrap();
-    assert!(report.stop.is_some_and(|stop| stop.converged()) && report.at_wall.is_empty());
+    assert!(report.stop.is_some_and(|stop| stop.converged()) && report.at_bound.is_empty());
     let gradient = gp.log_evidence_gradient(x.as_ref(), &y).unwrap();
     assert!(gradient.iter().all(|slope| slope.abs() < 0.02), "{gradient:?}");
     assert!((gp.noise_variance().sqrt() / NOISE_SD - 1.0).abs() < 0.1);

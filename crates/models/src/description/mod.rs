@@ -1,13 +1,13 @@
 //! A model as plain data: what goes into `model.toml` and its weights file, and what comes out of
 //! them.
 
-pub(crate) mod beside_physics;
+pub(crate) mod orthogonal_discrepancy;
 pub(crate) mod model_effect;
 
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Analytical, BesidePhysics, ModelEffect, ModelError, Outline, ProcessKind, ProcessModel,
+    Analytical, OrthogonalDiscrepancy, ModelEffect, ModelError, Outline, ProcessKind, ProcessModel,
     SeenSteps, StepFeatures,
 };
 
@@ -50,13 +50,16 @@ pub struct Weights {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seen: Option<SeenSteps>,
     /// Of a hybrid.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub beside_physics: Option<BesidePhysics>,
+    #[serde(default, alias = "beside_physics", skip_serializing_if = "Option::is_none")]
+    pub orthogonal_discrepancy: Option<OrthogonalDiscrepancy>,
 }
 
 impl Weights {
-    /// The format that this release writes and reads.
-    pub const SCHEMA: &str = "pushlab.weights/2";
+    /// The format that this release writes.
+    pub const SCHEMA: &str = "pushlab.weights/3";
+
+    /// The formats that it reads: before 3, `orthogonal_discrepancy` was `beside_physics`.
+    pub(crate) const READABLE: [&str; 2] = ["pushlab.weights/2", Self::SCHEMA];
 
     /// The inputs as a choice.
     ///

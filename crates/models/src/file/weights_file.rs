@@ -46,9 +46,9 @@ pub(super) fn read(
     }
     let weights: Weights = serde_json::from_str(&text)
         .map_err(|error| damaged(format!("is not readable: {error}")))?;
-    if weights.schema != Weights::SCHEMA {
-        let problem =
-            format!("has schema {}, this release reads {}", weights.schema, Weights::SCHEMA);
+    if !Weights::READABLE.contains(&weights.schema.as_str()) {
+        let readable = Weights::READABLE.join(" and ");
+        let problem = format!("has schema {}, this release reads {readable}", weights.schema);
         return Err(damaged(problem));
     }
     if weights.inputs != *inputs {
@@ -99,7 +99,7 @@ pub(super) fn write(model: &Path, weights: &Weights) -> Result<RawLearned, Model
     let path = model.with_extension(format!("{}.{ENDING}", &sha256[..SHOWN]));
     output::write(&path, &text)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let beside = weights.beside_physics.as_ref();
+    let beside = weights.orthogonal_discrepancy.as_ref();
     Ok(RawLearned {
         weights: name,
         sha256,

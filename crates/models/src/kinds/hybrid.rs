@@ -8,7 +8,7 @@ use crate::analytical::fit::output_sd;
 use crate::learnt::step_processes::StepProcesses;
 use crate::physics::{Physics, Setup};
 use crate::{
-    Analytical, Base, BesidePhysics, Description, ModelEffect, ModelError, Noise, Parts,
+    Analytical, Base, OrthogonalDiscrepancy, Description, ModelEffect, ModelError, Noise, Parts,
     ProcessReport, PushModel, Pushed, SeenSteps, StepInput, StepObservation, StepPrediction,
     Training, Unexplained, Weights,
 };
@@ -22,7 +22,7 @@ use crate::{
 pub struct Hybrid {
     physics: Physics,
     processes: StepProcesses,
-    beside: BesidePhysics,
+    beside: OrthogonalDiscrepancy,
 }
 
 /// How the training of a hybrid went.
@@ -52,12 +52,12 @@ impl Hybrid {
         let (processes, reports) = residual_processes(&physics, steps, &options.clone().into())?;
         let inputs: Vec<_> = steps.iter().map(|step| &step.input).collect();
         let learnt = processes.means(&inputs)?;
-        let beside = BesidePhysics::unprojected(&physics, output_sd(steps)?, &inputs, &learnt)?;
+        let beside = OrthogonalDiscrepancy::unprojected(&physics, output_sd(steps)?, &inputs, &learnt)?;
         Ok((Self { physics, processes, beside }, reports))
     }
 
     /// Fits the physics of an analytical model with its effects to observed steps, and learns what
-    /// it leaves over, orthogonal to everything that was fitted: see [`BesidePhysics`].
+    /// it leaves over, orthogonal to everything that was fitted: see [`OrthogonalDiscrepancy`].
     ///
     /// Fitted are μp, on an ellipsoid c, and the numbers of the effects, as far as the steps
     /// determine them; `setup` is what effects act in.
@@ -78,7 +78,7 @@ impl Hybrid {
         let fit = Physics::new(analytical, base.effects.clone(), setup)?.fit(steps)?;
         let (processes, reports) = residual_processes(&fit.physics, steps, training)?;
         let inputs: Vec<_> = steps.iter().map(|step| &step.input).collect();
-        let beside = BesidePhysics::of(&fit, &inputs, &processes.means(&inputs)?)?;
+        let beside = OrthogonalDiscrepancy::of(&fit, &inputs, &processes.means(&inputs)?)?;
         let hybrid = Self { physics: fit.physics, processes, beside };
         Ok((hybrid, HybridReport { processes: reports, kept: fit.kept }))
     }
@@ -94,7 +94,7 @@ impl Hybrid {
     }
 
     /// What is learnt beside it.
-    pub fn beside_physics(&self) -> &BesidePhysics {
+    pub fn orthogonal_discrepancy(&self) -> &OrthogonalDiscrepancy {
         &self.beside
     }
 
@@ -108,11 +108,11 @@ impl Hybrid {
     }
 
     pub(crate) fn from_weights(physics: Physics, weights: &Weights) -> Result<Self, ModelError> {
-        let beside = weights.beside_physics.clone().filter(BesidePhysics::is_sound);
+        let beside = weights.orthogonal_discrepancy.clone().filter(OrthogonalDiscrepancy::is_sound);
         Ok(Self {
             physics,
             processes: StepProcesses::from_weights(weights)?,
-            beside: beside.ok_or(ModelError::UnsoundWeights { what: "beside_physics" })?,
+            beside: beside.ok_or(ModelError::UnsoundWeights { what: "orthogonal_discrepancy" })?,
         })
     }
 }
@@ -193,7 +193,7 @@ impl PushModel for Hybrid {
     fn describe(&self) -> Result<Description, ModelError> {
         let base = Base::Hybrid(self.physics.base.clone());
         let mut weights = self.processes.weights()?;
-        weights.beside_physics = Some(self.beside.clone());
+        weights.orthogonal_discrepancy = Some(self.beside.clone());
         Ok(Description { base, effects: self.physics.effects.clone(), weights: Some(weights) })
     }
 }

@@ -203,7 +203,7 @@ impl StepProcesses {
             outlines: self.outlines.clone(),
             outputs: [model(0)?, model(1)?, model(2)?],
             seen: self.seen.clone(),
-            beside_physics: None,
+            orthogonal_discrepancy: None,
         })
     }
 

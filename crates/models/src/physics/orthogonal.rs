@@ -4,9 +4,9 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::physics::fit::{PhysicsFit, weighed};
 use crate::physics::{Free, Physics};
-use crate::{BesidePhysics, ModelError, StepInput, Unexplained};
+use crate::{OrthogonalDiscrepancy, ModelError, StepInput, Unexplained};
 
-impl BesidePhysics {
+impl OrthogonalDiscrepancy {
     /// For processes with the means `learnt` beside the physics of a fit, at the training steps.
     pub(crate) fn of(
         fit: &PhysicsFit,

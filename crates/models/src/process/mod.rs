@@ -32,7 +32,7 @@ pub struct ProcessReport {
     /// Quasi-Newton iterations of the start that was taken.
     pub iterations: usize,
     /// Hyperparameters that ended at a wall, such as the lengthscale of an input without influence.
-    pub at_wall: Vec<String>,
+    pub at_bound: Vec<String>,
 }
 
 /// A learnt process as plain data.
@@ -59,20 +59,20 @@ impl Process {
     ) -> Result<(Self, ProcessReport), GpError> {
         let options = &training.options;
         let kernel = || SquaredExponential::new(&vec![1.0; x.ncols()], 1.0);
-        let report = |iterations, at_wall| ProcessReport { iterations, at_wall };
+        let report = |iterations, at_bound| ProcessReport { iterations, at_bound };
         Ok(match training.process {
             ProcessKind::Gp => {
                 let (process, found) = Gp::learn(kernel()?, x, y, options)?;
-                (Self::Gp(process), report(found.best.iterations, found.at_wall))
+                (Self::Gp(process), report(found.best.iterations, found.at_bound))
             }
             ProcessKind::Spgp => {
                 let options = sparse(y.len(), training);
                 let (process, found) = SparseGp::learn(kernel()?, x, y, &options)?;
-                (Self::Spgp(process), report(found.best.iterations, found.at_wall))
+                (Self::Spgp(process), report(found.best.iterations, found.at_bound))
             }
             ProcessKind::Rff => {
                 let (process, found) = RffGp::learn(x, y, &random_features(training))?;
-                (Self::Rff(process), report(found.iterations, found.at_wall))
+                (Self::Rff(process), report(found.iterations, found.at_bound))
             }
             ProcessKind::Vhgp => {
                 // It has a parameter for every row: 500 real steps took more than 500 iterations.

@@ -7,7 +7,7 @@ use dataset::{Flags, ObjectChoice, ObjectSpec, Phase, StepRow, Table};
 use effects::{Object, StepInput, Track};
 
 use crate::steps::table_steps::object_of;
-use crate::{ModelError, SetAside, StepSelection};
+use crate::{ModelError, Excluded, StepSelection};
 
 /// A step with everything that was observed of it.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ pub struct ChannelSteps {
     /// The row of each step, counted from 0.
     pub rows: Vec<usize>,
     /// The rows set aside.
-    pub set_aside: SetAside,
+    pub excluded: Excluded,
 }
 
 impl StepSelection {
@@ -50,7 +50,7 @@ impl StepSelection {
     ) -> Result<ChannelSteps, ModelError> {
         let (places, sessions) = (places(table), sessions(table));
         let mut made = BTreeMap::new();
-        let (steps, rows, set_aside) = self.select(table, |row| {
+        let (steps, rows, excluded) = self.select(table, |row| {
             let object = match made.get(&row.shape) {
                 Some(object) => Arc::clone(object),
                 None => {
@@ -77,7 +77,7 @@ impl StepSelection {
             };
             Ok(ChannelObservation { input, observed: observed(row)? })
         })?;
-        Ok(ChannelSteps { steps, rows, set_aside })
+        Ok(ChannelSteps { steps, rows, excluded })
     }
 }
 

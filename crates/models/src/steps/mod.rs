@@ -10,7 +10,7 @@ pub(crate) mod push_path;
 pub(crate) mod pushed;
 pub(crate) mod recorded_push;
 pub(crate) mod seen_steps;
-pub(crate) mod set_aside;
+pub(crate) mod excluded;
 pub(crate) mod split;
 pub(crate) mod step;
 pub(crate) mod step_features;

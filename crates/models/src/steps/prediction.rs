@@ -33,7 +33,7 @@ pub struct Parts {
     /// What was learnt, in the same units.
     pub unexplained: Vector3<f64>,
     /// The share of what was learnt in what the model says of this step, from 0 to 1: 0 without
-    /// learnt part, 1 without physics; of a hybrid as [`crate::BesidePhysics`] defines it.
+    /// learnt part, 1 without physics; of a hybrid as [`crate::OrthogonalDiscrepancy`] defines it.
     pub unexplained_share: f64,
 }
 

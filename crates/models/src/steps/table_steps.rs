@@ -7,7 +7,7 @@ use dataset::{Flags, ObjectChoice, ObjectSpec, Phase, StepRow, Table};
 use nalgebra::Vector3;
 use planar::Shape;
 
-use crate::{ModelError, SetAside, SetAsideReason, StepInput, StepObservation};
+use crate::{ModelError, Excluded, ExclusionReason, StepInput, StepObservation};
 
 /// Which rows of a table are steps to learn from or to be tested on.
 ///
@@ -34,7 +34,7 @@ pub struct TableSteps {
     /// The row of each step, counted from 0.
     pub rows: Vec<usize>,
     /// The rows set aside.
-    pub set_aside: SetAside,
+    pub excluded: Excluded,
 }
 
 impl StepSelection {
@@ -55,7 +55,7 @@ impl StepSelection {
         pusher_radius: f64,
     ) -> Result<TableSteps, ModelError> {
         let mut shapes = BTreeMap::new();
-        let (steps, rows, set_aside) = self.select(table, |row| {
+        let (steps, rows, excluded) = self.select(table, |row| {
             let shape = match shapes.get(&row.shape) {
                 Some(shape) => Arc::clone(shape),
                 None => {
@@ -66,7 +66,7 @@ impl StepSelection {
             };
             observation(row, shape, pusher_radius)
         })?;
-        Ok(TableSteps { steps, rows, set_aside })
+        Ok(TableSteps { steps, rows, excluded })
     }
 
     /// What is observed in each row that is not set aside, with the rows' numbers.
@@ -74,11 +74,11 @@ impl StepSelection {
         &self,
         table: &Table,
         mut observe: impl FnMut(&StepRow) -> Result<T, ModelError>,
-    ) -> Result<(Vec<T>, Vec<usize>, SetAside), ModelError> {
-        let (mut found, mut rows, mut set_aside) = (Vec::new(), Vec::new(), SetAside::default());
+    ) -> Result<(Vec<T>, Vec<usize>, Excluded), ModelError> {
+        let (mut found, mut rows, mut excluded) = (Vec::new(), Vec::new(), Excluded::default());
         for (index, row) in table.rows.iter().enumerate() {
             if let Some(reason) = self.reason(row) {
-                set_aside.add(reason, index);
+                excluded.add(reason, index);
                 continue;
             }
             found.push(observe(row).map_err(|source| ModelError::Row {
@@ -88,19 +88,19 @@ impl StepSelection {
             })?);
             rows.push(index);
         }
-        Ok((found, rows, set_aside))
+        Ok((found, rows, excluded))
     }
 
-    fn reason(&self, row: &StepRow) -> Option<SetAsideReason> {
+    fn reason(&self, row: &StepRow) -> Option<ExclusionReason> {
         if row.phase == Phase::After {
-            return Some(SetAsideReason::AfterContact);
+            return Some(ExclusionReason::AfterContact);
         }
         if row.flags.contains(Flags::PUSHER_AT_REST) {
-            return Some(SetAsideReason::PusherAtRest);
+            return Some(ExclusionReason::PusherAtRest);
         }
         let unwanted = |flag: Flags| self.without.contains(flag) && row.flags.contains(flag);
         let (_, name) = Flags::ALL.iter().find(|(flag, _)| unwanted(*flag))?;
-        Some(SetAsideReason::Flag(name))
+        Some(ExclusionReason::Flag(name))
     }
 }
 
@@ -150,7 +150,7 @@ fn observation(
 #[cfg(test)]
 mod tests {
     use super::StepSelection;
-    use crate::{Analytical, ModelError, SetAsideReason, StepInput};
+    use crate::{Analytical, ModelError, ExclusionReason, StepInput};
     use dataset::{Flags, ObjectChoice, ObjectSpec, Phase, Provenance, StepRow, Table};
     use nalgebra::{Vector2, Vector3};
     use planar::{Pose, Shape, perpendicular};
@@ -265,10 +265,10 @@ mod tests {
         let found =
             StepSelection::default().observations(&table(rows.clone()), &square(), RADIUS).unwrap();
         assert_eq!(found.rows, [1, 4]);
-        assert_eq!(found.set_aside.rows[&SetAsideReason::AfterContact], [2]);
-        assert_eq!(found.set_aside.rows[&SetAsideReason::PusherAtRest], [3]);
+        assert_eq!(found.excluded.rows[&ExclusionReason::AfterContact], [2]);
+        assert_eq!(found.excluded.rows[&ExclusionReason::PusherAtRest], [3]);
         assert_eq!(
-            found.set_aside.to_string(),
+            found.excluded.to_string(),
             "1 after contact, 1 pusher at rest, 1 object_gap, 1 short"
         );
         let strict = StepSelection { without: StepSelection::default().without | Flags::UNTARED };

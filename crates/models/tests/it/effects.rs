@@ -7,7 +7,7 @@ use dataset::{
 use effects::{Effect, EffectInfo, Object, PushPhysics, Rig, Setting, Surface, Track, all};
 use models::{
     Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelEffect,
-    ModelError, ModelFile, ProcessKind, PushModel, SetAsideReason, StepInput, StepSelection,
+    ModelError, ModelFile, ProcessKind, PushModel, ExclusionReason, StepInput, StepSelection,
     SurfaceKind,
 };
 use nalgebra::{Matrix3, Vector2};
@@ -334,9 +334,9 @@ fn an_unknown_force_is_missing_and_unusable_rows_are_counted() {
         assert_eq!(step.observed[3..5], [None, None]);
         assert_eq!(step.observed[0], Some(0.004));
     }
-    assert_eq!(found.set_aside.to_string(), "1 after contact, 1 contact_lost, 1 short");
-    assert_eq!(found.set_aside.rows[&SetAsideReason::AfterContact], [3]);
-    assert_eq!(found.set_aside.n_rows(), 3);
+    assert_eq!(found.excluded.to_string(), "1 after contact, 1 contact_lost, 1 short");
+    assert_eq!(found.excluded.rows[&ExclusionReason::AfterContact], [3]);
+    assert_eq!(found.excluded.n_rows(), 3);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
-mod beside_physics;
+mod orthogonal_discrepancy;
 mod effects;
 mod estimation;
 mod fast_roll_out;

@@ -108,7 +108,7 @@ fn every_column_and_flag_is_on_the_page() {
 /// Names of the fields; keys of maps by reason, stream, shape or flag are data.
 fn keys(value: &Value, found: &mut Vec<String>) {
     const MAPS: [&str; 8] =
-        ["set_aside", "rates_hz", "repairs", "untared", "phases", "shapes", "flags", "settings"];
+        ["excluded", "rates_hz", "repairs", "untared", "phases", "shapes", "flags", "settings"];
     match value {
         Value::Object(fields) => {
             for (key, value) in fields {

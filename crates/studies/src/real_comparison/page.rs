@@ -102,10 +102,10 @@ fn errors(compared: &Compared) -> String {
         found.n_steps,
         found.n_pushes,
         compared.pusher_friction,
-        if found.set_aside.is_empty() {
+        if found.excluded.is_empty() {
             String::new()
         } else {
-            format!("; rows set aside: {}", found.set_aside)
+            format!("; rows set aside: {}", found.excluded)
         }
     );
     for error in &found.channels {

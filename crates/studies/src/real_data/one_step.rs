@@ -79,8 +79,8 @@ fn read(path: &Path) -> Result<Vec<StepObservation>> {
     let found = StepSelection::default()
         .observations(&table, &objects, radius)
         .with_context(|| format!("cannot use {}", path.display()))?;
-    if !found.set_aside.rows.is_empty() {
-        println!("{}: set aside {}", path.display(), found.set_aside);
+    if !found.excluded.rows.is_empty() {
+        println!("{}: set aside {}", path.display(), found.excluded);
     }
     Ok(found.steps)
 }

@@ -30,7 +30,7 @@ pub(super) fn run(dir: &Path) -> Result<Section> {
     let mut direction_errors = Vec::new();
     for recording in &report.recordings {
         let told = Told::by(&recording.name)?;
-        for first in recording.pushes.iter().filter(|push| push.set_aside.is_none()) {
+        for first in recording.pushes.iter().filter(|push| push.excluded.is_none()) {
             let Some(first) = first.first_contact else {
                 bail!("{}: a used push without first contact", recording.name)
             };
@@ -96,12 +96,12 @@ impl Errors {
 
 fn rows(report: &IngestReport, contact: &Errors, direction: &Errors) -> Vec<Row> {
     let summary = &report.summary;
-    let set_aside: usize = summary.set_aside.values().sum();
+    let excluded: usize = summary.excluded.values().sum();
     let mut rows = vec![
         Row::new("raw pushes: used", summary.pushes_used as f64, Reference::None),
         Row::new(
             "raw pushes: used or set aside with a reason",
-            (summary.pushes_used + set_aside) as f64,
+            (summary.pushes_used + excluded) as f64,
             Reference::Exactly(report.recordings.len() as f64),
         ),
         Row::new(
@@ -142,11 +142,11 @@ fn rows(report: &IngestReport, contact: &Errors, direction: &Errors) -> Vec<Row>
 
 fn entry(report: &IngestReport, contact: &Errors, direction: &Errors) -> Value {
     let summary = &report.summary;
-    let set_aside: usize = summary.set_aside.values().sum();
+    let excluded: usize = summary.excluded.values().sum();
     json!({
         "used": summary.pushes_used,
-        "set_aside": set_aside,
-        "reasons": summary.set_aside,
+        "excluded": excluded,
+        "reasons": summary.excluded,
         "contact_error_m_median": contact.median,
         "contact_error_m_max": contact.max,
         "direction_error_rad_median": direction.median,

@@ -17,11 +17,11 @@ pub(super) fn run(dir: &Path) -> Result<Section> {
     let pairs = mcap.rows.iter().zip(&bag.rows);
     let n_equal = pairs.filter(|(a, b)| a == b).count();
     let summary = &report.summary;
-    let set_aside: usize = summary.set_aside.values().sum();
+    let excluded: usize = summary.excluded.values().sum();
     let rows = vec![
         Row::new(
             "recordings: pushes used or set aside",
-            (summary.pushes_used + set_aside) as f64,
+            (summary.pushes_used + excluded) as f64,
             Reference::Exactly(report.recordings.len() as f64),
         ),
         Row::new("recordings: steps of the bags", bag.len() as f64, Reference::None),
@@ -39,8 +39,8 @@ pub(super) fn run(dir: &Path) -> Result<Section> {
     ];
     let entry = json!({
         "used": summary.pushes_used,
-        "set_aside": set_aside,
-        "reasons": summary.set_aside,
+        "excluded": excluded,
+        "reasons": summary.excluded,
         "steps": mcap.len(),
         "steps_equal_in_bag": n_equal,
         "mcap_equals_bag": n_equal == mcap.len() && n_equal == bag.len(),

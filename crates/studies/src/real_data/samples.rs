@@ -22,18 +22,18 @@ pub(super) fn run(dir: &Path) -> Result<Section> {
         let (table, report) = ingest(&set, &IngestSettings::default())
             .with_context(|| format!("cannot ingest {}", path.display()))?;
         let (name, summary) = (&report.name, &report.summary);
-        let set_aside: usize = summary.set_aside.values().sum();
+        let excluded: usize = summary.excluded.values().sum();
         rows.push(Row::new(
             format!("{name}: pushes used or set aside"),
-            (summary.pushes_used + set_aside) as f64,
+            (summary.pushes_used + excluded) as f64,
             Reference::Exactly(set.recordings().len() as f64),
         ));
         rows.push(Row::new(format!("{name}: steps"), table.len() as f64, Reference::None));
         let entry = json!({
             "format": set.format().id(),
             "used": summary.pushes_used,
-            "set_aside": set_aside,
-            "reasons": summary.set_aside,
+            "excluded": excluded,
+            "reasons": summary.excluded,
             "steps": table.len(),
             "steady_force_n": summary.steady_force_n,
             "resting_position_sd_m": summary.resting_position_sd_m,

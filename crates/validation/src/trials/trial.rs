@@ -96,7 +96,7 @@ fn diagnosed(given: &Path, variant: Option<Variant>, seed: u64) -> Result<Diagno
     let told = Told::read(given, variant, seed)?;
     let settings = DiagnoseSettings {
         seed: variant.map_or(SPLIT_SEED, Variant::split_seed),
-        n_pushes_set_aside: told.n_pushes - told.observations.pushes().len(),
+        n_pushes_excluded: told.n_pushes - told.observations.pushes().len(),
         ..DiagnoseSettings::default()
     };
     Ok(diagnose(&told.observations, &told.model, &settings)?.diagnosis)

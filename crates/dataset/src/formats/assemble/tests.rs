@@ -66,7 +66,7 @@ fn mostly_bad_quaternions_are_an_error() {
     let error = finish(&robot(), &object, None).unwrap_err();
     assert!(matches!(
         error,
-        DatasetError::MostlyUnusable { stream: StreamRole::Object, set_aside: 2, total: 3, .. }
+        DatasetError::MostlyUnusable { stream: StreamRole::Object, excluded: 2, total: 3, .. }
     ));
     assert_eq!(
         error.to_string(),

@@ -125,7 +125,7 @@ fn rows_that_are_not_finite_are_set_aside_and_counted() {
     assert_eq!((remark.kind, remark.count), (RemarkKind::NonFiniteSetAside, 2));
     assert_eq!(remark.text, "2 of 5 rows set aside: a value is not finite, first at line 3");
     let error = read_object("t_s,x_m,y_m,theta_rad\n1,inf,3,4\n2,NaN,3,4\n3,2,3,4\n").unwrap_err();
-    assert!(matches!(error, DatasetError::MostlyUnusable { set_aside: 2, total: 3, .. }));
+    assert!(matches!(error, DatasetError::MostlyUnusable { excluded: 2, total: 3, .. }));
     assert!(error.to_string().contains("not finite, first at line 2; check the sensor"), "{error}");
 }
 

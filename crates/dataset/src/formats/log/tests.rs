@@ -158,7 +158,7 @@ fn messages_that_do_not_fit_are_set_aside_and_counted() {
     messages.extend([("/block", broken.clone()), ("/block", broken)]);
     let error = Memory::new(&messages).read("").unwrap_err();
     assert!(
-        matches!(error, DatasetError::MostlyUnusable { set_aside: 3, total: 5, .. }),
+        matches!(error, DatasetError::MostlyUnusable { excluded: 3, total: 5, .. }),
         "{error}"
     );
 }

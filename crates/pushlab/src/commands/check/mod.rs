@@ -54,7 +54,7 @@ struct Checked {
     /// From the first step to the end of the last, in s.
     duration: f64,
     /// Rows of the table that are not used, by reason.
-    set_aside: String,
+    excluded: String,
     channels: Vec<Channel>,
     noise: NoiseModel,
     /// Pushes that the effects are looked for in: all, or an even choice of a large set.
@@ -114,7 +114,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         suspicions,
         coverage: Coverage::of(&observations),
         duration: end - start,
-        set_aside: observations.set_aside().to_string(),
+        excluded: observations.excluded().to_string(),
         channels: observations.channels(),
         noise,
         n_pushes_screened: found.n_pushes,

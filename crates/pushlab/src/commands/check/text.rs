@@ -16,8 +16,8 @@ impl fmt::Display for Checked {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Coverage { n_steps, n_pushes, .. } = self.coverage;
         writeln!(f, "{TITLE}{}{TITLE:#}: {n_steps} steps of {n_pushes} pushes", self.name)?;
-        if !self.set_aside.is_empty() {
-            writeln!(f, "  rows set aside: {}", self.set_aside)?;
+        if !self.excluded.is_empty() {
+            writeln!(f, "  rows set aside: {}", self.excluded)?;
         }
         write_coverage(f, &self.coverage, self.duration)?;
         let names: Vec<_> = self.channels.iter().map(|channel| channel_name(*channel)).collect();

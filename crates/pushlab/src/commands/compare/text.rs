@@ -24,8 +24,8 @@ impl fmt::Display for Compared {
         let (steps, pushes) = (found.n_steps, found.n_pushes);
         writeln!(f, "{TITLE}{}{TITLE:#} on {steps} steps of {pushes} pushes", self.model)?;
         write!(f, "{}", self.part)?;
-        if found.n_set_aside > 0 {
-            writeln!(f, "  rows set aside: {}", found.set_aside)?;
+        if found.n_excluded > 0 {
+            writeln!(f, "  rows set aside: {}", found.excluded)?;
         }
         for what in &found.not_asked {
             writeln!(f, "  {what}")?;

@@ -82,12 +82,12 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         );
     }
     let n_used = observations.pushes().len();
-    let n_pushes_set_aside = n_pushes.map_or(0, |n_pushes| n_pushes - n_used);
+    let n_pushes_excluded = n_pushes.map_or(0, |n_pushes| n_pushes - n_used);
     let settings = DiagnoseSettings {
         split,
         confirm,
         seed: args.seed,
-        n_pushes_set_aside,
+        n_pushes_excluded,
         ..DiagnoseSettings::default()
     };
     let mut found = diagnose(&observations, &model.description, &settings)?.diagnosis;

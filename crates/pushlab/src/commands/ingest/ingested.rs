@@ -33,20 +33,20 @@ impl Ingested {
     /// What to know at once: the set, and what was set aside.
     pub(super) fn short_text(&self) -> String {
         match self {
-            Self::Report(report) => report.summary_text() + &set_aside(report),
+            Self::Report(report) => report.summary_text() + &excluded(report),
             Self::Table(summary) => summary.to_string(),
         }
     }
 }
 
 /// What was set aside and why, one line each.
-fn set_aside(report: &IngestReport) -> String {
+fn excluded(report: &IngestReport) -> String {
     let mut reasons = Vec::new();
     for recording in &report.recordings {
-        reasons.extend(recording.set_aside.iter().map(|why| (recording.name.clone(), why)));
+        reasons.extend(recording.excluded.iter().map(|why| (recording.name.clone(), why)));
         for push in &recording.pushes {
             let name = || format!("{} push {}", recording.name, push.push);
-            reasons.extend(push.set_aside.as_ref().map(|why| (name(), why)));
+            reasons.extend(push.excluded.as_ref().map(|why| (name(), why)));
         }
     }
     let mut text = String::new();

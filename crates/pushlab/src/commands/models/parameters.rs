@@ -74,7 +74,7 @@ impl Parameters {
         let mut parameters = mechanics.map(analytical).unwrap_or_default();
         parameters.extend(file.description.effects.iter().flat_map(of_effect));
         let weights = file.description.weights.as_ref();
-        let beside = weights.and_then(|weights| weights.beside_physics.as_ref());
+        let beside = weights.and_then(|weights| weights.orthogonal_discrepancy.as_ref());
         let split = file.split.as_ref().map(Parts::of);
         Self {
             name: file.name.clone(),

@@ -108,8 +108,8 @@ fn compared(report: &Report) -> String {
     if !first.not_asked.is_empty() {
         text += &format!(" Not told: {}.", first.not_asked.join("; "));
     }
-    if first.n_set_aside > 0 {
-        text += &format!(" Rows set aside: {}.", first.set_aside);
+    if first.n_excluded > 0 {
+        text += &format!(" Rows set aside: {}.", first.excluded);
     }
     text
 }

@@ -90,7 +90,7 @@ struct Trained {
     /// Parameters of the physics that the steps do not determine.
     kept: Vec<String>,
     /// Hyperparameters at the end of what they may be, of each output.
-    at_wall: Vec<Vec<String>>,
+    at_bound: Vec<Vec<String>>,
     /// Shares of what was learnt in what a hybrid says.
     unexplained: Option<Unexplained>,
     unseen: Unseen,
@@ -136,7 +136,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         n_steps: trained.n_steps,
         n_learnt: trained.n_learnt,
         kept: trained.kept,
-        at_wall: trained.reports.into_iter().map(|report| report.at_wall).collect(),
+        at_bound: trained.reports.into_iter().map(|report| report.at_bound).collect(),
         unexplained: unexplained_of(&description),
         unseen: Unseen {
             n_pushes: test.pushes().len(),
@@ -151,7 +151,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
 
 /// What a hybrid's weights say about its training steps.
 fn unexplained_of(description: &Description) -> Option<Unexplained> {
-    Some(description.weights.as_ref()?.beside_physics.as_ref()?.unexplained)
+    Some(description.weights.as_ref()?.orthogonal_discrepancy.as_ref()?.unexplained)
 }
 
 /// The steps to learn from, and those that were set aside.

@@ -25,7 +25,7 @@ impl fmt::Display for Trained {
         if !self.kept.is_empty() {
             writeln!(f, "  kept, for these pushes do not tell it: {}", self.kept.join(", "))?;
         }
-        for (score, names) in unseen.scores.iter().zip(&self.at_wall) {
+        for (score, names) in unseen.scores.iter().zip(&self.at_bound) {
             if !names.is_empty() {
                 let names = names.join(", ");
                 writeln!(f, "  {WARNING}note:{WARNING:#} {}: {names} ended at a wall", score.name)?;

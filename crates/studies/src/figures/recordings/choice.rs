@@ -18,7 +18,7 @@ impl<'a> Choice<'a> {
     /// All pushes with rows, in the order of the report.
     pub(super) fn all(report: &'a IngestReport) -> impl Iterator<Item = Self> {
         report.recordings.iter().flat_map(|recording| {
-            let used = recording.pushes.iter().filter(|push| push.set_aside.is_none());
+            let used = recording.pushes.iter().filter(|push| push.excluded.is_none());
             used.filter_map(move |push| Some(Self { recording, push, first: push.first_contact? }))
         })
     }

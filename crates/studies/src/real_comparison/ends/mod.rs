@@ -69,8 +69,8 @@ fn of(pushes: &Pushes) -> Result<Ends> {
     let thinned = Table { rows, provenance: kept.provenance.clone() };
     let observations = Observations::of_mapped(&thinned, mapping)?;
     let nominal = Analytical::nominal(mapping.pusher.friction)?.describe()?;
-    let n_pushes_set_aside = lost.rows.len();
-    let settings = DiagnoseSettings { n_pushes_set_aside, ..DiagnoseSettings::default() };
+    let n_pushes_excluded = lost.rows.len();
+    let settings = DiagnoseSettings { n_pushes_excluded, ..DiagnoseSettings::default() };
     let parts = split(&observations, settings.seed)?;
     let aside = observations.part(&parts.confirm)?;
     // That a diagnosis fails is an outcome, too.

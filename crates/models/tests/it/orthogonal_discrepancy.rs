@@ -120,7 +120,7 @@ fn what_is_learnt_is_orthogonal_to_the_slopes_of_the_physics() {
     for process in ProcessKind::ALL {
         let training = Training { n_pseudo_inputs: 20, ..Training::with(process) };
         let (hybrid, report) = Hybrid::train(&nominal(), None, &steps, &training).unwrap();
-        assert_eq!(hybrid.beside_physics().parameters.len(), 2);
+        assert_eq!(hybrid.orthogonal_discrepancy().parameters.len(), 2);
         assert!(report.kept.is_empty());
         let cosine = largest_cosine(&hybrid, &steps);
         assert!(cosine < 1e-9, "{process:?}: {cosine}");
@@ -170,7 +170,7 @@ fn on_pushes_of_the_physics_alone_next_to_nothing_is_unexplained() {
     let share = |missing: f64, process| {
         let training = Training { n_pseudo_inputs: 20, ..Training::with(process) };
         let (hybrid, _) = Hybrid::train(&nominal(), None, &steps(150, missing), &training).unwrap();
-        hybrid.beside_physics().unexplained
+        hybrid.orthogonal_discrepancy().unexplained
     };
     for process in ProcessKind::ALL {
         let nothing = share(0.0, process);
@@ -207,7 +207,7 @@ fn physics_that_the_steps_do_not_determine_are_kept() {
     let (hybrid, report) = Hybrid::train(&base, None, &sticking, &Training::default()).unwrap();
     assert_eq!(report.kept, ["pusher-friction"]);
     assert_eq!(hybrid.analytical().pusher_friction().value, 0.8);
-    assert_eq!(hybrid.beside_physics().parameters, ["characteristic-length"]);
+    assert_eq!(hybrid.orthogonal_discrepancy().parameters, ["characteristic-length"]);
     let few = Hybrid::train(&base, None, &sticking[..3], &Training::default());
     assert!(matches!(few, Err(ModelError::TooFewSteps { needed: 4, actual: 3, .. })));
     let gp = Description { base: Base::Process(ProcessKind::Gp), ..base };
@@ -262,7 +262,7 @@ fn effects_are_fitted_with_the_physics_and_come_back_from_the_file() {
     let base = with_offset(0.001);
     let (hybrid, report) = Hybrid::train(&base, setup(), &steps, &training).unwrap();
     assert!(report.kept.is_empty());
-    assert_eq!(hybrid.beside_physics().parameters.len(), 4);
+    assert_eq!(hybrid.orthogonal_discrepancy().parameters.len(), 4);
     let dx = &hybrid.effects()[0].parameters["dx"];
     assert!((dx.value - 0.004).abs() < 3.0 * dx.se && dx.se < 5e-4, "{dx:?}");
     let folder = tempfile::tempdir().unwrap();

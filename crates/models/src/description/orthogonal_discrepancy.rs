@@ -26,7 +26,7 @@ use crate::StepInput;
 /// the fixed effect you love (2010).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct BesidePhysics {
+pub struct OrthogonalDiscrepancy {
     /// The fitted parameters, such as `pusher-friction`; none where nothing is projected.
     pub parameters: Vec<String>,
     /// γ, in the unit that a fit moves each parameter by.
@@ -63,7 +63,7 @@ impl Unexplained {
     pub(crate) const ALL: Self = Self { dx: 1.0, dy: 1.0, dtheta: 1.0, all: 1.0 };
 }
 
-impl BesidePhysics {
+impl OrthogonalDiscrepancy {
     /// h of each step, of g and the slopes there.
     pub(crate) fn left(
         &self,

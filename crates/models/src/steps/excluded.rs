@@ -7,14 +7,14 @@ use std::fmt;
 ///
 /// As text: how many by which reason, such as `3 after contact, 12 short`; empty for none.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct SetAside {
+pub struct Excluded {
     /// Rows by reason.
-    pub rows: BTreeMap<SetAsideReason, Vec<usize>>,
+    pub rows: BTreeMap<ExclusionReason, Vec<usize>>,
 }
 
 /// Why a row is not an observation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum SetAsideReason {
+pub enum ExclusionReason {
     /// The pusher has left the object.
     AfterContact,
     /// The pusher rests: its direction is not defined.
@@ -23,8 +23,8 @@ pub enum SetAsideReason {
     Flag(&'static str),
 }
 
-impl SetAside {
-    pub(crate) fn add(&mut self, reason: SetAsideReason, row: usize) {
+impl Excluded {
+    pub(crate) fn add(&mut self, reason: ExclusionReason, row: usize) {
         self.rows.entry(reason).or_default().push(row);
     }
 
@@ -34,14 +34,14 @@ impl SetAside {
     }
 }
 
-impl fmt::Display for SetAside {
+impl fmt::Display for Excluded {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let count = |(reason, rows): (&_, &Vec<usize>)| format!("{} {reason}", rows.len());
         f.write_str(&self.rows.iter().map(count).collect::<Vec<_>>().join(", "))
     }
 }
 
-impl fmt::Display for SetAsideReason {
+impl fmt::Display for ExclusionReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::AfterContact => "after contact",
