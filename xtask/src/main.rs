@@ -46,6 +46,7 @@ fn run() -> Result<()> {
 fn command_line() -> Command {
     let program = Command::new("cargo xtask")
         .bin_name("cargo xtask")
+        .max_term_width(100)
         .about("Project tasks: checks, tests, and what is made from the sources")
         .subcommand_required(true)
         .arg_required_else_help(true)

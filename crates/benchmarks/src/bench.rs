@@ -16,7 +16,7 @@ use crate::{
 /// Time the workspace beside a reference; writes target/bench/NAME.json.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Benchmarks to run [default: all]
+    /// Benchmarks to run, all without it
     #[arg(value_parser = PossibleValuesParser::new(BENCHMARKS.iter().map(|benchmark| benchmark.name)))]
     names: Vec<String>,
     #[command(flatten)]

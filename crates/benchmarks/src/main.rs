@@ -6,7 +6,7 @@ use clap::{Parser, Subcommand};
 
 /// Tasks of the project, which `cargo xtask` starts by their names.
 #[derive(Parser)]
-#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", max_term_width = 100)]
 struct CommandLine {
     #[command(subcommand)]
     task: Task,

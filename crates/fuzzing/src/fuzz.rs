@@ -32,26 +32,26 @@ const SHORT_TIME_LIMIT: f64 = 4.0;
 /// Read damaged inputs with every reader; those on which one fails are kept
 #[derive(clap::Args)]
 pub struct Args {
-    /// Readers to test; else all
+    /// Readers to test, all without it
     #[arg(long = "reader", value_name = "NAME", value_delimiter = ',')]
     readers: Vec<String>,
-    /// Time for each reader, in s; without --cases 10
+    /// Time for each reader, in s; 10 without --cases
     #[arg(long, value_name = "N")]
     seconds: Option<f64>,
     /// Inputs for each reader
-    #[arg(long, value_name = "N")]
+    #[arg(short = 'n', long, value_name = "N")]
     cases: Option<u64>,
     /// Seed of all inputs
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// Read this case alone, and print what comes of it
     #[arg(long, value_name = "I", requires = "readers", conflicts_with_all = ["cases", "seconds"])]
     case: Option<u64>,
     /// First case
-    #[arg(long, value_name = "I", default_value_t = 0)]
-    from: u64,
-    /// Processes at a time; else as many as the machine has cores
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "I", default_value_t = 0, alias = "from")]
+    first_case: u64,
+    /// Processes at a time, as many as the machine has cores without it
+    #[arg(short, long, value_name = "N")]
     jobs: Option<usize>,
     /// Read the kept inputs alone
     #[arg(long, conflicts_with_all = ["cases", "seconds", "case"])]
@@ -59,7 +59,7 @@ pub struct Args {
     /// Longest time for one input, in s
     #[arg(long, value_name = "N", default_value_t = TIME_LIMIT)]
     time_limit: f64,
-    /// Folder of the kept inputs; else fixtures/fuzz
+    /// Folder of the kept inputs, fixtures/fuzz without it
     #[arg(long, value_name = "DIR")]
     keep: Option<PathBuf>,
     /// Print the readers
@@ -207,7 +207,7 @@ impl Run<'_> {
     fn fuzz_reader(&self, reader: &'static dyn Reader, stride: u64) -> Result<Outcome> {
         let usual = if self.args.cases.is_some() { f64::from(u32::MAX) } else { 10.0 };
         let seconds = self.args.seconds.unwrap_or(usual);
-        let from = self.args.from;
+        let from = self.args.first_case;
         let end = self.args.cases.map_or(u64::MAX, |cases| from.saturating_add(cases));
         let part = |first: u64| {
             let dir = self.scratch.folder(&format!("{}-{first}", reader.name()));

@@ -35,8 +35,7 @@ pub(super) fn keep(folder: &Path, input: &[u8]) -> Result<Option<PathBuf>> {
     if input.len() > LARGEST {
         return Ok(None);
     }
-    let name: String =
-        Sha256::digest(input).iter().take(6).map(|byte| format!("{byte:02x}")).collect();
+    let name = format!("{:.12x}", Sha256::digest(input));
     let path = folder.join(name);
     let context = || format!("cannot write {}", path.display());
     fs::create_dir_all(folder).with_context(context)?;

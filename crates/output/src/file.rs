@@ -1,6 +1,6 @@
 //! One file that appears whole or not at all.
 
-use std::io::{ErrorKind, Write};
+use std::io::{self, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
@@ -11,11 +11,16 @@ use crate::place::{Existing, Place};
 
 /// A file to be written: its place is checked and taken before the work begins.
 #[derive(Debug)]
-pub struct OutputFile {
-    place: Place,
-    existing: Existing,
-    _lock: Lock,
+pub struct OutputFile(Target);
+
+#[derive(Debug)]
+enum Target {
+    File { place: Place, existing: Existing, _lock: Lock },
+    StandardOutput,
 }
+
+/// How people name standard output in place of a file.
+const STANDARD_OUTPUT: &str = "-";
 
 impl OutputFile {
     /// Takes the place of a file, so that no work is done in vain.
@@ -46,38 +51,61 @@ impl OutputFile {
         let lock = Lock::take(&place)?;
         // Another run may have ended in between.
         check(&place, existing)?;
-        Ok(Self { place, existing, _lock: lock })
+        Ok(Self(Target::File { place, existing, _lock: lock }))
     }
 
-    /// The path, as it was named.
+    /// Standard output in place of a file; it gets the bytes at once, when they are whole.
+    #[must_use]
+    pub fn standard_output() -> Self {
+        Self(Target::StandardOutput)
+    }
+
+    /// Whether this is standard output.
+    #[must_use]
+    pub fn is_standard_output(&self) -> bool {
+        matches!(self.0, Target::StandardOutput)
+    }
+
+    /// The path, as it was named; `-` for standard output.
     #[must_use]
     pub fn path(&self) -> &Path {
-        &self.place.path
+        match &self.0 {
+            Target::File { place, .. } => &place.path,
+            Target::StandardOutput => Path::new(STANDARD_OUTPUT),
+        }
     }
 
-    /// An empty file under a temporary name beside the output; it is removed when dropped.
+    /// An empty file under a temporary name beside the output, or in the system's folder for such
+    /// files; it is removed when dropped.
     ///
     /// # Errors
     /// `Io`.
     pub fn begin(&self) -> Result<NamedTempFile, OutputError> {
-        self.place.temporary_file()
+        match &self.0 {
+            Target::File { place, .. } => place.temporary_file(),
+            Target::StandardOutput => NamedTempFile::new().map_err(|error| self.refused(error)),
+        }
     }
 
     /// Gives a file of [`Self::begin`] the output's name, when its bytes are on the disk.
     ///
     /// # Errors
     /// `Exists` if something else has written the output meanwhile and may not be replaced; `Io`.
-    pub fn finish(self, part: NamedTempFile) -> Result<(), OutputError> {
-        part.as_file().sync_all().map_err(|error| self.place.refused(error))?;
-        let named = match self.existing {
-            Existing::Refuse => part.persist_noclobber(&self.place.target),
-            Existing::Replace => part.persist(&self.place.target),
+    pub fn finish(self, mut part: NamedTempFile) -> Result<(), OutputError> {
+        let (place, existing) = match &self.0 {
+            Target::File { place, existing, .. } => (place, existing),
+            Target::StandardOutput => return print(&mut part).map_err(|error| self.refused(error)),
+        };
+        part.as_file().sync_all().map_err(|error| self.refused(error))?;
+        let named = match existing {
+            Existing::Refuse => part.persist_noclobber(&place.target),
+            Existing::Replace => part.persist(&place.target),
         };
         named.map_err(|failed| match failed.error.kind() {
-            ErrorKind::AlreadyExists => OutputError::Exists { path: self.place.path.clone() },
-            _ => self.place.refused(failed.error),
+            ErrorKind::AlreadyExists => OutputError::Exists { path: place.path.clone() },
+            _ => self.refused(failed.error),
         })?;
-        self.place.sync_folder()
+        place.sync_folder()
     }
 
     /// Writes the whole file.
@@ -86,9 +114,23 @@ impl OutputFile {
     /// As [`Self::begin`] and [`Self::finish`].
     pub fn write(self, bytes: impl AsRef<[u8]>) -> Result<(), OutputError> {
         let mut part = self.begin()?;
-        part.write_all(bytes.as_ref()).map_err(|error| self.place.refused(error))?;
+        part.write_all(bytes.as_ref()).map_err(|error| self.refused(error))?;
         self.finish(part)
     }
+
+    fn refused(&self, error: io::Error) -> OutputError {
+        match &self.0 {
+            Target::File { place, .. } => place.refused(error),
+            Target::StandardOutput => OutputError::io("write", self.path(), error),
+        }
+    }
+}
+
+fn print(part: &mut NamedTempFile) -> io::Result<()> {
+    part.rewind()?;
+    let mut stream = io::stdout().lock();
+    io::copy(part.as_file_mut(), &mut stream)?;
+    stream.flush()
 }
 
 /// Writes a whole file, in place of what is there.

@@ -3,8 +3,8 @@
 use std::ffi::OsString;
 
 use anyhow::{Context, Result};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{ColorChoice, CommandFactory, Parser};
+use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
+use clap::{ColorChoice, CommandFactory, Parser, value_parser};
 use dataset::Preset;
 
 use crate::commands::Command;
@@ -26,7 +26,7 @@ Start with recordings that you have:
   pushlab init pushes             write pushes/dataset.toml from what is there
   pushlab ingest pushes -o steps.csv
   pushlab describe steps.csv
-or with simulated ones: pushlab generate pushes --hidden surprise
+or with simulated ones: pushlab generate --hidden surprise -o pushes
 
 Exit codes: 0 done, 1 the input or the computation failed, 2 wrong usage.";
 
@@ -67,6 +67,11 @@ fn color_wanted(arguments: &[OsString]) -> ColorChoice {
 pub(crate) fn preset_parser() -> impl TypedValueParser<Value = Preset> {
     PossibleValuesParser::new(Preset::ALL.map(Preset::name))
         .try_map(|name| Preset::by_name(&name).ok_or("no such preset"))
+}
+
+/// Reads a seed, as far as TOML can write integers.
+pub(crate) fn seed_parser() -> RangedU64ValueParser {
+    value_parser!(u64).range(..=i64::MAX as u64)
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 use dataset::{MANIFEST_NAME, Preset, RecordingSet};
 use output::{Existing, OutputError, OutputFile, OutputFolder};
 
+use crate::file_ending::is_standard;
 use crate::origin::readable;
 use crate::recorded_steps::SET_FILES;
 
@@ -20,12 +21,15 @@ pub(crate) struct Force {
 }
 
 impl Force {
-    /// Takes the place of a file.
+    /// Takes the place of a file, or standard output.
     ///
     /// # Errors
     /// If it exists and may not be replaced, is an input or lies in one, or cannot be written, or
     /// if another run is writing it.
     pub(crate) fn file(&self, path: &Path, inputs: &Inputs) -> Result<OutputFile> {
+        if is_standard(path) {
+            return Ok(OutputFile::standard_output());
+        }
         inputs.check_is_no_recording(path)?;
         let existing = if self.force { Existing::Replace } else { Existing::Refuse };
         match OutputFile::apart_from(&inputs.paths, path, existing) {

@@ -32,7 +32,7 @@ mod tests {
         let path = dir.path().join("d.json");
         let message = |bytes: &[u8]| {
             std::fs::write(&path, bytes).unwrap();
-            let error = read(&path, &mut Origin::new([])).unwrap_err();
+            let error = read(&path, &mut Origin::new("add")).unwrap_err();
             format!("{error:#}").replace(dir.path().to_str().unwrap(), "DIR")
         };
         for (bytes, says) in [
@@ -53,7 +53,7 @@ mod tests {
             let message = message(bytes);
             assert!(message.contains(says), "{message}");
         }
-        let message = format!("{:#}", read(Path::new("/"), &mut Origin::new([])).unwrap_err());
+        let message = format!("{:#}", read(Path::new("/"), &mut Origin::new("add")).unwrap_err());
         assert!(message.contains("is a folder"), "{message}");
     }
 }

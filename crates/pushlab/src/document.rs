@@ -5,31 +5,37 @@ use serde::Serialize;
 
 use crate::origin::Origin;
 
-/// A result with what made it, as `--json` prints it and reports in JSON hold it.
-pub(crate) struct Document<'a, R> {
-    pub(crate) origin: &'a Origin,
-    pub(crate) result: &'a R,
-}
-
+/// The one form of every document; the fields of the result stand beside these.
+///
+/// `diagnosis.json` has the same, and is read again: the crate `diagnosis` defines it.
 #[derive(Serialize)]
-struct Fields<'a, R> {
-    schema: &'static str,
+struct Document<'a, R> {
+    /// Name and version of the fields.
+    schema: String,
+    made_by: &'a Origin,
+    /// What people were told beside the result.
+    warnings: &'a [String],
     #[serde(flatten)]
-    origin: &'a Origin,
     result: &'a R,
 }
 
-impl<R: Serialize> Document<'_, R> {
-    /// Version of the document's form.
-    const SCHEMA: &'static str = "pushlab.result/1";
+/// A result as `--json` prints it and files in JSON hold it, with a line break at its end.
+///
+/// # Errors
+/// If the result cannot be written as JSON.
+pub(crate) fn document<R: Serialize>(
+    origin: &Origin,
+    warnings: &[String],
+    result: &R,
+) -> Result<String> {
+    let schema = format!("pushlab.{}/1", origin.command.replace(' ', "-"));
+    indented(&Document { schema, made_by: origin, warnings, result })
+}
 
-    /// The document as indented JSON with a line break at its end.
-    ///
-    /// # Errors
-    /// If the result cannot be written as JSON.
-    pub(crate) fn to_json(&self) -> Result<String> {
-        let fields = Fields { schema: Self::SCHEMA, origin: self.origin, result: self.result };
-        let text = serde_json::to_string_pretty(&fields).context("cannot write JSON")?;
-        Ok(text + "\n")
-    }
+/// A document that has its form already.
+///
+/// # Errors
+/// If it cannot be written as JSON.
+pub(crate) fn indented(document: &impl Serialize) -> Result<String> {
+    Ok(serde_json::to_string_pretty(document).context("cannot write JSON")? + "\n")
 }

@@ -40,7 +40,7 @@ impl std::error::Error for WrongUsage {}
 pub(crate) fn report(error: &anyhow::Error, terminal: &Terminal) -> Outcome {
     // Nobody reads the result any more, as in `pushlab … | head`.
     let gone = |error: &io::Error| error.kind() == ErrorKind::BrokenPipe;
-    if error.downcast_ref::<io::Error>().is_some_and(gone) {
+    if error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>()).any(gone) {
         return Outcome::Done;
     }
     terminal.tell(format_args!("{FAILURE}error:{FAILURE:#} {}", chain(error)));

@@ -1,10 +1,38 @@
 //! Kinds of files by how their names end, for the parser of the command line.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// The name of standard output, where an output of one file can go, too.
+const STANDARD: &str = "-";
+
+/// Whether an output is to be printed.
+pub(crate) fn is_standard(path: &Path) -> bool {
+    path == Path::new(STANDARD)
+}
+
+/// An output that is a folder.
+pub(crate) fn folder(text: &str) -> Result<PathBuf, String> {
+    match text {
+        STANDARD => Err("a folder cannot go to standard output; name one".to_owned()),
+        _ => Ok(text.into()),
+    }
+}
+
+/// An output of one file, of a kind that [`table`] and the others know, or standard output.
+pub(crate) fn or_standard(
+    kind: fn(&str) -> Result<PathBuf, String>,
+) -> impl Fn(&str) -> Result<PathBuf, String> + Clone {
+    move |text| if text == STANDARD { Ok(text.into()) } else { kind(text) }
+}
 
 /// A step table.
 pub(crate) fn table(text: &str) -> Result<PathBuf, String> {
     ending(text, &["csv", "parquet"])
+}
+
+/// A list.
+pub(crate) fn csv(text: &str) -> Result<PathBuf, String> {
+    ending(text, &["csv"])
 }
 
 /// A report.
@@ -37,7 +65,7 @@ fn ending(text: &str, allowed: &[&str]) -> Result<PathBuf, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::table;
+    use super::{folder, is_standard, or_standard, table};
 
     #[test]
     fn other_endings_are_refused_with_the_allowed_ones() {
@@ -46,5 +74,13 @@ mod tests {
             let error = table(text).unwrap_err();
             assert_eq!(error, "expected a file that ends in .csv or .parquet", "{text}");
         }
+    }
+
+    #[test]
+    fn standard_output_takes_the_place_of_one_file() {
+        assert!(is_standard(&or_standard(table)("-").unwrap()));
+        assert!(!is_standard(&or_standard(table)("./-.csv").unwrap()));
+        assert!(or_standard(table)("a.txt").is_err() && table("-").is_err());
+        assert!(folder("-").unwrap_err().contains("standard output") && folder("out").is_ok());
     }
 }

@@ -15,6 +15,9 @@ pub(crate) const TOOL: &str = concat!("pushlab ", env!("CARGO_PKG_VERSION"));
 /// What every output carries.
 #[derive(Serialize)]
 pub(crate) struct Origin {
+    /// The command's name.
+    #[serde(skip)]
+    pub(crate) command: &'static str,
     /// Name and version.
     pub(crate) tool: &'static str,
     /// The command and what decides its result; paths of outputs, threads and colors do not.
@@ -33,8 +36,40 @@ pub(crate) struct Input {
 }
 
 impl Origin {
-    pub(crate) fn new(arguments: impl IntoIterator<Item = String>) -> Self {
-        Self { tool: TOOL, arguments: arguments.into_iter().collect(), inputs: Vec::new() }
+    /// Of a command, whose arguments are to be added in the order in which one would type them.
+    pub(crate) fn new(command: &'static str) -> Self {
+        let arguments = command.split_whitespace().map(str::to_owned).collect();
+        Self { command, tool: TOOL, arguments, inputs: Vec::new() }
+    }
+
+    /// The same with more words.
+    pub(crate) fn words(mut self, words: impl IntoIterator<Item = String>) -> Self {
+        self.arguments.extend(words);
+        self
+    }
+
+    /// The same with a path.
+    pub(crate) fn path(self, path: &Path) -> Self {
+        self.words([path.display().to_string()])
+    }
+
+    /// The same with an option, once for each of its values.
+    pub(crate) fn option<V: ToString>(
+        self,
+        name: &str,
+        values: impl IntoIterator<Item = V>,
+    ) -> Self {
+        let pairs = values.into_iter().map(|value| [format!("--{name}"), value.to_string()]);
+        self.words(pairs.flatten())
+    }
+
+    /// The same with an option whose values are paths.
+    pub(crate) fn paths<'a>(
+        self,
+        name: &str,
+        paths: impl IntoIterator<Item = &'a PathBuf>,
+    ) -> Self {
+        self.option(name, paths.into_iter().map(|path| path.display()))
     }
 
     /// The same as comment lines, for files that have comments.
@@ -95,8 +130,7 @@ impl Input {
         let (mut file, _) = open_regular(path, &ReadLimits::default())?;
         io::copy(&mut file, &mut hash)
             .with_context(|| format!("cannot read {}", path.display()))?;
-        let sha256 = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(Self::known(path, sha256))
+        Ok(Self::known(path, format!("{:x}", hash.finalize())))
     }
 
     /// Hashes a file, or every file of a folder in the order of their names.
@@ -123,7 +157,7 @@ mod tests {
     fn comments_name_tool_arguments_and_sources() {
         let dir = tempfile::tempdir().unwrap();
         std::fs::write(dir.path().join("a b.txt"), "abc").unwrap();
-        let mut origin = Origin::new(["describe".to_owned(), "a b.txt".to_owned()]);
+        let mut origin = Origin::new("describe").path("a b.txt".as_ref());
         origin.inputs = Input::all(dir.path()).unwrap();
         origin.inputs[0].path = "a b.txt".into();
         let version = env!("CARGO_PKG_VERSION");

@@ -7,7 +7,7 @@ use dataset::{
 };
 
 use crate::origin::Input;
-use crate::terminal::{Terminal, WARNING};
+use crate::terminal::Terminal;
 
 /// Files of a set beside its recordings.
 pub(crate) const SET_FILES: [&str; 2] = [MANIFEST_NAME, "sessions.csv"];
@@ -31,7 +31,7 @@ impl RecordedSteps {
         terminal: &Terminal,
     ) -> Result<Self> {
         for remark in set.remarks() {
-            terminal.tell(format_args!("{WARNING}note:{WARNING:#} {}", remark.text));
+            terminal.remark(&remark.text);
         }
         let mut rows = Vec::new();
         let mut progress = terminal.progress("recordings read:", set.recordings().len());
@@ -43,7 +43,7 @@ impl RecordedSteps {
         progress.finish();
         let report = report?;
         if let Some(sentence) = excluded(&report) {
-            terminal.tell(format_args!("{WARNING}note:{WARNING:#} {sentence}"));
+            terminal.remark(sentence);
         }
         let n_pushes =
             report.summary.pushes_used + report.summary.excluded.values().sum::<usize>();

@@ -4,7 +4,7 @@ use anyhow::{Result, bail};
 use dataset::RecordingSet;
 use diagnosis::{Coverage, Observations, SUSPECTED_RECORDINGS, Suspicion, suspicions};
 
-use crate::terminal::{Terminal, WARNING};
+use crate::terminal::Terminal;
 
 /// What contradicts the mechanics in some of a set's recordings, evenly over it; those that cannot
 /// be read are left to the ingest.
@@ -18,14 +18,14 @@ pub(crate) fn suspected(set: &RecordingSet) -> Vec<Suspicion> {
 /// Tells what pushes of few kinds cannot show.
 pub(crate) fn warn_of_narrowness(observations: &Observations, terminal: &Terminal) {
     for sentence in Coverage::of(observations).cannot_tell() {
-        terminal.tell(format_args!("{WARNING}warning:{WARNING:#} {sentence}"));
+        terminal.warn(sentence);
     }
 }
 
 /// Tells people before anything else.
 pub(crate) fn warn(suspicions: &[Suspicion], terminal: &Terminal) {
     for suspicion in suspicions {
-        terminal.tell(format_args!("{WARNING}warning:{WARNING:#} {suspicion}"));
+        terminal.warn(suspicion);
     }
 }
 

@@ -2,24 +2,42 @@
 
 use std::fmt::Display;
 use std::io::{self, Write};
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 
 use anstream::AutoStream;
 use anstyle::{AnsiColor, Style};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::ColorChoice;
 use indicatif::ProgressDrawTarget;
 use serde::Serialize;
 
-use crate::document::Document;
+use crate::document::document;
+use crate::failure::WrongUsage;
+use crate::file_ending::is_standard;
 use crate::global::Global;
-use crate::origin::Origin;
+use crate::origin::{Input, Origin};
 use crate::progress::Progress;
 
 /// Standard output and standard error, with what the user wants to see of them.
+#[derive(Clone)]
 pub(crate) struct Terminal {
-    json: bool,
+    /// What standard output gets of a result.
+    result: Shown,
     quiet: bool,
+    verbose: bool,
     color: ColorChoice,
+    /// What was told beside the result, for programs.
+    warnings: Arc<Mutex<Vec<String>>>,
+    started: Instant,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Shown {
+    Text,
+    Json,
+    Nothing,
 }
 
 /// Style of a title.
@@ -31,7 +49,14 @@ pub(crate) const FAILURE: Style = AnsiColor::Red.on_default().bold();
 
 impl Terminal {
     pub(crate) fn new(global: &Global) -> Self {
-        Self { json: global.json, quiet: global.quiet, color: global.color }
+        let Global { json, quiet, verbose, color, .. } = *global;
+        let result = match (json, quiet) {
+            (true, _) => Shown::Json,
+            (false, true) => Shown::Nothing,
+            (false, false) => Shown::Text,
+        };
+        let warnings = Arc::default();
+        Self { result, quiet, verbose, color, warnings, started: Instant::now() }
     }
 
     /// Ends a command: its result for people, or as a document for programs.
@@ -44,37 +69,82 @@ impl Terminal {
         result: &impl Serialize,
         text: impl Display,
     ) -> Result<()> {
-        if self.json {
-            self.print(&Document { origin, result }.to_json()?)
-        } else if self.quiet {
-            Ok(())
-        } else {
-            self.print(&text.to_string())
-        }
+        self.finish_with(origin, || document(origin, &self.warnings(), result), text)
     }
 
-    /// As [`Terminal::finish`], for a result whose JSON has a form of its own.
+    /// As [`Terminal::finish`], for a result that makes its document itself.
     ///
     /// # Errors
-    /// As [`Terminal::finish`].
-    pub(crate) fn finish_plain(&self, json: &str, text: impl Display) -> Result<()> {
-        if self.json {
-            self.print(json)
-        } else if self.quiet {
-            Ok(())
-        } else {
-            self.print(&text.to_string())
+    /// As [`Terminal::finish`], and if the document cannot be made.
+    pub(crate) fn finish_with(
+        &self,
+        origin: &Origin,
+        json: impl FnOnce() -> Result<String>,
+        text: impl Display,
+    ) -> Result<()> {
+        match self.result {
+            Shown::Json => self.print(&json()?)?,
+            Shown::Text => self.print(&text.to_string())?,
+            Shown::Nothing => {}
         }
+        if self.verbose {
+            for Input { path, sha256 } in &origin.inputs {
+                self.tell(format_args!("read {}, sha256 {sha256}", path.display()));
+            }
+            let (seconds, n) = (self.started.elapsed().as_secs_f64(), rayon::current_num_threads());
+            self.tell(format_args!("done in {seconds:.1} s with {n} threads"));
+        }
+        Ok(())
     }
 
     /// For commands within a command, whose results programs do not get.
     pub(crate) fn within(&self) -> Self {
-        Self { json: false, quiet: self.quiet || self.json, color: self.color }
+        let is_json = self.result == Shown::Json;
+        let result = if is_json { Shown::Nothing } else { self.result };
+        let quiet = self.quiet || is_json;
+        Self { result, quiet, warnings: Arc::default(), started: Instant::now(), ..self.clone() }
     }
 
     /// For work of which people have seen the progress already.
     pub(crate) fn silent(&self) -> Self {
-        Self { json: self.json, quiet: true, color: self.color }
+        Self { quiet: true, ..self.clone() }
+    }
+
+    /// For a command with these outputs: one that is standard output takes the place of the result.
+    ///
+    /// # Errors
+    /// If two things are to be printed there.
+    pub(crate) fn beside<'a>(&self, outputs: impl IntoIterator<Item = &'a Path>) -> Result<Self> {
+        match outputs.into_iter().filter(|output| is_standard(output)).count() {
+            0 => Ok(self.clone()),
+            1 if self.result != Shown::Json => Ok(Self { result: Shown::Nothing, ..self.clone() }),
+            _ => {
+                bail!(WrongUsage("one output alone can be standard output: name a file, or --json"))
+            }
+        }
+    }
+
+    /// Warns people, and programs that read the document; of the same thing once.
+    pub(crate) fn warn(&self, text: impl Display) {
+        self.tell_beside("warning", text.to_string());
+    }
+
+    /// Tells people what else is to be known of the result, and programs that read the document.
+    pub(crate) fn remark(&self, text: impl Display) {
+        self.tell_beside("note", text.to_string());
+    }
+
+    fn tell_beside(&self, kind: &str, text: String) {
+        let mut told = self.warnings.lock().unwrap_or_else(PoisonError::into_inner);
+        if !told.contains(&text) {
+            self.tell(format_args!("{WARNING}{kind}:{WARNING:#} {text}"));
+            told.push(text);
+        }
+    }
+
+    /// What was told beside the result so far.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        self.warnings.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Prints what is no result.
@@ -82,7 +152,7 @@ impl Terminal {
     /// # Errors
     /// As [`Terminal::finish`].
     pub(crate) fn print_for_people(&self, text: &str) -> Result<()> {
-        if self.json || self.quiet { Ok(()) } else { self.print(text) }
+        if self.result == Shown::Text { self.print(text) } else { Ok(()) }
     }
 
     /// Prints what the user asked for itself, whatever they want to see of the rest.

@@ -7,7 +7,7 @@ use studies::{effects_atlas, figures, real_comparison, real_data, samples, simul
 
 /// Tasks of the project, which `cargo xtask` starts by their names.
 #[derive(Parser)]
-#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", max_term_width = 100)]
 struct CommandLine {
     #[command(subcommand)]
     task: Task,

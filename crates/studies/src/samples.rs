@@ -45,8 +45,8 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     data: PathBuf,
     /// The page to write
-    #[arg(long, value_name = "FILE", default_value = "docs/samples.md")]
-    out: PathBuf,
+    #[arg(short, long, value_name = "FILE", default_value = "docs/samples.md", alias = "out")]
+    output: PathBuf,
 }
 
 /// The part of an answer that is read.
@@ -84,7 +84,7 @@ pub fn run(args: &Args) -> Result<()> {
         samples.push(sample(&path).with_context(|| format!("{}", path.display()))?);
     }
     ensure!(!samples.is_empty(), "no *.answer.json in {}", args.data.display());
-    let out = workspace_root().join(&args.out);
+    let out = workspace_root().join(&args.output);
     output::write(&out, page(&samples))?;
     println!("written: {}", out.display());
     Ok(())

@@ -65,7 +65,7 @@ fn seal(folder: &Path, key: &str) -> Result<String> {
     let mut files = Vec::new();
     add_files(folder, &mut files)?;
     files.retain(|file| *file != folder.join(SEAL));
-    Ok(hexadecimal(Sha256::digest(format!("{key}\n{}", digest(folder, files)?))))
+    Ok(format!("{:x}", Sha256::digest(format!("{key}\n{}", digest(folder, files)?))))
 }
 
 /// The files at or below a path.
@@ -91,11 +91,7 @@ fn digest(root: &Path, mut files: Vec<PathBuf>) -> Result<String> {
         all.update([0]);
         all.update(Sha256::digest(&bytes));
     }
-    Ok(hexadecimal(all.finalize()))
-}
-
-fn hexadecimal(bytes: impl AsRef<[u8]>) -> String {
-    bytes.as_ref().iter().map(|byte| format!("{byte:02x}")).collect()
+    Ok(format!("{:x}", all.finalize()))
 }
 
 #[cfg(test)]

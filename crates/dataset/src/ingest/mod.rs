@@ -67,7 +67,7 @@ pub fn ingest_each(
 ) -> Result<IngestReport, DatasetError> {
     settings.validate()?;
     let mut report = IngestReport {
-        schema: "pushlab.ingest/2",
+        schema: "pushlab.ingest-report/1",
         tool: TOOL,
         name: set.manifest().name.clone(),
         preset: set.preset().map(|preset| preset.name()),

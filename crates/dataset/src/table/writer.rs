@@ -36,13 +36,17 @@ impl TableWriter {
         Self::begin(OutputFile::new(path, Existing::Replace)?)
     }
 
-    /// Begins a table whose place is taken.
+    /// Begins a table whose place is taken; on standard output it is CSV.
     ///
     /// # Errors
     /// `Output` if nothing can be written there, `Unwritable` for another extension than `.csv` and
     /// `.parquet`, `FeatureOff` for Parquet without its feature.
     pub fn begin(output: OutputFile) -> Result<Self, DatasetError> {
-        let rows = match extension(output.path())? {
+        let kind = match output.is_standard_output() {
+            true => Kind::Csv,
+            false => extension(output.path())?,
+        };
+        let rows = match kind {
             Kind::Csv => Rows::Csv(Box::new(RowsFile::begin(&output)?)),
             Kind::Parquet => parquet_rows(&output)?,
         };

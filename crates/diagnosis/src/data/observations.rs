@@ -374,7 +374,7 @@ fn set_digest(table: &Table) -> String {
             hash.update("\n");
         }
     }
-    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    format!("{:x}", hash.finalize())
 }
 
 /// What may be edited without making it another set.

@@ -11,6 +11,12 @@ use crate::{FloorSource, NoiseModel, Observations, Suspicion};
 pub struct Diagnosis {
     /// Name and version of this format.
     pub schema: String,
+    /// What made it, where a tool did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub made_by: Option<MadeBy>,
+    /// What a tool told beside the answer.
+    #[serde(default)]
+    pub warnings: Vec<String>,
     /// What may be claimed.
     pub verdict: Verdict,
     /// Effects that the verdict claims, in the order of adding; empty unless it is `named`.
@@ -35,9 +41,6 @@ pub struct Diagnosis {
     /// none of it is.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub suspicions: Vec<Suspicion>,
-    /// What made it, where a tool did.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub made_by: Option<MadeBy>,
 }
 
 impl Diagnosis {

@@ -118,6 +118,8 @@ pub fn diagnose(
     let effects = findings(&found, (&claims, &members), settings);
     let diagnosis = Diagnosis {
         schema: Diagnosis::SCHEMA.to_owned(),
+        made_by: None,
+        warnings: Vec::new(),
         verdict: claims.verdict,
         sentence: sentence(&claims, &effects, &found.error, &left),
         named: claims.named.iter().map(|id| (*id).to_owned()).collect(),
@@ -142,7 +144,6 @@ pub fn diagnose(
         },
         split: parts,
         suspicions: Vec::new(),
-        made_by: None,
     };
     Ok(Diagnosed { diagnosis, description: found.description })
 }

@@ -4,6 +4,8 @@ use std::ops::Range;
 
 use nalgebra::DVector;
 
+use crate::statistics::sample::quantile;
+
 /// Huber's function of whitened residuals, once for each number and once for each push.
 ///
 /// F = Σₚ nₚ H(sₚ) + Σ prior_residual², sₚ² = Σᵢ H(zᵢ)/nₚ over the nₚ numbers of push p, with
@@ -78,9 +80,8 @@ fn spread(rows: &[Range<usize>], z: &DVector<f64>) -> f64 {
         let sum: f64 = rows.clone().map(|row| z[row] * z[row]).sum();
         (sum / rows.len() as f64).sqrt()
     };
-    let mut all: Vec<f64> = rows.iter().filter(|rows| !rows.is_empty()).map(rms).collect();
-    all.sort_by(f64::total_cmp);
-    all.get(all.len() / 2).copied().unwrap_or_default().max(1.0)
+    let all = rows.iter().filter(|rows| !rows.is_empty()).map(rms).collect();
+    quantile(all, 0.5).unwrap_or_default().max(1.0)
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! How noise grows with the motion of a step.
 
+use crate::statistics::sample::quantile;
+
 /// Variance of a step's noise: constant + per_square · way².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Growth {
@@ -30,10 +32,8 @@ impl Growth {
     /// Least squares of the squares on way², weighted by the fitted variance, which makes them the
     /// maximum of the Gaussian likelihood.
     pub(crate) fn of(deviations: &[Deviation]) -> Option<Self> {
-        let mut ways: Vec<f64> = deviations.iter().map(|deviation| deviation.way).collect();
-        ways.sort_by(f64::total_cmp);
-        let at = |share: f64| ways.get((share * (ways.len().max(1) - 1) as f64).round() as usize);
-        let (low, high) = (*at(0.1)?, *at(0.9)?);
+        let ways: Vec<f64> = deviations.iter().map(|deviation| deviation.way).collect();
+        let (low, high) = (quantile(ways.clone(), 0.1)?, quantile(ways, 0.9)?);
         if high < LEAST_SPREAD * low {
             return None;
         }

@@ -4,6 +4,7 @@ use super::SuggestSettings;
 use crate::Observations;
 use crate::data::coverage::Coverage;
 use crate::data::steady_ingest::{FIRST_WAY, STEP_WAY};
+use crate::statistics::sample::quantile;
 
 /// Limits of pushes.
 #[derive(Clone, Debug)]
@@ -68,6 +69,6 @@ fn usual_travel(observations: &Observations) -> f64 {
     for (step, push) in observations.push_of.iter().enumerate() {
         ways[*push] += observations.way(step);
     }
-    ways.sort_by(f64::total_cmp);
-    (1e3 * ways[ways.len() / 2].clamp(SHORTEST_WAY, LONGEST)).round() / 1e3
+    let usual = quantile(ways, 0.5).unwrap_or_default();
+    (1e3 * usual.clamp(SHORTEST_WAY, LONGEST)).round() / 1e3
 }

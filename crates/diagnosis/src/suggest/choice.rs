@@ -70,12 +70,6 @@ pub(super) fn random(
     (0..n).map(|_| draw()).collect()
 }
 
-/// The middle of some values; 0 of none.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or_default()
-}
-
 #[cfg(test)]
 mod tests {
     use super::best;

@@ -3,9 +3,9 @@
 use models::{ChannelObservation, Cluster, Exclusion};
 
 use super::SuggestedPush;
-use super::choice::median;
 use super::route::{Route, RouteStep};
 use crate::data::observations::Place;
+use crate::statistics::sample::quantile;
 use crate::{Observations, PushName};
 
 /// Candidates as observations, with the numbers that are expected.
@@ -18,7 +18,8 @@ impl Planned {
             observations.steps.iter().any(|step| step.observed[number].is_some())
         });
         let sd = |end: usize, kind: usize| {
-            median(observations.places.iter().map(|place| place.pose_sd[end][kind]).collect())
+            let sd = observations.places.iter().map(|place| place.pose_sd[end][kind]);
+            quantile(sd.collect(), 0.5).unwrap_or_default()
         };
         let pose_sd = [0, 1].map(|end| [sd(end, 0), sd(end, 1)]);
         let (mut steps, mut places, mut push_of) = (Vec::new(), Vec::new(), Vec::new());

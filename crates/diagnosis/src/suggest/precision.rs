@@ -3,9 +3,9 @@
 use nalgebra::DMatrix;
 use serde::Serialize;
 
-use super::choice::median;
 use super::planned::Planned;
 use super::standpoint::Standpoint;
+use crate::statistics::sample::quantile;
 use crate::statistics::score::DETECTABLE;
 use crate::statistics::score::pick;
 use crate::{DiagnosisError, NoiseModel, Observations};
@@ -103,7 +103,7 @@ impl Precisions {
                 unit: free.unit.to_owned(),
                 now: free.prior_sd * se(&now, k)?,
                 expected: free.prior_sd * se(&then, k)?,
-                with_random: free.prior_sd * median(with_random),
+                with_random: free.prior_sd * quantile(with_random, 0.5).unwrap_or_default(),
                 smallest_detectable_now: size(&now),
                 smallest_detectable: size(&then),
                 // A secant is half the usual size.

@@ -4,9 +4,9 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::Aim;
-use super::choice::median;
 use super::planned::Planned;
 use super::standpoint::{Standpoint, View};
+use crate::statistics::sample::quantile;
 use crate::statistics::score::Products;
 use crate::{DiagnosisError, NoiseModel, Observations};
 
@@ -89,7 +89,8 @@ impl Separations {
                 other,
                 now: harder(&[]),
                 expected: harder(design),
-                with_random: median(random.iter().map(|design| harder(design)).collect()),
+                with_random: quantile(random.iter().map(|design| harder(design)).collect(), 0.5)
+                    .unwrap_or_default(),
             }
         };
         self.names.iter().zip(self.pairs.chunks(2)).map(told).collect()

@@ -1,10 +1,10 @@
 //! Whether the streams of pusher and object are exchanged.
 
 use super::mistake::View;
-use super::numbers::quantile;
 use super::places::{NEAR, NEARER, SHARE, distance, evidence};
 use super::scene::Scene;
 use super::{Check, Explanation, Find, Suspicion};
+use crate::statistics::sample::quantile;
 
 pub(super) const CHECK: Check = Check {
     id: "exchanged",

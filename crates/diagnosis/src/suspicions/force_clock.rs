@@ -3,9 +3,9 @@
 use nalgebra::Vector2;
 
 use super::mistake::View;
-use super::numbers::quantile;
 use super::scene::{Evidence, Scene};
 use super::{Check, Find, Suspicion};
+use crate::statistics::sample::quantile;
 
 pub(super) const CHECK: Check = Check {
     id: "force-clock",

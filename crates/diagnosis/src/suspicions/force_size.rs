@@ -3,9 +3,9 @@
 use dataset::SupportSpec;
 
 use super::mistake::View;
-use super::numbers::quantile;
 use super::scene::Scene;
 use super::{Check, Find, Suspicion, mass};
+use crate::statistics::sample::quantile;
 
 pub(super) const CHECK: Check = Check {
     id: "force-size",

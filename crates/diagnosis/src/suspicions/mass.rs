@@ -1,9 +1,10 @@
 //! Whether the mass is one that the outline can have.
 
 use super::mistake::View;
-use super::numbers::{length, quantile};
+use super::numbers::length;
 use super::scene::Scene;
 use super::{Check, Find, Suspicion};
+use crate::statistics::sample::quantile;
 
 pub(super) const CHECK: Check = Check {
     id: "mass",

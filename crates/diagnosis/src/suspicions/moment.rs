@@ -4,8 +4,8 @@ use dataset::{PoseStream, WrenchStream};
 use nalgebra::Vector2;
 use planar::Pose;
 
-use super::numbers::quantile;
 use super::track::Track;
+use crate::statistics::sample::quantile;
 
 /// Pusher and object a little before, at, and a little after a time at which the object moves.
 #[derive(Clone, Debug)]

@@ -1,12 +1,4 @@
-//! Quantiles, and numbers as people read them.
-
-/// The value below which a share of the finite ones lies; none if there are none.
-pub(super) fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
-    values.retain(|value| value.is_finite());
-    values.sort_by(f64::total_cmp);
-    let last = values.len().checked_sub(1)?;
-    values.get((share * last as f64).round() as usize).copied()
-}
+//! Shares, and numbers as people read them.
 
 /// The share of values that are so; none if there are fewer than ten.
 pub(super) fn share(values: impl Iterator<Item = bool>) -> Option<f64> {

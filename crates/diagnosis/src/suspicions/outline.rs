@@ -4,10 +4,11 @@ use nalgebra::{Matrix4, Vector2, Vector4};
 use planar::perpendicular;
 
 use super::mistake::View;
-use super::numbers::{length, quantile};
+use super::numbers::length;
 use super::places::{NEAR, SHARE, distance};
 use super::scene::Scene;
 use super::{Check, Explanation, Find, Suspicion};
+use crate::statistics::sample::quantile;
 
 pub(super) const CHECK: Check = Check {
     id: "outline",

@@ -1,9 +1,10 @@
 //! Whether the pusher is where it must be while the object moves: at its outline.
 
 use super::mistake::View;
-use super::numbers::{length, quantile};
+use super::numbers::length;
 use super::scene::Scene;
 use super::{Check, Explanation, Find, Suspicion, force_direction};
+use crate::statistics::sample::quantile;
 
 pub(super) const CHECK: Check = Check {
     id: "places",

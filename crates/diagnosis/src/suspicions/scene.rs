@@ -3,8 +3,8 @@
 use dataset::{Manifest, ObjectSpec, PoseStream, Recording};
 
 use super::moment::{Moment, Motion, moments, zero};
-use super::numbers::quantile;
 use super::track::Track;
+use crate::statistics::sample::quantile;
 
 /// All that is looked at.
 pub(super) struct Scene<'a> {

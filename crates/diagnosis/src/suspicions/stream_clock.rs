@@ -2,10 +2,11 @@
 
 use super::force_clock::SHORTEST;
 use super::mistake::View;
-use super::numbers::{length, quantile};
+use super::numbers::length;
 use super::places::{NEAR, NEARER, SHARE, distance};
 use super::scene::Scene;
 use super::{Check, Explanation, Find, Suspicion, force_clock};
+use crate::statistics::sample::quantile;
 
 pub(super) const CHECK: Check = Check {
     id: "stream-clock",

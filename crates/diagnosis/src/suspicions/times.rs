@@ -1,8 +1,9 @@
 //! Whether times are in another unit: rate and speeds are off together.
 
-use super::numbers::{quantile, speed};
+use super::numbers::speed;
 use super::scene::Scene;
 use super::{Check, Find, Suspicion};
+use crate::statistics::sample::quantile;
 
 pub(super) const CHECK: Check = Check {
     id: "times",

@@ -2,6 +2,8 @@
 
 use nalgebra::Vector2;
 
+use crate::statistics::sample::quantile;
+
 /// Samples of a stream: positions in m, or forces in N, as recorded.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Track {
@@ -70,7 +72,7 @@ impl Track {
         let marks: Vec<usize> = (0..self.t.len()).step_by(stride).collect();
         let way = |pair: &[usize]| (self.values[pair[1]] - self.values[pair[0]]).norm();
         let ways: Vec<f64> = marks.windows(2).map(way).collect();
-        let long = super::numbers::quantile(ways.clone(), 0.9)?;
+        let long = quantile(ways.clone(), 0.9)?;
         let last = ways.iter().rposition(|way| *way > MOVING * long && *way > 0.0)?;
         Some(self.t[marks[last + 1]])
     }

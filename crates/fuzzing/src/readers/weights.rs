@@ -89,7 +89,7 @@ fn input(dir: &Path, path: &Path) -> Result<Vec<u8>> {
 fn prepare(dir: &Path, input: &[u8]) -> Result<()> {
     let mut parts = input.splitn(2, |byte| *byte == NEXT_FILE);
     let (model, weights) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
-    let hash: String = Sha256::digest(weights).iter().map(|byte| format!("{byte:02x}")).collect();
+    let hash = format!("{:x}", Sha256::digest(weights));
     let key = b"sha256 = \"";
     let mut model = model.to_vec();
     let place = model.windows(key.len()).position(|window| window == key);

@@ -4,12 +4,15 @@ use serde::{Deserialize, Serialize};
 
 /// A parameter's value with its standard error, in the same unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Estimate {
     /// The value.
     pub value: f64,
     /// Its standard error; 0 for a value taken as exact.
+    #[serde(default)]
     pub se: f64,
     /// Where it comes from, for people.
+    #[serde(default)]
     pub source: String,
 }
 

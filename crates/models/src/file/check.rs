@@ -4,7 +4,7 @@ use nalgebra::Matrix3;
 use serde_spanned::Spanned;
 
 use super::ModelFile;
-use super::raw::{Raw, RawBase, RawEstimate};
+use super::raw::{Raw, RawBase};
 use super::source::Source;
 use crate::analytical::{FRICTION_RANGE, LENGTH_RANGE};
 use crate::{
@@ -153,17 +153,17 @@ impl Source<'_> {
 
     fn estimate(
         &self,
-        raw: &Spanned<RawEstimate>,
+        raw: &Spanned<Estimate>,
         key: &str,
         (low, high): (f64, f64),
     ) -> Result<Estimate, ModelError> {
-        let RawEstimate { value, se, source } = raw.get_ref();
-        for (name, value, low) in [("value", *value, low), ("se", *se, 0.0)] {
+        let Estimate { value, se, .. } = *raw.get_ref();
+        for (name, value, low) in [("value", value, low), ("se", se, 0.0)] {
             if !(low..=high).contains(&value) {
                 let problem = format!("must be from {low} to {high}, got {value:?}");
                 return Err(self.invalid(raw.span().start, &format!("{key}.{name}"), problem));
             }
         }
-        Ok(Estimate { value: *value, se: *se, source: source.clone() })
+        Ok(raw.get_ref().clone())
     }
 }

@@ -77,10 +77,17 @@ impl ModelFile {
     /// the folder names them.
     ///
     /// # Errors
-    /// `Output`; `Weights` if they cannot be written as JSON; `Io` if old ones cannot be removed.
+    /// `Output`; `Weights` if they cannot be written as JSON, or if the model goes to standard
+    /// output, beside which there is no place for them; `Io` if old ones cannot be removed.
     pub fn write_to(&self, output: OutputFile) -> Result<(), ModelError> {
         let path = output.path().to_owned();
-        let replaced = weights_file::named_by(&path);
+        let is_printed = output.is_standard_output();
+        if is_printed && self.description.weights.is_some() {
+            let problem =
+                "takes no model with weights, which stand beside it; name a file".to_owned();
+            return Err(ModelError::Weights { path, problem });
+        }
+        let replaced = if is_printed { None } else { weights_file::named_by(&path) };
         let learned = match &self.description.weights {
             Some(weights) => Some(weights_file::write(&path, weights)?),
             None => None,

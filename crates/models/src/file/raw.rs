@@ -49,19 +49,9 @@ pub(super) struct RawBase {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scatter_per_m: Option<Spanned<[[f64; 3]; 3]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub pusher_friction: Option<Spanned<RawEstimate>>,
+    pub pusher_friction: Option<Spanned<Estimate>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub characteristic_length: Option<Spanned<RawEstimate>>,
-}
-
-#[derive(Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RawEstimate {
-    pub value: f64,
-    #[serde(default)]
-    pub se: f64,
-    #[serde(default)]
-    pub source: String,
+    pub characteristic_length: Option<Spanned<Estimate>>,
 }
 
 #[derive(Deserialize, Serialize)]
@@ -122,7 +112,7 @@ impl RawBase {
         };
         let (pressure, length) = match model.length() {
             CharacteristicLength::UniformPressure => (Some(new("uniform".to_owned())), None),
-            CharacteristicLength::Given(length) => (None, Some(new(RawEstimate::of(length)))),
+            CharacteristicLength::Given(length) => (None, Some(new(length.clone()))),
         };
         let scatter = *model.scatter();
         Self {
@@ -131,16 +121,9 @@ impl RawBase {
             n_points: n_points.map(new),
             pressure,
             scatter_per_m: (scatter != Matrix3::zeros()).then(|| new(scatter.transpose().into())),
-            pusher_friction: Some(new(RawEstimate::of(model.pusher_friction()))),
+            pusher_friction: Some(new(model.pusher_friction().clone())),
             characteristic_length: length,
         }
-    }
-}
-
-impl RawEstimate {
-    fn of(estimate: &Estimate) -> Self {
-        let Estimate { value, se, source } = estimate.clone();
-        Self { value, se, source }
     }
 }
 

@@ -143,5 +143,5 @@ pub(super) fn remove(model: &Path, name: Option<String>) -> Result<(), ModelErro
 }
 
 fn digest(text: &str) -> String {
-    Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
+    format!("{:x}", Sha256::digest(text))
 }

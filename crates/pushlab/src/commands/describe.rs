@@ -27,7 +27,7 @@ Examples:
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     readable(&args.table)?;
     let table = Table::read(&args.table)?;
-    let mut origin = Origin::new(["describe".to_owned(), args.table.display().to_string()]);
+    let mut origin = Origin::new("describe").path(&args.table);
     origin.inputs = vec![Input::file(&args.table)?];
     let summary = TableSummary::of(&table);
     terminal.finish(&origin, &summary, &summary)

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
+use crate::command_line::seed_parser;
 use crate::destination::{Force, Inputs};
 use crate::file_ending;
 use crate::fitting::{Fitting, model_for};
@@ -26,12 +27,13 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", default_value = "model.toml",
           value_parser = file_ending::model)]
     model: PathBuf,
-    /// Where to write the fitted model
-    #[arg(short, long, value_name = "FILE", value_parser = file_ending::model)]
+    /// Where to write the fitted model; `-` is standard output
+    #[arg(short, long, value_name = "FILE",
+          value_parser = file_ending::or_standard(file_ending::model))]
     output: PathBuf,
     /// Seed of the choice of pushes that are set aside
-    #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = clap::value_parser!(u32))]
-    seed: u32,
+    #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = seed_parser())]
+    seed: u64,
     #[command(flatten)]
     force: Force,
 }
@@ -44,11 +46,12 @@ then:
   pushlab compare pushes --model fitted.toml --against model.toml";
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let terminal = &terminal.beside([args.output.as_path()])?;
     let mut origin = args.origin();
     let inputs = Inputs::default().with_set(&args.set, None);
     let output = (args.output.as_path(), &args.force);
     let (model, destination) = model_for(&args.model, output, inputs, &mut origin)?;
-    let fitting = Fitting::read(&args.set, &model, args.seed.into(), &mut origin, terminal)?;
+    let fitting = Fitting::read(&args.set, &model, args.seed, &mut origin, terminal)?;
     let free: Vec<&str> = args.free.iter().map(String::as_str).collect();
     let fit = fitting.fit(&model, &free)?.determined()?;
     let fitted = fitting.write(fit, format!("{}, fitted", model.name), destination)?;
@@ -57,13 +60,10 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
 
 impl Args {
     fn origin(&self) -> Origin {
-        let words = ["fit".to_owned(), self.set.display().to_string()];
-        let options = [
-            ("--free", self.free.join(",")),
-            ("--model", self.model.display().to_string()),
-            ("--seed", self.seed.to_string()),
-        ];
-        let options = options.into_iter().flat_map(|(name, value)| [name.to_owned(), value]);
-        Origin::new(words.into_iter().chain(options))
+        Origin::new("fit")
+            .path(&self.set)
+            .option("free", [self.free.join(",")])
+            .paths("model", [&self.model])
+            .option("seed", [self.seed])
     }
 }

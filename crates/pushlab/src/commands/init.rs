@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::command_line::preset_parser;
 use crate::destination::{Force, Inputs};
+use crate::file_ending;
 use crate::origin::{Input, Origin, plain, readable};
 use crate::terminal::{TITLE, Terminal, WARNING};
 
@@ -24,9 +25,10 @@ pub(crate) struct Args {
     /// Write what is known of a public data set instead of looking
     #[arg(long, value_name = "NAME", value_parser = preset_parser())]
     preset: Option<Preset>,
-    /// Print the file instead of writing it
-    #[arg(long)]
-    print: bool,
+    /// Where to write the file, by default dataset.toml in DIR; `-` is standard output
+    #[arg(short, long, value_name = "FILE",
+          value_parser = file_ending::or_standard(file_ending::model))]
+    output: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
 }
@@ -34,13 +36,13 @@ pub(crate) struct Args {
 const EXAMPLES: &str = "\
 Examples:
   pushlab init pushes
-  pushlab init pushes --print
+  pushlab init pushes -o -               to look at it first
   pushlab init mit --preset mit-push     for the MIT push data set as published";
 
 #[derive(Serialize)]
 struct Initialized<'a> {
-    /// The file written; none with `--print`.
-    path: Option<&'a Path>,
+    /// The file written.
+    path: &'a Path,
     text: &'a str,
     /// Recordings that the file does not speak of.
     remarks: Vec<Remark>,
@@ -50,16 +52,14 @@ struct Initialized<'a> {
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     readable(&args.dir)?;
-    let path = plain(&args.dir.join(MANIFEST_NAME));
-    let destination =
-        if args.print { None } else { Some(args.force.file(&path, &Inputs::default())?) };
-    let mut origin = Origin::new(["init".to_owned(), args.dir.display().to_string()]);
+    let path = args.output.clone().unwrap_or_else(|| plain(&args.dir.join(MANIFEST_NAME)));
+    let terminal = terminal.beside([path.as_path()])?;
+    let destination = args.force.file(&path, &Inputs::default())?;
+    let preset = args.preset.map(Preset::name);
+    let mut origin = Origin::new("init").path(&args.dir).option("preset", preset);
     let mut remarks = Vec::new();
     let text = match args.preset {
-        Some(preset) => {
-            origin.arguments.extend(["--preset".to_owned(), preset.name().to_owned()]);
-            preset.text().to_owned()
-        }
+        Some(preset) => preset.text().to_owned(),
         None => {
             let (format, folder, recordings) = find_recordings(&args.dir)?;
             remarks = unread_recordings(&args.dir, format, &folder);
@@ -68,33 +68,27 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         }
     };
     let text = format!("{}\n\n{}", text.trim_end(), origin.comment());
-    let is_written = destination.is_some();
-    if let Some(destination) = destination {
-        destination.write(&text)?;
-    }
+    destination.write(&text)?;
     let open_lines = text.lines().enumerate().filter(|(_, line)| line.contains("\"TODO\""));
     let result = Initialized {
-        path: is_written.then_some(path.as_path()),
+        path: &path,
         text: &text,
         remarks,
         open_lines: open_lines.map(|(index, _)| index + 1).collect(),
     };
-    let words = match result.path {
-        Some(path) => next_steps(args, path, &result),
-        None => text.clone(),
-    };
-    terminal.finish(&origin, &result, words)
+    terminal.finish(&origin, &result, next_steps(args, &result))
 }
 
 /// What was written and what to do now.
-fn next_steps(args: &Args, path: &Path, result: &Initialized<'_>) -> String {
-    let mut out = format!("{TITLE}wrote {}{TITLE:#}\n", path.display());
+fn next_steps(args: &Args, result: &Initialized<'_>) -> String {
+    let path = result.path.display();
+    let mut out = format!("{TITLE}wrote {path}{TITLE:#}\n");
     let lines: Vec<_> = result.text.lines().collect();
     if !result.open_lines.is_empty() {
         let _ = writeln!(out, "{WARNING}to be filled in:{WARNING:#}");
     }
     for &line in &result.open_lines {
-        let _ = writeln!(out, "  {}:{line}: {}", path.display(), lines[line - 1]);
+        let _ = writeln!(out, "  {path}:{line}: {}", lines[line - 1]);
     }
     for remark in &result.remarks {
         let _ = writeln!(out, "{WARNING}note:{WARNING:#} {}", remark.text);

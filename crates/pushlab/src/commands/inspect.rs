@@ -13,7 +13,7 @@ use serde::Serialize;
 use crate::origin::{Input, Origin, plain, readable};
 use crate::terminal::{TITLE, Terminal, WARNING};
 
-/// Tell what recordings contain: topics, types, columns, samples, rates, frames
+/// Tell what raw recordings contain: topics, types, columns, samples, rates, frames
 ///
 /// Takes a recording set, a folder of recordings without a manifest, or one recording.
 #[derive(clap::Args)]
@@ -53,9 +53,8 @@ struct InspectedRecording {
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let Found { format, paths, limits, remarks } = recordings(&args.set)?;
-    let mut arguments = vec!["inspect".to_owned(), args.set.display().to_string()];
-    arguments.extend(args.all.then(|| "--all".to_owned()));
-    let mut origin = Origin::new(arguments);
+    let all = args.all.then(|| "--all".to_owned());
+    let mut origin = Origin::new("inspect").path(&args.set).words(all);
     let wanted = if args.all { &paths[..] } else { &paths[..1] };
     let (format_id, n_recordings) = (format.id(), paths.len());
     let mut result = Inspected { format: format_id, n_recordings, remarks, recordings: Vec::new() };

@@ -13,6 +13,7 @@ mod generate;
 mod ingest;
 mod init;
 mod inspect;
+mod man;
 mod models;
 mod report;
 mod simulate;
@@ -46,6 +47,7 @@ pub(crate) enum Command {
     Simulate(simulate::Args),
     Report(report::Args),
     Completions(completions::Args),
+    Man(man::Args),
 }
 
 impl Command {
@@ -73,6 +75,7 @@ impl Command {
             Self::Simulate(args) => simulate::run(args, terminal),
             Self::Report(args) => report::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
+            Self::Man(args) => man::run(args, terminal),
         }
     }
 }

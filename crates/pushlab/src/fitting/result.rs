@@ -7,6 +7,7 @@ use diagnosis::{EffectFit, Fit, Interval, NuisanceFit, ParameterFit};
 use models::Cluster;
 use serde::Serialize;
 
+use crate::people::behind_number;
 use crate::terminal::TITLE;
 
 /// A fit and the file that it was written to.
@@ -76,7 +77,7 @@ impl fmt::Display for Fitted {
 
 fn write_nuisance(f: &mut fmt::Formatter<'_>, nuisance: &NuisanceFit) -> fmt::Result {
     let NuisanceFit { id, name, unit, nominal, value, se, .. } = nuisance;
-    let unit = unit_of(unit);
+    let unit = behind_number(unit);
     match *nominal == 0.0 {
         true => writeln!(f, "  {id} {name}: {value:.1e} ± {se:.0e}{unit}"),
         false => writeln!(f, "  {id} {name}: {value:.3} ± {se:.3}{unit}, nominal {nominal}"),
@@ -87,7 +88,7 @@ fn write_parameter(f: &mut fmt::Formatter<'_>, parameter: &ParameterFit) -> fmt:
     let ParameterFit { name, unit, value, se, interval, .. } = parameter;
     // Two digits of the standard error.
     let digits = if *se > 0.0 { (1.0 - se.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
-    let unit = unit_of(unit);
+    let unit = behind_number(unit);
     write!(f, "  {name}: {value:.digits$} ± {se:.digits$}{unit}")?;
     match interval {
         Some(Interval { low95, high95 }) => {
@@ -95,8 +96,4 @@ fn write_parameter(f: &mut fmt::Formatter<'_>, parameter: &ParameterFit) -> fmt:
         }
         None => writeln!(f),
     }
-}
-
-fn unit_of(unit: &str) -> String {
-    if unit == "1" { String::new() } else { format!(" {unit}") }
 }

@@ -6,11 +6,12 @@ use crate::small_set::SmallSet;
 
 fn checked(design: &str) -> (Value, String) {
     let set = SmallSet::new();
-    let arguments = ["generate", "made", "--pushes", "40", "--design", design, "--format", "csv"];
+    let arguments =
+        ["generate", "-o", "made", "--pushes", "40", "--design", design, "--format", "csv"];
     set.done(&arguments);
     let run = set.done(&["check", "made", "--json"]);
     let document: Value = serde_json::from_str(&run.stdout).unwrap();
-    (document["result"].clone(), set.done(&["check", "made"]).stdout)
+    (document.clone(), set.done(&["check", "made"]).stdout)
 }
 
 fn pairs(result: &Value) -> Vec<(String, String)> {

@@ -7,9 +7,11 @@ use serde_json::Value;
 fn document(text: &str) -> Value {
     let document: Value = serde_json::from_str(text).unwrap();
     let keys: Vec<_> = document.as_object().unwrap().keys().cloned().collect();
-    assert_eq!(keys, ["arguments", "inputs", "result", "schema", "tool"]);
-    assert_eq!(document["schema"], "pushlab.result/1");
-    assert_eq!(document["tool"], concat!("pushlab ", env!("CARGO_PKG_VERSION")));
+    let made_by = &document["made_by"];
+    let command = made_by["arguments"][0].as_str().unwrap();
+    assert!(["schema", "made_by", "warnings"].iter().all(|key| keys.contains(&(*key).into())));
+    assert!(document["schema"].as_str().unwrap().starts_with(&format!("pushlab.{command}")));
+    assert_eq!(made_by["tool"], concat!("pushlab ", env!("CARGO_PKG_VERSION")));
     document
 }
 
@@ -60,8 +62,8 @@ fn a_table_carries_what_made_it() {
     assert_eq!(sources, ["pushes/push-0", "pushes/push-1", "dataset.toml"]);
     // A table is described with the same record.
     let described = document(&set.done(&["describe", "steps.csv", "--json"]).stdout);
-    assert_eq!(described["result"]["rows"], table.len());
-    assert_eq!(described["result"]["provenance"][0][1], get("tool"));
+    assert_eq!(described["rows"], table.len());
+    assert_eq!(described["provenance"][0][1], get("tool"));
 }
 
 #[test]
@@ -90,9 +92,9 @@ fn reports_are_for_people_and_for_programs() {
     assert!(!text.contains('\u{1b}'));
     set.done(&["ingest", "set", "--report", "report.json"]);
     let report = document(&set.read("report.json"));
-    assert_eq!(report["inputs"].as_array().unwrap().len(), 3);
-    assert_eq!(report["result"]["report"]["summary"]["pushes_used"], 2);
-    assert_eq!(report["result"]["report"]["recordings"][1]["name"], "push-1");
+    assert_eq!(report["made_by"]["inputs"].as_array().unwrap().len(), 3);
+    assert_eq!(report["report"]["summary"]["pushes_used"], 2);
+    assert_eq!(report["report"]["recordings"][1]["name"], "push-1");
 }
 
 #[test]
@@ -117,7 +119,7 @@ fn what_is_set_aside_is_named_with_its_reason() {
 fn a_draft_is_written_once_and_says_what_is_open() {
     let set = SmallSet::new();
     std::fs::remove_file(set.path("set/dataset.toml")).unwrap();
-    let printed = set.done(&["init", "set", "--print"]).stdout;
+    let printed = set.done(&["init", "set", "-o", "-"]).stdout;
     assert!(!set.exists("set/dataset.toml"));
     let run = set.done(&["init", "set"]);
     assert_eq!(set.read("set/dataset.toml"), printed);
@@ -145,11 +147,11 @@ fn recordings_are_inspected_with_and_without_a_manifest() {
     std::fs::remove_file(set.path("set/dataset.toml")).unwrap();
     assert_eq!(set.done(&["inspect", "set"]).stdout, run.stdout);
     let one = document(&set.done(&["inspect", "set/pushes/push-1.mcap", "--json"]).stdout);
-    assert_eq!(one["inputs"][0]["path"], "set/pushes/push-1.mcap");
-    assert_eq!(one["result"]["format"], "mcap");
-    assert_eq!(one["result"]["recordings"][0]["streams"].as_array().unwrap().len(), 3);
+    assert_eq!(one["made_by"]["inputs"][0]["path"], "set/pushes/push-1.mcap");
+    assert_eq!(one["format"], "mcap");
+    assert_eq!(one["recordings"][0]["streams"].as_array().unwrap().len(), 3);
     let all = document(&set.done(&["inspect", "set", "--all", "--json"]).stdout);
-    assert_eq!(all["result"]["recordings"].as_array().unwrap().len(), 2);
+    assert_eq!(all["recordings"].as_array().unwrap().len(), 2);
 }
 
 #[test]
@@ -161,7 +163,7 @@ fn tables_of_others_are_converted_by_a_mapping() {
     set.done(&["ingest", "theirs.csv", "--preset", "mit-table", "-o", "ours.csv"]);
     let table = Table::read(&set.path("ours.csv")).unwrap();
     assert_eq!((table.rows[1].p, table.rows[1].beta, table.rows[1].dy), (0.5, 0.5, -0.001));
-    let mapping = set.done(&["init", ".", "--preset", "mit-table", "--print"]).stdout;
+    let mapping = set.done(&["init", ".", "--preset", "mit-table", "-o", "-"]).stdout;
     set.write("map.toml", &mapping);
     set.done(&["ingest", "theirs.csv", "--mapping", "map.toml", "-o", "mapped.csv"]);
     let mapped = Table::read(&set.path("mapped.csv")).unwrap();
@@ -178,11 +180,11 @@ fn models_begin_with_the_nominal_values_of_a_set() {
     assert!(shown.contains("pusher friction: 0.25  (set/dataset.toml sha256:"), "{shown}");
     assert!(set.error(&["models", "init", "set"]).contains("model.toml: it exists"));
     let shown = document(&set.done(&["models", "show", "--json"]).stdout);
-    assert_eq!(shown["result"]["parameters"][0]["value"], 0.25);
-    assert_eq!(shown["result"]["parameters"][1]["value"], Value::Null);
+    assert_eq!(shown["parameters"][0]["value"], 0.25);
+    assert_eq!(shown["parameters"][1]["value"], Value::Null);
     set.done(&["models", "init", "--preset", "mit-table", "-o", "mit.toml"]);
     let kinds = document(&set.done(&["models", "list", "--json"]).stdout);
-    assert_eq!(kinds["result"][0]["id"], "analytical");
+    assert_eq!(kinds["kinds"][0]["id"], "analytical");
 }
 
 #[test]

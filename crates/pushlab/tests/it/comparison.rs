@@ -33,7 +33,7 @@ fn a_wrong_effect_raises_the_error_and_the_page_says_so() {
     let arguments = ["compare", "pushes", "--model", "grain.toml", "--against", "model.toml"];
     let run = set.done(&[&arguments[..], &["--json"]].concat());
     let document: Value = serde_json::from_str(&run.stdout).unwrap();
-    let result = &document["result"];
+    let result = &document;
     assert_eq!(schema::fault(result, &schema::comparison()), None);
     let changes = result["against"]["changes"].as_array().unwrap();
     let names: Vec<_> = changes.iter().map(|change| change["name"].as_str().unwrap()).collect();
@@ -50,9 +50,9 @@ fn a_wrong_effect_raises_the_error_and_the_page_says_so() {
         assert_eq!(ends["pushes"].as_array().unwrap().len(), 60);
         ends["position"]["median"].as_f64().unwrap()
     };
-    let (wrong, right) = (median(result), median(&nominal["result"]));
+    let (wrong, right) = (median(result), median(&nominal));
     assert!(right < 1e-3 && 2.0 * right < wrong, "{right} {wrong}");
-    assert_eq!(document["inputs"].as_array().unwrap().len(), 2 + 2 + 60);
+    assert_eq!(document["made_by"]["inputs"].as_array().unwrap().len(), 2 + 2 + 60);
     let text = set.done(&arguments).stdout;
     for part in [
         "error of a step, RMS",
@@ -76,7 +76,7 @@ fn a_step_table_is_compared_as_its_recordings_are() {
     let channels = |arguments: &[&str]| {
         let run = set.done(&[&["compare"], arguments, &["--json"]].concat());
         let mut document: Value = serde_json::from_str(&run.stdout).unwrap();
-        document["result"]["channels"].take()
+        document["channels"].take()
     };
     let of_table = channels(&["steps.csv", "--manifest", "pushes/dataset.toml"]);
     assert_eq!(of_table, channels(&["pushes"]));
@@ -99,7 +99,7 @@ fn what_a_table_of_others_cannot_tell_is_said() {
     let arguments = ["compare", "table.csv", "--preset", "mit-table"];
     let run = set.done(&[&arguments[..], &["--json"]].concat());
     let document: Value = serde_json::from_str(&run.stdout).unwrap();
-    let result = &document["result"];
+    let result = &document;
     assert_eq!(schema::fault(result, &schema::comparison()), None);
     assert_eq!(result["floor"]["source"], "neighbours");
     assert!(result["roll_outs"].is_null());

@@ -8,7 +8,7 @@ use crate::small_set::SmallSet;
 /// Pushes of the simulator as CSV, whose manifest can be made wrong, with the nominal model.
 fn pushes(more: &[&str]) -> SmallSet {
     let set = SmallSet::new();
-    let words = ["generate", "pushes", "--format", "csv", "--seed", "5", "-q"];
+    let words = ["generate", "-o", "pushes", "--format", "csv", "--seed", "5", "-q"];
     set.done(&[&words[..], more].concat());
     set.done(&["models", "init", "pushes", "-q"]);
     set
@@ -97,7 +97,7 @@ fn what_is_right_raises_no_warning() {
     let set = pushes(&["--pushes", "12", "--hidden", "yaw-offset"]);
     let run = set.done(&["check", "pushes", "-q", "--json"]);
     let document: Value = serde_json::from_str(&run.stdout).unwrap();
-    assert_eq!(document["result"]["suspicions"].as_array().map(Vec::len), Some(0));
+    assert_eq!(document["suspicions"].as_array().map(Vec::len), Some(0));
     assert_eq!(run.stderr, "");
 }
 
@@ -118,9 +118,18 @@ fn what_may_be_wrong_and_what_is_excluded_stands_beside_each_answer() {
         let run = set.done(&[command, "pushes", "--json"]);
         assert!(run.stderr.contains("note: 1 of 14 pushes are excluded: "), "{}", run.stderr);
         assert!(run.stderr.starts_with(&format!("warning: {warning}: ")), "{}", run.stderr);
-        serde_json::from_str::<Value>(&run.stdout).unwrap()
+        let document = serde_json::from_str::<Value>(&run.stdout).unwrap();
+        let told = document["warnings"].as_array().unwrap().iter().map(|one| one.as_str().unwrap());
+        let told: Vec<_> = told.collect();
+        assert!(told[0].starts_with(warning), "{told:?}");
+        assert!(
+            told.iter().any(|one| one.starts_with("1 of 14 pushes are excluded: ")),
+            "{told:?}"
+        );
+        assert!(told.iter().all(|one| run.stderr.matches(one).count() == 1), "{}", run.stderr);
+        document
     };
-    let compared = answer("compare")["result"].take();
+    let compared = answer("compare");
     assert_eq!(schema::fault(&compared, &schema::comparison()), None);
     let diagnosed = answer("diagnose");
     assert_eq!(schema::fault(&diagnosed, &schema::diagnosis()), None);
@@ -146,7 +155,7 @@ fn pushes_of_one_kind_are_told_what_they_cannot_tell() {
     let lines = "0,0.5,0,20\n".repeat(12);
     let set = SmallSet::new();
     set.write("one.csv", &format!("edge,p,angle_deg,speed_mm_s\n{lines}"));
-    set.done(&["generate", "pushes", "--design", "one.csv", "-q"]);
+    set.done(&["generate", "-o", "pushes", "--design", "one.csv", "-q"]);
     let told = set.done(&["check", "pushes", "-q"]).stderr;
     for part in ["one edge in one orientation", "one angle to the edge", "one place of an edge"] {
         assert!(told.contains(part), "no {part:?} in {told}");
@@ -200,10 +209,10 @@ fn without_a_force_sensor_every_format_is_read() {
     for format in ["mcap-ros2", "mcap-json", "csv"] {
         let set = SmallSet::new();
         set.write("rig.toml", "[sensors.force]\nrate = 0.0\n");
-        let words = ["generate", "pushes", "--settings", "rig.toml", "--pushes", "10"];
+        let words = ["generate", "-o", "pushes", "--settings", "rig.toml", "--pushes", "10"];
         set.done(&[&words[..], &["--format", format]].concat());
         let run = set.done(&["check", "pushes", "--json"]);
         let document: Value = serde_json::from_str(&run.stdout).unwrap();
-        assert_eq!(document["result"]["channels"], serde_json::json!(["motion", "gap"]));
+        assert_eq!(document["channels"], serde_json::json!(["motion", "gap"]));
     }
 }

@@ -7,7 +7,7 @@ use crate::small_set::SmallSet;
 #[test]
 fn the_demo_names_what_was_hidden_and_leaves_a_report() {
     let set = SmallSet::new();
-    let demo = ["demo", "story", "--seed", "3", "--pushes", "48", "--hidden"];
+    let demo = ["demo", "-o", "story", "--seed", "3", "--pushes", "48", "--hidden"];
     let run = set.done(&[&demo[..], &["friction-center-offset"]].concat());
     let commands = run.stdout.lines().filter(|line| line.starts_with("$ pushlab"));
     assert_eq!(commands.count(), 7, "{}", run.stdout);
@@ -17,16 +17,16 @@ fn the_demo_names_what_was_hidden_and_leaves_a_report() {
     for name in ["model.toml", "diagnosis.json", "better.toml", "report.html"] {
         assert!(set.exists(&format!("story/{name}")), "{name}");
     }
-    assert!(set.error(&demo[..4]).contains("story: the folder is not empty"));
+    assert!(set.error(&demo[..5]).contains("story: the folder is not empty"));
 }
 
 #[test]
 fn the_demo_answers_programs_alone() {
     let set = SmallSet::new();
-    let demo = ["demo", "story", "--seed", "4", "--pushes", "48", "--hidden", "table-tilt"];
+    let demo = ["demo", "-o", "story", "--seed", "4", "--pushes", "48", "--hidden", "table-tilt"];
     let run = set.done(&[&demo[..], &["--json"]].concat());
     let found: Value = serde_json::from_str(&run.stdout).unwrap();
-    let found = &found["result"];
+    let found = &found;
     assert_eq!(found["hidden"][0]["id"], "table-tilt");
     let named = found["named"].as_array().unwrap();
     assert!(named.contains(&"table-tilt".into()), "{found}");

@@ -71,7 +71,7 @@ fn what_a_diagnosis_names_is_added_and_compared_on_the_pushes_that_confirmed_it(
     let compare =
         ["compare", "pushes", "--model", "better.toml", "--against", "model.toml", "--json"];
     let compared: Value = serde_json::from_str(&set.done(&compare).stdout).unwrap();
-    let compared = &compared["result"];
+    let compared = &compared;
     assert_eq!(
         (&compared["part"]["pushes"], &compared["n_pushes"]),
         (&json!("confirm"), &json!(15))
@@ -93,7 +93,7 @@ fn the_page_shows_what_is_missing_beside_what_the_model_misses() {
     let (set, mut diagnosis) = diagnosed();
     diagnosis["sentence"] = "Missing: </script><script>alert(1)</script>".into();
     set.write("d.json", &diagnosis.to_string());
-    let report = ["report", "pushes", "--diagnosis", "d.json", "--force"];
+    let report = ["report", "pushes", "--from", "d.json", "--force"];
     set.done(&report);
     let page = set.read("report.html");
     for part in [
@@ -104,7 +104,7 @@ fn the_page_shows_what_is_missing_beside_what_the_model_misses() {
         "1 limit-surface-shape",
         "The diagnosis does not tell the values of inertia",
         "it may be chance",
-        "--diagnosis d.json",
+        "--from d.json",
         "nothing beyond chance",
     ] {
         assert!(page.contains(part), "no {part}");

@@ -9,7 +9,8 @@ use crate::small_set::SmallSet;
 fn generated(hidden: &[&str], more: &[&str]) -> SmallSet {
     let set = SmallSet::new();
     let hidden = hidden.iter().flat_map(|effect| ["--hidden", effect]);
-    let words = ["generate", "pushes", "--seed", "11", "--pushes", "72", "--design", "random"];
+    let words =
+        ["generate", "-o", "pushes", "--seed", "11", "--pushes", "72", "--design", "random"];
     let words: Vec<&str> = words.into_iter().chain(hidden).chain(more.iter().copied()).collect();
     set.done(&words);
     set.done(&["models", "init", "pushes"]);
@@ -85,7 +86,7 @@ fn a_second_set_confirms_what_is_fitted_to_all_of_the_first() {
     let set = SmallSet::new();
     let hidden = "table-anisotropy: ratio=1.3, direction_deg=34";
     for (name, seed, pushes) in [("one", "11", "48"), ("two", "12", "16")] {
-        set.done(&["generate", name, "--hidden", hidden, "--seed", seed, "--pushes", pushes]);
+        set.done(&["generate", "-o", name, "--hidden", hidden, "--seed", seed, "--pushes", pushes]);
     }
     set.done(&["models", "init", "one"]);
     set.done(&["add", "limit-surface-shape", "--set", "lambda=1", "-o", "patch.toml"]);
@@ -102,8 +103,8 @@ fn a_second_set_confirms_what_is_fitted_to_all_of_the_first() {
     let against = ["--model", "better.toml", "--against", "patch.toml", "--json"];
     let compared = set.done(&[&["compare", "two"], &against[..]].concat());
     let compared: Value = serde_json::from_str(&compared.stdout).unwrap();
-    assert_eq!(compared["result"]["n_pushes"], 16);
-    let turn = &compared["result"]["against"]["changes"][2];
+    assert_eq!(compared["n_pushes"], 16);
+    let turn = &compared["against"]["changes"][2];
     let [before, after] = ["before", "after"].map(|key| turn[key].as_f64().unwrap());
     assert!(after < 0.5 * before, "{turn}");
     // No push of the first set is unseen, none may be in both, and the rig has to be the same.
@@ -111,7 +112,7 @@ fn a_second_set_confirms_what_is_fitted_to_all_of_the_first() {
     assert!(set.error(&["diagnose", "one", "--model", "better.toml"]).contains("--confirm"));
     let refused = |second: &str| set.error(&[&words[..], &[second]].concat());
     assert!(refused("one").contains("is in one, too"));
-    set.done(&["generate", "other", "--shape", "tri1", "--pushes", "8"]);
+    set.done(&["generate", "-o", "other", "--shape", "tri1", "--pushes", "8"]);
     assert!(refused("other").contains("its object has another outline"));
 }
 
@@ -144,7 +145,7 @@ fn what_alike_pushes_leave_open_the_suggested_ones_decide() {
     set.write("rig.toml", "[sensors.force]\nrate = 0.0\n");
     set.write("alike.csv", &alike_pushes());
     let generate = |name: &str, design: &str, seed: &str| {
-        let words = ["generate", name, "--settings", "rig.toml", "--design", design];
+        let words = ["generate", "-o", name, "--settings", "rig.toml", "--design", design];
         set.done(&[&words[..], &["--seed", seed, "--hidden", TRUTH, "--format", "csv"]].concat());
     };
     generate("few", "alike.csv", "302");

@@ -131,7 +131,7 @@ fn every_key_of_the_results_is_on_the_page() {
     copy(&Path::new(PROJECT).join("fixtures/pushes"), &set.path("pushes"));
     let page = page(COMMAND_LINE);
     for arguments in [
-        &["init", "set", "--print"][..],
+        &["init", "set", "-o", "draft.toml"][..],
         &["inspect", "set"],
         &["ingest", "set"],
         &["describe", "steps.csv"],
@@ -139,7 +139,7 @@ fn every_key_of_the_results_is_on_the_page() {
         &["models", "list"],
         &["effects", "list"],
         &["effects", "explain", "table-anisotropy"],
-        &["generate", "simulated", "--pushes", "1"],
+        &["generate", "-o", "simulated", "--pushes", "1"],
         &["compare", "pushes", "--against", "model.toml"],
         &["add", "limit-surface-shape", "--fit", "pushes", "-o", "better.toml"],
         &["train", "pushes", "--kind", "hybrid", "--residual-kind", "rff", "-o", "hybrid.toml"],
@@ -148,13 +148,19 @@ fn every_key_of_the_results_is_on_the_page() {
     ] {
         let run = set.done(&[arguments, &["--json"]].concat());
         let mut document: Value = serde_json::from_str(&run.stdout).unwrap();
+        let name = document["schema"].as_str().unwrap()["pushlab.".len()..].to_owned();
+        let words = document["made_by"]["arguments"].as_array().unwrap().iter();
+        let words: Vec<_> = words.map(|word| word.as_str().unwrap()).collect();
+        let command = name.strip_suffix("/1").unwrap().replace('-', " ");
+        assert!(words.join(" ").starts_with(&command), "{arguments:?}: {name}");
+        assert!(document["warnings"].is_array(), "{arguments:?}");
         // Recordings of a report and histograms have their keys in the crate's documentation.
-        for pointer in ["/result/report/recordings", "/result/report/summary/coverage"] {
+        for pointer in ["/report/recordings", "/report/summary/coverage"] {
             if let Some(value) = document.pointer_mut(pointer) {
                 value.take();
             }
         }
-        if let Some(coverage) = document.pointer_mut("/result/coverage") {
+        if let Some(coverage) = document.pointer_mut("/coverage") {
             coverage.take();
         }
         let mut found = Vec::new();

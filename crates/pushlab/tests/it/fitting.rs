@@ -15,7 +15,7 @@ fn pushes() -> SmallSet {
 }
 
 fn result(stdout: &str) -> Value {
-    serde_json::from_str::<Value>(stdout).unwrap()["result"].take()
+    serde_json::from_str::<Value>(stdout).unwrap()
 }
 
 #[test]

@@ -32,7 +32,7 @@ fn the_same_seed_gives_the_same_bytes_with_any_number_of_threads() {
         let out = format!("{name}/new");
         fs::create_dir(set.path(name)).unwrap();
         let hidden = "table-anisotropy: ratio=1.3, direction_deg=34";
-        let common = ["generate", &out, "--hidden", hidden, "--pushes", "6", "-q"];
+        let common = ["generate", "-o", &out, "--hidden", hidden, "--pushes", "6", "-q"];
         set.done(&[&common[..], more].concat());
         files(&set.path(name))
     };
@@ -54,7 +54,7 @@ fn every_push_that_is_generated_is_ingested() {
         ("tri", &["--shape", "tri1", "--format", "csv", "--speed", "50mm/s,0.1m/s"]),
         ("narrow", &["--design", "narrow", "--hidden", "table-tilt", "--format", "mit-json"]),
     ] {
-        set.done(&[&["generate", name, "--pushes", "10"], more].concat());
+        set.done(&[&["generate", "-o", name, "--pushes", "10"], more].concat());
         let text =
             set.done(&["ingest", name, "--step", "4mm", "-o", "steps.csv", "--force"]).stdout;
         assert!(text.contains("10 recordings, 10 pushes used, 0 set aside"), "{name}: {text}");
@@ -66,15 +66,15 @@ fn every_push_that_is_generated_is_ingested() {
 fn a_list_of_pushes_is_made_as_it_stands() {
     let set = SmallSet::new();
     set.write("list.csv", "edge,p,angle_deg,speed_mm_s\n0,0.5,0,50\n1,0.25,20,100\n");
-    let run = set.done(&["generate", "new", "--design", "list.csv", "--json"]);
+    let run = set.done(&["generate", "-o", "new", "--design", "list.csv", "--json"]);
     let document: Value = serde_json::from_str(&run.stdout).unwrap();
-    assert_eq!(document["result"]["n_pushes"], 2);
-    assert_eq!(document["inputs"][0]["path"], "list.csv");
+    assert_eq!(document["n_pushes"], 2);
+    assert_eq!(document["made_by"]["inputs"][0]["path"], "list.csv");
     set.write("bad.csv", "edge,p,angle_deg,speed_mm_s\n0,0.5,0,50\n1,wide,20,100\n");
-    let message = set.error(&["generate", "bad", "--design", "bad.csv"]);
+    let message = set.error(&["generate", "-o", "bad", "--design", "bad.csv"]);
     assert!(message.contains("bad.csv:3: p = `wide` is not a number"), "{message}");
     set.write("bad.csv", "edge,p,angle_deg,speed_mm_s\n0,0.5,0,50\n9,0.5,20,100\n");
-    let message = set.error(&["generate", "bad", "--design", "bad.csv"]);
+    let message = set.error(&["generate", "-o", "bad", "--design", "bad.csv"]);
     assert!(message.contains("push push-0001") && message.contains("edge = 9"), "{message}");
     assert!(!set.exists("bad"));
 }
@@ -109,10 +109,10 @@ fn a_rig_of_ones_own_is_simulated_from_its_manifest() {
     for (file, shape) in [("mine.toml", "polygon"), ("oval.toml", "ellipse")] {
         let name = format!("twin-{shape}");
         let run = set.done(&[
-            "generate", &name, "--shape", file, "--pushes", "6", "--format", "csv", "--json",
+            "generate", "-o", &name, "--shape", file, "--pushes", "6", "--format", "csv", "--json",
         ]);
         let document: Value = serde_json::from_str(&run.stdout).unwrap();
-        assert_eq!(document["inputs"][0]["path"], file);
+        assert_eq!(document["made_by"]["inputs"][0]["path"], file);
         let manifest = dataset::Manifest::read(&set.path(&format!("{name}/dataset.toml"))).unwrap();
         assert_eq!((manifest.pusher.radius, manifest.support.friction), (0.006, 0.4));
         let object = manifest.object.of("").unwrap();
@@ -122,7 +122,7 @@ fn a_rig_of_ones_own_is_simulated_from_its_manifest() {
         assert!(set.read(&format!("{name}.truth.toml")).contains("coefficient = 0.4"));
     }
     set.edit("mine.toml", "mass_kg = 0.7", "mass_kg = -0.7");
-    let message = set.error(&["generate", "bad", "--shape", "mine.toml"]);
+    let message = set.error(&["generate", "-o", "bad", "--shape", "mine.toml"]);
     assert!(message.contains("mine.toml:6: object.mass_kg = -0.7 kg"), "{message}");
 }
 
@@ -137,7 +137,7 @@ fn settings_and_sessions_reach_sensors_and_scatter() {
          session_share = 1000.0\n\n[truth.clocks]\nforce_latency = 0.25\n",
     );
     let common = ["--settings", "rig.toml", "--sessions", "3", "--pushes", "6", "--format", "csv"];
-    set.done(&[&["generate", "new"][..], &common].concat());
+    set.done(&[&["generate", "-o", "new"][..], &common].concat());
     let object = set.read("new/pushes/push-0000/object.csv");
     let wrench = set.read("new/pushes/push-0000/wrench.csv");
     assert!(object.lines().count() > 2 * wrench.lines().count());
@@ -153,7 +153,7 @@ fn settings_and_sessions_reach_sensors_and_scatter() {
     assert!((0..3).all(|k| apart(2 * k, 2 * k + 1) < 1e-4), "{frictions:?}");
     assert!(apart(0, 2) > 1e-3 && apart(2, 4) > 1e-3, "{frictions:?}");
     set.edit("rig.toml", "rate = 250.0", "rates = 250.0");
-    let message = set.error(&["generate", "bad", "--settings", "rig.toml"]);
+    let message = set.error(&["generate", "-o", "bad", "--settings", "rig.toml"]);
     assert!(message.contains("rig.toml") && message.contains("line 2"), "{message}");
 }
 
@@ -161,7 +161,7 @@ fn settings_and_sessions_reach_sensors_and_scatter() {
 fn a_surprise_is_told_in_the_sealed_truth_alone() {
     let set = SmallSet::new();
     fs::create_dir(set.path("out")).unwrap();
-    let arguments = ["generate", "out/new", "--hidden", "surprise", "--pushes", "2"];
+    let arguments = ["generate", "-o", "out/new", "--hidden", "surprise", "--pushes", "2"];
     let run = set.done(&[&arguments[..], &["--json"]].concat());
     let truth = set.read("out/new.truth.toml");
     let hidden = truth.split("[[hidden]]").nth(1).unwrap().split("[truth]").next().unwrap();
@@ -184,7 +184,7 @@ fn what_cannot_be_hidden_is_answered_with_what_can() {
         ("table-anisotropy: ratio=9", &["ratio = 9 is not between 0.3 and 3"]),
         ("chipped-corner: size_mm=50", &["the outline cannot be worn like this"]),
     ] {
-        let message = set.error(&["generate", "new", "--hidden", hidden]);
+        let message = set.error(&["generate", "-o", "new", "--hidden", hidden]);
         assert!(parts.iter().all(|part| message.contains(part)), "{message}");
         assert!(!set.exists("new") && !set.exists("new.truth.toml"), "{hidden}");
     }
@@ -194,15 +194,15 @@ fn what_cannot_be_hidden_is_answered_with_what_can() {
 fn what_is_there_is_kept() {
     let set = SmallSet::new();
     let manifest = set.read("set/dataset.toml");
-    let message = set.error(&["generate", "set", "--pushes", "1"]);
+    let message = set.error(&["generate", "-o", "set", "--pushes", "1"]);
     assert!(message.contains("cannot write set: "), "{message}");
     assert!(message.contains("not empty; choose a new one"), "{message}");
     assert_eq!(set.read("set/dataset.toml"), manifest);
     set.write("kept.truth.toml", "kept");
-    let message = set.error(&["generate", "kept", "--pushes", "1"]);
+    let message = set.error(&["generate", "-o", "kept", "--pushes", "1"]);
     assert!(message.contains("cannot write kept.truth.toml: it exists"), "{message}");
     assert_eq!(set.read("kept.truth.toml"), "kept");
-    assert!(set.error(&["generate", "."]).contains("it needs a name"));
+    assert!(set.error(&["generate", "-o", "."]).contains("it needs a name"));
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::small_set::SmallSet;
 const COMMANDS: [(&str, &[&str]); 6] = [
     ("ingest pushes -o steps.csv --report report.txt", &["steps.csv", "report.txt"]),
     ("ingest pushes -o steps.parquet", &["steps.parquet"]),
-    ("generate made --pushes 12 --format csv", &["made", "made.truth.toml"]),
+    ("generate -o made --pushes 12 --format csv", &["made", "made.truth.toml"]),
     ("train pushes --kind gp -n 60 -o gp.toml", &["gp.toml"]),
     ("simulate pushes --particles 200 -n 3 -o out", &["out"]),
     ("report pushes -o page.html", &["page.html"]),

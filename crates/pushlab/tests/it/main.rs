@@ -19,6 +19,7 @@ mod report_page;
 mod schema;
 mod simulated;
 mod small_set;
+mod standard_output;
 mod suggested;
 mod trained;
 mod usage;

@@ -23,7 +23,7 @@ fn the_page_is_one_file_that_asks_for_nothing() {
     }
     assert!(page.contains("content=\"default-src 'none'"));
     let document: Value = serde_json::from_str(&run.stdout).unwrap();
-    let result = &document["result"];
+    let result = &document;
     assert_eq!(result["bytes"].as_u64(), Some(page.len() as u64));
     assert_eq!((result["n_pushes"].as_u64(), result["n_played"].as_u64()), (Some(60), Some(60)));
     assert!(page.len() < 3_000_000, "{} bytes", page.len());

@@ -7,14 +7,14 @@ use crate::small_set::SmallSet;
 /// A set with a trained model, and a nominal one.
 fn trained() -> SmallSet {
     let set = SmallSet::new();
-    set.done(&["generate", "sim", "--pushes", "24"]);
+    set.done(&["generate", "-o", "sim", "--pushes", "24"]);
     set.done(&["models", "init", "sim"]);
     set.done(&["train", "sim", "--kind", "rff", "-n", "100", "-o", "rff.toml"]);
     set
 }
 
 fn result(stdout: &str) -> Value {
-    serde_json::from_str::<Value>(stdout).unwrap()["result"].take()
+    serde_json::from_str::<Value>(stdout).unwrap()
 }
 
 #[test]
@@ -119,7 +119,7 @@ fn errors_that_a_push_holds_widen_its_end() {
         let covariance = &moments[moments.len() - 1]["pose_wb"]["covariance"];
         (json["correlation"]["n_pushes"].clone(), covariance[8].as_f64().unwrap().sqrt())
     };
-    set.done(&["generate", "more", "--pushes", "8", "--seed", "9"]);
+    set.done(&["generate", "-o", "more", "--pushes", "8", "--seed", "9"]);
     let (none, independent) = sd(&["-n", "1", "-o", "a"]);
     let (n, held) = sd(&["-n", "1", "-o", "b", "--correlation", "more"]);
     assert_eq!((none, n), (Value::Null, 8.into()));
@@ -182,7 +182,7 @@ fn what_cannot_be_simulated_is_refused_with_the_reason() {
     set.write("push.toml", "kind = \"straight\"\nspeed_mm_s = 20\npoints_mm = [[-55, 0], [9, 0]]");
     set.write("jump.csv", "t_s,x_m,y_m\n0,-0.06,0\n0.01,0.06,0\n");
     set.write("nan.csv", "t_s,x_m,y_m\n0,-0.06,0\n1,nan,0\n");
-    set.done(&["generate", "hexes", "--shape", "hex", "--pushes", "3"]);
+    set.done(&["generate", "-o", "hexes", "--shape", "hex", "--pushes", "3"]);
     let about = ["--manifest", "sim/dataset.toml"];
     let hex = ["--manifest", "hexes/dataset.toml", "--object", "20,0,0"];
     for (source, more, says) in [
@@ -234,7 +234,7 @@ fn what_cannot_be_simulated_is_refused_with_the_reason() {
 #[test]
 fn what_has_no_tables_and_no_closed_form_is_refused_with_the_reason() {
     let set = SmallSet::new();
-    set.done(&["generate", "sim", "--pushes", "3"]);
+    set.done(&["generate", "-o", "sim", "--pushes", "3"]);
     set.done(&["models", "init", "sim"]);
     let simulate = ["simulate", "sim", "-o", "out"];
     for (more, says) in [

@@ -115,7 +115,7 @@ fn the_list_is_made_on_the_simulated_rig_and_has_the_path_for_a_robot() {
         "3",
     ];
     let run = set.done(&[&words[..], &["-o", "s.csv", "--json"]].concat());
-    let result = serde_json::from_str::<Value>(&run.stdout).unwrap()["result"].take();
+    let result = serde_json::from_str::<Value>(&run.stdout).unwrap();
     assert_eq!(
         (&result["aim"], result["pushes"].as_array().unwrap().len()),
         (&"precision".into(), 7)
@@ -126,7 +126,7 @@ fn the_list_is_made_on_the_simulated_rig_and_has_the_path_for_a_robot() {
     let list = set.read("s.csv");
     let again = set.done(&[&words[..], &["-o", "t.csv", "--jobs", "1", "--json"]].concat());
     assert_eq!(list, set.read("t.csv"));
-    let again = serde_json::from_str::<Value>(&again.stdout).unwrap()["result"].take();
+    let again = serde_json::from_str::<Value>(&again.stdout).unwrap();
     assert_eq!(result["pushes"], again["pushes"]);
     let names: BTreeSet<&str> = result["pushes"]
         .as_array()
@@ -136,9 +136,9 @@ fn the_list_is_made_on_the_simulated_rig_and_has_the_path_for_a_robot() {
         .collect();
     assert_eq!(names.len(), 3);
     let made =
-        ["generate", "twin", "--shape", "pushes/dataset.toml", "--design", "s.csv", "--json"];
+        ["generate", "-o", "twin", "--shape", "pushes/dataset.toml", "--design", "s.csv", "--json"];
     let made: Value = serde_json::from_str(&set.done(&made).stdout).unwrap();
-    assert_eq!(made["result"]["n_pushes"], 7);
+    assert_eq!(made["n_pushes"], 7);
     let pushes = plant::read_push_list(&set.path("s.csv")).unwrap();
     for (push, told) in pushes.iter().zip(result["pushes"].as_array().unwrap()) {
         let path = told["path_w"].as_array().unwrap().iter().map(|point| {
@@ -171,8 +171,12 @@ fn what_was_known_of_the_table_is_kept_in_the_command() {
     for named in [&["steps.csv", "--manifest", "pushes/dataset.toml"][..], &[]] {
         let run = set.done(&[&["suggest"], named, &few].concat());
         let made: Value = serde_json::from_str(&run.stdout).unwrap();
-        let words: Vec<_> =
-            made["arguments"].as_array().unwrap().iter().map(|one| one.as_str().unwrap()).collect();
+        let words: Vec<_> = made["made_by"]["arguments"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|one| one.as_str().unwrap())
+            .collect();
         let n = words.windows(2).filter(|pair| *pair == known).count();
         assert_eq!(n, 1, "{words:?}");
         assert!(set.read("suggested.csv").contains("--manifest pushes/dataset.toml"));

@@ -6,13 +6,13 @@ use crate::small_set::SmallSet;
 
 fn simulated() -> SmallSet {
     let set = SmallSet::new();
-    set.done(&["generate", "sim", "--hidden", "body-anisotropy", "--pushes", "16"]);
+    set.done(&["generate", "-o", "sim", "--hidden", "body-anisotropy", "--pushes", "16"]);
     set.done(&["models", "init", "sim"]);
     set
 }
 
 fn result(stdout: &str) -> Value {
-    serde_json::from_str::<Value>(stdout).unwrap()["result"].take()
+    serde_json::from_str::<Value>(stdout).unwrap()
 }
 
 /// Mean of a score over the outputs.
@@ -116,7 +116,7 @@ fn what_cannot_be_trained_or_read_is_refused_with_the_reason() {
     let long = set.error(&[&train[..], &["--step", "30cm", "--force"]].concat());
     assert!(long.contains("at least 20 steps") || long.contains("pushes"), "{long}");
     // Another object.
-    set.done(&["generate", "hexes", "--shape", "hex", "--pushes", "3"]);
+    set.done(&["generate", "-o", "hexes", "--shape", "hex", "--pushes", "3"]);
     let other = set.error(&["compare", "hexes", "--model", "m.toml"]);
     assert!(other.contains("none of the 1 that the model was trained on"), "{other}");
     // Weights that were changed, or are gone.

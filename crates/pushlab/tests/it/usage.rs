@@ -13,13 +13,13 @@ fn help_lists_every_command() {
         list,
         "  demo         Hide an effect in simulated recordings, find it, add it, and watch the error fall
   init         Write a commented dataset.toml from what a folder of recordings holds
-  inspect      Tell what recordings contain: topics, types, columns, samples, rates, frames
+  inspect      Tell what raw recordings contain: topics, types, columns, samples, rates, frames
   ingest       Turn recordings into a step table, with a report of every repair [alias: table]
   describe     Tell what a step table holds: rows, shapes, flags, coverage, and what made it
   models       Write, show and list models
   effects      List and explain effects: what models can carry, and what `generate` can hide
   generate     Simulate pushes and write them as a recording set that can hide an effect
-  check        Tell what recordings can and cannot show, before any model is fitted to them
+  check        Tell what a set can and cannot show, before any model is fitted to it
   compare      Tell how wrong a model is on recordings, where, and how wrong it may be at best
   diagnose     Name the physical effect that a model lacks, or say that these recordings cannot tell
   fit          Fit nominal parameters, or effects that a model carries, to recordings
@@ -29,6 +29,7 @@ fn help_lists_every_command() {
   simulate     Roll pushes out by a model: where the object goes, and how sure that is
   report       Show how models do on recordings: one HTML page, to be read without a network
   completions  Print a completion script for a shell
+  man          Write a manual page for each command
   help         Print this message or the help of the given subcommand(s)"
     );
     assert!(
@@ -65,20 +66,23 @@ fn wrong_usage_names_what_is_allowed() {
         (&["simulate", "set"], "--output <DIR>"),
         (&["simulate", "set", "-o", "out", "--particles", "0"], "1..=1000000"),
         (&["simulate", "p.csv", "-o", "out", "--object", "1,2"], "such as 0,-20,45"),
-        (&["generate"], "<OUT>"),
-        (&["generate", "new", "--pushes", "0"], "1..=1000000"),
-        (&["generate", "new", "--shape", "rect9"], "rect1, rect2, rect3"),
-        (&["generate", "new", "--format", "xlsx"], "mcap-ros2, mcap-ros1"),
-        (&["generate", "new", "--design", "grid"], "random, thesis, narrow, repeats or a FILE.csv"),
-        (&["generate", "new", "--speed", "20"], "such as 20mm/s"),
-        (&["generate", "new", "--sessions", "0"], "1..=1000000"),
+        (&["generate"], "--output <DIR>"),
+        (&["generate", "-o", "new", "--pushes", "0"], "1..=1000000"),
+        (&["generate", "-o", "new", "--shape", "rect9"], "rect1, rect2, rect3"),
+        (&["generate", "-o", "new", "--format", "xlsx"], "mcap-ros2, mcap-ros1"),
+        (
+            &["generate", "-o", "new", "--design", "grid"],
+            "random, thesis, narrow, repeats or a FILE.csv",
+        ),
+        (&["generate", "-o", "new", "--speed", "20"], "such as 20mm/s"),
+        (&["generate", "-o", "new", "--sessions", "0"], "1..=1000000"),
     ] {
         let message = set.wrong_usage(arguments);
         assert!(message.contains(part), "{arguments:?}: no {part:?} in {message}");
     }
     set.write("list.csv", "edge,p,angle_deg,speed_mm_s\n0,0.5,0,50\n");
     for (option, value) in [("--speed", "20mm/s"), ("--sessions", "2")] {
-        let list = ["generate", "new", "--design", "list.csv", option, value];
+        let list = ["generate", "-o", "new", "--design", "list.csv", option, value];
         assert!(set.wrong_usage(&list).contains(&format!("leave out {option}")));
     }
     set.write("theirs.csv", "c,phi_rad\n");
@@ -111,6 +115,52 @@ fn a_reader_that_leaves_is_no_failure() {
         drop(child.stdout.take());
         let run = Run::of(child.wait_with_output().unwrap());
         assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{arguments:?}");
+    }
+}
+
+#[test]
+fn more_is_said_on_demand_and_beside_the_result() {
+    let set = SmallSet::new();
+    let plain = set.done(&["inspect", "set"]);
+    let verbose = set.done(&["inspect", "set", "-v"]);
+    assert_eq!((verbose.stdout, plain.stderr), (plain.stdout, String::new()));
+    let lines: Vec<_> = verbose.stderr.lines().collect();
+    assert!(lines[0].starts_with("read set/pushes/push-0/"), "{lines:?}");
+    assert!(lines.last().unwrap().starts_with("done in "), "{lines:?}");
+    let message = set.wrong_usage(&["inspect", "set", "-v", "-q"]);
+    assert!(message.contains("cannot be used with"), "{message}");
+}
+
+#[test]
+fn help_is_as_wide_as_the_terminal() {
+    let set = SmallSet::new();
+    let widest = |columns: &str| {
+        let mut command = set.command(&["compare", "--help"]);
+        let run = Run::of(command.env("COLUMNS", columns).output().unwrap());
+        let (text, _) = run.stdout.split_once("Examples:").unwrap();
+        text.lines().map(|line| line.chars().count()).max().unwrap()
+    };
+    assert!(widest("60") <= 60, "{}", widest("60"));
+    assert!((80..=100).contains(&widest("200")), "{}", widest("200"));
+}
+
+#[test]
+fn seeds_are_as_large_as_files_can_hold() {
+    let set = SmallSet::new();
+    let largest = i64::MAX.to_string();
+    set.done(&["generate", "-n", "1", "--seed", &largest, "-o", "new"]);
+    assert!(set.read("new.truth.toml").contains(&largest));
+    let message = set.wrong_usage(&["generate", "--seed", "9223372036854775808", "-o", "more"]);
+    assert!(message.contains("9223372036854775807"), "{message}");
+}
+
+#[test]
+fn every_command_has_a_manual_page() {
+    let set = SmallSet::new();
+    set.done(&["man", "-o", "man"]);
+    for name in ["pushlab", "pushlab-compare", "pushlab-models-init", "pushlab-effects-explain"] {
+        let page = set.read(&format!("man/{name}.1"));
+        assert!(page.contains(".SH SYNOPSIS") && page.contains("\\-\\-json"), "{name}");
     }
 }
 

@@ -52,7 +52,7 @@ const FILES: [Writes; 14] = [
         inputs: &["table/dataset.toml"],
     },
     Writes {
-        words: "report pushes --diagnosis d.json -o OUT",
+        words: "report pushes --from d.json -o OUT",
         ending: "html",
         inputs: &["pushes/pushes/push-000/page.html"],
     },
@@ -65,7 +65,7 @@ const OTHER: &str = "other/pushes/push-000/answer.json";
 
 /// Commands that write a folder.
 const FOLDERS: [&str; 3] =
-    ["simulate pushes -o OUT", "generate OUT --shape pushes/dataset.toml", "demo OUT"];
+    ["simulate pushes -o OUT", "generate -o OUT --shape pushes/dataset.toml", "demo -o OUT"];
 
 fn words<'a>(command: &'a str, out: &'a str) -> Vec<&'a str> {
     command.split(' ').map(|word| if word == "OUT" { out } else { word }).collect()
@@ -81,7 +81,7 @@ fn unworkable() -> SmallSet {
     fs::copy(set.path("pushes/dataset.toml"), set.path("table/dataset.toml")).unwrap();
     fs::rename(set.path("steps.csv"), set.path("table/steps.csv")).unwrap();
     set.write("theirs.csv", "a,b\n1,2\n");
-    let mapping = set.done(&["init", ".", "--preset", "mit-table", "--print"]).stdout;
+    let mapping = set.done(&["init", ".", "--preset", "mit-table", "-o", "-"]).stdout;
     set.write("mapping.toml", &mapping);
     for recordings in ["pushes/pushes", "other/pushes"] {
         for push in fs::read_dir(set.path(recordings)).unwrap() {
@@ -298,7 +298,7 @@ fn of_two_runs_at_a_time_one_wins_and_the_other_says_so() {
     assert_one_wins(&["add", "inertia", "--set", "kappa=1", "-o", "better.toml"]);
     assert_one_wins(&["report", "pushes", "-o", "page.html"]);
     assert_one_wins(&["simulate", "pushes", "-n", "2", "--particles", "50", "-o", "out"]);
-    assert_one_wins(&["generate", "made", "--pushes", "2"]);
+    assert_one_wins(&["generate", "-o", "made", "--pushes", "2"]);
     let hidden: Vec<_> = names(&set).into_iter().filter(|name| name.starts_with('.')).collect();
     assert!(hidden.is_empty(), "{hidden:?}");
 }

@@ -256,8 +256,7 @@ impl Inputs {
             _ => {
                 let what = format!("{}: the list of the hashes of {n} recordings", self.name);
                 let list = files.join("\n") + "\n";
-                let digest = Sha256::digest(list.as_bytes());
-                vec![(what, digest.iter().map(|byte| format!("{byte:02x}")).collect())]
+                vec![(what, format!("{:x}", Sha256::digest(list)))]
             }
         }
     }

@@ -15,6 +15,7 @@ mod sketch;
 pub(crate) mod thesis_design;
 
 use std::fs;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
@@ -34,18 +35,18 @@ pub struct Args {
     /// Draw only these figures, by number (2.9,5.7)
     #[arg(long, value_delimiter = ',', value_name = "NUMBER")]
     only: Vec<String>,
-    /// Recording set or table of steps to draw from [default: the thesis' design, simulated once]
+    /// Recording set or table of steps to draw from; without it the thesis' design, simulated once
     #[arg(long, value_name = "PATH")]
     data: Option<PathBuf>,
     /// The 60 pushes of fixtures/pushes and fewer repetitions, for a first look
     #[arg(long)]
     quick: bool,
     /// Folder for the page, the pictures and their numbers
-    #[arg(long, value_name = "DIR", default_value = "target/figures")]
-    out: PathBuf,
-    /// Figures drawn at once [default: one for each core]
-    #[arg(long, default_value_t = 0, hide_default_value = true)]
-    jobs: usize,
+    #[arg(short, long, value_name = "DIR", default_value = "target/figures", alias = "out")]
+    output: PathBuf,
+    /// Figures drawn at once, one for each core without it
+    #[arg(short, long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
 }
 
 /// Draws the figures and writes `index.html`.
@@ -61,7 +62,7 @@ pub fn run(args: &Args) -> Result<()> {
         }
         None => Inputs::at_speeds(&thesis_design::thesis_design()?)?,
     };
-    let out = workspace_root().join(&args.out);
+    let out = workspace_root().join(&args.output);
     fs::create_dir_all(&out).with_context(|| format!("cannot create {}", out.display()))?;
     let outcomes = draw_all(&entries, &inputs, &out, args.jobs)?;
     let drawn = outcomes.iter().filter(|outcome| matches!(outcome, Outcome::Drawn(..))).count();
@@ -87,8 +88,13 @@ enum Outcome {
 }
 
 /// The outcomes of all entries, in their order whatever the number of jobs.
-fn draw_all(entries: &[&Entry], inputs: &Inputs, out: &Path, jobs: usize) -> Result<Vec<Outcome>> {
-    let pool = ThreadPoolBuilder::new().num_threads(jobs).build()?;
+fn draw_all(
+    entries: &[&Entry],
+    inputs: &Inputs,
+    out: &Path,
+    jobs: Option<NonZeroUsize>,
+) -> Result<Vec<Outcome>> {
+    let pool = ThreadPoolBuilder::new().num_threads(jobs.map_or(0, NonZeroUsize::get)).build()?;
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} figures {msg}")?;
     let bar = ProgressBar::new(entries.len() as u64).with_style(style);
     let drawn: Vec<_> = pool.install(|| {
@@ -193,7 +199,7 @@ mod tests {
     /// Runs the task as from the command line; its files by name.
     fn drawn(words: &[&str], out: &Path) -> Vec<(String, Vec<u8>)> {
         let out = out.to_str().expect("a temporary folder has a plain name");
-        let line = CommandLine::try_parse_from([&["figures", "--out", out], words].concat());
+        let line = CommandLine::try_parse_from([&["figures", "--output", out], words].concat());
         run(&line.unwrap().args).unwrap();
         let mut files: Vec<_> = fs::read_dir(out)
             .unwrap()

@@ -15,11 +15,11 @@ use clap::ValueEnum;
 #[derive(clap::Args)]
 pub struct Args {
     /// Folder with the public data sets (`mit-push-table`, `mit-push-raw`, `mit-push-endpoints`)
-    #[arg(long)]
+    #[arg(long, value_name = "DIR")]
     data: PathBuf,
     /// Folder for `real-data.md` and its picture
-    #[arg(long, default_value = "docs")]
-    out: PathBuf,
+    #[arg(short, long, value_name = "DIR", default_value = "docs", alias = "out")]
+    output: PathBuf,
     /// Write these sections anew, and leave the page's others as they are
     #[arg(long, value_delimiter = ',')]
     only: Vec<Part>,
@@ -43,7 +43,7 @@ enum Part {
 /// # Errors
 /// Data that cannot be read; a comparison that fails; a page that cannot be read or written.
 pub fn run(args: &Args) -> Result<()> {
-    let page = args.out.join("real-data.md");
+    let page = args.output.join("real-data.md");
     let mut text = page::HEAD.to_owned();
     if !args.only.is_empty() {
         let old = std::fs::read_to_string(&page);
@@ -69,7 +69,7 @@ impl Part {
             Self::Table => {
                 let table = source::one_step_table(&table)?;
                 let corner = corner::Corner::of(&table)?;
-                write(&args.out.join("real-data-corner.svg"), &corner.picture(&table)?)?;
+                write(&args.output.join("real-data-corner.svg"), &corner.picture(&table)?)?;
                 page::one_step_text(&table, &corner)
             }
             Self::Learned => learned::Learned::of(&table)?.text(),

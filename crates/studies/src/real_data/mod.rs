@@ -19,17 +19,17 @@ use row::Row;
 /// Runs the models on published measurements and compares with the numbers to expect.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Folder with the public data sets (`mit-push-table`, `mit-push-endpoints`, …).
-    #[arg(long)]
+    /// Folder with the public data sets (`mit-push-table`, `mit-push-endpoints`, …)
+    #[arg(long, value_name = "DIR")]
     data: PathBuf,
-    /// Folder for `real-data.json`.
-    #[arg(long, default_value = "target/real-data")]
-    out: PathBuf,
-    /// Random splits of the table into training and test steps.
-    #[arg(long, default_value_t = 10)]
+    /// Folder for `real-data.json`
+    #[arg(short, long, value_name = "DIR", default_value = "target/real-data", alias = "out")]
+    output: PathBuf,
+    /// Random splits of the table into training and test steps
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 10)]
     splits: u64,
-    /// Seed of the splits.
-    #[arg(long, default_value_t = 1)]
+    /// Seed of the splits
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
 }
 
@@ -62,7 +62,7 @@ pub fn run(args: &Args) -> Result<()> {
         rows.extend(section.rows);
     }
     print!("{}", row::table(&rows));
-    let path = args.out.join("real-data.json");
+    let path = args.output.join("real-data.json");
     write(&path, &serde_json::to_string_pretty(&Value::Object(json))?)?;
     println!("written: {}", path.display());
     let outside: Vec<String> = rows.iter().filter_map(Row::complaint).collect();

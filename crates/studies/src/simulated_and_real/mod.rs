@@ -27,8 +27,8 @@ pub struct Args {
     #[arg(long, value_name = "PATH")]
     data: Option<PathBuf>,
     /// Folder for the page and its picture
-    #[arg(long, value_name = "DIR", default_value = "docs")]
-    out: PathBuf,
+    #[arg(short, long, value_name = "DIR", default_value = "docs", alias = "out")]
+    output: PathBuf,
 }
 
 /// Describes both tables and writes the page, or prints what is simulated.
@@ -45,7 +45,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let inputs = Inputs::open(path, false)?;
     let measured = Steps::of(&inputs)?;
-    let out = workspace_root().join(&args.out);
+    let out = workspace_root().join(&args.output);
     let both = [Described::of("measured", &measured)?, described];
     let picture = figure::draw([&measured.steps, &simulated.steps], &both).svg()?;
     write(&out.join(NAME).with_extension("svg"), &picture)?;

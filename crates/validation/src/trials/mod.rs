@@ -42,19 +42,19 @@ pub struct Args {
     #[arg(long)]
     resume: bool,
     /// Trials at a time, each in a process of its own
-    #[arg(long, default_value_t = 2, value_name = "N")]
+    #[arg(short, long, value_name = "N", default_value_t = 2)]
     jobs: usize,
     /// Kinds of trials; all without it
     #[arg(long, value_enum, value_delimiter = ',')]
     families: Vec<Family>,
     /// First trials of each kind; all without it
-    #[arg(long, value_name = "N")]
+    #[arg(short = 'n', long, value_name = "N")]
     first: Option<usize>,
     /// First seed: below 1000000 for development, which is not written to docs/
-    #[arg(long, default_value_t = FIRST_REPORTED_SEED)]
+    #[arg(long, value_name = "SEED", default_value_t = FIRST_REPORTED_SEED)]
     seed: u64,
     /// Seconds after which a trial counts as wrong
-    #[arg(long, default_value_t = 900, value_name = "S")]
+    #[arg(long, value_name = "S", default_value_t = 900)]
     patience: u64,
     /// Run one trial again and print its answer
     #[arg(long, value_name = "NAME")]

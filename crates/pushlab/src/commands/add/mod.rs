@@ -17,6 +17,7 @@ pub(super) use self::from_diagnosis::diagnosed_effect;
 
 use self::from_diagnosis::chosen;
 use super::models::Parameters;
+use crate::command_line::seed_parser;
 use crate::destination::{Force, Inputs};
 use crate::diagnosis_file;
 use crate::failure::WrongUsage;
@@ -24,7 +25,7 @@ use crate::file_ending;
 use crate::fitting::{Fitting, model_for};
 use crate::origin::{Origin, TOOL};
 use crate::suspected::warn;
-use crate::terminal::{TITLE, Terminal, WARNING};
+use crate::terminal::{TITLE, Terminal};
 
 /// Add effects to a model: what a diagnosis names, or one with values by hand or fitted
 ///
@@ -52,12 +53,13 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", default_value = "model.toml",
           value_parser = file_ending::model)]
     model: PathBuf,
-    /// Where to write the model with the effect
-    #[arg(short, long, value_name = "FILE", value_parser = file_ending::model)]
+    /// Where to write the model with the effect; `-` is standard output
+    #[arg(short, long, value_name = "FILE",
+          value_parser = file_ending::or_standard(file_ending::model))]
     output: PathBuf,
     /// Seed of the choice of pushes that are set aside
-    #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = clap::value_parser!(u32))]
-    seed: u32,
+    #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = seed_parser())]
+    seed: u64,
     #[command(flatten)]
     force: Force,
 }
@@ -89,6 +91,7 @@ impl FromStr for Value {
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let terminal = &terminal.beside([args.output.as_path()])?;
     let mut origin = args.origin();
     let inputs = Inputs::default().with(&args.from);
     let inputs = args.fit.iter().fold(inputs, |inputs, set| inputs.with_set(set, None));
@@ -103,7 +106,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let Some(set) = &args.fit else {
         return by_hand(args, ModelFile { name, ..model }, &origin, destination, terminal);
     };
-    let fitting = Fitting::read(set, &model, args.seed.into(), &mut origin, terminal)?;
+    let fitting = Fitting::read(set, &model, args.seed, &mut origin, terminal)?;
     let off = fitting.off(&model, about)?;
     model.description.effects.push(ModelEffect::from(Setting::new(about, &off)));
     let fit = fitting.fit(&model, &[about.id])?.distinct()?;
@@ -143,9 +146,9 @@ fn from_file(
     }
     if model.split.is_none() && !is_of(&found, &origin) {
         let (model, from) = (args.model.display(), from.display());
-        terminal.tell(format_args!(
-            "{WARNING}note:{WARNING:#} {from} is about another model file than {model}; the values \
-             hold beside the one that it is about"
+        terminal.remark(format_args!(
+            "{from} is about another model file than {model}; the values hold beside the one that \
+             it is about"
         ));
     }
     model.description.effects.extend(added);
@@ -208,19 +211,13 @@ impl Args {
     }
 
     fn origin(&self) -> Origin {
-        let mut words = vec!["add".to_owned()];
-        words.extend(self.effect.clone());
-        for Value { name, value } in &self.set {
-            words.extend(["--set".to_owned(), format!("{name}={value}")]);
-        }
-        if let Some(set) = &self.fit {
-            words.extend(["--fit".to_owned(), set.display().to_string()]);
-            words.extend(["--seed".to_owned(), self.seed.to_string()]);
-        }
-        if let Some(from) = &self.from {
-            words.extend(["--from".to_owned(), from.display().to_string()]);
-        }
-        words.extend(["--model".to_owned(), self.model.display().to_string()]);
-        Origin::new(words)
+        let set = self.set.iter().map(|Value { name, value }| format!("{name}={value}"));
+        Origin::new("add")
+            .words(self.effect.clone())
+            .option("set", set)
+            .paths("fit", &self.fit)
+            .option("seed", self.fit.as_ref().map(|_| self.seed))
+            .paths("from", &self.from)
+            .paths("model", [&self.model])
     }
 }

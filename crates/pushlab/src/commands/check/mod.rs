@@ -2,7 +2,7 @@
 
 mod text;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Result;
 use dataset::RecordingSet;
@@ -20,7 +20,7 @@ use crate::recorded_steps::RecordedSteps;
 use crate::suspected::{suspected, warn, warn_of_narrowness};
 use crate::terminal::Terminal;
 
-/// Tell what recordings can and cannot show, before any model is fitted to them
+/// Tell what a set can and cannot show, before any model is fitted to it
 ///
 /// Where the pushes lie, which channels there are, how far pushes scatter and why; and for each
 /// effect the smallest size that these data would show, or why they cannot show it and what to
@@ -152,9 +152,6 @@ fn showable(found: &Screen) -> Vec<Showable> {
 
 impl Args {
     fn origin(&self) -> Origin {
-        let path = |path: &Path| path.display().to_string();
-        let mut words = vec!["check".to_owned(), path(&self.set)];
-        words.extend(self.model.iter().flat_map(|model| ["--model".to_owned(), path(model)]));
-        Origin::new(words)
+        Origin::new("check").path(&self.set).paths("model", &self.model)
     }
 }

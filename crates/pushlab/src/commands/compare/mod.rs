@@ -121,16 +121,11 @@ fn unexplained(model: &Description, observations: &Observations) -> Result<Optio
 
 impl Args {
     fn origin(&self) -> Origin {
-        let path = |path: &Path| path.display().to_string();
-        let mut words = vec!["compare".to_owned(), path(&self.source.set)];
-        let mut option = |name: &str, value: Option<String>| {
-            words.extend(value.into_iter().flat_map(|value| [format!("--{name}"), value]));
-        };
-        option("model", Some(path(&self.model)));
-        option("against", self.against.as_deref().map(path));
-        words.extend(self.source.words());
-        words
-            .extend(self.step.into_iter().flat_map(|step| ["--step".to_owned(), step.to_string()]));
-        Origin::new(words)
+        Origin::new("compare")
+            .path(&self.source.set)
+            .paths("model", [&self.model])
+            .paths("against", &self.against)
+            .words(self.source.words())
+            .option("step", self.step)
     }
 }

@@ -10,7 +10,9 @@ use clap::value_parser;
 use output::OutputError;
 
 use self::story::Story;
+use crate::command_line::seed_parser;
 use crate::destination::{Inputs, folder};
+use crate::file_ending;
 use crate::terminal::Terminal;
 
 /// Hide an effect in simulated recordings, find it, add it, and watch the error fall
@@ -22,16 +24,17 @@ use crate::terminal::Terminal;
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
     /// Folder for all that is made; it may not have files in it
-    #[arg(default_value = "pushlab-demo")]
-    folder: PathBuf,
-    /// Seed of everything random; else drawn from the clock, and told
-    #[arg(long, value_name = "SEED", value_parser = value_parser!(u32))]
-    seed: Option<u32>,
+    #[arg(short, long, value_name = "DIR", default_value = "pushlab-demo",
+          value_parser = file_ending::folder)]
+    output: PathBuf,
+    /// Seed of everything random; drawn from the clock without it, and told
+    #[arg(long, value_name = "SEED", value_parser = seed_parser())]
+    seed: Option<u64>,
     /// Hide this effect, as `pushlab generate` takes it
     #[arg(long, value_name = "EFFECT", default_value = "surprise")]
     hidden: String,
     /// Number of pushes
-    #[arg(long, value_name = "N", default_value_t = 80,
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 80,
           value_parser = value_parser!(u32).range(20..=10_000))]
     pushes: u32,
 }
@@ -39,13 +42,13 @@ pub(crate) struct Args {
 const EXAMPLES: &str = "\
 Examples:
   pushlab demo
-  pushlab demo again --seed 12
-  pushlab demo tilted --hidden table-tilt --pushes 200";
+  pushlab demo --seed 12 -o again
+  pushlab demo --hidden table-tilt -n 200 -o tilted";
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    folder(&args.folder, &Inputs::default())?.fill(|_| Ok::<_, OutputError>(()))?;
+    folder(&args.output, &Inputs::default())?.fill(|_| Ok::<_, OutputError>(()))?;
     let story = Story {
-        folder: &args.folder,
+        folder: &args.output,
         seed: args.seed.unwrap_or_else(seed_of_the_clock),
         hidden: &args.hidden,
         n_pushes: args.pushes,
@@ -55,7 +58,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
 }
 
 /// Another one every time.
-fn seed_of_the_clock() -> u32 {
+fn seed_of_the_clock() -> u64 {
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
-    now.map_or(1, |since| since.subsec_micros())
+    now.map_or(1, |since| since.subsec_micros().into())
 }

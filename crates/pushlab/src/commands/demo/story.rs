@@ -14,7 +14,7 @@ use crate::terminal::{TITLE, Terminal};
 /// What is told, and where.
 pub(super) struct Story<'a> {
     pub(super) folder: &'a Path,
-    pub(super) seed: u32,
+    pub(super) seed: u64,
     pub(super) hidden: &'a str,
     pub(super) n_pushes: u32,
     pub(super) terminal: &'a Terminal,
@@ -23,7 +23,7 @@ pub(super) struct Story<'a> {
 /// The end of the story, for programs.
 #[derive(Serialize)]
 struct End {
-    seed: u32,
+    seed: u64,
     hidden: Vec<HiddenEffect>,
     verdict: Verdict,
     named: Vec<String>,
@@ -47,14 +47,14 @@ struct HiddenEffect {
 
 impl Story<'_> {
     pub(super) fn tell(&self) -> Result<()> {
-        let [seed, n_pushes] = [self.seed, self.n_pushes].map(|number| number.to_string());
+        let (seed, n_pushes) = (self.seed.to_string(), self.n_pushes.to_string());
         let [set, model, answer] = ["pushes", "model.toml", "diagnosis.json"].map(|n| self.path(n));
         let [better, page] = ["better.toml", "report.html"].map(|name| self.path(name));
         self.say(
             "A simulated rig pushes a square. Something is hidden in it; no command below is told.",
         );
-        let hidden = ["--hidden", self.hidden, "--pushes", &n_pushes, "--seed", &seed];
-        self.run(&[&["generate", &set], &hidden[..]].concat())?;
+        let hidden = ["--hidden", self.hidden, "-n", &n_pushes, "--seed", &seed];
+        self.run(&[&["generate"], &hidden[..], &["-o", &set]].concat())?;
         self.say(
             "The model to begin with: the thesis' push, with what the rig's builder believes.",
         );
@@ -77,7 +77,7 @@ impl Story<'_> {
             report.extend(["--model", &better]);
         }
         self.say("All of it on one page.");
-        report.extend(["--diagnosis", &answer, "-o", &page]);
+        report.extend(["--from", &answer, "-o", &page]);
         self.run(&report)?;
         self.end(found, page)
     }
@@ -92,22 +92,21 @@ impl Story<'_> {
             "\n{TITLE}The truth, sealed until now: {}{TITLE:#}\n\
              The object stands on its whole face, of which the thesis' ellipsoid is an \
              approximation: limit-surface-shape may be named beside it.\n\
-             The page: {report}\nThe same again: pushlab demo FOLDER --seed {}\n",
+             The page: {report}\nThe same again: pushlab demo --seed {} -o FOLDER\n",
             hidden.join("; "),
             self.seed
         );
         let Diagnosis { verdict, named, one_of, error, .. } = found;
         let (seed, hidden) = (self.seed, truth.hidden);
         let end = End { seed, hidden, verdict, named, one_of, error, report };
-        let words = ["demo".to_owned(), "--seed".to_owned(), self.seed.to_string()];
-        self.terminal.finish(&Origin::new(words), &end, text)
+        self.terminal.finish(&Origin::new("demo").option("seed", [self.seed]), &end, text)
     }
 
     /// Prints a command as one would type it, and runs it.
     fn run(&self, words: &[&str]) -> Result<()> {
-        let typed: Vec<String> = words.iter().map(|word| quoted(word)).collect();
+        let typed = shlex::try_join(words.iter().copied())?;
         let inner = self.terminal.within();
-        inner.print_for_people(&format!("\n$ pushlab {}\n", typed.join(" ")))?;
+        inner.print_for_people(&format!("\n$ pushlab {typed}\n"))?;
         let words = ["pushlab"].iter().chain(words);
         CommandLine::try_parse_from(words)?.run(&inner)
     }
@@ -132,15 +131,5 @@ impl HiddenEffect {
         } else {
             format!("{}: {}", self.id, values.join(", "))
         }
-    }
-}
-
-/// A word as a shell takes it.
-fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        word.to_owned()
-    } else {
-        format!("'{word}'")
     }
 }

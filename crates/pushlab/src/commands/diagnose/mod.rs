@@ -5,11 +5,13 @@ mod text;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
-use diagnosis::{DiagnoseSettings, Diagnosis, MadeBy, MadeFrom, Observations, Suspicion, diagnose};
+use anyhow::{Result, bail};
+use diagnosis::{DiagnoseSettings, MadeBy, MadeFrom, Observations, Suspicion, diagnose};
 use models::ModelFile;
 
+use crate::command_line::seed_parser;
 use crate::destination::Force;
+use crate::document::indented;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
 use crate::recorded_steps::SET_FILES;
@@ -32,14 +34,15 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", default_value = "model.toml",
           value_parser = file_ending::model)]
     model: PathBuf,
-    /// Where to write the answer as JSON (docs/diagnosis.schema.json)
-    #[arg(short, long, value_name = "FILE", value_parser = file_ending::json)]
+    /// Where to write the answer as JSON (docs/diagnosis.schema.json); `-` is standard output
+    #[arg(short, long, value_name = "FILE",
+          value_parser = file_ending::or_standard(file_ending::json))]
     output: Option<PathBuf>,
     /// A second set that confirms what is fitted to all of the first, instead of a quarter of it
     #[arg(long, value_name = "SET")]
     confirm: Option<PathBuf>,
     /// Seed of the choice of pushes that are set aside
-    #[arg(long, default_value_t = 7)]
+    #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = seed_parser())]
     seed: u64,
     #[command(flatten)]
     force: Force,
@@ -55,6 +58,7 @@ Examples:
   pushlab compare pushes --model better.toml --against model.toml";
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let terminal = &terminal.beside(args.output.as_deref())?;
     let mut inputs = args.source.inputs().with([&args.model]);
     if let Some(second) = &args.confirm {
         inputs = inputs.and(args.source.of_same_kind(second).inputs());
@@ -97,15 +101,12 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     }
     found.suspicions = suspicions;
     found.made_by = Some(made_by(&origin));
+    found.warnings = terminal.warnings();
     if let Some(output) = output {
-        output.write(to_json(&found)?)?;
+        output.write(indented(&found)?)?;
     }
-    terminal.finish_plain(&to_json(&found)?, text::Answer { found: &found, model: &model.name })
-}
-
-/// The answer alone: programs read its fields at the top.
-fn to_json(found: &Diagnosis) -> Result<String> {
-    Ok(serde_json::to_string_pretty(found).context("cannot write JSON")? + "\n")
+    let text = text::Answer { found: &found, model: &model.name };
+    terminal.finish_with(&origin, || indented(&found), text)
 }
 
 fn made_by(origin: &Origin) -> MadeBy {
@@ -150,10 +151,11 @@ impl Args {
     }
 
     fn origin(&self) -> Origin {
-        let path = |path: &Path| path.display().to_string();
-        let words = ["diagnose", &path(&self.source.set), "--model", &path(&self.model), "--seed"];
-        let words = words.map(str::to_owned).into_iter().chain([self.seed.to_string()]);
-        let confirm = self.confirm.iter().flat_map(|set| ["--confirm".to_owned(), path(set)]);
-        Origin::new(words.chain(confirm).chain(self.source.words()))
+        Origin::new("diagnose")
+            .path(&self.source.set)
+            .paths("model", [&self.model])
+            .option("seed", [self.seed])
+            .paths("confirm", &self.confirm)
+            .words(self.source.words())
     }
 }

@@ -7,6 +7,7 @@ use diagnosis::{
 };
 use models::Cluster;
 
+use crate::people::lines;
 use crate::terminal::{TITLE, WARNING};
 
 /// A diagnosis of a model.
@@ -48,11 +49,11 @@ impl fmt::Display for Answer<'_> {
             _ => writeln!(f, "  noise estimated from {cells} pairs of neighbours: no repeats")?,
         }
         for suspicion in &found.suspicions {
-            for line in wrapped(&format!("This holds only if it is not so: {suspicion}")) {
+            for line in lines(&format!("This holds only if it is not so: {suspicion}"), WIDTH) {
                 writeln!(f, "{WARNING}{line}{WARNING:#}")?;
             }
         }
-        for line in wrapped(&found.sentence) {
+        for line in lines(&found.sentence, WIDTH) {
             writeln!(f, "{TITLE}{line}{TITLE:#}")?;
         }
         write_error(f, &found.error)?;
@@ -122,7 +123,7 @@ fn write_effect(f: &mut fmt::Formatter<'_>, effect: &EffectFinding) -> fmt::Resu
         parameters.iter().try_for_each(|parameter| write_parameter(f, parameter))?;
     }
     if !why.is_empty() {
-        wrapped(why).into_iter().try_for_each(|line| writeln!(f, "    {line}"))?;
+        lines(why, WIDTH).into_iter().try_for_each(|line| writeln!(f, "    {line}"))?;
     }
     match rivals.is_empty() {
         true => Ok(()),
@@ -153,26 +154,12 @@ fn write_rest(f: &mut fmt::Formatter<'_>, effects: &[EffectFinding]) -> fmt::Res
         let ids: Vec<&str> = ids.map(|effect| effect.id.as_str()).collect();
         if !ids.is_empty() {
             writeln!(f, "{TITLE}{title}{TITLE:#}")?;
-            wrapped(&ids.join(", ")).into_iter().try_for_each(|line| writeln!(f, "  {line}"))?;
+            lines(&ids.join(", "), WIDTH)
+                .into_iter()
+                .try_for_each(|line| writeln!(f, "  {line}"))?;
         }
     }
     Ok(())
-}
-
-fn wrapped(text: &str) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in text.split_whitespace() {
-        let last = lines.len() - 1;
-        if !lines[last].is_empty() && lines[last].chars().count() + word.chars().count() >= WIDTH {
-            lines.push(word.to_owned());
-            continue;
-        }
-        if !lines[last].is_empty() {
-            lines[last].push(' ');
-        }
-        lines[last].push_str(word);
-    }
-    lines
 }
 
 #[cfg(test)]

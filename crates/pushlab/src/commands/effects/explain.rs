@@ -27,7 +27,7 @@ fn id_parser() -> PossibleValuesParser {
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    let origin = Origin::new(["effects".to_owned(), "explain".to_owned(), args.id.clone()]);
+    let origin = Origin::new("effects explain").words([args.id.clone()]);
     let explanation = Explanation::of(&args.id)?;
     terminal.finish(&origin, &explanation, &explanation)
 }

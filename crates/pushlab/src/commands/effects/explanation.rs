@@ -7,6 +7,7 @@ use effects::{Channel, by_id};
 use plant::{EffectKind, effect_kinds};
 use serde::Serialize;
 
+use crate::people::{behind_number, lines};
 use crate::terminal::TITLE;
 
 /// An effect as a model carries it, if it is in the catalogue, and as a simulation hides it.
@@ -122,7 +123,7 @@ impl fmt::Display for Explanation {
             |parameter: &HiddenParameter| format!("{}={}", parameter.names[0], parameter.typical);
         let values: Vec<_> = parameters.iter().map(typical).collect();
         let id = self.id;
-        writeln!(f, "  pushlab generate OUT --hidden '{id}: {}'", values.join(", "))?;
+        writeln!(f, "  pushlab generate --hidden '{id}: {}' -o DIR", values.join(", "))?;
         for HiddenParameter { names, unit, low, high, .. } in parameters {
             let names = names.join(" or ");
             writeln!(f, "  {names}: {}", range(*low, *high, unit))?;
@@ -135,7 +136,7 @@ impl fmt::Display for InModel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{TITLE}{}{TITLE:#}", self.title)?;
         for text in [self.physics, self.equation, self.source] {
-            for line in wrapped(text) {
+            for line in lines(text, WIDTH) {
                 writeln!(f, "  {line}")?;
             }
         }
@@ -158,29 +159,14 @@ impl fmt::Display for InModel {
 }
 
 fn range(low: f64, high: f64, unit: &str) -> String {
-    let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+    let unit = behind_number(unit);
     let [low, high] = [low, high].map(|value| (1e6 * value).round() / 1e6);
     format!("{low} to {high}{unit}")
 }
 
-/// The words of a text on lines of limited width.
-fn wrapped(text: &str) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split_whitespace() {
-        match lines.last_mut() {
-            Some(line) if line.chars().count() + word.chars().count() < WIDTH => {
-                line.push(' ');
-                line.push_str(word);
-            }
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Explanation, WIDTH, wrapped};
+    use super::Explanation;
 
     #[test]
     fn every_effect_of_the_catalogue_is_explained_and_can_be_hidden() {
@@ -201,14 +187,5 @@ mod tests {
             let typical = plant::HiddenEffect::typical(kind.id).unwrap();
             assert_eq!(shown.parse::<plant::Hidden>().unwrap(), plant::Hidden::Effect(typical));
         }
-    }
-
-    #[test]
-    fn lines_are_as_long_as_words_allow() {
-        let text = "seven ".repeat(30);
-        let lines = wrapped(&text);
-        assert_eq!(lines.len(), 3);
-        assert!(lines.iter().all(|line| line.len() <= WIDTH));
-        assert_eq!(lines.join(" "), text.trim_end());
     }
 }

@@ -20,6 +20,11 @@ Examples:
   pushlab effects list --json";
 
 #[derive(Serialize)]
+struct Effects<'a> {
+    effects: &'a [Listed],
+}
+
+#[derive(Serialize)]
 struct Listed {
     id: &'static str,
     about: &'static str,
@@ -43,5 +48,5 @@ pub(crate) fn run(_args: &Args, terminal: &Terminal) -> Result<()> {
             let _ = writeln!(text, "  {id:width$}  {about}");
         }
     }
-    terminal.finish(&Origin::new(["effects", "list"].map(str::to_owned)), &listed, text)
+    terminal.finish(&Origin::new("effects list"), &Effects { effects: &listed }, text)
 }

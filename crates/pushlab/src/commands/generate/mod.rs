@@ -18,8 +18,10 @@ use self::design_name::DesignName;
 use self::generated::Generated;
 use self::settings_file::SettingsFile;
 use self::shape_name::ShapeName;
+use crate::command_line::seed_parser;
 use crate::destination::Inputs;
 use crate::failure::WrongUsage;
+use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
 use crate::progress::Progress;
 use crate::speed::Speed;
@@ -28,21 +30,23 @@ use crate::terminal::Terminal;
 /// Simulate pushes and write them as a recording set that can hide an effect
 ///
 /// A rig with dynamics, made independently of the models: a measured-looking set for which the truth
-/// is known. The truth goes to OUT.truth.toml beside the set, which no other command reads; a
+/// is known. The truth goes to DIR.truth.toml beside the set, which no other command reads; a
 /// surprise is told nowhere else. `pushlab effects list` names what can be hidden.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
     /// Folder of the new set; it may not have files in it
-    out: PathBuf,
+    #[arg(short, long, value_name = "DIR", value_parser = file_ending::folder)]
+    output: PathBuf,
     /// Hide this effect, 'ID' or 'ID: NAME=VALUE, …', or a `surprise`; may be given several times
     #[arg(long, value_name = "EFFECT")]
     hidden: Vec<String>,
     /// Number of pushes; else 200, or all of the thesis' design or of a file
-    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1_000_000))]
+    #[arg(short = 'n', long, value_name = "N",
+          value_parser = value_parser!(u32).range(1..=1_000_000))]
     pushes: Option<u32>,
     /// Seed of everything random
-    #[arg(long, value_name = "SEED", default_value_t = 7)]
+    #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = seed_parser())]
     seed: u64,
     /// Which pushes: random (the default), thesis, narrow, repeats, or a FILE.csv with one a line
     #[arg(long, value_name = "DESIGN")]
@@ -66,18 +70,18 @@ pub(crate) struct Args {
 
 const EXAMPLES: &str = "\
 Examples:
-  pushlab generate set --hidden 'table-anisotropy: ratio=1.3, direction_deg=34'
-  pushlab generate set --hidden surprise --pushes 400 --seed 12
-  pushlab generate set --design thesis --shape tri1 --format csv
-  pushlab generate set --design pushes.csv --hidden table-tilt --hidden pusher-radius
-  pushlab generate twin --shape my-pushes/dataset.toml --settings rig.toml --sessions 5";
+  pushlab generate --hidden 'table-anisotropy: ratio=1.3, direction_deg=34' -o set
+  pushlab generate --hidden surprise -n 400 --seed 12 -o set
+  pushlab generate --design thesis --shape tri1 --format csv -o set
+  pushlab generate --design pushes.csv --hidden table-tilt --hidden pusher-radius -o set
+  pushlab generate --shape my-pushes/dataset.toml --settings rig.toml --sessions 5 -o twin";
 
 fn format_parser() -> PossibleValuesParser {
     PossibleValuesParser::new(all_writers().iter().map(|writer| writer.id()))
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    let out = SetOutput::apart_from(&Inputs::default().with(&args.files()).paths, &args.out)?;
+    let out = SetOutput::apart_from(&Inputs::default().with(&args.files()).paths, &args.output)?;
     let settings = args.settings()?;
     let mut origin = args.origin();
     for path in args.files() {
@@ -161,29 +165,15 @@ impl Args {
 
     /// What decides the result.
     fn origin(&self) -> Origin {
-        let mut words = vec!["generate".to_owned()];
-        let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
-        for effect in &self.hidden {
-            option("hidden", effect.clone());
-        }
-        if let Some(n_pushes) = self.pushes {
-            option("pushes", n_pushes.to_string());
-        }
-        option("seed", self.seed.to_string());
-        if let Some(design) = &self.design {
-            option("design", design.to_string());
-        }
-        if let Some(n_sessions) = self.sessions {
-            option("sessions", n_sessions.to_string());
-        }
-        for speed in &self.speed {
-            option("speed", speed.to_string());
-        }
-        option("shape", self.shape.to_string());
-        if let Some(path) = &self.settings {
-            option("settings", path.display().to_string());
-        }
-        option("format", self.format.clone());
-        Origin::new(words)
+        Origin::new("generate")
+            .option("hidden", &self.hidden)
+            .option("pushes", self.pushes)
+            .option("seed", [self.seed])
+            .option("design", &self.design)
+            .option("sessions", self.sessions)
+            .option("speed", &self.speed)
+            .option("shape", [&self.shape])
+            .paths("settings", &self.settings)
+            .option("format", [&self.format])
     }
 }

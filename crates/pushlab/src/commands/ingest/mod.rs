@@ -17,7 +17,7 @@ use self::ingested::Ingested;
 use self::source::Source;
 use crate::command_line::preset_parser;
 use crate::destination::{Force, Inputs};
-use crate::document::Document;
+use crate::document::document;
 use crate::failure::WrongUsage;
 use crate::file_ending;
 use crate::origin::{Input, Origin};
@@ -37,8 +37,9 @@ use crate::terminal::{TITLE, Terminal};
 pub(crate) struct Args {
     /// Recording set, or a foreign step table
     set: PathBuf,
-    /// Where to write the step table: .csv or .parquet
-    #[arg(short, long, value_name = "TABLE", value_parser = file_ending::table)]
+    /// Where to write the step table: .csv or .parquet; `-` is standard output, as CSV
+    #[arg(short, long, value_name = "TABLE",
+          value_parser = file_ending::or_standard(file_ending::table))]
     output: Option<PathBuf>,
     /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm); else 200ms
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
@@ -49,11 +50,12 @@ pub(crate) struct Args {
     /// Take what is known of a public data set, whatever dataset.toml says
     #[arg(long, value_name = "NAME", value_parser = preset_parser())]
     preset: Option<Preset>,
-    /// How the columns of a foreign step table become ours (see `init --preset mit-table --print`)
+    /// How the columns of a foreign step table become ours (see `init . --preset mit-table -o -`)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["preset", "step", "curve"])]
     mapping: Option<PathBuf>,
-    /// Where to write the full report: .txt for people, .json for programs
-    #[arg(long, value_name = "REPORT", value_parser = file_ending::report)]
+    /// Where to write the full report: .txt for people, .json for programs; `-` is standard output
+    #[arg(long, value_name = "REPORT",
+          value_parser = file_ending::or_standard(file_ending::report))]
     report: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
@@ -74,6 +76,8 @@ enum CurveName {
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let outputs = || args.output.iter().chain(&args.report);
+    let terminal = &terminal.beside(outputs().map(PathBuf::as_path))?;
     let inputs = Inputs::default().with_set(&args.set, args.preset).with(&args.mapping);
     let take = |path: &Option<PathBuf>| {
         path.as_ref().map(|path| args.force.file(path, &inputs)).transpose()
@@ -90,7 +94,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     if let Some(destination) = report {
         let is_json = destination.path().extension().is_some_and(|ending| ending == "json");
         let text = if is_json {
-            Document { origin: &origin, result: &result }.to_json()?
+            document(&origin, &terminal.warnings(), &result)?
         } else {
             anstream::adapter::strip_str(&(result.full_text() + &origin.comment())).to_string()
         };
@@ -100,7 +104,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         writer.finish(&provenance)?;
     }
     let mut text = result.short_text();
-    for path in args.output.iter().chain(&args.report) {
+    for path in outputs() {
         let _ = writeln!(text, "{TITLE}wrote {}{TITLE:#}", path.display());
     }
     terminal.finish(&origin, &result, text)
@@ -170,15 +174,12 @@ impl Args {
 
     /// What decides the result, with the defaults written out.
     fn origin(&self) -> Origin {
-        let mut words = vec!["ingest".to_owned(), self.set.display().to_string()];
-        let mut option = |name: &str, value: Option<String>| {
-            words.extend(value.into_iter().flat_map(|value| [format!("--{name}"), value]));
-        };
-        option("step", self.step.map(|step| step.to_string()));
         let curve = self.curve.and_then(|curve| curve.to_possible_value());
-        option("curve", curve.map(|curve| curve.get_name().to_owned()));
-        option("preset", self.preset.map(|preset| preset.name().to_owned()));
-        option("mapping", self.mapping.as_ref().map(|path| path.display().to_string()));
-        Origin::new(words)
+        Origin::new("ingest")
+            .path(&self.set)
+            .option("step", self.step)
+            .option("curve", curve.map(|curve| curve.get_name().to_owned()))
+            .option("preset", self.preset.map(Preset::name))
+            .paths("mapping", &self.mapping)
     }
 }

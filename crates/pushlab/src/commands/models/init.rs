@@ -27,9 +27,9 @@ pub(crate) struct Args {
     /// Take the nominal values of a public data set instead
     #[arg(long, value_name = "NAME", value_parser = preset_parser(), conflicts_with = "set")]
     preset: Option<Preset>,
-    /// Where to write the model
+    /// Where to write the model; `-` is standard output
     #[arg(short, long, value_name = "FILE", default_value = "model.toml",
-          value_parser = file_ending::model)]
+          value_parser = file_ending::or_standard(file_ending::model))]
     output: PathBuf,
     #[command(flatten)]
     force: Force,
@@ -42,16 +42,15 @@ Examples:
   pushlab models init --preset mit-push -o mit.toml";
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let terminal = terminal.beside([args.output.as_path()])?;
     let inputs = args.set.iter().fold(Inputs::default(), |inputs, set| inputs.with_set(set, None));
     let destination = args.force.file(&args.output, &inputs)?;
-    let mut origin = Origin::new(["models".to_owned(), "init".to_owned()]);
+    let mut origin = Origin::new("models init")
+        .option("preset", args.preset.map(Preset::name))
+        .words(args.set.iter().map(|set| set.display().to_string()));
     let nominal = match (&args.set, args.preset) {
-        (_, Some(preset)) => {
-            origin.arguments.extend(["--preset".to_owned(), preset.name().to_owned()]);
-            Nominal::of_preset(preset)?
-        }
+        (_, Some(preset)) => Nominal::of_preset(preset)?,
         (Some(set), None) => {
-            origin.arguments.push(set.display().to_string());
             let path = if set.is_dir() { set.join(MANIFEST_NAME) } else { set.clone() };
             readable(&path)?;
             let nominal = Nominal::of_manifest(&path)?;

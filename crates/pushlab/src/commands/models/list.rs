@@ -20,6 +20,11 @@ Examples:
   pushlab models list --json";
 
 #[derive(Serialize)]
+struct Kinds<'a> {
+    kinds: &'a [Kind],
+}
+
+#[derive(Serialize)]
 struct Kind {
     id: &'static str,
     about: &'static str,
@@ -33,5 +38,5 @@ pub(crate) fn run(_args: &Args, terminal: &Terminal) -> Result<()> {
     for Kind { id, about } in &kinds {
         let _ = writeln!(text, "{TITLE}{id:width$}{TITLE:#}  {about}");
     }
-    terminal.finish(&Origin::new(["models", "list"].map(str::to_owned)), &kinds, text)
+    terminal.finish(&Origin::new("models list"), &Kinds { kinds: &kinds }, text)
 }

@@ -8,6 +8,7 @@ use models::{
 };
 use serde::Serialize;
 
+use crate::people::behind_number;
 use crate::terminal::TITLE;
 use crate::unexplained::shares;
 
@@ -146,7 +147,7 @@ impl fmt::Display for Parameters {
             writeln!(f, "  limit surface: {surface}")?;
         }
         for Parameter { name, value, se, unit, source } in &self.parameters {
-            let unit = if *unit == "1" { String::new() } else { format!(" {unit}") };
+            let unit = behind_number(unit);
             let value = match value {
                 Some(value) if *se > 0.0 => format!("{value} ± {se}{unit}"),
                 Some(value) => format!("{value}{unit}"),

@@ -27,8 +27,7 @@ Examples:
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     readable(&args.model)?;
     let file = ModelFile::read(&args.model)?;
-    let arguments = ["models".to_owned(), "show".to_owned(), args.model.display().to_string()];
-    let mut origin = Origin::new(arguments);
+    let mut origin = Origin::new("models show").path(&args.model);
     origin.inputs.push(Input::file(&args.model)?);
     let parameters = Parameters::of(&file);
     terminal.finish(&origin, &parameters, &parameters)

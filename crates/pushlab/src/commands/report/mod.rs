@@ -48,13 +48,13 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", default_value = "model.toml",
           value_parser = file_ending::model)]
     model: Vec<PathBuf>,
-    /// The page
+    /// The page; `-` is standard output
     #[arg(short, long, value_name = "PAGE", default_value = "report.html",
-          value_parser = file_ending::page)]
+          value_parser = file_ending::or_standard(file_ending::page))]
     output: PathBuf,
     /// Answer of `pushlab diagnose` about this set and the first model: what is missing
-    #[arg(long, value_name = "DIAGNOSIS", value_parser = file_ending::json)]
-    diagnosis: Option<PathBuf>,
+    #[arg(long, value_name = "DIAGNOSIS", alias = "diagnosis", value_parser = file_ending::json)]
+    from: Option<PathBuf>,
     /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm); else 200ms
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<StepSize>,
@@ -66,7 +66,7 @@ const EXAMPLES: &str = "\
 Examples:
   pushlab report pushes --model model.toml -o report.html
   pushlab report pushes --model model.toml --model better.toml -o report.html
-  pushlab report pushes --model model.toml --diagnosis diagnosis.json -o report.html
+  pushlab report pushes --model model.toml --from diagnosis.json -o report.html
   pushlab report pushes --step 4mm --json";
 
 /// What is compared, and on what.
@@ -108,7 +108,8 @@ struct Written {
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    let files = args.model.iter().chain(&args.diagnosis);
+    let terminal = &terminal.beside([args.output.as_path()])?;
+    let files = args.model.iter().chain(&args.from);
     let inputs = Inputs::default().with_set(&args.set, None).with(files);
     let destination = args.force.file(&args.output, &inputs)?;
     let mut origin = args.origin();
@@ -118,7 +119,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         origin.inputs.push(Input::file(path)?);
         files.push((path.as_path(), ModelFile::read(path)?));
     }
-    let diagnosis = args.diagnosis.as_ref();
+    let diagnosis = args.from.as_ref();
     let diagnosis = diagnosis.map(|path| diagnosis_file::read(path, &mut origin)).transpose()?;
     readable(&args.set)?;
     let set = RecordingSet::open(&args.set)?;
@@ -132,7 +133,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     origin.inputs.extend(recorded.inputs);
     let observations = Observations::of(&recorded.table, set.manifest())?;
     if let Some(path) = args
-        .diagnosis
+        .from
         .as_ref()
         .filter(|_| diagnosis.as_ref().is_some_and(|found| !observations.are_of(&found.split)))
     {
@@ -287,14 +288,10 @@ impl std::fmt::Display for Written {
 
 impl Args {
     fn origin(&self) -> Origin {
-        let mut words = vec!["report".to_owned(), self.set.display().to_string()];
-        let models = self.model.iter();
-        words.extend(models.flat_map(|path| ["--model".to_owned(), path.display().to_string()]));
-        let diagnosis = self.diagnosis.iter();
-        words.extend(
-            diagnosis.flat_map(|path| ["--diagnosis".to_owned(), path.display().to_string()]),
-        );
-        words.extend(self.step.iter().flat_map(|step| ["--step".to_owned(), step.to_string()]));
-        Origin::new(words)
+        Origin::new("report")
+            .path(&self.set)
+            .paths("model", &self.model)
+            .paths("from", &self.from)
+            .option("step", self.step)
     }
 }

@@ -10,7 +10,7 @@ mod result;
 mod rolled;
 mod tasks;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use models::{ContactGap, ModelFile, PushModel, RollOutSettings, StepCorrelation, StepErrors};
@@ -21,8 +21,9 @@ use self::place::Place;
 use self::result::{How, Simulated};
 use self::rolled::Rolled;
 use self::tasks::Source;
+use crate::command_line::seed_parser;
 use crate::destination::{Inputs, folder};
-use crate::document::Document;
+use crate::document::document;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
 use crate::step_size::StepSize;
@@ -43,7 +44,7 @@ pub(crate) struct Args {
           value_parser = file_ending::model)]
     model: PathBuf,
     /// Folder for tables, figures and logs; it may not have files in it
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_parser = file_ending::folder)]
     output: PathBuf,
     /// Number of particles
     #[arg(long, value_name = "N", default_value_t = 10_000,
@@ -78,8 +79,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "X,Y,ANGLE", allow_hyphen_values = true)]
     object: Option<Place>,
     /// Seed of everything random
-    #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = clap::value_parser!(u32))]
-    seed: u32,
+    #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = seed_parser())]
+    seed: u64,
 }
 
 const EXAMPLES: &str = "\
@@ -120,14 +121,15 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     progress.finish();
     let how = How { settings: &settings, tables, matched: args.matched, correlation };
     let result = Simulated::new(&args.output, &file.name, how, &rolled);
-    destination.fill(|part| write(part, &rolled, &result, &origin))?;
+    let json = document(&origin, &terminal.warnings(), &result)?;
+    destination.fill(|part| write(part, &rolled, json, &origin))?;
     terminal.finish(&origin, &result, &result)
 }
 
 /// Every file of the result.
-fn write(part: &PartFolder, rolled: &[Rolled], result: &Simulated, origin: &Origin) -> Result<()> {
-    part.write("poses.csv", origin.comment() + &poses::table(rolled))?;
-    part.write("simulation.json", Document { origin, result }.to_json()?)?;
+fn write(part: &PartFolder, rolled: &[Rolled], json: String, origin: &Origin) -> Result<()> {
+    part.write("poses.csv", [origin.comment().into_bytes(), poses::table(rolled)?].concat())?;
+    part.write("simulation.json", json)?;
     for one in rolled {
         let name = one.file_name();
         part.write(&format!("{name}.mcap"), motion_log::motion_log(one, origin)?)?;
@@ -142,7 +144,7 @@ impl Args {
     fn settings(&self, source: &Source, correlation: Option<&StepCorrelation>) -> RollOutSettings {
         RollOutSettings {
             n_particles: self.particles as usize,
-            seed: self.seed.into(),
+            seed: self.seed,
             step: source.longest,
             errors: correlation
                 .map_or(StepErrors::Independent, |found| StepErrors::Held(found.clone())),
@@ -153,22 +155,19 @@ impl Args {
     }
 
     fn origin(&self) -> Origin {
-        let path = |path: &Path| path.display().to_string();
-        let mut words = vec!["simulate".to_owned(), path(&self.source)];
-        let mut option = |name: &str, value: Option<String>| {
-            words.extend(value.into_iter().flat_map(|value| [format!("--{name}"), value]));
-        };
-        option("model", Some(path(&self.model)));
-        option("matched", self.matched.map(|method| method.name().to_owned()));
-        option("particles", self.matched.is_none().then(|| self.particles.to_string()));
-        option("push", (!self.push.is_empty()).then(|| self.push.join(",")));
-        option("pushes", self.push.is_empty().then(|| self.pushes.to_string()));
-        option("correlation", self.correlation.as_deref().map(path));
-        option("step", self.step.map(|step| step.to_string()));
-        option("manifest", self.manifest.as_deref().map(path));
-        option("object", self.object.map(|place| place.to_string()));
-        option("seed", Some(self.seed.to_string()));
-        words.extend(self.fast.then(|| "--fast".to_owned()));
-        Origin::new(words)
+        let has_particles = self.matched.is_none();
+        Origin::new("simulate")
+            .path(&self.source)
+            .paths("model", [&self.model])
+            .option("matched", self.matched.map(Method::name))
+            .option("particles", has_particles.then_some(self.particles))
+            .option("push", (!self.push.is_empty()).then(|| self.push.join(",")))
+            .option("pushes", self.push.is_empty().then_some(self.pushes))
+            .paths("correlation", &self.correlation)
+            .option("step", self.step)
+            .paths("manifest", &self.manifest)
+            .option("object", self.object)
+            .option("seed", [self.seed])
+            .words(self.fast.then(|| "--fast".to_owned()))
     }
 }

@@ -231,7 +231,7 @@ mod tests {
     }
 
     fn check(rolled: &Rolled, n_topics: usize) {
-        let log = motion_log(rolled, &Origin::new(vec!["simulate".to_owned()])).unwrap();
+        let log = motion_log(rolled, &Origin::new("simulate")).unwrap();
         let mut topics = std::collections::BTreeMap::<String, usize>::new();
         for message in mcap::MessageStream::new(&log).unwrap() {
             let message = message.unwrap();

@@ -1,5 +1,7 @@
 //! The table of poses with their uncertainty.
 
+use anyhow::Result;
+
 use super::rolled::Rolled;
 
 const HEADER: &str = "push,t_s,pusher_x_m,pusher_y_m,x_m,y_m,theta_rad,sd_x_m,sd_y_m,sd_theta_rad,\
@@ -10,8 +12,12 @@ const HEADER: &str = "push,t_s,pusher_x_m,pusher_y_m,x_m,y_m,theta_rad,sd_x_m,sd
                       measured_x_m,measured_y_m,measured_theta_rad\n";
 
 /// One line a push and moment; what was not measured is empty.
-pub(super) fn table(rolled: &[Rolled]) -> String {
-    let mut table = HEADER.to_owned();
+///
+/// # Errors
+/// None that memory does not make.
+pub(super) fn table(rolled: &[Rolled]) -> Result<Vec<u8>> {
+    let mut bytes = HEADER.as_bytes().to_vec();
+    let mut table = csv::Writer::from_writer(&mut bytes);
     for one in rolled {
         for (index, moment) in one.moments.iter().enumerate() {
             let (mean, covariance) = (moment.pose_wb.mean, moment.pose_wb.covariance);
@@ -21,7 +27,7 @@ pub(super) fn table(rolled: &[Rolled]) -> String {
             numbers.extend([(0, 1), (0, 2), (1, 2)].map(|place| covariance[place]));
             let quantiles = &one.quantiles[index];
             numbers.extend((0..3).flat_map(|axis| quantiles.iter().map(move |q| q[axis])));
-            let mut cells = vec![quoted(&one.name)];
+            let mut cells = vec![one.name.clone()];
             cells.extend(numbers.iter().map(f64::to_string));
             let events = moment.events;
             let counts =
@@ -34,16 +40,9 @@ pub(super) fn table(rolled: &[Rolled]) -> String {
                 }
                 None => [const { String::new() }; 3],
             });
-            table += &(cells.join(",") + "\n");
+            table.write_record(&cells)?;
         }
     }
-    table
-}
-
-fn quoted(name: &str) -> String {
-    if name.contains([',', '"']) {
-        format!("\"{}\"", name.replace('"', "\"\""))
-    } else {
-        name.into()
-    }
+    drop(table);
+    Ok(bytes)
 }

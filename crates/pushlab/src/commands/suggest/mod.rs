@@ -14,13 +14,14 @@ use models::ModelFile;
 use serde::Serialize;
 
 use self::area::Area;
+use crate::command_line::seed_parser;
 use crate::destination::Force;
 use crate::diagnosis_file;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
 use crate::speed::Speed;
 use crate::step_source::{Known, Reading, StepSource, Steps};
-use crate::terminal::{Terminal, WARNING};
+use crate::terminal::Terminal;
 
 /// Tell which pushes to do next: those that decide between rivals, or measure a name
 ///
@@ -43,9 +44,9 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", value_parser = file_ending::model)]
     model: Option<PathBuf>,
     /// Number of pushes, repeats counted
-    #[arg(short, long, value_name = "N", default_value_t = 20,
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 20, alias = "n",
           value_parser = value_parser!(u32).range(1..=10_000))]
-    n: u32,
+    pushes: u32,
     /// How often each push is done
     #[arg(long, value_name = "N", default_value_t = 5,
           value_parser = value_parser!(u32).range(1..=1000))]
@@ -61,11 +62,11 @@ pub(crate) struct Args {
     #[arg(long, value_name = "AREA", allow_hyphen_values = true)]
     area: Option<Area>,
     /// Seed of the candidates and of the order
-    #[arg(long, value_name = "SEED", default_value_t = 7)]
+    #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = seed_parser())]
     seed: u64,
-    /// The list of pushes
+    /// The list of pushes, .csv; `-` is standard output
     #[arg(short, long, value_name = "FILE", default_value = "suggested.csv",
-          value_parser = file_ending::table)]
+          value_parser = file_ending::or_standard(file_ending::csv))]
     output: PathBuf,
     #[command(flatten)]
     force: Force,
@@ -77,7 +78,7 @@ Examples:
   pushlab suggest pushes --from diagnosis.json --model model.toml --speed 10mm/s,100mm/s
   pushlab suggest --from diagnosis.json --for stream-latency --area -150,150,-100,100
 then, to try them on the simulated rig:
-  pushlab generate twin --shape pushes/dataset.toml --design suggested.csv";
+  pushlab generate --shape pushes/dataset.toml --design suggested.csv -o twin";
 
 /// The result for programs.
 #[derive(Serialize)]
@@ -97,6 +98,7 @@ struct Suggested {
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let terminal = &terminal.beside([args.output.as_path()])?;
     let mut origin = args.origin();
     let found = diagnosis_file::read(&args.from, &mut origin)?;
     let path = |given: &Option<PathBuf>, place: usize, what: &str| -> Result<PathBuf> {
@@ -148,9 +150,7 @@ fn told_if_other(found: &Diagnosis, origin: &Origin, model: &Path, terminal: &Te
     let hash = origin.inputs.last().map(|input| input.sha256.as_str());
     if !known.any(|input| Some(input.sha256.as_str()) == hash) {
         let model = model.display();
-        terminal.tell(format_args!(
-            "{WARNING}note:{WARNING:#} the diagnosis is about another model file than {model}"
-        ));
+        terminal.remark(format_args!("the diagnosis is about another model file than {model}"));
     }
 }
 
@@ -175,7 +175,7 @@ impl Args {
 
     fn settings(&self) -> SuggestSettings {
         SuggestSettings {
-            n_pushes: self.n as usize,
+            n_pushes: self.pushes as usize,
             n_repeats: self.repeats as usize,
             seed: self.seed,
             speeds: self.speed.iter().map(|Speed(speed)| *speed).collect(),
@@ -185,27 +185,16 @@ impl Args {
     }
 
     fn origin(&self) -> Origin {
-        let mut words = vec!["suggest".to_owned()];
-        words.extend(self.set.iter().map(|set| set.display().to_string()));
-        words.extend(self.known.words());
-        let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
-        option("from", self.from.display().to_string());
-        if let Some(model) = &self.model {
-            option("model", model.display().to_string());
-        }
-        option("repeats", self.repeats.to_string());
-        if let Some(target) = &self.target {
-            option("for", target.clone());
-        }
-        words.extend(["-n".to_owned(), self.n.to_string()]);
-        let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
-        for speed in &self.speed {
-            option("speed", speed.to_string());
-        }
-        if let Some(area) = &self.area {
-            option("area", area.to_string());
-        }
-        option("seed", self.seed.to_string());
-        Origin::new(words)
+        Origin::new("suggest")
+            .words(self.set.iter().map(|set| set.display().to_string()))
+            .words(self.known.words())
+            .paths("from", [&self.from])
+            .paths("model", &self.model)
+            .option("repeats", [self.repeats])
+            .option("for", &self.target)
+            .option("pushes", [self.pushes])
+            .option("speed", &self.speed)
+            .option("area", self.area)
+            .option("seed", [self.seed])
     }
 }

@@ -5,6 +5,7 @@ use std::fmt;
 use diagnosis::{Precision, Separation, SuggestedPush};
 
 use super::Suggested;
+use crate::people::behind_number;
 use crate::terminal::TITLE;
 
 /// A pair that is told apart so well is told by its likelihoods in 19 of 20 sets: 2Δlog L of 6 or
@@ -47,7 +48,7 @@ impl fmt::Display for Suggested {
         let rig = rig.as_ref().map_or(String::new(), |rig| format!("--shape {} ", rig.display()));
         writeln!(
             f,
-            "{TITLE}wrote {list}{TITLE:#}, for `pushlab generate twin {rig}--design {list}` and \
+            "{TITLE}wrote {list}{TITLE:#}, for `pushlab generate {rig}--design {list} -o twin` and \
              robots"
         )
     }
@@ -71,7 +72,7 @@ fn write_separations(f: &mut fmt::Formatter<'_>, separations: &[Separation]) -> 
 
 fn write_precisions(f: &mut fmt::Formatter<'_>, precisions: &[Precision]) -> fmt::Result {
     for one in precisions {
-        let unit = if one.unit == "1" { String::new() } else { format!(" {}", one.unit) };
+        let unit = behind_number(&one.unit);
         writeln!(f, "{TITLE}{} {}{TITLE:#}", one.effect, one.name)?;
         writeln!(
             f,

@@ -4,7 +4,7 @@ mod kind;
 mod scores;
 mod text;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Result, bail, ensure};
@@ -17,6 +17,7 @@ use serde::Serialize;
 
 use self::kind::{Chosen, Extra, Kind, Residual, Typed};
 use self::scores::{Score, scores};
+use crate::command_line::seed_parser;
 use crate::destination::Force;
 use crate::failure::WrongUsage;
 use crate::file_ending;
@@ -56,8 +57,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<StepSize>,
     /// Seed of the pushes that are set aside, and of all else that is drawn
-    #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = clap::value_parser!(u32))]
-    seed: u32,
+    #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = seed_parser())]
+    seed: u64,
     /// Where to write the model; its weights are written beside it
     #[arg(short, long, value_name = "FILE", value_parser = file_ending::model)]
     output: PathBuf,
@@ -174,7 +175,7 @@ impl Parts {
         let known = known.filter(|known| steady.observations.are_of(known));
         let split = match known {
             Some(known) => known,
-            None => split(&steady.observations, args.seed.into())?,
+            None => split(&steady.observations, args.seed)?,
         };
         if steady.n_pushes.is_none() && args.step.is_some() {
             bail!(WrongUsage("--step is for recordings; the steps of a table are made"));
@@ -229,7 +230,7 @@ impl Args {
              {n_steps}; record more pushes, or take shorter steps"
         );
         let most = self.rows.map_or(chosen.most_rows(), |rows| rows as usize);
-        let steps: Vec<StepObservation> = some_of(&all, most, self.seed.into());
+        let steps: Vec<StepObservation> = some_of(&all, most, self.seed);
         let training = self.training(chosen);
         let n_learnt = steps.len();
         let (model, reports, kept): (Box<dyn PushModel>, _, _) = match base {
@@ -249,7 +250,7 @@ impl Args {
 
     fn training(&self, chosen: Chosen) -> Training {
         let mut options = learn_options();
-        options.seed = self.seed.into();
+        options.seed = self.seed;
         Training { process: chosen.process, features: self.features(), ..options.into() }
     }
 
@@ -263,20 +264,16 @@ impl Args {
     }
 
     fn origin(&self) -> Origin {
-        let path = |path: &Path| path.display().to_string();
-        let mut words = vec!["train".to_owned(), path(&self.source.set)];
-        let mut option = |name: &str, value: Option<String>| {
-            words.extend(value.into_iter().flat_map(|value| [format!("--{name}"), value]));
-        };
-        option("kind", Some(self.kind.name()));
-        option("residual-kind", self.residual_kind.map(|kind| kind.name()));
-        option("model", self.model.as_deref().map(path));
         let with: Vec<_> = self.with.iter().map(|extra| extra.name()).collect();
-        option("with", (!with.is_empty()).then(|| with.join(",")));
-        option("rows", self.rows.map(|rows| rows.to_string()));
-        option("step", self.step.map(|step| step.to_string()));
-        option("seed", Some(self.seed.to_string()));
-        words.extend(self.source.words());
-        Origin::new(words)
+        Origin::new("train")
+            .path(&self.source.set)
+            .option("kind", [self.kind.name()])
+            .option("residual-kind", self.residual_kind.map(|kind| kind.name()))
+            .paths("model", &self.model)
+            .option("with", (!with.is_empty()).then(|| with.join(",")))
+            .option("rows", self.rows)
+            .option("step", self.step)
+            .option("seed", [self.seed])
+            .words(self.source.words())
     }
 }

@@ -3,6 +3,7 @@
 use dataset::{ForceZero, WrenchStream};
 
 use super::choice::Choice;
+use crate::held_out::quantile;
 
 /// Samples from which the force alone can guess its zero: the first ones.
 const N_ZERO: usize = 5;
@@ -72,11 +73,8 @@ impl Forces {
 }
 
 /// The middle value, or the mean of the two middle ones.
-pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    let middle = values.get(n.checked_sub(1)? / 2..=n / 2)?;
-    Some(middle.iter().sum::<f64>() / middle.len() as f64)
+pub(super) fn median(values: Vec<f64>) -> Option<f64> {
+    (!values.is_empty()).then(|| quantile(values, 0.5))
 }
 
 #[cfg(test)]
