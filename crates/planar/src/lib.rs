@@ -10,6 +10,7 @@ mod pose;
 mod shape;
 mod triangulation;
 mod twist;
+mod vector_space;
 mod wrench;
 
 pub use contact::{Contact, Feature};
