@@ -11,6 +11,8 @@ mod push;
 
 mod path;
 
+pub use {nalgebra, planar};
+
 pub use error::MechanicsError;
 pub use limit_surface::ellipsoid::Ellipsoid;
 pub use limit_surface::fit::{Fit, WrenchTwist, fit_ellipsoid, fit_quartic, scored};
