@@ -211,8 +211,8 @@ impl Posterior for StudentTGp {
         self.gp.predict(x_star)
     }
 
-    fn predict_multi_contact(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
-        self.gp.predict_multi_contact(x_star)
+    fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
+        self.gp.predict_joint(x_star)
     }
 
     fn predict_noise(&self, x_star: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {
