@@ -4,7 +4,8 @@ use nalgebra::Vector2;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::ode::{
-    EdgeContact, EdgeContactOde, MAX_TRAVEL, MOST_STEPS, SMALL_TURN, TOLERANCE, small_sin_cos,
+    ContactState, EdgeContact, EdgeContactOde, MAX_TRAVEL, MOST_STEPS, SMALL_TURN, TOLERANCE,
+    small_sin_cos,
 };
 use crate::numerics::runge_kutta::{ERROR, STAGES};
 
@@ -94,9 +95,13 @@ impl Batch {
         let zero = [0.0; LANES];
         let mut states = ContactStates { place: zero, turn: zero, side: zero };
         for k in 0..LANES {
-            let contact = self.contact(k).state(place[k], small_sin_cos(turn[k]));
-            (states.place[k], states.turn[k]) = (contact.slope.x, contact.slope.y);
-            states.side[k] = if turn[k].abs() <= SMALL_TURN { contact.side } else { f64::NAN };
+            let contact = self.contact(k);
+            let velocity = contact.velocity(small_sin_cos(turn[k]));
+            let ContactState { slope, side, .. } = contact.state(place[k], velocity);
+            (states.place[k], states.turn[k]) = (slope.x, slope.y);
+            let is_small = turn[k].abs() <= SMALL_TURN;
+            let presses = contact.has(place[k]) && velocity[0] > 0.0;
+            states.side[k] = if presses && is_small { side } else { f64::NAN };
         }
         states
     }

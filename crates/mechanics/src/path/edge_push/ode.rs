@@ -38,13 +38,13 @@ pub(super) struct EdgeContact {
 /// What the contact does.
 #[derive(Clone, Copy)]
 pub(super) struct ContactState {
-    /// To which side the pusher slides: 1 left, −1 right, 0 if it sticks; NaN where it is beside the
-    /// edge or does not press.
+    /// To which side the pusher slides: 1 left, −1 right, 0 if it sticks.
     pub(super) side: f64,
     /// Of place and turn, at unit speed of the pusher.
     pub(super) slope: Vector2<f64>,
-    /// The force that would stick, along n and t.
-    sticking_force: Vector2<f64>,
+    /// By how much the force that would stick is beyond the left and the right edge of the friction
+    /// cone.
+    beyond: [f64; 2],
 }
 
 /// The pusher left the edge.
@@ -60,29 +60,38 @@ const SWITCH: f64 = 1e-8;
 pub(super) const MOST_STEPS: usize = 64;
 
 impl EdgeContact {
-    /// What the contact does at the place s, after the turn of which sine and cosine are given.
-    ///
-    /// Without branches, so that the compiler can take several contacts at once.
+    /// The pusher's velocity along n and t after a turn, of which sine and cosine are given.
     #[inline(always)]
-    pub(super) fn state(&self, s: f64, (sin, cos): (f64, f64)) -> ContactState {
+    pub(super) fn velocity(&self, (sin, cos): (f64, f64)) -> [f64; 2] {
+        let (x, y) = (self.direction.x, self.direction.y);
+        [cos * x + sin * y, cos * y - sin * x]
+    }
+
+    /// Whether a place is on the edge.
+    #[inline(always)]
+    pub(super) fn has(&self, s: f64) -> bool {
+        s > self.ends[0] && s < self.ends[1]
+    }
+
+    /// What the contact does at the place s on the edge, where the pusher has the velocity v.
+    ///
+    /// Nothing but arithmetic, so that the compiler can take several contacts at once.
+    #[inline(always)]
+    pub(super) fn state(&self, s: f64, [v_n, v_t]: [f64; 2]) -> ContactState {
         let (c2, friction, x) = (self.length_squared, self.friction, self.x);
-        let v_n = cos * self.direction.x + sin * self.direction.y;
-        let v_t = cos * self.direction.y - sin * self.direction.x;
         let size = 1.0 / (c2 + x * x + s * s);
         let f_n = ((c2 + x * x) * v_n + x * s * v_t) * size;
         let f_t = ((c2 + s * s) * v_t + x * s * v_n) * size;
-        let sticking_force = Vector2::new(f_n, f_t);
-        let sticks = f_t.abs() <= friction * f_n;
-        let side = if f_t > 0.0 { 1.0 } else { -1.0 };
-        let slope = side * friction;
-        let f_n_sliding = c2 * v_n / (c2 + s * s - slope * x * s);
-        let turn_sliding = (slope * x - s) * f_n_sliding / c2;
-        let f_t = if sticks { f_t } else { slope * f_n_sliding };
-        let turn = if sticks { (x * v_t - s * v_n) * size } else { turn_sliding };
+        let beyond = [f_t - friction * f_n, -f_t - friction * f_n];
+        let (side, f_t, turn) = if f_t.abs() <= friction * f_n {
+            (0.0, f_t, (x * v_t - s * v_n) * size)
+        } else {
+            let (side, slope) = if f_t > 0.0 { (1.0, friction) } else { (-1.0, -friction) };
+            let f_n = c2 * v_n / (c2 + s * s - slope * x * s);
+            (side, slope * f_n, (slope * x - s) * f_n / c2)
+        };
         let slope = Vector2::new(v_t - f_t - turn * self.center_x, turn);
-        let side = if sticks { 0.0 } else { side };
-        let presses = s > self.ends[0] && s < self.ends[1] && v_n > 0.0;
-        ContactState { side: if presses { side } else { f64::NAN }, slope, sticking_force }
+        ContactState { side, slope, beyond }
     }
 }
 
@@ -132,12 +141,8 @@ impl EdgeContactOde {
         if here.side * there.side != 0.0 {
             return None;
         }
-        let side = here.side + there.side;
-        // By how much the force that would stick is beyond that side of the friction cone.
-        let beyond = |contact: &ContactState| {
-            side * contact.sticking_force.y - self.contact.friction * contact.sticking_force.x
-        };
-        let (mut low, mut high) = ((0.0, beyond(here)), (h, beyond(there)));
+        let side = usize::from(here.side + there.side < 0.0);
+        let (mut low, mut high) = ((0.0, here.beyond[side]), (h, there.beyond[side]));
         let mut end = self.step(h, state, here)?.end;
         for k in 0..MOST_STEPS {
             if high.0 - low.0 <= SWITCH {
@@ -150,9 +155,9 @@ impl EdgeContactOde {
             let tried = self.step(at, state, here)?.end;
             let contact = self.contact_state(&tried)?;
             if contact.side == here.side {
-                low = (at, beyond(&contact));
+                low = (at, contact.beyond[side]);
             } else {
-                (high, end) = ((at, beyond(&contact)), tried);
+                (high, end) = ((at, contact.beyond[side]), tried);
             }
         }
         None
@@ -161,8 +166,14 @@ impl EdgeContactOde {
     /// What the contact does; none where the pusher is beside the edge or does not press.
     #[inline]
     fn contact_state(&self, state: &Vector2<f64>) -> Option<ContactState> {
-        let contact = self.contact.state(state.x, sin_cos(state.y));
-        (!contact.side.is_nan()).then_some(contact)
+        if !self.contact.has(state.x) {
+            return None;
+        }
+        let velocity = self.contact.velocity(sin_cos(state.y));
+        if velocity[0] <= 0.0 {
+            return None;
+        }
+        Some(self.contact.state(state.x, velocity))
     }
 }
 
