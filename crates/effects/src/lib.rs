@@ -16,6 +16,8 @@ mod predict;
 #[cfg(doctest)]
 mod pages;
 
+pub use {mechanics, nalgebra, planar};
+
 pub use catalogue::{
     BodyAnisotropy, ContactBias, EdgeRounding, ForceBias, FrictionCenterOffset, FrictionDrift,
     FrictionGradient, Inertia, LimitSurfaceShape, PoseOffset, PressureRadius, PusherCompliance,

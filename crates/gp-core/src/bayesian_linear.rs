@@ -134,7 +134,7 @@ impl Posterior for BayesianLinear {
         Ok((mean, (0..x_star.nrows()).map(|j| self.noise_variance * square(j)).collect()))
     }
 
-    fn predict_multi_contact(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
+    fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
         let mean = self.predict_mean(x_star)?;
         JointGaussian::new(mean, self.covariance(&self.half_deviation(x_star)))
     }

@@ -22,11 +22,6 @@ impl Cholesky {
         Ok(Self { factor: matrix })
     }
 
-    /// Takes a factor that has been computed.
-    pub fn from_factor(factor: Mat<f64>) -> Self {
-        Self { factor }
-    }
-
     /// L; only its lower triangle has a meaning.
     pub fn factor(&self) -> MatRef<'_, f64> {
         self.factor.as_ref()

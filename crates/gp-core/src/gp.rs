@@ -286,7 +286,7 @@ impl Posterior for Gp {
         predict_blocks_into(self, x_star, workspace, mean, variance)
     }
 
-    fn predict_multi_contact(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
+    fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
         let mean = self.predict_mean(x_star)?;
         let mut cross = Mat::zeros(self.y.len(), x_star.nrows());
         fill_cross(&*self.kernel, self.inputs(), x_star, cross.as_mut());

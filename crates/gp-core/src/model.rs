@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::checks::check_count;
 use crate::noise::Noise;
-use crate::{Gp, GpError, KernelSpec, Mean};
+use crate::{Gp, GpError, Kernel, KernelSpec, Mean};
 
 /// Everything from which `Gp::from_model` rebuilds the same predictions, bit for bit.
 ///
@@ -67,16 +67,23 @@ impl Gp {
             let supported = GpModel::VERSION;
             return Err(GpError::UnsupportedVersion { found: model.version, supported });
         }
-        let kernel = Arc::from(model.kernel.build()?);
-        let n_inputs = model.inputs.first().map_or(0, Vec::len);
-        for row in &model.inputs {
-            check_count("columns of the inputs", n_inputs, row.len())?;
-        }
-        let x = Mat::from_fn(model.inputs.len(), n_inputs, |i, d| model.inputs[i][d]);
+        let kernel: Arc<dyn Kernel> = Arc::from(model.kernel.build()?);
+        let x = matrix(&model.inputs, kernel.n_inputs())?;
         if !model.row_noise.is_empty() {
             check_count("row noise", model.outputs.len(), model.row_noise.len())?;
         }
         let noise = Noise { common: model.noise_variance, of_rows: &model.row_noise };
         Self::condition(kernel, x.as_ref(), &model.outputs, noise, model.mean)
     }
+}
+
+/// Rows of inputs as a matrix.
+///
+/// # Errors
+/// `ShapeMismatch` for a row that has not `n_inputs` values.
+pub(crate) fn matrix(rows: &[Vec<f64>], n_inputs: usize) -> Result<Mat<f64>, GpError> {
+    for row in rows {
+        check_count("columns of the inputs", n_inputs, row.len())?;
+    }
+    Ok(Mat::from_fn(rows.len(), n_inputs, |i, d| rows[i][d]))
 }

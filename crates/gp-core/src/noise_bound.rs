@@ -31,17 +31,18 @@ pub(crate) struct NoiseBound<'a> {
     gram: Mat<f64>,
     noise_gram: Mat<f64>,
     /// The Cholesky factors of K_f + R and of B.
-    pub(crate) factor: Mat<f64>,
-    pub(crate) noise_factor: Mat<f64>,
+    factor: Mat<f64>,
+    noise_factor: Mat<f64>,
     inverse: Mat<f64>,
     noise_inverse: Mat<f64>,
     work: Mat<f64>,
     slope: Mat<f64>,
     scratch: Mat<f64>,
+    /// The diagonal of R.
+    pub(crate) noise: Vec<f64>,
     /// w = (K_f + R)⁻¹(y − m).
-    pub(crate) weights: Vec<f64>,
-    pub(crate) constant: f64,
-    pub(crate) deviations: Vec<Deviation>,
+    weights: Vec<f64>,
+    deviations: Vec<Deviation>,
 }
 
 /// What the bound is a function of.
@@ -80,8 +81,8 @@ impl<'a> NoiseBound<'a> {
             work: square(),
             slope: square(),
             scratch: Mat::zeros(scratch_rows(n), n),
+            noise: vec![0.0; n],
             weights: vec![0.0; n],
-            constant: 0.0,
             deviations: Vec::new(),
         }
     }
@@ -99,12 +100,12 @@ impl<'a> NoiseBound<'a> {
         for (i, mean) in noise_mean.iter().enumerate() {
             let variance = self.noise_variance(point, i);
             trace += variance;
-            self.factor[(i, i)] += (mean - 0.5 * variance).exp();
+            self.noise[i] = (mean - 0.5 * variance).exp();
+            self.factor[(i, i)] += self.noise[i];
         }
         factorize(COVARIANCE, self.factor.as_mut())?;
         let residual = Residual::solve(self.factor.as_ref(), self.x, self.y, self.mean)?;
-        (self.constant, self.weights) = (residual.trend.constant(), residual.weights);
-        self.deviations = residual.deviations;
+        (self.weights, self.deviations) = (residual.weights, residual.deviations);
         Ok(residual.log_likelihood - 0.25 * trace - divergence)
     }
 
@@ -133,7 +134,7 @@ impl<'a> NoiseBound<'a> {
     }
 
     /// μ.
-    fn noise_mean(&self, point: &NoisePoint<'_>) -> Vec<f64> {
+    pub(crate) fn noise_mean(&self, point: &NoisePoint<'_>) -> Vec<f64> {
         let beta = beta(point.precisions);
         let mean = |j| point.log_noise_mean + dot(column(&self.noise_gram, j), &beta);
         (0..self.y.len()).map(mean).collect()
@@ -154,13 +155,9 @@ impl<'a> NoiseBound<'a> {
         self.inverse.copy_from(&self.factor);
         invert(self.inverse.as_mut(), self.scratch.as_mut());
         Deviation::project(&self.deviations, &mut self.inverse);
-        let noise_mean = self.noise_mean(point);
-        let by_log_noise: Vec<f64> = (0..n)
-            .map(|i| {
-                let noise = (noise_mean[i] - 0.5 * self.noise_variance(point, i)).exp();
-                0.5 * noise * (self.weights[i].powi(2) - self.inverse[(i, i)])
-            })
-            .collect();
+        let slope =
+            |i: usize| 0.5 * self.noise[i] * (self.weights[i].powi(2) - self.inverse[(i, i)]);
+        let by_log_noise: Vec<f64> = (0..n).map(slope).collect();
         *slopes.log_noise_mean = by_log_noise.iter().sum();
         self.differentiate_precisions(point, &by_log_noise, slopes.precisions);
         for j in 0..n {
@@ -238,7 +235,7 @@ impl<'a> NoiseBound<'a> {
 }
 
 /// β = λ − ½.
-pub(crate) fn beta(precisions: &[f64]) -> Vec<f64> {
+fn beta(precisions: &[f64]) -> Vec<f64> {
     precisions.iter().map(|precision| precision - 0.5).collect()
 }
 

@@ -51,7 +51,7 @@ pub trait Posterior: Send + Sync {
     ///
     /// # Errors
     /// As `predict_mean`.
-    fn predict_multi_contact(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError>;
+    fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError>;
 
     /// The variance of the noise on an observation at each row.
     ///
@@ -83,6 +83,6 @@ pub trait Posterior: Send + Sync {
         n_samples: usize,
         seed: u64,
     ) -> Result<Mat<f64>, GpError> {
-        self.predict_multi_contact(x_star)?.sample(n_samples, seed)
+        self.predict_joint(x_star)?.sample(n_samples, seed)
     }
 }

@@ -1,10 +1,8 @@
 //! Where the optimiser starts and which parameter values it may visit, from the spread of the data.
 
 use faer::MatRef;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
-use crate::{HyperPrior, Kernel, Role};
+use crate::{HyperPrior, Kernel, LowDiscrepancy, Role};
 
 /// Standardised log-parameters: u = ln(θ/scale), with the scale of each from the data's spread.
 ///
@@ -63,7 +61,7 @@ impl SearchSpace {
         if index == 0 {
             return self.ranges.iter().map(|range| range.start).collect();
         }
-        let fractions = low_discrepancy_point(index, self.ranges.len(), seed);
+        let fractions = LowDiscrepancy::new(self.ranges.len(), seed).point(index);
         let place =
             |(range, fraction): (&Range, f64)| range.low + fraction * (range.high - range.low);
         self.ranges.iter().zip(fractions).map(place).collect()
@@ -191,39 +189,4 @@ fn log_variance(values: &[f64]) -> Option<f64> {
     let mean = values.iter().sum::<f64>() / n;
     let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n;
     (variance > 0.0).then(|| variance.ln())
-}
-
-/// A point of Roberts' additive recurrence in [0, 1)ⁿ, shifted at random by the seed.
-///
-/// frac(shift_j + index·g^−j) with g the positive root of gⁿ⁺¹ = g + 1.
-fn low_discrepancy_point(index: usize, n: usize, seed: u64) -> Vec<f64> {
-    let generator = (0..64).fold(2.0_f64, |g, _| (1.0 + g).powf(1.0 / (n as f64 + 1.0)));
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    (1..=n)
-        .map(|j| {
-            let shift: f64 = rng.random();
-            (shift + index as f64 * generator.powi(-(j as i32))).fract()
-        })
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::low_discrepancy_point;
-
-    #[test]
-    fn starts_fill_the_plane_more_evenly_than_chance() {
-        let mut cells = [0; 16];
-        for index in 1..=64 {
-            let point = low_discrepancy_point(index, 2, 5);
-            cells[(point[0] * 4.0) as usize * 4 + (point[1] * 4.0) as usize] += 1;
-        }
-        assert!(cells.iter().all(|&count| (2..=6).contains(&count)), "{cells:?}");
-    }
-
-    #[test]
-    fn the_seed_moves_the_starts() {
-        assert_ne!(low_discrepancy_point(1, 3, 1), low_discrepancy_point(1, 3, 2));
-        assert_eq!(low_discrepancy_point(1, 3, 1), low_discrepancy_point(1, 3, 1));
-    }
 }

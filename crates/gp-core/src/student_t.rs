@@ -3,10 +3,11 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use faer::{Mat, MatRef};
+use faer::MatRef;
 use serde::{Deserialize, Serialize};
 
 use crate::checks::{check_count, check_inputs, check_outputs, check_positive, check_range};
+use crate::model::matrix;
 use crate::noise::Noise;
 use crate::student_t_bound::{StudentTBound, Tails};
 use crate::{Gp, GpError, JointGaussian, Kernel, KernelSpec, Mean, Posterior};
@@ -190,11 +191,7 @@ impl StudentTGp {
             check_positive("noise variance of a row", *noise)?;
         }
         let kernel = model.kernel.build()?;
-        for row in &model.inputs {
-            check_count("columns of the inputs", kernel.n_inputs(), row.len())?;
-        }
-        let entry = |i: usize, j: usize| model.inputs[i][j];
-        let x = Mat::from_fn(model.inputs.len(), kernel.n_inputs(), entry);
+        let x = matrix(&model.inputs, kernel.n_inputs())?;
         let noise = Noise { common: 0.0, of_rows: &model.row_noise };
         let gp = Gp::condition(Arc::from(kernel), x.as_ref(), &model.outputs, noise, model.mean)?;
         Ok(Self { gp, tails, bound: model.bound })
@@ -214,8 +211,8 @@ impl Posterior for StudentTGp {
         self.gp.predict(x_star)
     }
 
-    fn predict_multi_contact(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
-        self.gp.predict_multi_contact(x_star)
+    fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
+        self.gp.predict_joint(x_star)
     }
 
     fn predict_noise(&self, x_star: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {

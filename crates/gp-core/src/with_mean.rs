@@ -96,8 +96,8 @@ impl<M: MeanFunction, P: Posterior> Posterior for WithMean<M, P> {
         Ok((mean, variance))
     }
 
-    fn predict_multi_contact(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
-        let joint = self.residual.predict_multi_contact(x_star)?;
+    fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
+        let joint = self.residual.predict_joint(x_star)?;
         let mut mean = joint.mean().to_vec();
         self.add_to(x_star, &mut mean)?;
         JointGaussian::new(mean, joint.covariance().to_owned())

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
+use gp_core::LowDiscrepancy;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -17,9 +18,15 @@ pub(crate) fn draw(
 ) -> (Vec<f64>, Vec<f64>) {
     // Two coordinates more: the stretch of a Student t, and the phase.
     let width = d + 2;
-    let uniform = match sampling {
-        Sampling::LowDiscrepancy => additive_recurrence(n, width, seed),
-        _ => uniform_rows(n, width, seed),
+    let uniform: Vec<f64> = match sampling {
+        Sampling::LowDiscrepancy => {
+            let points = LowDiscrepancy::new(width, seed);
+            (1..=n).flat_map(|index| points.point(index)).collect()
+        }
+        _ => {
+            let mut rng = stream(seed, 0);
+            (0..n * width).map(|_| rng.random()).collect()
+        }
     };
     let rows = || uniform.chunks_exact(width);
     let mut frequencies: Vec<f64> =
@@ -40,22 +47,6 @@ fn stream(seed: u64, number: u64) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);
     rng
-}
-
-fn uniform_rows(n: usize, width: usize, seed: u64) -> Vec<f64> {
-    let mut rng = stream(seed, 0);
-    (0..n * width).map(|_| rng.random()).collect()
-}
-
-/// Roberts' additive recurrence in [0, 1)ʷ with a random shift.
-///
-/// frac(shift_c + i·g^−c) with g the positive root of gʷ⁺¹ = g + 1.
-fn additive_recurrence(n: usize, width: usize, seed: u64) -> Vec<f64> {
-    let generator = (0..64).fold(2.0_f64, |g, _| (1.0 + g).powf(1.0 / (width as f64 + 1.0)));
-    let shifts = uniform_rows(1, width, seed);
-    let entry =
-        |i: usize, c: usize| (shifts[c] + (i + 1) as f64 * generator.powi(-(c as i32 + 1))).fract();
-    (0..n).flat_map(|i| (0..width).map(move |c| (i, c))).map(|(i, c)| entry(i, c)).collect()
 }
 
 /// Gives every `d` rows after each other orthogonal directions, uniform on the sphere, and their

@@ -204,7 +204,7 @@ impl Posterior for RffGp {
         predict_blocks_into(self, x_star, workspace, mean, variance)
     }
 
-    fn predict_multi_contact(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
+    fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
         check_inputs("inputs", x_star, self.n_inputs())?;
         let n = x_star.nrows();
         let mut mean = vec![0.0; n];

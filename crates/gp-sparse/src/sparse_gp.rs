@@ -218,7 +218,7 @@ impl Posterior for SparseGp {
         predict_blocks_into(self, x_star, workspace, mean, variance)
     }
 
-    fn predict_multi_contact(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
+    fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
         let mean = self.predict_mean(x_star)?;
         let mut cross = Mat::zeros(x_star.nrows(), self.weights.len());
         fill_cross(&*self.kernel, x_star, self.z.as_ref(), cross.as_mut());

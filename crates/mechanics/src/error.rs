@@ -95,14 +95,10 @@ pub enum MechanicsError {
         /// The matrix, by columns.
         columns: [[f64; 3]; 3],
     },
-    /// A load that a single support point cannot hold at any size.
-    #[error("a single support point bears no moment about itself, got {moment} N·m")]
-    Unbearable {
-        /// The load's moment about the point, in N·m.
-        moment: f64,
-    },
     /// A point set that spans no volume of loads.
-    #[error("a point set needs two distinct points or more, got {distinct}; see SinglePoint")]
+    #[error(
+        "a point set needs two distinct points or more, got {distinct}: a single one bears no moment about itself"
+    )]
     TooFewPoints {
         /// How many places there are.
         distinct: usize,

@@ -11,15 +11,16 @@ mod push;
 
 mod path;
 
+pub use {nalgebra, planar};
+
 pub use error::MechanicsError;
 pub use limit_surface::ellipsoid::Ellipsoid;
-pub use limit_surface::fit::{Fit, WrenchTwist, fit_ellipsoid, fit_patch, fit_quartic, scored};
+pub use limit_surface::fit::{Fit, WrenchTwist, fit_ellipsoid, fit_quartic, scored};
 pub use limit_surface::mesh::{Mesh, mesh};
 pub use limit_surface::patch::Patch;
 pub use limit_surface::point_set::{Facet, PointSet};
 pub use limit_surface::quadratic_patch::QuadraticTraction;
 pub use limit_surface::quartic::{QUARTIC_EXPONENTS, Quartic};
-pub use limit_surface::single_point::SinglePoint;
 pub use limit_surface::{LimitSurface, WrenchSet};
 pub use path::edge_push::{EdgePush, StraightPush};
 pub use path::follow::{push_along, push_along_with_external_wrench};

@@ -179,16 +179,23 @@ impl Ellipse {
     }
 }
 
-/// Eight-point Gauss–Legendre rule over [start, start + width].
+/// The positive nodes of the eight-point Gauss–Legendre rule on [−1, 1], each with the weight of it and
+/// of its mirror image.
+pub const GAUSS_LEGENDRE: [(f64, f64); 4] = [
+    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
+    (0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
+    (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
+];
+
+/// The eight-point rule over [start, start + width].
 fn gauss_legendre(f: &impl Fn(f64) -> f64, start: f64, width: f64) -> f64 {
-    const NODES: [(f64, f64); 4] = [
-        (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-        (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-        (0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
-        (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
-    ];
     let (middle, half) = (start + 0.5 * width, 0.5 * width);
-    NODES.iter().map(|(x, w)| w * (f(middle - half * x) + f(middle + half * x))).sum::<f64>() * half
+    GAUSS_LEGENDRE
+        .iter()
+        .map(|(x, w)| w * (f(middle - half * x) + f(middle + half * x)))
+        .sum::<f64>()
+        * half
 }
 
 #[cfg(test)]

@@ -10,10 +10,11 @@ mod pose;
 mod shape;
 mod triangulation;
 mod twist;
+mod vector_space;
 mod wrench;
 
 pub use contact::{Contact, Feature};
-pub use ellipse::Ellipse;
+pub use ellipse::{Ellipse, GAUSS_LEGENDRE};
 pub use error::PlanarError;
 pub use mit_names::MIT_NAMES;
 pub use mit_object::{MitObject, mit_object};

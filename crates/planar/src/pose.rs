@@ -147,7 +147,7 @@ mod tests {
         fn log_undoes_exp(a in pose(), scale in 1e-9..1.0f64) {
             let twist = scale * Twist::new(a.position.x, a.position.y, a.angle);
             let back = Pose::exp(&twist).log();
-            prop_assert!((back.to_vector() - twist.to_vector()).norm() < 1e-13 * (1.0 + scale));
+            prop_assert!((back - twist).to_vector().norm() < 1e-13 * (1.0 + scale));
         }
 
         #[test]

@@ -1,5 +1,6 @@
 //! Planar velocities of a rigid body.
 
+use crate::vector_space::vector_space;
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -43,21 +44,7 @@ impl Twist {
     }
 }
 
-impl std::ops::Mul<Twist> for f64 {
-    type Output = Twist;
-
-    fn mul(self, twist: Twist) -> Twist {
-        Twist { linear: self * twist.linear, angular: self * twist.angular }
-    }
-}
-
-impl std::ops::Add for Twist {
-    type Output = Twist;
-
-    fn add(self, other: Twist) -> Twist {
-        Twist { linear: self.linear + other.linear, angular: self.angular + other.angular }
-    }
-}
+vector_space!(Twist { linear, angular });
 
 /// The vector turned by +90°: (x, y) ↦ (−y, x).
 pub fn perpendicular(vector: &Vector2<f64>) -> Vector2<f64> {

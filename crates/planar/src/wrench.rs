@@ -1,5 +1,6 @@
 //! Planar forces and moments on a rigid body.
 
+use crate::vector_space::vector_space;
 use crate::{Twist, cross};
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
@@ -45,29 +46,7 @@ impl Wrench {
     }
 }
 
-impl std::ops::Mul<Wrench> for f64 {
-    type Output = Wrench;
-
-    fn mul(self, wrench: Wrench) -> Wrench {
-        Wrench { force: self * wrench.force, torque: self * wrench.torque }
-    }
-}
-
-impl std::ops::Add for Wrench {
-    type Output = Wrench;
-
-    fn add(self, other: Wrench) -> Wrench {
-        Wrench { force: self.force + other.force, torque: self.torque + other.torque }
-    }
-}
-
-impl std::ops::Sub for Wrench {
-    type Output = Wrench;
-
-    fn sub(self, other: Wrench) -> Wrench {
-        Wrench { force: self.force - other.force, torque: self.torque - other.torque }
-    }
-}
+vector_space!(Wrench { force, torque });
 
 #[cfg(test)]
 mod tests {

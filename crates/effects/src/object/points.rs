@@ -77,9 +77,7 @@ impl Points {
     }
 }
 
-/// One pass for the load. The image of a motion at a point is (T v, s ω), its direction u and the
-/// lever l the image of ω = 1: Σ of the shares times u and l·u, and Σ of the shares over the image's
-/// length times the elements of 1 − u uᵀ, its product with l and l·(1 − u uᵀ) l = |l × u|².
+/// One pass for the load.
 struct Forces<'a> {
     points: &'a Points,
     tensor: &'a Matrix2<f64>,
@@ -87,54 +85,60 @@ struct Forces<'a> {
     motion: &'a Vector3<f64>,
 }
 
-/// Square of a speed below which a point is at rest: its direction is 0.
-const AT_REST: f64 = 1e-300;
-
 impl WithSimd for Forces<'_> {
     type Output = [f64; 9];
 
-    /// A sum for each place in a block, so that the compiler may take several points at once.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> [f64; 9] {
         let Self { points, tensor, stretch, motion } = self;
-        let (m11, m12, m21, m22) = (tensor.m11, tensor.m12, tensor.m21, tensor.m22);
-        let mut sums = [[0.0; SIZE]; 9];
-        for Block { x, y, share, spin } in &points.blocks {
-            let mut terms = [[0.0; SIZE]; 9];
-            let [fx, fy, turn, xx, xy, yy, x_turn, y_turn, turn_turn] = &mut terms;
-            for k in 0..SIZE {
-                let (arm_x, arm_y) = (-stretch * y[k], stretch * x[k]);
-                let (vx, vy) = (motion.x + motion.z * arm_x, motion.y + motion.z * arm_y);
-                let (image_x, image_y) = (m11 * vx + m12 * vy, m21 * vx + m22 * vy);
-                let (lever_x, lever_y) = (m11 * arm_x + m12 * arm_y, m21 * arm_x + m22 * arm_y);
-                let (lever_s, image_s) = (stretch * spin[k], motion.z * (stretch * spin[k]));
-                let square = image_x * image_x + image_y * image_y + image_s * image_s;
-                let square = if square > AT_REST { square } else { AT_REST };
-                let inverse = 1.0 / square.sqrt();
-                let (ux, uy, us) = (image_x * inverse, image_y * inverse, image_s * inverse);
-                // The components of l × u.
-                let cross_x = lever_y * us - lever_s * uy;
-                let cross_y = lever_s * ux - lever_x * us;
-                let cross_s = lever_x * uy - lever_y * ux;
-                let weight = share[k] * inverse;
-                fx[k] = share[k] * ux;
-                fy[k] = share[k] * uy;
-                turn[k] = share[k] * (lever_x * ux + lever_y * uy + lever_s * us);
-                xx[k] = weight * (uy * uy + us * us);
-                xy[k] = -weight * ux * uy;
-                yy[k] = weight * (ux * ux + us * us);
-                x_turn[k] = weight * (uy * cross_s - us * cross_y);
-                y_turn[k] = weight * (us * cross_x - ux * cross_s);
-                turn_turn[k] = weight * (cross_x * cross_x + cross_y * cross_y + cross_s * cross_s);
-            }
-            for (sum, terms) in sums.iter_mut().zip(&terms) {
-                for k in 0..SIZE {
-                    sum[k] += terms[k];
-                }
-            }
-        }
-        sums.map(|sums| total(&sums))
+        sum(points.blocks.iter().map(|Block { x, y, share, spin }| {
+            move |k: usize| forces([x[k], y[k]], spin[k], share[k], tensor, stretch, motion)
+        }))
     }
+}
+
+/// Square of a speed below which a point is at rest: its direction is 0.
+const AT_REST: f64 = 1e-300;
+
+/// What a point adds to the load and to its derivatives. The image of a motion at the point is
+/// (T v, s ω), its direction u and the lever l the image of ω = 1: the weight times u (in the plane)
+/// and l·u, and the weight over the image's length times the elements of 1 − u uᵀ, its product with l
+/// and l·(1 − u uᵀ) l = |l × u|².
+#[inline(always)]
+fn forces(
+    [x, y]: [f64; 2],
+    spin: f64,
+    weight: f64,
+    tensor: &Matrix2<f64>,
+    stretch: f64,
+    motion: &Vector3<f64>,
+) -> [f64; 9] {
+    let (m11, m12, m21, m22) = (tensor.m11, tensor.m12, tensor.m21, tensor.m22);
+    let (arm_x, arm_y) = (-stretch * y, stretch * x);
+    let (vx, vy) = (motion.x + motion.z * arm_x, motion.y + motion.z * arm_y);
+    let (image_x, image_y) = (m11 * vx + m12 * vy, m21 * vx + m22 * vy);
+    let (lever_x, lever_y) = (m11 * arm_x + m12 * arm_y, m21 * arm_x + m22 * arm_y);
+    let (lever_s, image_s) = (stretch * spin, motion.z * (stretch * spin));
+    let square = image_x * image_x + image_y * image_y + image_s * image_s;
+    let square = if square > AT_REST { square } else { AT_REST };
+    let inverse = 1.0 / square.sqrt();
+    let (ux, uy, us) = (image_x * inverse, image_y * inverse, image_s * inverse);
+    // The components of l × u.
+    let cross_x = lever_y * us - lever_s * uy;
+    let cross_y = lever_s * ux - lever_x * us;
+    let cross_s = lever_x * uy - lever_y * ux;
+    let over = weight * inverse;
+    [
+        weight * ux,
+        weight * uy,
+        weight * (lever_x * ux + lever_y * uy + lever_s * us),
+        over * (uy * uy + us * us),
+        -over * ux * uy,
+        over * (ux * ux + us * us),
+        over * (uy * cross_s - us * cross_y),
+        over * (us * cross_x - ux * cross_s),
+        over * (cross_x * cross_x + cross_y * cross_y + cross_s * cross_s),
+    ]
 }
 
 /// One pass for the sum of norms.
@@ -150,15 +154,35 @@ impl WithSimd for Norms<'_> {
     fn with_simd<S: Simd>(self, _: S) -> f64 {
         let Self { points, matrix: m } = self;
         let (m11, m12, m21, m22) = (m.m11, m.m12, m.m21, m.m22);
-        let mut sums = [0.0; SIZE];
-        for Block { x, y, share, .. } in &points.blocks {
-            for k in 0..SIZE {
+        let [norm] = sum(points.blocks.iter().map(|Block { x, y, share, .. }| {
+            move |k: usize| {
                 let (image_x, image_y) = (m11 * x[k] + m12 * y[k], m21 * x[k] + m22 * y[k]);
-                sums[k] += share[k] * (image_x * image_x + image_y * image_y).sqrt();
+                [share[k] * (image_x * image_x + image_y * image_y).sqrt()]
+            }
+        }));
+        norm
+    }
+}
+
+/// The sums of what the points at the places of each block add: one for each place, so that the
+/// compiler may take several points at once, and then over the places.
+#[inline(always)]
+fn sum<const N: usize>(blocks: impl Iterator<Item = impl Fn(usize) -> [f64; N]>) -> [f64; N] {
+    let mut sums = [[0.0; SIZE]; N];
+    for terms in blocks {
+        let mut added = [[0.0; SIZE]; N];
+        for k in 0..SIZE {
+            for (added, term) in added.iter_mut().zip(terms(k)) {
+                added[k] = term;
             }
         }
-        total(&sums)
+        for (sum, added) in sums.iter_mut().zip(&added) {
+            for k in 0..SIZE {
+                sum[k] += added[k];
+            }
+        }
     }
+    sums.map(|sums| total(&sums))
 }
 
 /// The sum over the places of a block, always in the same order.

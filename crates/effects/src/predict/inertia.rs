@@ -90,7 +90,7 @@ impl Forward<'_> {
             let then = ForceBalance::new(self.physics, self.step, &half_way, self.time)?;
             let (acceleration, _) = then.free_acceleration(&middle, &mut memory)?;
             pose = self.moved_center(&pose, &middle, length);
-            twist = twist + length * acceleration;
+            twist += length * acceleration;
             left -= length;
         }
         Err(EffectError::NotConverged { what: "the free slide", iterations: MOST_SLIDES })

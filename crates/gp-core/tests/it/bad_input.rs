@@ -33,7 +33,7 @@ fn shapes_that_do_not_fit() {
     let wide = Mat::zeros(3, 2);
     assert_eq!(gp.predict(wide.as_ref()).unwrap_err(), expected);
     assert_eq!(gp.predict_mean(wide.as_ref()).unwrap_err(), expected);
-    assert_eq!(gp.predict_multi_contact(wide.as_ref()).unwrap_err(), expected);
+    assert_eq!(gp.predict_joint(wide.as_ref()).unwrap_err(), expected);
     assert_eq!(gp.predict_noise(wide.as_ref()).unwrap_err(), expected);
     assert_eq!(gp.mean_gradient(wide.as_ref()).unwrap_err(), expected);
     assert!(matches!(

@@ -97,7 +97,7 @@ proptest! {
                 + moved(s) * moved(t)
         };
         prop_assert!(close(&[gp.mean()], &[constant], 1e-10));
-        let joint = gp.predict_multi_contact(case.x_star.as_ref()).unwrap();
+        let joint = gp.predict_joint(case.x_star.as_ref()).unwrap();
         let (predicted, variance) = gp.predict(case.x_star.as_ref()).unwrap();
         prop_assert!(close(&predicted, &mean, 1e-10));
         for (s, variance) in variance.iter().enumerate() {
@@ -270,7 +270,7 @@ fn samples_have_the_mean_and_covariance_of_the_posterior() {
     let x = Mat::from_fn(3, 1, |i, _| i as f64);
     let gp = Gp::fit(SquaredExponential::unit(1).unwrap(), x.as_ref(), &[0.0, 1.0, 0.5], 0.1);
     let x_star = Mat::from_fn(3, 1, |i, _| 0.5 + i as f64);
-    let joint = gp.unwrap().predict_multi_contact(x_star.as_ref()).unwrap();
+    let joint = gp.unwrap().predict_joint(x_star.as_ref()).unwrap();
     let n = 20_000;
     let samples = joint.sample(n, 3).unwrap();
     let average = |f: &dyn Fn(usize) -> f64| (0..n).map(f).sum::<f64>() / n as f64;

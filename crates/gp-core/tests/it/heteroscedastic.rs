@@ -81,7 +81,7 @@ fn variances_are_between_zero_and_the_prior_and_agree_with_the_joint_ones() {
     assert!(known.iter().all(|variance| (0.0..=prior).contains(variance)));
     assert!(known.iter().zip(&variance).all(|(known, learnt)| known <= learnt));
     assert_eq!(gp.predict_mean(x_star.as_ref()).unwrap(), mean);
-    let joint = gp.predict_multi_contact(x_star.as_ref()).unwrap();
+    let joint = gp.predict_joint(x_star.as_ref()).unwrap();
     let mut covariance = joint.covariance().to_owned();
     for (i, variance) in variance.iter().enumerate() {
         assert!((covariance[(i, i)] - variance).abs() < 1e-10);

@@ -69,7 +69,7 @@ fn integrated(x: &Mat<f64>, y: &[f64], mean: Mean, wide: f64) -> Gp {
 fn off(case: &Case, mean: Mean, wide: f64) -> [f64; 3] {
     let (gp, wider) = (fit(&case.x, &case.y, mean), integrated(&case.x, &case.y, mean, wide));
     let [found, expected] =
-        [&gp, &wider].map(|one| one.predict_multi_contact(case.x_star.as_ref()).unwrap());
+        [&gp, &wider].map(|one| one.predict_joint(case.x_star.as_ref()).unwrap());
     let scale = 1.0 + expected.covariance().norm_max();
     let means = found.mean().iter().zip(expected.mean()).map(|(a, b)| (a - b).abs() / scale);
     let covariance = (found.covariance() - expected.covariance()).norm_max() / scale;
@@ -105,7 +105,7 @@ proptest! {
     fn what_is_left_open_of_it_is_never_negative_and_the_same_in_every_prediction(case in case()) {
         for mean in LEARNT {
             let gp = fit(&case.x, &case.y, mean);
-            let joint = gp.predict_multi_contact(case.x_star.as_ref()).unwrap();
+            let joint = gp.predict_joint(case.x_star.as_ref()).unwrap();
             let (found, variance) = gp.predict(case.x_star.as_ref()).unwrap();
             let known = fit(&case.x, &case.y, Mean::Fixed(0.0));
             let known = known.predict(case.x_star.as_ref()).unwrap().1;
@@ -313,10 +313,10 @@ fn processes_with_other_noise_leave_the_same_open() {
     };
     let changing = HeteroscedasticGp::from_model(&model).unwrap();
     assert!((changing.bound() - expected.log_marginal_likelihood()).abs() < 1e-8);
-    let expected = expected.predict_multi_contact(near_and_far.as_ref()).unwrap();
+    let expected = expected.predict_joint(near_and_far.as_ref()).unwrap();
     let others: [&dyn Posterior; 2] = [&robust.unwrap(), &changing];
     for posterior in others {
-        let joint = posterior.predict_multi_contact(near_and_far.as_ref()).unwrap();
+        let joint = posterior.predict_joint(near_and_far.as_ref()).unwrap();
         let (_, variance) = posterior.predict(near_and_far.as_ref()).unwrap();
         for i in 0..6 {
             let found = joint.covariance()[(i, i)];

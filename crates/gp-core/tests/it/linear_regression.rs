@@ -80,7 +80,7 @@ proptest! {
         prop_assert!((evidence.0 - evidence.1).abs() < 1e-9 * (1.0 + evidence.1.abs()));
         let posteriors: [&dyn Posterior; 2] = [&linear, &gp];
         let [a, b] = posteriors.map(|posterior| posterior.predict_observation(x_star.as_ref()).unwrap());
-        let [c, d] = posteriors.map(|posterior| posterior.predict_multi_contact(x_star.as_ref()).unwrap());
+        let [c, d] = posteriors.map(|posterior| posterior.predict_joint(x_star.as_ref()).unwrap());
         for i in 0..4 {
             prop_assert!((a.0[i] - b.0[i]).abs() < 1e-9 * (1.0 + b.0[i].abs()));
             prop_assert!((a.1[i] - b.1[i]).abs() < 1e-9 * (1.0 + b.1[i].abs()));

@@ -133,7 +133,7 @@ fn a_constant_mean_function_is_a_fixed_mean() {
     let (mean, variance) = about.predict_observation(x_star.as_ref()).unwrap();
     let (expected_mean, expected_variance) = expected.predict_observation(x_star.as_ref()).unwrap();
     assert!(close(&mean, &expected_mean) && close(&variance, &expected_variance));
-    let joint = about.predict_multi_contact(x_star.as_ref()).unwrap();
+    let joint = about.predict_joint(x_star.as_ref()).unwrap();
     assert!(close(joint.mean(), &expected_mean));
 }
 

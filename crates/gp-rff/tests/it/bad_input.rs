@@ -44,7 +44,7 @@ fn arguments_that_mean_nothing() {
     let gp = RffGp::fit(features(4, 1.0).unwrap(), line(3).as_ref(), &[1.0; 3], 1.0, 0.1).unwrap();
     let wide = Mat::zeros(2, 2);
     assert!(matches!(gp.predict(wide.as_ref()), Err(GpError::ShapeMismatch { .. })));
-    assert!(matches!(gp.predict_multi_contact(wide.as_ref()), Err(GpError::ShapeMismatch { .. })));
+    assert!(matches!(gp.predict_joint(wide.as_ref()), Err(GpError::ShapeMismatch { .. })));
     assert!(matches!(gp.predict_noise(wide.as_ref()), Err(GpError::ShapeMismatch { .. })));
     assert!(matches!(
         gp.log_evidence_gradient(line(2).as_ref(), &[1.0]),

@@ -116,8 +116,8 @@ proptest! {
             let phi = with_one(&case.x);
             let linear = BayesianLinear::fit(phi.as_ref(), &case.y, prior.as_ref(), NOISE_VARIANCE);
             let linear = linear.unwrap();
-            let expected = linear.predict_multi_contact(with_one(&case.x_star).as_ref()).unwrap();
-            let joint = gp.predict_multi_contact(case.x_star.as_ref()).unwrap();
+            let expected = linear.predict_joint(with_one(&case.x_star).as_ref()).unwrap();
+            let joint = gp.predict_joint(case.x_star.as_ref()).unwrap();
             let scale = 1.0 + expected.covariance().norm_max();
             let means = joint.mean().iter().zip(expected.mean()).map(|(a, b)| (a - b).abs());
             let touched = (std::f64::consts::TAU * wide * case.y.len() as f64).ln();
@@ -152,7 +152,7 @@ proptest! {
 
     #[test]
     fn the_joint_covariance_is_positive_and_has_the_variances(case in case()) {
-        let joint = case.gp().predict_multi_contact(case.x_star.as_ref()).unwrap();
+        let joint = case.gp().predict_joint(case.x_star.as_ref()).unwrap();
         let (mean, variance) = case.gp().predict(case.x_star.as_ref()).unwrap();
         prop_assert!(close(joint.mean(), &mean, 1e-12));
         prop_assert!(close(&case.gp().predict_mean(case.x_star.as_ref()).unwrap(), &mean, 1e-12));

@@ -115,7 +115,7 @@ proptest! {
     fn the_joint_covariance_is_positive_and_has_the_variances(case in case()) {
         for approximation in ALL {
             let gp = case.fit(approximation);
-            let joint = gp.predict_multi_contact(case.x_star.as_ref()).unwrap();
+            let joint = gp.predict_joint(case.x_star.as_ref()).unwrap();
             let (mean, variance) = gp.predict(case.x_star.as_ref()).unwrap();
             prop_assert!(close(joint.mean(), &mean, 1e-13));
             let mut covariance = joint.covariance().to_owned();
@@ -202,9 +202,9 @@ proptest! {
             let precision = Llt::new(covariance.as_ref(), Side::Lower).unwrap();
             let of_one = precision.solve(&Mat::full(case.y.len(), 1, 1.0));
             let told = of_one.sum();
-            let joint = learnt.predict_multi_contact(case.x_star.as_ref()).unwrap();
+            let joint = learnt.predict_joint(case.x_star.as_ref()).unwrap();
             let (known, plain) = (
-                about_zero.predict_multi_contact(case.x_star.as_ref()).unwrap(),
+                about_zero.predict_joint(case.x_star.as_ref()).unwrap(),
                 learnt.predict(case.x_star.as_ref()).unwrap().1,
             );
             let rest = q_star.transpose() * &of_one;

@@ -8,7 +8,6 @@ pub(crate) mod point_set;
 pub(crate) mod polar;
 pub(crate) mod quadratic_patch;
 pub(crate) mod quartic;
-pub(crate) mod single_point;
 
 use crate::MechanicsError;
 use nalgebra::{Matrix3, Vector3};

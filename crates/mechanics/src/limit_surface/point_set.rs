@@ -1,7 +1,6 @@
 //! The exact limit surface of several support points.
 
 use crate::limit_surface::polar::{Homogeneous, Polar, plane_basis, polar};
-use crate::limit_surface::single_point::{check_point, rounding};
 use crate::limit_surface::{direction_of_twist, direction_of_wrench};
 use crate::{LimitSurface, MechanicsError, WrenchSet};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
@@ -11,7 +10,7 @@ use planar::{Shape, Twist, Wrench, perpendicular};
 ///
 /// Each point leaves two flat facets, one for each sense of a rotation about it; between them the
 /// surface is curved, except where all points lie on a line: there it has edges. At least two
-/// distinct points are needed; a single one is a [`crate::SinglePoint`].
+/// distinct points are needed: a single one bears no moment about itself.
 ///
 /// # Source
 /// Goyal, Ruina & Papadopoulos (1991), "Planar sliding with dry friction", part 1.
@@ -46,7 +45,13 @@ impl PointSet {
     ) -> Result<Self, MechanicsError> {
         let given: Vec<_> = points.into_iter().collect();
         for (at, f_max) in &given {
-            check_point(at, *f_max)?;
+            if !(*f_max > 0.0 && f_max.is_finite()) {
+                let name = "friction of a support point";
+                return Err(MechanicsError::NotPositive { name, value: *f_max, unit: "N" });
+            }
+            if let Some(&value) = at.iter().find(|x| !x.is_finite()) {
+                return Err(MechanicsError::NotFinite { name: "support point", value, unit: "m" });
+            }
         }
         let points = merged(given);
         if points.len() < 2 {
@@ -86,11 +91,12 @@ impl PointSet {
     pub fn facets(&self) -> Vec<Facet> {
         let facet = |(index, &(at, radius)): (usize, &(Vector2<f64>, f64))| {
             let others = self.points.iter().enumerate().filter(|(i, _)| *i != index);
-            let center = others.fold(Wrench::default(), |sum, (_, (r, f))| {
-                sum + Wrench::from_force_at(&(*f * perpendicular(&(r - at)).normalize()), r)
-            });
+            let load = |(_, (r, f)): (usize, &(Vector2<f64>, f64))| {
+                Wrench::from_force_at(&(*f * perpendicular(&(r - at)).normalize()), r)
+            };
+            let center: Wrench = others.map(load).sum();
             let normal = Twist { linear: -perpendicular(&at), angular: 1.0 };
-            let mirrored = Facet { center: -1.0 * center, at, radius, normal: -1.0 * normal };
+            let mirrored = Facet { center: -center, at, radius, normal: -normal };
             [Facet { center, at, radius, normal }, mirrored]
         };
         self.points.iter().enumerate().flat_map(facet).collect()
@@ -131,10 +137,11 @@ impl LimitSurface for PointSet {
         for (r, f) in &self.points {
             let velocity = linear + angular * perpendicular(r);
             let speed = velocity.norm();
-            if speed <= rounding(&linear, angular, r) {
+            let rounding = 16.0 * f64::EPSILON * (linear.norm() + angular.abs() * r.norm());
+            if speed <= rounding {
                 undecided = Some((*r, f + undecided.map_or(0.0, |(_, radius)| radius)));
             } else {
-                load = load + Wrench::from_force_at(&(*f / speed * velocity), r);
+                load += Wrench::from_force_at(&(*f / speed * velocity), r);
             }
         }
         Ok(match undecided {
@@ -340,7 +347,7 @@ mod tests {
                 assert!((surface.level(&load).unwrap() - 1.0).abs() < 1e-13);
                 let twist = surface.twist(&load).unwrap();
                 let turn = twist.angular.abs() * facet.normal;
-                assert!((turn.to_vector() - twist.to_vector()).norm() < 1e-12);
+                assert!((turn - twist).to_vector().norm() < 1e-12);
                 let undecided = surface.wrenches(&twist).unwrap();
                 assert!(matches!(undecided, WrenchSet::Disc { at, .. } if at == facet.at));
             }
@@ -368,6 +375,13 @@ mod tests {
         let heap = PointSet::new([(Vector2::new(0.1, 0.2), 1.0); 3]);
         assert_eq!(heap, Err(MechanicsError::TooFewPoints { distinct: 1 }));
         assert_eq!(PointSet::new([]), Err(MechanicsError::TooFewPoints { distinct: 0 }));
+    }
+
+    #[test]
+    fn a_point_nowhere_or_without_friction_is_refused() {
+        let set = |x, f| PointSet::new([(Vector2::zeros(), 1.0), (Vector2::new(x, 0.0), f)]);
+        assert!(matches!(set(f64::INFINITY, 1.0), Err(MechanicsError::NotFinite { .. })));
+        assert!(matches!(set(0.1, 0.0), Err(MechanicsError::NotPositive { .. })));
     }
 
     #[test]

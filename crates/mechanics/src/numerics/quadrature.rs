@@ -2,7 +2,7 @@
 
 use crate::MechanicsError;
 use nalgebra::{Vector2, Vector3};
-use planar::{Shape, cross};
+use planar::{GAUSS_LEGENDRE, Shape, cross};
 use std::f64::consts::FRAC_PI_2;
 
 /// A shape cut into triangles: of the plane itself, or of the polar coordinates of an ellipse.
@@ -161,14 +161,8 @@ fn cut(triangle: &[Vector2<f64>; 3], kink: Option<&Vector2<f64>>) -> Vec<[Vector
 
 /// The eight Gauss–Legendre points and weights on [0, 1].
 pub(crate) fn gauss_points() -> [(f64, f64); 8] {
-    const HALF: [(f64, f64); 4] = [
-        (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-        (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-        (0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
-        (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
-    ];
     std::array::from_fn(|k| {
-        let (node, weight) = HALF[k / 2];
+        let (node, weight) = GAUSS_LEGENDRE[k / 2];
         let node = if k % 2 == 0 { -node } else { node };
         (0.5 * (1.0 + node), 0.5 * weight)
     })

@@ -1,13 +1,13 @@
 //! A straight push at the inside of one edge, without allocation.
 
-mod lanes;
-mod way;
+mod batch;
+mod ode;
 
 use nalgebra::Vector2;
 use planar::{Pose, Shape, perpendicular};
 
-use self::lanes::{LANES, integrate_batch};
-use self::way::{Edge, EdgeContactOde, sin_cos};
+use self::batch::{LANES, integrate_batch};
+use self::ode::{EdgeContact, EdgeContactOde, sin_cos};
 use crate::{Ellipsoid, Pusher};
 
 /// What [`crate::push_along`] does, for the pushes that planning asks for millions of times: straight
@@ -31,6 +31,16 @@ pub struct EdgePush {
     center_b: Vector2<f64>,
     /// Of c = Mmax/Fmax, in m².
     length_squared: f64,
+}
+
+/// An edge in axes along its inward normal n and its left t, from the center of friction.
+#[derive(Clone, Copy, Debug)]
+struct Edge {
+    normal_b: Vector2<f64>,
+    /// Place of its line along n, in m.
+    x: f64,
+    /// Its ends along t, in m.
+    ends: [f64; 2],
 }
 
 /// A straight push that begins at an edge, seen from the body at its start.
@@ -75,8 +85,8 @@ impl EdgePush {
     /// None where the pusher does not stay inside of the edge or does not press:
     /// [`crate::push_along`] takes all that.
     pub fn push(&self, pusher: &Pusher, push: &StraightPush) -> Option<Pose> {
-        let way = self.begin(pusher, push)?;
-        Some(self.end(&way, push, way.along()?))
+        let ode = self.begin(pusher, push)?;
+        Some(self.end(&ode, push, ode.integrate()?))
     }
 
     /// The motions of many pushes by one pusher, as [`EdgePush::push`] has each of them, to the bit,
@@ -84,41 +94,39 @@ impl EdgePush {
     pub fn push_all(&self, pusher: &Pusher, pushes: &[StraightPush]) -> Vec<Option<Pose>> {
         let mut moved = Vec::with_capacity(pushes.len());
         for pushes in pushes.chunks(LANES) {
-            let mut ways = [None; LANES];
-            for (way, push) in ways.iter_mut().zip(pushes) {
-                *way = self.begin(pusher, push);
+            let mut odes = [None; LANES];
+            for (ode, push) in odes.iter_mut().zip(pushes) {
+                *ode = self.begin(pusher, push);
             }
-            let together = integrate_batch(&ways, self.length_squared, pusher.friction);
-            moved.extend(ways.iter().zip(together).zip(pushes).map(|((way, last), push)| {
-                let way = way.as_ref()?;
-                Some(self.end(way, push, last.or_else(|| way.along())?))
+            let ends = integrate_batch(&odes, self.length_squared, pusher.friction);
+            moved.extend(odes.iter().zip(ends).zip(pushes).map(|((ode, last), push)| {
+                let ode = ode.as_ref()?;
+                Some(self.end(ode, push, last.or_else(|| ode.integrate())?))
             }));
         }
         moved
     }
 
-    /// The way on which the pusher pushes, from where it touches.
+    /// The motion from where the pusher touches.
     #[inline]
     fn begin(&self, pusher: &Pusher, push: &StraightPush) -> Option<EdgeContactOde> {
-        let edge = *self.edges.get(push.edge)?;
-        let left_b = perpendicular(&edge.normal_b);
-        let in_edge = |v: &Vector2<f64>| Vector2::new(edge.normal_b.dot(v), left_b.dot(v));
+        let &Edge { normal_b, x, ends } = self.edges.get(push.edge)?;
+        let left_b = perpendicular(&normal_b);
+        let in_edge = |v: &Vector2<f64>| Vector2::new(normal_b.dot(v), left_b.dot(v));
         let direction = in_edge(&push.direction_b);
         let start = in_edge(&(push.start_b - self.center_b));
-        let center_x = edge.x - pusher.radius;
+        let center_x = x - pusher.radius;
         // An object that overlaps the pusher is moved out of it along the normal.
         let gap = center_x - start.x;
         let free = if gap > TOUCH { gap / direction.x } else { 0.0 };
         if !(free >= 0.0 && free < push.distance) {
             return None;
         }
+        let (length_squared, friction) = (self.length_squared, pusher.friction);
         Some(EdgeContactOde {
-            edge,
-            length_squared: self.length_squared,
-            friction: pusher.friction,
-            direction,
+            contact: EdgeContact { x, ends, length_squared, friction, direction, center_x },
+            normal_b,
             start,
-            center_x,
             first: start.y + free * direction.y,
             length: push.distance - free,
         })
@@ -126,10 +134,10 @@ impl EdgePush {
 
     /// The motion of B to the last state: where the pusher's center is tells where the object is.
     #[inline]
-    fn end(&self, way: &EdgeContactOde, push: &StraightPush, last: Vector2<f64>) -> Pose {
-        let EdgeContactOde { edge: Edge { normal_b, .. }, direction, start, center_x, .. } = way;
+    fn end(&self, ode: &EdgeContactOde, push: &StraightPush, last: Vector2<f64>) -> Pose {
+        let (EdgeContact { direction, center_x, .. }, normal_b) = (&ode.contact, &ode.normal_b);
         let (sin, cos) = sin_cos(last.y);
-        let center = start + push.distance * direction;
+        let center = ode.start + push.distance * direction;
         let held = Vector2::new(cos * center_x - sin * last.x, sin * center_x + cos * last.x);
         let moved = center - held;
         let position = moved.x * normal_b + moved.y * perpendicular(normal_b);

@@ -157,7 +157,7 @@ proptest! {
         let CenterOfRotation::Point { at, .. } = center else { panic!("{center:?}") };
         prop_assert!(twist.velocity_at(&at).norm() < 1e-12);
         let back = center.twist(omega.abs());
-        prop_assert!((back.to_vector() - twist.to_vector()).norm() < 1e-12);
+        prop_assert!((back - twist).to_vector().norm() < 1e-12);
     }
 
     #[test]

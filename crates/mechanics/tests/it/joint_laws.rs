@@ -55,7 +55,7 @@ fn check(
                 law("edge", (f_t - side * push.friction * f_n).abs() <= tolerance * total)?;
             }
         }
-        load = load + push.wrench_of(&motion.force_s);
+        load += push.wrench_of(&motion.force_s);
     }
     if total > 0.0 {
         let level = surface.level(&load).unwrap();

@@ -5,8 +5,7 @@ use std::{collections::BTreeMap, path::Path};
 use anyhow::{Context, Result};
 use dataset::read_wrench_twists;
 use mechanics::{
-    Ellipsoid, Fit, LimitSurface, Patch, Quartic, WrenchTwist, fit_ellipsoid, fit_patch,
-    fit_quartic, scored,
+    Ellipsoid, Fit, LimitSurface, Patch, Quartic, WrenchTwist, fit_ellipsoid, fit_quartic, scored,
 };
 use planar::{Shape, mit_object};
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
@@ -23,7 +22,6 @@ pub(super) struct ObjectFits {
     pub(super) uniform: Fit<Patch>,
     pub(super) ellipsoid: Fit<Ellipsoid>,
     pub(super) quartic: Fit<Quartic>,
-    pub(super) patch: Fit<Patch>,
 }
 
 /// Fits all objects of a file of pairs, in the frame B of each, in order of their names.
@@ -51,7 +49,6 @@ fn fit(name: &str, length: f64, pairs: &[WrenchTwist]) -> Result<ObjectFits> {
         uniform: uniform(&shape, length, pairs)?,
         ellipsoid: fit_ellipsoid(pairs, length)?,
         quartic: fit_quartic(pairs, length)?,
-        patch: fit_patch(&shape, pairs, length)?,
     })
 }
 
@@ -98,7 +95,7 @@ pub(super) fn section(fits: &[ObjectFits]) -> Section {
 
 impl ObjectFits {
     /// Kind, root mean square of the force error in N, mean of the twist error in rad.
-    fn errors(&self) -> [(&'static str, f64, f64); 4] {
+    fn errors(&self) -> [(&'static str, f64, f64); 3] {
         fn pair<S>(fit: &Fit<S>) -> (f64, f64) {
             (fit.force_error_rms, fit.twist_error_mean)
         }
@@ -106,7 +103,6 @@ impl ObjectFits {
             ("uniform", pair(&self.uniform)),
             ("ellipsoid", pair(&self.ellipsoid)),
             ("quartic", pair(&self.quartic)),
-            ("patch", pair(&self.patch)),
         ]
         .map(|(kind, (force, twist))| (kind, force, twist))
     }

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::{Block, Points, SIZE, total};
+use super::{Block, Points, SIZE, forces, sum};
 use crate::object::points::Load;
 
 /// Relative surplus s of friction at a place that slides with a velocity, and ds/d ln |v|.
@@ -34,10 +34,8 @@ impl Points {
     }
 }
 
-/// One pass for the load. With u the direction of a point's image T v, l the image of ω = 1 and c
-/// that of l across u: Σ of the weights times (u, l·u), Σ of the weights over |T v| times the
-/// elements of (−u_y, u_x, c)ᵀ(−u_y, u_x, c), and Σ of the growths over |v|² times those of
-/// (u, l·u)ᵀ(v, v·J r), since ds = ds/d ln |v| · v·dv/|v|².
+/// One pass for the load: [`forces`] with the weights, and Σ of the growths over |v|² times the elements
+/// of (u, l·u)ᵀ(v, v·J r), since ds = ds/d ln |v| · v·dv/|v|².
 struct LocalForces<'a> {
     points: &'a Points,
     law: &'a Law<'a>,
@@ -46,57 +44,26 @@ struct LocalForces<'a> {
     motion: &'a Vector3<f64>,
 }
 
-/// Three of the load, six of its symmetric and nine of its other derivatives.
-const SUMS: usize = 18;
-
 impl WithSimd for LocalForces<'_> {
-    type Output = [f64; SUMS];
+    /// Three of the load, six of its symmetric and nine of its other derivatives.
+    type Output = [f64; 18];
 
-    /// A sum for each place in a block, so that the compiler may take several points at once.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> [f64; SUMS] {
+    fn with_simd<S: Simd>(self, _: S) -> [f64; 18] {
         let Self { points, law, tensor, stretch, motion } = self;
-        let (m11, m12, m21, m22) = (tensor.m11, tensor.m12, tensor.m21, tensor.m22);
-        let mut sums = [[0.0; SIZE]; SUMS];
-        for block in &points.blocks {
+        sum(points.blocks.iter().map(|block| {
             let Surplus { weight, growth } = Surplus::of(block, law, stretch, motion);
             let Block { x, y, .. } = block;
-            let mut terms = [[0.0; SIZE]; SUMS];
-            for k in 0..SIZE {
+            move |k: usize| {
+                let of = |weight| forces([x[k], y[k]], 0.0, weight, tensor, stretch, motion);
+                let (forces, growths) = (of(weight[k]), of(growth[k]));
                 let (arm_x, arm_y) = (-stretch * y[k], stretch * x[k]);
                 let (vx, vy) = (motion.x + motion.z * arm_x, motion.y + motion.z * arm_y);
-                let (image_x, image_y) = (m11 * vx + m12 * vy, m21 * vx + m22 * vy);
-                let (lever_x, lever_y) = (m11 * arm_x + m12 * arm_y, m21 * arm_x + m22 * arm_y);
-                let square = image_x * image_x + image_y * image_y;
-                let inverse = if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 };
-                let (ux, uy) = (image_x * inverse, image_y * inverse);
-                let along = lever_x * ux + lever_y * uy;
-                let across = lever_y * ux - lever_x * uy;
-                let over = weight[k] * inverse;
-                terms[0][k] = weight[k] * ux;
-                terms[1][k] = weight[k] * uy;
-                terms[2][k] = weight[k] * along;
-                terms[3][k] = over * uy * uy;
-                terms[4][k] = -over * ux * uy;
-                terms[5][k] = over * ux * ux;
-                terms[6][k] = -over * uy * across;
-                terms[7][k] = over * ux * across;
-                terms[8][k] = over * across * across;
-                let turning = vx * arm_x + vy * arm_y;
-                let (gx, gy, gt) = (growth[k] * ux, growth[k] * uy, growth[k] * along);
-                for (row, force) in [gx, gy, gt].into_iter().enumerate() {
-                    terms[9 + 3 * row][k] = force * vx;
-                    terms[10 + 3 * row][k] = force * vy;
-                    terms[11 + 3 * row][k] = force * turning;
-                }
+                let faster = [vx, vy, vx * arm_x + vy * arm_y];
+                let growth = |i: usize| growths[i / 3] * faster[i % 3];
+                std::array::from_fn(|i| if i < 9 { forces[i] } else { growth(i - 9) })
             }
-            for (sum, terms) in sums.iter_mut().zip(&terms) {
-                for k in 0..SIZE {
-                    sum[k] += terms[k];
-                }
-            }
-        }
-        sums.map(|sums| total(&sums))
+        }))
     }
 }
 

@@ -1,10 +1,8 @@
 //! Least-squares fits of limit surfaces to measured loads and motions.
 
 mod barrier;
-mod patch;
 mod quartic;
 
-pub use patch::fit_patch;
 pub use quartic::fit_quartic;
 
 use crate::{Ellipsoid, LimitSurface, MechanicsError};
@@ -168,8 +166,8 @@ fn least_squares(
 
 #[cfg(test)]
 mod tests {
-    use super::{WrenchTwist, fit_ellipsoid, fit_patch, fit_quartic};
-    use crate::{Ellipsoid, LimitSurface, MechanicsError, Patch, PointSet, QuadraticTraction};
+    use super::{WrenchTwist, fit_ellipsoid, fit_quartic};
+    use crate::{Ellipsoid, LimitSurface, MechanicsError, Patch, PointSet};
     use nalgebra::{Matrix3, Vector2};
     use planar::{Shape, Twist};
 
@@ -208,28 +206,6 @@ mod tests {
             quartic.force_error_rms < 0.7 * ellipsoid.force_error_rms,
             "{quartic:?} {ellipsoid:?}"
         );
-    }
-
-    #[test]
-    fn a_patch_fit_finds_the_traction_of_its_family() {
-        let square = Shape::square(0.09).unwrap();
-        let traction = QuadraticTraction([200.0, 1500.0, -500.0, 3e4]);
-        let truth = Patch::with_traction(&square, move |r| traction.at(r)).unwrap();
-        let fit = fit_patch(&square, &pairs(&truth), 0.034).unwrap();
-        assert!(fit.force_error_rms < 1e-8, "{fit:?}");
-        let gap = fit.surface.center_of_friction() - truth.center_of_friction();
-        assert!(gap.norm() < 1e-9);
-    }
-
-    #[test]
-    fn a_patch_fit_to_less_than_no_pressure_ends_at_none() {
-        // A point set at the corners is hollower than any patch of the family.
-        let square = Shape::square(0.09).unwrap();
-        let corners = square.outline(4).into_iter().map(|corner| (corner, 0.5));
-        let fit = fit_patch(&square, &pairs(&PointSet::new(corners).unwrap()), 0.034).unwrap();
-        assert!(fit.n_steps > 0 && fit.force_error_rms > 0.05, "{fit:?}");
-        let even = Patch::uniform(&square, 2.0).unwrap();
-        assert!(fit.surface.characteristic_length() > 1.2 * even.characteristic_length());
     }
 
     #[test]

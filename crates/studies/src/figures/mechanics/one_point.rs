@@ -3,7 +3,6 @@
 use std::f64::consts::TAU;
 
 use anyhow::Result;
-use mechanics::SinglePoint;
 use nalgebra::Vector2;
 use planar::Wrench;
 use report::{Color, Curve, Figure, Space, Surface, Table};
@@ -21,13 +20,13 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
     let mut figure = Figure::new(1, 2).panel_size(400.0, 315.0).one_legend();
     let mut table = Table::new();
     for (index, (title, [x, y])) in PLACES.into_iter().enumerate() {
-        let point = SinglePoint::new(Vector2::new(x, y), 1.0)?;
-        let load = |share: f64, angle: f64| {
-            let force = share * point.f_max() * Vector2::new(angle.cos(), angle.sin());
-            let wrench = Wrench::from_force_at(&force, point.at());
+        // The point bears 1 N in any direction.
+        let load = |angle: f64| {
+            let force = Vector2::new(angle.cos(), angle.sin());
+            let wrench = Wrench::from_force_at(&force, &Vector2::new(x, y));
             [wrench.force.x, wrench.force.y, wrench.torque]
         };
-        let rim: Vec<_> = (0..=120).map(|k| load(1.0, TAU * f64::from(k) / 120.0)).collect();
+        let rim: Vec<_> = (0..=120).map(|k| load(TAU * f64::from(k) / 120.0)).collect();
         for (k, name) in ["fx", "fy", "m"].into_iter().enumerate() {
             let column: Vec<_> = rim.iter().map(|load| load[k]).collect();
             table = table.column(&format!("{name}_{index}"), &column);
