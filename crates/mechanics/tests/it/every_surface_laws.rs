@@ -10,6 +10,7 @@ use nalgebra::{Unit, UnitVector2, Vector2};
 use planar::{Pose, Shape, Twist, Wrench};
 use proptest::prelude::{ProptestConfig, Strategy, prop_assert, prop_assert_eq, proptest};
 use proptest::test_runner::RngSeed;
+use std::sync::Arc;
 
 /// Relative accuracy of loads and motions that is asked of all.
 const TOLERANCE: f64 = 1e-7;
@@ -196,8 +197,8 @@ fn a_push_is_the_same_at_every_speed_under_every_law() {
 #[test]
 fn dissipation_is_homogeneous_at_every_speed() {
     let twist = Twist::new(0.3, -0.2, 7.0);
-    let point: Box<dyn LimitSurface> =
-        Box::new(SinglePoint::new(Vector2::new(0.03, 0.01), 1.5).unwrap());
+    let point: Arc<dyn LimitSurface> =
+        Arc::new(SinglePoint::new(Vector2::new(0.03, 0.01), 1.5).unwrap());
     let surfaces = rows().into_iter().map(|row| row.surface).chain([point]);
     for surface in surfaces {
         let here = surface.dissipation(&twist).unwrap();
