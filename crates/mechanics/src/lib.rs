@@ -14,14 +14,13 @@ mod path;
 pub use {nalgebra, planar};
 
 pub use error::MechanicsError;
-pub use limit_surface::ellipsoid::Ellipsoid;
 pub use limit_surface::fit::{Fit, WrenchTwist, fit_ellipsoid, fit_quartic, scored};
 pub use limit_surface::mesh::{Mesh, mesh};
-pub use limit_surface::patch::Patch;
-pub use limit_surface::point_set::{Facet, PointSet};
+pub use limit_surface::point_set::Facet;
 pub use limit_surface::quadratic_patch::QuadraticTraction;
-pub use limit_surface::quartic::{QUARTIC_EXPONENTS, Quartic};
-pub use limit_surface::{LimitSurface, WrenchSet};
+pub use limit_surface::quartic::QUARTIC_EXPONENTS;
+pub use limit_surface::uniform::{UniformPressure, UniformSurface};
+pub use limit_surface::*;
 pub use path::edge_push::{EdgePush, StraightPush};
 pub use path::follow::{push_along, push_along_with_external_wrench};
 pub use path::motion::{ContactPhase, PathMotion, PathSample, PathSettings, Place};

@@ -2,7 +2,7 @@
 
 use crate::limit_surface::{direction_of_twist, direction_of_wrench};
 
-use crate::{LimitSurface, MechanicsError, WrenchSet};
+use crate::{LimitSurface, MechanicsError, UniformPressure, WrenchSet};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Shape, Twist, Wrench};
 
@@ -106,6 +106,14 @@ impl Ellipsoid {
     /// A⁻¹, which maps a motion of unit dissipation to its load.
     pub fn inverse(&self) -> &Matrix3<f64> {
         &self.inverse
+    }
+}
+
+impl UniformPressure for Ellipsoid {
+    const NAME: &'static str = "ellipsoid";
+
+    fn over(shape: &Shape, f_max: f64) -> Result<Self, MechanicsError> {
+        Self::uniform(shape, f_max)
     }
 }
 

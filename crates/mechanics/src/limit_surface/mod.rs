@@ -1,17 +1,39 @@
 //! The limit surface: which loads move a supported object, and how.
 
-pub(crate) mod ellipsoid;
 pub(crate) mod fit;
 pub(crate) mod mesh;
-pub(crate) mod patch;
-pub(crate) mod point_set;
 pub(crate) mod polar;
 pub(crate) mod quadratic_patch;
-pub(crate) mod quartic;
+pub(crate) mod uniform;
 
 use crate::MechanicsError;
+use crate::limit_surface::uniform::UniformSurface;
 use nalgebra::{Matrix3, Vector3};
 use planar::{Twist, Wrench};
+
+/// Declares the modules, hands on their surfaces, and lists those.
+macro_rules! uniform_surfaces {
+    ($($file:ident::$Surface:ident,)+) => {
+        $(
+            pub(crate) mod $file;
+            pub use $file::$Surface;
+        )+
+
+        static UNIFORM: &[UniformSurface] = &[$(UniformSurface::of::<$Surface>()),+];
+    };
+}
+
+uniform_surfaces! {
+    ellipsoid::Ellipsoid,
+    patch::Patch,
+    point_set::PointSet,
+    quartic::Quartic,
+}
+
+/// Every kind of surface that stands for uniform pressure, as `model.toml` names them.
+pub fn uniform_surfaces() -> &'static [UniformSurface] {
+    UNIFORM
+}
 
 /// A closed, convex surface in the space of wrenches (Fx, Fy, M) that bounds what friction can bear.
 ///

@@ -4,7 +4,7 @@ use crate::limit_surface::polar::{Homogeneous, Polar, polar};
 use crate::limit_surface::quadratic_patch::{QuadraticPatch, QuadraticTraction};
 use crate::limit_surface::{direction_of_twist, direction_of_wrench};
 use crate::numerics::quadrature::Cells;
-use crate::{LimitSurface, MechanicsError, WrenchSet};
+use crate::{LimitSurface, MechanicsError, UniformPressure, WrenchSet};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Shape, Twist, Wrench, perpendicular};
 use std::sync::Arc;
@@ -141,6 +141,14 @@ impl Patch {
         }
         let y = Vector3::new(direction.x, direction.y, direction.z / self.length);
         Ok(Some((polar("level of a patch", self, &y, None)?, size)))
+    }
+}
+
+impl UniformPressure for Patch {
+    const NAME: &'static str = "uniform-patch";
+
+    fn over(shape: &Shape, f_max: f64) -> Result<Self, MechanicsError> {
+        Self::uniform(shape, f_max)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::limit_surface::polar::{Homogeneous, Polar, plane_basis, polar};
 use crate::limit_surface::{direction_of_twist, direction_of_wrench};
-use crate::{LimitSurface, MechanicsError, WrenchSet};
+use crate::{LimitSurface, MechanicsError, UniformPressure, WrenchSet};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use planar::{Shape, Twist, Wrench, perpendicular};
 
@@ -62,6 +62,9 @@ impl PointSet {
         Ok(Self { points, length })
     }
 
+    /// Lumps the pressure of a square within 1 % of its exact characteristic length.
+    pub const ENOUGH: usize = 100;
+
     /// Uniform pressure over `shape`, lumped at the centers of the cells of a square grid with
     /// about `n` cells inside the shape; together they bear `f_max`, in N.
     ///
@@ -115,6 +118,14 @@ impl PointSet {
         let y = Vector3::new(direction.x, direction.y, direction.z / self.length);
         let solution = self.scaled().polar(&y)?;
         Ok((solution, size))
+    }
+}
+
+impl UniformPressure for PointSet {
+    const NAME: &'static str = "points";
+
+    fn over(shape: &Shape, f_max: f64) -> Result<Self, MechanicsError> {
+        Self::sampling(shape, f_max, Self::ENOUGH)
     }
 }
 

@@ -1,18 +1,18 @@
 //! What every limit surface obeys.
 
-use mechanics::{Ellipsoid, LimitSurface, Patch, PointSet, Quartic};
+use mechanics::{Ellipsoid, LimitSurface, Patch, PointSet, Quartic, uniform_surfaces};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Ellipse, Shape, Twist, Wrench, mit_object};
 use proptest::prelude::{ProptestConfig, Strategy, prop_assert, proptest};
 use proptest::test_runner::RngSeed;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// The moments and turns of all surfaces are scaled by a length of this size, in m.
 const LENGTH: f64 = 0.04;
 
 struct Row {
     name: &'static str,
-    surface: Box<dyn LimitSurface>,
+    surface: Arc<dyn LimitSurface>,
     /// Relative error of level, dissipation and loads.
     tolerance: f64,
     /// Where all points lie on a line the surface has edges and the level no gradient there.
@@ -37,22 +37,19 @@ fn surfaces() -> &'static [Row] {
             bulging[k] = c / 16.0;
         }
         let row = |name, surface, tolerance, smooth| Row { name, surface, tolerance, smooth };
-        vec![
-            row("ellipsoid", Box::new(Ellipsoid::new(2.0, 0.08).unwrap()), 1e-13, true),
-            row("tilted ellipsoid", Box::new(ellipsoid), 1e-13, true),
-            row("two points", Box::new(two), 1e-13, false),
-            row("three points", Box::new(PointSet::new(three).unwrap()), 1e-13, true),
-            row(
-                "many points",
-                Box::new(PointSet::sampling(&butter, 2.0, 60).unwrap()),
-                1e-13,
-                true,
-            ),
-            row("uniform butter", Box::new(Patch::uniform(&butter, 2.0).unwrap()), 1e-13, true),
-            row("uniform oval", Box::new(Patch::uniform(&oval, 2.0).unwrap()), 1e-13, true),
-            row("ramp", Box::new(Patch::with_traction(&square, ramp).unwrap()), 1e-10, true),
-            row("quartic", Box::new(Quartic::new(bulging, LENGTH).unwrap()), 1e-13, true),
-        ]
+        let uniform = uniform_surfaces().iter();
+        let uniform =
+            uniform.map(|kind| row(kind.name(), kind.over(&butter, 2.0).unwrap(), 1e-13, true));
+        let others = vec![
+            row("upright ellipsoid", Arc::new(Ellipsoid::new(2.0, 0.08).unwrap()), 1e-13, true),
+            row("tilted ellipsoid", Arc::new(ellipsoid), 1e-13, true),
+            row("two points", Arc::new(two), 1e-13, false),
+            row("three points", Arc::new(PointSet::new(three).unwrap()), 1e-13, true),
+            row("uniform oval", Arc::new(Patch::uniform(&oval, 2.0).unwrap()), 1e-13, true),
+            row("ramp", Arc::new(Patch::with_traction(&square, ramp).unwrap()), 1e-10, true),
+            row("bulging quartic", Arc::new(Quartic::new(bulging, LENGTH).unwrap()), 1e-13, true),
+        ];
+        uniform.chain(others).collect()
     })
 }
 

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use mechanics::{
-    EdgePush, Ellipsoid, LimitSurface, Patch, PointSet, UniformSupport, WrenchTwist, fit_quartic,
-    mesh,
+    EdgePush, Ellipsoid, LimitSurface, Patch, PointSet, UniformPressure, UniformSupport,
+    UniformSurface, uniform_surfaces,
 };
 use planar::{Pose, Shape};
 
@@ -24,24 +24,33 @@ pub enum SurfaceKind {
         /// About how many.
         n_points: usize,
     },
-    /// The convex quartic that fits loads and motions of the exact surface best.
-    Quartic,
+    /// Any other that mechanics lists.
+    Listed(&'static UniformSurface),
 }
 
 impl SurfaceKind {
-    /// The names in `model.toml`.
-    pub const NAMES: [&str; 4] = ["ellipsoid", "uniform-patch", "points", "quartic"];
-    /// Lumps the pressure of a square within 1 % of its exact c.
-    pub const DEFAULT_POINTS: usize = 100;
+    /// Every kind, points in their usual number.
+    pub fn all() -> impl Iterator<Item = Self> {
+        uniform_surfaces().iter().map(|surface| match surface.name() {
+            Ellipsoid::NAME => Self::Ellipsoid,
+            Patch::NAME => Self::UniformPatch,
+            PointSet::NAME => Self::Points { n_points: PointSet::ENOUGH },
+            _ => Self::Listed(surface),
+        })
+    }
+
+    /// The kind with a name; none if there is no such kind.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::all().find(|kind| kind.name() == name)
+    }
 
     /// Its name in `model.toml`.
     pub fn name(self) -> &'static str {
-        let [ellipsoid, uniform_patch, points, quartic] = Self::NAMES;
         match self {
-            Self::Ellipsoid => ellipsoid,
-            Self::UniformPatch => uniform_patch,
-            Self::Points { .. } => points,
-            Self::Quartic => quartic,
+            Self::Ellipsoid => Ellipsoid::NAME,
+            Self::UniformPatch => Patch::NAME,
+            Self::Points { .. } => PointSet::NAME,
+            Self::Listed(surface) => surface.name(),
         }
     }
 
@@ -69,23 +78,10 @@ impl SurfaceKind {
             Self::Ellipsoid => Arc::new(Ellipsoid::uniform(shape, force)?),
             Self::UniformPatch => Arc::new(Patch::uniform(shape, force)?),
             Self::Points { n_points } => Arc::new(PointSet::sampling(shape, force, n_points)?),
-            Self::Quartic => {
-                let exact = Patch::uniform(shape, force)?;
-                let length = exact.characteristic_length();
-                let mesh = mesh(&exact, length, MESH)?;
-                let rows = mesh.wrenches.iter().zip(&mesh.normals);
-                let pairs: Vec<_> = rows
-                    .flat_map(|(wrenches, twists)| wrenches.iter().zip(twists))
-                    .map(|(&wrench, &twist)| WrenchTwist { wrench, twist })
-                    .collect();
-                Arc::new(fit_quartic(&pairs, length)?.surface)
-            }
+            Self::Listed(surface) => surface.over(shape, force)?,
         })
     }
 }
-
-/// Latitudes of each hemisphere at which a quartic meets the exact surface.
-const MESH: usize = 4;
 
 /// A limit surface and where its frame S is in the body.
 #[derive(Debug)]
@@ -124,12 +120,7 @@ mod tests {
             let exact = Patch::uniform(&shape, 1.0).unwrap();
             let center = shape.centroid();
             let c = shape.mean_distance(&center);
-            for kind in [
-                SurfaceKind::Ellipsoid,
-                SurfaceKind::UniformPatch,
-                SurfaceKind::Points { n_points: 400 },
-                SurfaceKind::Quartic,
-            ] {
+            for kind in SurfaceKind::all() {
                 let support = kind.under(&shape, c).unwrap();
                 for twist_b in [
                     Twist::new(1.0, 0.0, 0.0),

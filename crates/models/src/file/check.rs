@@ -85,17 +85,17 @@ impl Source<'_> {
     }
 
     fn surface(&self, raw: &RawBase) -> Result<SurfaceKind, ModelError> {
-        let name = match &raw.limit_surface {
-            Some(name) => {
-                self.expect(name, "base.limit_surface", &SurfaceKind::NAMES)?;
-                name.get_ref().as_str()
-            }
-            None => SurfaceKind::default().name(),
+        let kind = match &raw.limit_surface {
+            Some(name) => SurfaceKind::named(name.get_ref()).ok_or_else(|| {
+                let names: Vec<_> = SurfaceKind::all().map(SurfaceKind::name).collect();
+                self.unknown(name, "base.limit_surface", &names)
+            })?,
+            None => SurfaceKind::default(),
         };
         let key = "base.n_points";
-        match (name, &raw.n_points) {
-            ("points", None) => Ok(SurfaceKind::Points { n_points: SurfaceKind::DEFAULT_POINTS }),
-            ("points", Some(number)) => match *number.get_ref() {
+        match (kind, &raw.n_points) {
+            (kind, None) => Ok(kind),
+            (SurfaceKind::Points { .. }, Some(number)) => match *number.get_ref() {
                 n @ 4..=MOST_POINTS => Ok(SurfaceKind::Points { n_points: n as usize }),
                 n => {
                     let problem = format!("must be from 4 to {MOST_POINTS}, got {n}");
@@ -106,9 +106,6 @@ impl Source<'_> {
                 let problem = "is for limit_surface = \"points\" alone; remove it";
                 Err(self.invalid(number.span().start, key, problem))
             }
-            ("uniform-patch", None) => Ok(SurfaceKind::UniformPatch),
-            ("quartic", None) => Ok(SurfaceKind::Quartic),
-            _ => Ok(SurfaceKind::Ellipsoid),
         }
     }
 

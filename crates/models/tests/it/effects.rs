@@ -119,7 +119,7 @@ fn without_effects_the_motion_is_the_analytical_models() {
         (given, 4e-6),
         (nominal.clone().with_surface(SurfaceKind::UniformPatch).unwrap(), 5e-6),
         (nominal.clone().with_surface(SurfaceKind::Points { n_points: 49 }).unwrap(), 4e-6),
-        (nominal.with_surface(SurfaceKind::Quartic).unwrap(), 4e-6),
+        (nominal.with_surface(SurfaceKind::named("quartic").unwrap()).unwrap(), 4e-6),
     ] {
         let (moved, turned) = difference(&model);
         assert!(moved < limit && turned < limit / 0.04, "{model:?}: {moved} m, {turned} rad");

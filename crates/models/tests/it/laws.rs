@@ -139,7 +139,8 @@ fn every_prediction_of_a_batch_is_that_of_its_step_alone() {
 fn every_kind_comes_back_from_its_file_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
     let on = |surface| Box::new(nominal().with_surface(surface).unwrap()) as Box<dyn PushModel>;
-    for model in trained(30).into_iter().chain(SURFACES.map(on)) {
+    let surfaces = SurfaceKind::all().chain([SurfaceKind::Points { n_points: 64 }]);
+    for model in trained(30).into_iter().chain(surfaces.map(on)) {
         let path = folder.path().join("model.toml");
         let description = model.describe().unwrap();
         let file = ModelFile { name: "a \"name\"".into(), description, split: None };
@@ -197,18 +198,11 @@ fn learning_curves_fall_and_the_hybrid_needs_fewer_steps() {
     assert!(hybrid(20) < gp(20));
 }
 
-const SURFACES: [SurfaceKind; 4] = [
-    SurfaceKind::Ellipsoid,
-    SurfaceKind::UniformPatch,
-    SurfaceKind::Points { n_points: 64 },
-    SurfaceKind::Quartic,
-];
-
 #[test]
 fn on_every_surface_friction_is_found_again() {
     let test = inputs(&steps(24, 0.0));
     let mut motions = Vec::new();
-    for surface in SURFACES {
+    for surface in SurfaceKind::all() {
         let model =
             |friction| Analytical::nominal(friction).unwrap().with_surface(surface).unwrap();
         let made = model(MU_P).predict(&test, Noise::Excluded).unwrap();
@@ -224,11 +218,13 @@ fn on_every_surface_friction_is_found_again() {
         motions.push(made);
     }
     // The exact surface of a square is none of the others, but near to each.
-    for other in [0, 2, 3] {
-        let difference = |k: usize| (motions[1][k].outputs - motions[other][k].outputs).norm();
+    let of = |kind| SurfaceKind::all().position(|other| other == kind).unwrap();
+    let exact = motions.remove(of(SurfaceKind::UniformPatch));
+    for other in motions {
+        let difference = |k: usize| (exact[k].outputs - other[k].outputs).norm();
         let largest = (0..24).map(difference).fold(0.0, f64::max);
-        let turn = (0..24).map(|k| motions[1][k].outputs.z.abs()).fold(0.0, f64::max);
-        assert!(largest > 1e-6 && largest < 0.3 * turn, "{other}: {largest} of {turn}");
+        let turn = (0..24).map(|k| exact[k].outputs.z.abs()).fold(0.0, f64::max);
+        assert!(largest > 1e-6 && largest < 0.3 * turn, "{largest} of {turn}");
     }
 }
 
@@ -262,7 +258,7 @@ fn standard_errors_of_parameters_widen_a_prediction_and_zero_does_not() {
 
 #[test]
 fn a_surface_that_cannot_be_is_refused() {
-    let of_another = truth().with_surface(SurfaceKind::Quartic);
+    let of_another = truth().with_surface(SurfaceKind::named("quartic").unwrap());
     assert!(matches!(of_another, Err(ModelError::LengthOfAnotherSurface { surface: "quartic" })));
     let few = nominal().with_surface(SurfaceKind::Points { n_points: 3 });
     assert!(matches!(few, Err(ModelError::InvalidValue { value: 3.0, .. })));
@@ -392,8 +388,8 @@ fn a_file_chooses_its_surface() {
     for (value, surface) in [
         ("\"ellipsoid\"", SurfaceKind::Ellipsoid),
         ("\"uniform-patch\"", SurfaceKind::UniformPatch),
-        ("\"quartic\"", SurfaceKind::Quartic),
-        ("\"points\"", SurfaceKind::Points { n_points: SurfaceKind::DEFAULT_POINTS }),
+        ("\"quartic\"", SurfaceKind::named("quartic").unwrap()),
+        ("\"points\"", SurfaceKind::Points { n_points: mechanics::PointSet::ENOUGH }),
         (points, SurfaceKind::Points { n_points: 7 }),
     ] {
         let file = read(&ANALYTICAL.replace("\"ellipsoid\"", value)).unwrap();

@@ -3,8 +3,9 @@
 use super::barrier::{Barrier, constrained_least_squares};
 use super::{Fit, Scaled, WrenchTwist, scored};
 use crate::limit_surface::quartic::{QUARTIC_EXPONENTS, gradient, polynomial};
-use crate::{MechanicsError, Quartic};
+use crate::{LimitSurface, MechanicsError, Patch, Quartic, UniformPressure, mesh};
 use nalgebra::{DMatrix, DVector, SMatrix, Vector3};
+use planar::Shape;
 
 /// Least curvature that a fit may have, where the sphere of the mean load has 4.
 const MARGIN: f64 = 0.02;
@@ -48,6 +49,26 @@ pub fn fit_quartic(pairs: &[WrenchTwist], length: f64) -> Result<Fit<Quartic>, M
     let (best, n_steps) =
         constrained_least_squares(what, &rows, &right, &SumsOfSquares::new(), start)?;
     scored(quartic(&best)?, pairs, length, n_steps)
+}
+
+/// Latitudes of each hemisphere at which a quartic meets the exact surface.
+const MESH: usize = 4;
+
+impl UniformPressure for Quartic {
+    const NAME: &'static str = "quartic";
+
+    /// The convex quartic that fits loads and motions of the exact surface best.
+    fn over(shape: &Shape, f_max: f64) -> Result<Self, MechanicsError> {
+        let exact = Patch::uniform(shape, f_max)?;
+        let length = exact.characteristic_length();
+        let mesh = mesh(&exact, length, MESH)?;
+        let rows = mesh.wrenches.iter().zip(&mesh.normals);
+        let pairs: Vec<_> = rows
+            .flat_map(|(wrenches, twists)| wrenches.iter().zip(twists))
+            .map(|(&wrench, &twist)| WrenchTwist { wrench, twist })
+            .collect();
+        Ok(fit_quartic(&pairs, length)?.surface)
+    }
 }
 
 /// Quartics with Q − margin positive definite, as a cone with the barrier −log det.

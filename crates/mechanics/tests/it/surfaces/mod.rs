@@ -1,16 +1,18 @@
 //! Limit surfaces of every kind, each with its mirror image.
 
 use mechanics::{
-    Ellipsoid, LimitSurface, MechanicsError, Patch, PointSet, QUARTIC_EXPONENTS, Quartic, WrenchSet,
+    Ellipsoid, LimitSurface, MechanicsError, PointSet, QUARTIC_EXPONENTS, Quartic, UniformPressure,
+    WrenchSet, uniform_surfaces,
 };
 use nalgebra::{Matrix3, Vector2};
 use planar::{Polygon, Shape, Twist, Wrench};
+use std::sync::Arc;
 
 /// A surface and the same of the object seen in a mirror along x.
 pub(crate) struct Row {
     pub(crate) name: &'static str,
-    pub(crate) surface: Box<dyn LimitSurface>,
-    pub(crate) mirrored: Box<dyn LimitSurface>,
+    pub(crate) surface: Arc<dyn LimitSurface>,
+    pub(crate) mirrored: Arc<dyn LimitSurface>,
 }
 
 /// An ellipsoid that is not centered on the origin: friction that resists one way more than the other.
@@ -58,7 +60,7 @@ pub(crate) fn points(at: &[(f64, f64, f64)]) -> PointSet {
 
 fn set_of_points(name: &'static str, at: &[(f64, f64, f64)]) -> Row {
     let seen: Vec<_> = at.iter().map(|p| (p.0, -p.1, p.2)).collect();
-    Row { name, surface: Box::new(points(at)), mirrored: Box::new(points(&seen)) }
+    Row { name, surface: Arc::new(points(at)), mirrored: Arc::new(points(&seen)) }
 }
 
 fn quartic(name: &'static str, coefficients: [f64; 15], length: f64) -> Row {
@@ -73,8 +75,8 @@ fn quartic(name: &'static str, coefficients: [f64; 15], length: f64) -> Row {
     let seen = std::array::from_fn(|k| sign(k) * coefficients[k]);
     Row {
         name,
-        surface: Box::new(Quartic::new(coefficients, length).unwrap()),
-        mirrored: Box::new(Quartic::new(seen, length).unwrap()),
+        surface: Arc::new(Quartic::new(coefficients, length).unwrap()),
+        mirrored: Arc::new(Quartic::new(seen, length).unwrap()),
     }
 }
 
@@ -82,7 +84,8 @@ fn polygon(at: &[(f64, f64)]) -> Shape {
     Shape::Polygon(Polygon::new(at.iter().map(|p| Vector2::new(p.0, p.1)).collect()).unwrap())
 }
 
-/// Ellipsoids upright, tilted and off center, few points with their facets, a patch, quartics.
+/// Every kind that stands for uniform pressure, under a triangle; ellipsoids upright, tilted and off
+/// center, few points with their facets, quartics.
 pub(crate) fn rows() -> Vec<Row> {
     let tilted = |side: f64| {
         let (a, b, c) = (0.05 * side, 1.0 * side, -2.0);
@@ -95,7 +98,6 @@ pub(crate) fn rows() -> Vec<Row> {
     };
     let corners = [(-0.04, -0.03), (0.05, -0.02), (0.01, 0.06)];
     let seen = [corners[0], corners[2], corners[1]].map(|(x, y)| (x, -y));
-    let patch = |at: &[(f64, f64)]| Box::new(Patch::uniform(&polygon(at), 2.0).unwrap());
     let mut bulging = [0.0; 15];
     for (k, c) in [(0, 1.0), (10, 1.0), (14, 1.0), (3, 1.2), (5, 1.2), (12, 1.2)] {
         bulging[k] = c / 16.0;
@@ -104,12 +106,21 @@ pub(crate) fn rows() -> Vec<Row> {
     for (k, c) in [(1, 0.1), (4, 0.2), (8, -0.15), (9, 0.1)] {
         bent[k] = c / 16.0;
     }
-    vec![
-        Row { name: "ellipsoid", surface: Box::new(upright), mirrored: Box::new(upright) },
+    let [corners, seen] = [&corners, &seen].map(|at| polygon(at));
+    // Of a hundred points a path crosses many facets, and the error of each adds up: the bounds on
+    // paths are those of few points, below.
+    let kinds = uniform_surfaces().iter().filter(|kind| kind.name() != PointSet::NAME);
+    let uniform = kinds.map(|kind| Row {
+        name: kind.name(),
+        surface: kind.over(&corners, 2.0).unwrap(),
+        mirrored: kind.over(&seen, 2.0).unwrap(),
+    });
+    let others = vec![
+        Row { name: "upright ellipsoid", surface: Arc::new(upright), mirrored: Arc::new(upright) },
         Row {
             name: "tilted ellipsoid",
-            surface: Box::new(tilted(1.0)),
-            mirrored: Box::new({
+            surface: Arc::new(tilted(1.0)),
+            mirrored: Arc::new({
                 // Of (Fx, Fy, M) the last two change their signs.
                 let m = *tilted(1.0).matrix();
                 let flip = Matrix3::from_diagonal(&nalgebra::Vector3::new(1.0, -1.0, -1.0));
@@ -118,16 +129,16 @@ pub(crate) fn rows() -> Vec<Row> {
         },
         Row {
             name: "lopsided ellipsoid",
-            surface: Box::new(lopsided(1.0)),
-            mirrored: Box::new(lopsided(-1.0)),
+            surface: Arc::new(lopsided(1.0)),
+            mirrored: Arc::new(lopsided(-1.0)),
         },
         set_of_points("three points", &[(0.0, 0.05, 1.0), (-0.04, -0.03, 0.8), (0.05, -0.02, 0.5)]),
         set_of_points(
             "four points",
             &[(0.045, 0.045, 0.4), (-0.045, 0.04, 0.7), (-0.04, -0.045, 0.5), (0.05, -0.03, 0.4)],
         ),
-        Row { name: "triangular patch", surface: patch(&corners), mirrored: patch(&seen) },
         quartic("quartic", bulging, 0.04),
         quartic("bent quartic", bent, 0.03),
-    ]
+    ];
+    uniform.chain(others).collect()
 }
