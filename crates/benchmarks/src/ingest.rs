@@ -68,7 +68,7 @@ fn row(set: &RecordingSet, n_pushes: usize, threads: usize) -> Result<Row> {
                 Ok(())
             })
         })?;
-        ensure!(report.summary.pushes_used == n_pushes, "a push was set aside");
+        ensure!(report.summary.pushes_used == n_pushes, "a push was excluded");
         Ok(n_rows)
     };
     let read = || pool.install(|| set.recordings().par_iter().map(|path| read(path)).sum());

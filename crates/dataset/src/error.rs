@@ -214,7 +214,7 @@ pub enum DatasetError {
         path: PathBuf,
         /// The stream.
         stream: StreamRole,
-        /// Rows set aside.
+        /// Rows excluded.
         excluded: u64,
         /// Rows read.
         total: u64,
@@ -283,7 +283,7 @@ pub enum DatasetError {
         path: PathBuf,
         /// How many recordings were tried.
         recordings: usize,
-        /// Why the first push was set aside.
+        /// Why the first push was excluded.
         reason: String,
     },
     /// A table lacks a column.

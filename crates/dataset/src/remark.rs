@@ -34,14 +34,14 @@ pub enum RemarkKind {
     NoIndex,
     /// The file carries no check sums, so that damage could go unseen.
     NoChecksums,
-    /// Messages that do not fit their own schema were set aside.
-    MessageSetAside,
-    /// Rows whose quaternion is far from unit length were set aside.
-    QuaternionSetAside,
-    /// Rows with a value that is not finite were set aside.
-    NonFiniteSetAside,
-    /// Rows with a value beyond anything physical were set aside.
-    OutOfRangeSetAside,
+    /// Messages that do not fit their own schema were excluded.
+    MessageExcluded,
+    /// Rows whose quaternion is far from unit length were excluded.
+    QuaternionExcluded,
+    /// Rows with a value that is not finite were excluded.
+    NonFiniteExcluded,
+    /// Rows with a value beyond anything physical were excluded.
+    OutOfRangeExcluded,
     /// The robot's orientation was never published (all quaternions zero); its yaw is 0.
     NoOrientation,
     /// The body is tilted out of the plane by more than the stated limit.

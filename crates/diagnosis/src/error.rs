@@ -11,7 +11,7 @@ pub enum DiagnosisError {
     /// Too few pushes to say anything of errors that steps of one push share.
     #[error(
         "{n_pushes} pushes have steps to compare, at least {needed} are needed: record {} more, of at \
-         least 20 mm each; rows set aside: {}", needed.saturating_sub(*n_pushes),
+         least 20 mm each; rows excluded: {}", needed.saturating_sub(*n_pushes),
         if excluded.is_empty() { "none" } else { excluded }
     )]
     TooFewPushes {
@@ -19,7 +19,7 @@ pub enum DiagnosisError {
         n_pushes: usize,
         /// How many are needed.
         needed: usize,
-        /// Rows set aside, by reason.
+        /// Rows excluded, by reason.
         excluded: String,
     },
     /// A second set is not of the same rig as the first, or is the first.

@@ -66,7 +66,7 @@ struct Sample {
     parameters: Vec<(&'static str, ParameterFit)>,
 }
 
-/// Errors in one number on the pushes that no fit has seen, in SI units.
+/// Errors in one number on the held-out pushes, in SI units.
 struct Errors {
     /// With the thesis' model, with the hidden effects, and with the shape as well; none without a
     /// fit.

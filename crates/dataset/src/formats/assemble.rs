@@ -273,12 +273,12 @@ impl Assembly<'_> {
         let RowLosses { not_finite, too_large, not_unit } = losses;
         let reasons = [
             (
-                RemarkKind::NonFiniteSetAside,
+                RemarkKind::NonFiniteExcluded,
                 not_finite,
                 format!("a value is not finite, {}", place(not_finite)),
             ),
             (
-                RemarkKind::OutOfRangeSetAside,
+                RemarkKind::OutOfRangeExcluded,
                 too_large,
                 format!(
                     "the value {:e} is beyond ±{LARGEST:e} in SI units, {}",
@@ -287,7 +287,7 @@ impl Assembly<'_> {
                 ),
             ),
             (
-                RemarkKind::QuaternionSetAside,
+                RemarkKind::QuaternionExcluded,
                 not_unit,
                 format!(
                     "the quaternion has length {:.3} instead of 1, {}",
@@ -311,7 +311,7 @@ impl Assembly<'_> {
         }
         for (kind, losses, text) in reasons {
             if losses.count > 0 {
-                let text = format!("{} of {total} rows set aside: {text}", losses.count);
+                let text = format!("{} of {total} rows excluded: {text}", losses.count);
                 self.remark(kind, stream, losses.count, text);
             }
         }
@@ -323,7 +323,7 @@ impl Assembly<'_> {
     }
 }
 
-/// Rows of one stream set aside, by their reasons.
+/// Rows of one stream excluded, by their reasons.
 #[derive(Default)]
 struct RowLosses {
     not_finite: Losses,
@@ -331,7 +331,7 @@ struct RowLosses {
     not_unit: Losses,
 }
 
-/// Rows set aside for one reason.
+/// Rows excluded for one reason.
 #[derive(Default)]
 struct Losses {
     count: u64,

@@ -304,8 +304,8 @@ impl<'a> Taker<'a> {
                 let excluded = n_misfits;
                 return Err(DatasetError::MostlyUnusable { path, stream, excluded, total, what });
             }
-            let text = format!("{n_misfits} of {total} messages set aside: first, {what}");
-            let (kind, stream) = (RemarkKind::MessageSetAside, Some(role));
+            let text = format!("{n_misfits} of {total} messages excluded: first, {what}");
+            let (kind, stream) = (RemarkKind::MessageExcluded, Some(role));
             remarks.push(Remark { kind, stream, count: n_misfits, text });
         }
         remarks.extend(lateness.remark(role));

@@ -55,7 +55,7 @@ pub fn ingest(
 ///
 /// Recordings are read in parallel, a few at a time: memory does not grow with their number, and
 /// rows and report do not depend on the number of threads. A recording or push that cannot be used
-/// is set aside with its reason in the report.
+/// is excluded with its reason in the report.
 ///
 /// # Errors
 /// `Setting` for a setting out of range; `NothingUsable` if no push gave rows; what the sink

@@ -39,7 +39,7 @@ pub struct IngestReport {
 pub struct Summary {
     /// Pushes with rows.
     pub pushes_used: usize,
-    /// Pushes and recordings set aside, by reason.
+    /// Pushes and recordings excluded, by reason.
     pub excluded: BTreeMap<String, usize>,
     /// Rows of the table.
     pub rows: usize,
@@ -110,7 +110,7 @@ pub struct RecordingReport {
     pub sha256: String,
     /// Measuring session, where one is known.
     pub session: Option<String>,
-    /// Why the whole recording was set aside.
+    /// Why the whole recording was excluded.
     pub excluded: Option<Exclusion>,
     /// What reading it had to replace, skip or warn about.
     pub remarks: Vec<Remark>,
@@ -174,7 +174,7 @@ pub struct StreamReport {
 pub struct PushReport {
     /// 0-based number within the recording.
     pub push: u32,
-    /// Why it was set aside; none if it was used.
+    /// Why it was excluded; none if it was used.
     pub excluded: Option<Exclusion>,
     /// Rows in the table.
     pub rows: usize,

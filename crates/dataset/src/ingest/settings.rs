@@ -28,11 +28,11 @@ pub struct IngestSettings {
     pub fastest_speed: f64,
     /// A turn faster than this is no motion: nothing is evaluated across it, in rad/s.
     pub fastest_turn: f64,
-    /// A recording whose object is tilted by more than this is set aside, in rad.
+    /// A recording whose object is tilted by more than this is excluded, in rad.
     pub largest_tilt: f64,
-    /// A push with fewer object samples in contact is set aside.
+    /// A push with fewer object samples in contact is excluded.
     pub fewest_object_samples: usize,
-    /// A push that lacks a stream for a larger share of its contact is set aside, 0 to 1.
+    /// A push that lacks a stream for a larger share of its contact is excluded, 0 to 1.
     pub largest_gap_share: f64,
     /// What tells contact from no contact.
     pub contact: ContactSettings,

@@ -39,14 +39,14 @@ impl fmt::Display for SummaryText<'_> {
         }
         writeln!(
             f,
-            "  {} recordings, {} pushes used, {excluded} set aside, {} rows, {} steps lost in gaps",
+            "  {} recordings, {} pushes used, {excluded} excluded, {} rows, {} steps lost in gaps",
             report.recordings.len(),
             summary.pushes_used,
             summary.rows,
             summary.steps_lost_in_gaps
         )?;
         for (reason, n) in &summary.excluded {
-            writeln!(f, "  set aside, {reason}: {n}")?;
+            writeln!(f, "  excluded, {reason}: {n}")?;
         }
         for (stream, rates) in &summary.rates_hz {
             spread(f, &format!("rate of the {stream} stream"), Some(*rates), 1.0, "Hz")?;
@@ -136,7 +136,7 @@ fn recording_text(recording: &RecordingReport) -> String {
         out.push('\n');
     };
     if let Some(reason) = &recording.excluded {
-        line(format!("set aside: {reason}"));
+        line(format!("excluded: {reason}"));
     }
     for remark in &recording.remarks {
         line(remark.text.clone());
@@ -182,7 +182,7 @@ fn stream_text(stream: &StreamReport, robot: Option<&StreamReport>) -> String {
 
 fn push_text(push: &PushReport) -> String {
     let fate = match &push.excluded {
-        Some(reason) => format!("set aside: {reason}"),
+        Some(reason) => format!("excluded: {reason}"),
         None => format!("{} rows", push.rows),
     };
     let force = |what: &str, force: Option<f64>| {

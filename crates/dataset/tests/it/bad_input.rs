@@ -123,7 +123,7 @@ fn quaternions_far_from_unit_are_set_aside_and_counted() {
     let remarks = recording.remarks.iter();
     let remark = remarks
         .clone()
-        .find(|r| r.kind == RemarkKind::QuaternionSetAside && r.stream == Some(StreamRole::Object))
+        .find(|r| r.kind == RemarkKind::QuaternionExcluded && r.stream == Some(StreamRole::Object))
         .unwrap_or_else(|| panic!("{:?}", recording.remarks));
     assert_eq!(remark.count, 1);
     assert!(remark.text.contains("0.5"), "{}", remark.text);

@@ -251,7 +251,7 @@ fn a_row_that_is_not_finite_is_dropped_and_named() {
     let (_, report) = ingest(&set, &IngestSettings::default()).unwrap();
     let text = report.to_text();
     assert!(
-        text.contains("1 of 181 rows set aside: a value is not finite, first at line 41"),
+        text.contains("1 of 181 rows excluded: a value is not finite, first at line 41"),
         "{text}"
     );
 }

@@ -27,7 +27,7 @@ fn half_spoiled(
     (dir, set)
 }
 
-/// The reason for which the first recording of two was set aside; the other one gave rows.
+/// The reason for which the first recording of two was excluded; the other one gave rows.
 fn reason(ingested: Result<(Table, IngestReport), DatasetError>) -> String {
     let (table, report) = ingested.unwrap();
     assert!(!table.is_empty() && table.rows.iter().all(|row| &*row.recording == "good"));
@@ -105,7 +105,7 @@ fn a_force_beyond_physics_is_set_aside_with_its_place() {
     let remarks = &report.recordings[0].remarks;
     assert_eq!(report.recordings[0].excluded, None);
     let kinds: Vec<_> = remarks.iter().map(|remark| (remark.kind, remark.count)).collect();
-    assert_eq!(kinds, [(RemarkKind::OutOfRangeSetAside, 1); 2]);
+    assert_eq!(kinds, [(RemarkKind::OutOfRangeExcluded, 1); 2]);
     assert!(remarks[1].text.contains("1e308 is beyond ±1e9 in SI units, first at line 60"));
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("table.csv");

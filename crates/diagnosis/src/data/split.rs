@@ -1,4 +1,4 @@
-//! Setting pushes aside before anything is fitted.
+//! Holding pushes out before anything is fitted.
 
 use std::collections::BTreeSet;
 
@@ -11,12 +11,12 @@ use crate::data::observations::FEWEST_PUSHES;
 use crate::data::repeats::{FEWEST_REPEATS, cells};
 use crate::{DiagnosisError, Observations, RepeatTolerance};
 
-/// One of so many clusters is set aside.
+/// One of so many clusters is held out.
 const SHARE: usize = 4;
 /// Choices among which one with repeats in both parts is looked for.
 const MOST_DRAWS: usize = 200;
 
-/// Sets a quarter of the clusters aside to confirm what is fitted to the others.
+/// Holds a quarter of the clusters out to confirm what is fitted to the others.
 ///
 /// A cluster is a measuring session where the whole set has at least twelve, else a push; parts keep
 /// the clusters of their whole. The choice is random, but for this: of two hundred draws the first is taken that leaves both parts the repeats

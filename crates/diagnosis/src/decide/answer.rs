@@ -25,7 +25,7 @@ pub struct Diagnosis {
     pub one_of: Vec<Vec<String>>,
     /// The answer in words.
     pub sentence: String,
-    /// The error before and after, on pushes that no fit has seen.
+    /// The error before and after, on held-out pushes.
     pub error: ErrorFall,
     /// Which pushes were fitted and which confirm.
     pub split: Split,
@@ -110,9 +110,9 @@ pub struct EffectFinding {
     /// flips of the signs of whole clusters; of a nominal number that is claimed by its estimate and
     /// standard error, times the number of effects asked for.
     pub p_adjusted: Option<f64>,
-    /// Share of the gap to the floor that opens without it, on pushes that no fit has seen.
+    /// Share of the gap to the floor that opens without it, on held-out pushes.
     pub gap_closed: Option<f64>,
-    /// Log predictive density that pushes which no fit has seen lose without it, in nats.
+    /// Log predictive density that held-out pushes lose without it, in nats.
     pub log_density_gain: Option<Gain>,
     /// Its parameters as fitted.
     pub parameters: Vec<ParameterFinding>,

@@ -1,4 +1,4 @@
-//! The end of a search: wrong nominal numbers, and what the pushes set aside confirm.
+//! The end of a search: wrong nominal numbers, and what the held-out pushes confirm.
 
 use models::Description;
 
@@ -18,7 +18,7 @@ const NOMINAL: [(&str, f64); 3] =
 
 impl Search<'_> {
     /// Adds the nominal numbers that the best model does not leave at their values, takes out what
-    /// has no interval, and then what the pushes set aside do not confirm.
+    /// has no interval, and then what the held-out pushes do not confirm.
     ///
     /// Nominal numbers are left open in every fit, so no effect is blamed for them; here they are
     /// asked for.
@@ -132,7 +132,7 @@ impl Search<'_> {
         }
     }
 
-    /// Takes out, the least first, what the pushes set aside do not miss.
+    /// Takes out, the least first, what the held-out pushes do not miss.
     fn confirmed(
         &self,
         mut whole: Refit,
@@ -218,13 +218,13 @@ impl Search<'_> {
     }
 }
 
-/// What the pushes set aside confirm.
+/// What the held-out pushes confirm.
 struct Confirmed {
     accepted: Vec<Accepted>,
     error: ErrorFall,
     /// The model with it, and the same with the nuisances.
     descriptions: [Description; 2],
-    /// The latter with what the pushes set aside only hint at.
+    /// The latter with what the held-out pushes only hint at.
     with_doubted: Option<Description>,
 }
 

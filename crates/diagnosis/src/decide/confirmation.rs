@@ -1,4 +1,4 @@
-//! What the pushes say that were set aside.
+//! What held-out pushes say.
 
 use models::Description;
 
@@ -8,7 +8,7 @@ use crate::{
     DiagnosisError, NoiseModel, Observations, Predictions, RepeatTolerance, Whitening, noise_floor,
 };
 
-/// The pushes set aside, under the noise as the best model knows it.
+/// The held-out pushes, under the noise as the best model knows it.
 pub(super) struct Aside<'a> {
     observations: &'a Observations,
     settings: &'a DiagnoseSettings,
@@ -17,7 +17,7 @@ pub(super) struct Aside<'a> {
     whitening: Whitening,
 }
 
-/// A model on the pushes set aside.
+/// A model on the held-out pushes.
 #[derive(Clone, Debug)]
 pub(super) struct Outcome {
     /// Squares of the residuals as the best model whitens them, with their clusters.

@@ -53,7 +53,7 @@ const LARGEST_SHARE: f64 = 0.25;
 /// Draws of as many pushes at random.
 const N_DRAWS: usize = 1999;
 
-/// What the pushes that the best model misses by far share, of those fitted to and those set aside.
+/// What the pushes that the best model misses by far share, of those fitted to and those held out.
 ///
 /// A chipped corner or a dent of the table spoils a few pushes entirely and all others not at all: no
 /// mean shows it. That the few lie together does.

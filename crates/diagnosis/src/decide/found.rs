@@ -12,19 +12,19 @@ pub(super) struct Found {
     pub(super) first_screen: Screen,
     /// The screen of the last model.
     pub(super) last_screen: Screen,
-    /// What the pushes set aside confirm, in the order of adding.
+    /// What the held-out pushes confirm, in the order of adding.
     pub(super) accepted: Vec<Accepted>,
     /// Effects that passed the screen, and what speaks against them.
     pub(super) refused: Vec<Refused>,
     /// The noise, learnt beside the last model.
     pub(super) noise: NoiseModel,
-    /// The error on the pushes set aside.
+    /// The error on the held-out pushes.
     pub(super) error: ErrorFall,
     /// The model with what is confirmed.
     pub(super) description: Description,
     /// The same with the nuisances, for predictions.
     pub(super) with_nuisances: Description,
-    /// The same with what the pushes set aside hint at without confirming it; none without a hint.
+    /// The same with what the held-out pushes hint at without confirming it; none without a hint.
     pub(super) with_doubted: Option<Description>,
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Accepted {
     pub(super) rivals: Vec<&'static str>,
     /// The effect as fitted beside all others.
     pub(super) effect: EffectFit,
-    /// What the pushes set aside lose without it, all others fitted anew.
+    /// What the held-out pushes lose without it, all others fitted anew.
     pub(super) gain: Gain,
     /// Share of the gap to the floor that opens without it.
     pub(super) gap_closed: Option<f64>,

@@ -15,7 +15,7 @@ pub(super) struct Left {
     structure: Structure,
     /// Whether an effect that is no more than a hint explains the structure.
     is_doubted_enough: bool,
-    /// Whitened root mean square of the last model, on pushes set aside.
+    /// Whitened root mean square of the last model, on held-out pushes.
     rms: f64,
     /// Where errors gather that may have no sign of their own.
     gathered: Option<Concentration>,
@@ -94,7 +94,7 @@ impl Left {
         self.structure.is_surer_than(Rules::NAME) && matters && !self.is_doubted_enough
     }
 
-    /// Whether errors gather somewhere, without a sign of their own, on the pushes set aside as well.
+    /// Whether errors gather somewhere, without a sign of their own, on the held-out pushes as well.
     fn scatters(&self) -> bool {
         let share = self.gathered.as_ref().map_or(0.0, |region| region.error_share);
         share >= SHARE && self.rms >= MISSES
@@ -107,7 +107,7 @@ impl Left {
         self.is_far_off() || is_seen && matters
     }
 
-    /// Whether pushes set aside are missed by far more than noise, be they ever so few.
+    /// Whether held-out pushes are missed by far more than noise, be they ever so few.
     pub(super) fn is_far_off(&self) -> bool {
         self.rms >= FAR_OFF
     }

@@ -39,7 +39,7 @@ use crate::{DiagnosisError, Observations, ScreenSettings, split};
 pub struct DiagnoseSettings {
     /// Effects besides those of the catalogue.
     pub own: Vec<&'static dyn Effect>,
-    /// The parts of the set, if they are chosen already; else a quarter is set aside.
+    /// The parts of the set, if they are chosen already; else a quarter is held out.
     pub split: Option<Split>,
     /// A second set, whose pushes confirm what is fitted to all of the first; then `split` is not
     /// asked for.
@@ -48,7 +48,7 @@ pub struct DiagnoseSettings {
     pub seed: u64,
     /// Most effects that are added.
     pub most_effects: usize,
-    /// Steps above which a part of the pushes is fitted to, and a part of those set aside confirms,
+    /// Steps above which a part of the pushes is fitted to, and a part of those held out confirms,
     /// chosen evenly over edges and speeds.
     pub most_steps: usize,
     /// How effects are screened.
@@ -84,10 +84,10 @@ pub struct Diagnosed {
 
 /// Finds the effects of the catalogue, and of `settings.own`, that a model lacks on observed steps.
 ///
-/// A quarter of the clusters is set aside. On the others the noise is learnt, every effect is
+/// A quarter of the clusters is held out. On the others the noise is learnt, every effect is
 /// tested by its score with the signs of whole clusters flipped, the best are refitted together
 /// with the nominal numbers, and the best one that obeys every rule is added, up to three times.
-/// What is claimed has to predict the clusters set aside better.
+/// What is claimed has to predict the held-out clusters better.
 ///
 /// # Errors
 /// `TooFewPushes`; `OtherKind` for a second set that cannot confirm; `Model` for a learnt model or what an effect refuses; `NotConverged`.

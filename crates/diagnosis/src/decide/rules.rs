@@ -31,7 +31,7 @@ pub(super) enum Objection {
 
 impl Objection {
     /// Whether the effect may be missing none the less: not one that is seen and does not matter, nor
-    /// one that a fit takes for chance or that pushes set aside do not miss.
+    /// one that a fit takes for chance or that held-out pushes do not miss.
     pub(super) fn is_hint(&self) -> bool {
         match self {
             Self::Small { .. }
@@ -75,7 +75,7 @@ impl Rules {
     pub(super) const SHARE_APART: f64 = 0.05;
     /// Share of what an effect explains alone that is its own if it explains it beside another, too.
     pub(super) const OWN_SHARE: f64 = 0.5;
-    /// Least gain in log density on pushes set aside, in nats and in standard errors.
+    /// Least gain in log density on held-out pushes, in nats and in standard errors.
     const GAIN: f64 = 4.0;
     const GAIN_OVER_SE: f64 = 3.0;
 
@@ -134,7 +134,7 @@ impl Rules {
         (gain.mean < gain.se).then_some(Objection::NotPredictive { gain })
     }
 
-    /// Whether pushes set aside miss an effect.
+    /// Whether held-out pushes miss an effect.
     pub(super) fn confirms(gain: &Gain) -> bool {
         gain.mean >= Self::GAIN.max(Self::GAIN_OVER_SE * gain.se)
     }
@@ -172,7 +172,7 @@ impl fmt::Display for Objection {
             Self::Unsettled { why } => write!(f, "its fit does not settle: {why}"),
             Self::NotConfirmed { gain } => {
                 let Gain { mean, se } = gain;
-                write!(f, "pushes set aside gain {mean:.1} ± {se:.1} nats alone")
+                write!(f, "held-out pushes gain {mean:.1} ± {se:.1} nats alone")
             }
         }
     }

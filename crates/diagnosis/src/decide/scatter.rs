@@ -17,11 +17,11 @@ struct Scaled {
 
 /// Mean square in a region, in variances of the noise, from which something is wrong there.
 const LEAST_SQUARE: f64 = 4.0;
-/// Steps in the region, of pushes set aside, that have to say the same.
+/// Steps in the region, of held-out pushes, that have to say the same.
 const FEWEST_AGAIN: usize = 3;
 
 /// The region in which most squared error gathers that noise would not, on the pushes fitted to and
-/// again on those set aside.
+/// again on those held out.
 ///
 /// A few pushes that go far wrong in one place have no mean that flips of signs would show.
 pub(super) fn gathered_again(

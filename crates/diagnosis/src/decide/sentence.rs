@@ -73,12 +73,12 @@ fn fall(error: &ErrorFall) -> String {
     let ErrorFall { before, after, .. } = error;
     match error.gap_closed {
         Some(share) => format!(
-            "On pushes that no fit has seen this closes {:.0} % of the gap to the noise floor \
+            "On held-out pushes this closes {:.0} % of the gap to the noise floor \
              (error {before:.2} before, {after:.2} after, in units of the noise).",
             100.0 * share
         ),
         None => format!(
-            "On pushes that no fit has seen the error falls from {before:.2} to {after:.2} times \
+            "On held-out pushes the error falls from {before:.2} to {after:.2} times \
              the noise."
         ),
     }

@@ -1,4 +1,4 @@
-//! Setting pushes aside, on the fixture pushes.
+//! Holding pushes out, on the fixture pushes.
 
 use std::collections::BTreeSet;
 

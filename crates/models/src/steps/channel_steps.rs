@@ -26,7 +26,7 @@ pub struct ChannelSteps {
     pub steps: Vec<ChannelObservation>,
     /// The row of each step, counted from 0.
     pub rows: Vec<usize>,
-    /// The rows set aside.
+    /// The rows excluded.
     pub excluded: Excluded,
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// The rows set aside, counted from 0, by the first reason that each had.
+/// The rows excluded, counted from 0, by the first reason that each had.
 ///
 /// As text: how many by which reason, such as `3 after contact, 12 short`; empty for none.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -28,7 +28,7 @@ impl Excluded {
         self.rows.entry(reason).or_default().push(row);
     }
 
-    /// How many rows were set aside for any reason.
+    /// How many rows were excluded for any reason.
     pub fn n_rows(&self) -> usize {
         self.rows.values().map(Vec::len).sum()
     }

@@ -39,7 +39,7 @@ impl RecordedPush {
 }
 
 impl StepSelection {
-    /// The pushes of a table, in its order, each from its first row that is not set aside.
+    /// The pushes of a table, in its order, each from its first row that is not excluded.
     ///
     /// - `pusher_radius`: in m.
     ///

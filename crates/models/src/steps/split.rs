@@ -16,7 +16,7 @@ pub struct Split {
     pub cluster: Cluster,
     /// Pushes to fit to, each as `recording#number`.
     pub fit: Vec<String>,
-    /// Pushes that no fit has seen.
+    /// Held-out pushes.
     pub confirm: Vec<String>,
     /// The set that these are of, as `set`, where it is another one.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -14,7 +14,7 @@ use crate::{ModelError, Excluded, ExclusionReason, StepInput, StepObservation};
 /// Rows after the contact and rows of a resting pusher, whose direction is not defined, never are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepSelection {
-    /// Rows with any of these flags are set aside. A force without known zero (`UNTARED`) is not
+    /// Rows with any of these flags are excluded. A force without known zero (`UNTARED`) is not
     /// among them at first: an observation holds the motion alone.
     pub without: Flags,
 }
@@ -33,7 +33,7 @@ pub struct TableSteps {
     pub steps: Vec<StepObservation>,
     /// The row of each step, counted from 0.
     pub rows: Vec<usize>,
-    /// The rows set aside.
+    /// The rows excluded.
     pub excluded: Excluded,
 }
 
@@ -69,7 +69,7 @@ impl StepSelection {
         Ok(TableSteps { steps, rows, excluded })
     }
 
-    /// What is observed in each row that is not set aside, with the rows' numbers.
+    /// What is observed in each row that is not excluded, with the rows' numbers.
     pub(crate) fn select<T>(
         &self,
         table: &Table,

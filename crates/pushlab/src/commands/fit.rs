@@ -13,7 +13,7 @@ use crate::terminal::Terminal;
 
 /// Fit nominal parameters, or effects that a model carries, to recordings
 ///
-/// A quarter of the pushes is set aside first and kept for `compare`. Parameters that the pushes do
+/// A quarter of the pushes is held out first, for `compare`. Parameters that the pushes do
 /// not determine are refused, with what would determine them.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
@@ -31,7 +31,7 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "FILE",
           value_parser = file_ending::or_standard(file_ending::model))]
     output: PathBuf,
-    /// Seed of the choice of pushes that are set aside
+    /// Seed of the choice of held-out pushes
     #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = seed_parser())]
     seed: u64,
     #[command(flatten)]

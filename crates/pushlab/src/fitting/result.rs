@@ -18,7 +18,7 @@ pub(crate) struct Fitted {
     set: String,
     n_pushes: usize,
     n_steps: usize,
-    /// Pushes that no fit has seen.
+    /// Held-out pushes.
     n_kept: usize,
     cluster: Cluster,
     n_clusters: usize,

@@ -81,7 +81,7 @@ fn what_is_not_finite_is_counted_or_refused_with_its_line() {
     set.write(OBJECT, &(lines.join("\n") + "\n"));
     set.done(&["ingest", "set", "--report", "report.txt"]);
     let report = set.read("report.txt");
-    assert_names(&report, &["1 of 201 rows set aside: a value is not finite, first at line 41"]);
+    assert_names(&report, &["1 of 201 rows excluded: a value is not finite, first at line 41"]);
     for line in &mut lines[1..] {
         *line = format!("{},NaN,0,0", stamp(line));
     }

@@ -20,7 +20,7 @@ fn document(text: &str) -> Value {
 fn recordings_become_the_steps_that_were_made() {
     let set = SmallSet::new();
     let run = set.done(&["ingest", "set", "-o", "steps.csv"]);
-    assert!(run.stdout.contains("2 recordings, 2 pushes used, 0 set aside"), "{}", run.stdout);
+    assert!(run.stdout.contains("2 recordings, 2 pushes used, 0 excluded"), "{}", run.stdout);
     assert!(run.stdout.ends_with("wrote steps.csv\n"), "{}", run.stdout);
     let table = Table::read(&set.path("steps.csv")).unwrap();
     assert_eq!(table.len(), 10);
@@ -110,8 +110,8 @@ fn what_is_set_aside_is_named_with_its_reason() {
     let set = SmallSet::new();
     set.write("set/pushes/push-1/object.csv", "t_s,x_m,y_m,yaw\n1,2,3,4\n");
     let run = set.done(&["ingest", "set"]);
-    assert!(run.stdout.contains("1 pushes used, 1 set aside"), "{}", run.stdout);
-    assert!(run.stdout.contains("set aside\n  push-1: "), "{}", run.stdout);
+    assert!(run.stdout.contains("1 pushes used, 1 excluded"), "{}", run.stdout);
+    assert!(run.stdout.contains("excluded\n  push-1: "), "{}", run.stdout);
     assert!(run.stdout.contains("no column"), "{}", run.stdout);
 }
 

@@ -57,7 +57,7 @@ fn every_push_that_is_generated_is_ingested() {
         set.done(&[&["generate", "-o", name, "--pushes", "10"], more].concat());
         let text =
             set.done(&["ingest", name, "--step", "4mm", "-o", "steps.csv", "--force"]).stdout;
-        assert!(text.contains("10 recordings, 10 pushes used, 0 set aside"), "{name}: {text}");
+        assert!(text.contains("10 recordings, 10 pushes used, 0 excluded"), "{name}: {text}");
         assert!(Table::read(&set.path("steps.csv")).unwrap().len() > 50, "{name}");
     }
 }

@@ -105,7 +105,7 @@ fn errors(compared: &Compared) -> String {
         if found.excluded.is_empty() {
             String::new()
         } else {
-            format!("; rows set aside: {}", found.excluded)
+            format!("; rows excluded: {}", found.excluded)
         }
     );
     for error in &found.channels {

@@ -80,7 +80,7 @@ fn read(path: &Path) -> Result<Vec<StepObservation>> {
         .observations(&table, &objects, radius)
         .with_context(|| format!("cannot use {}", path.display()))?;
     if !found.excluded.rows.is_empty() {
-        println!("{}: set aside {}", path.display(), found.excluded);
+        println!("{}: excluded {}", path.display(), found.excluded);
     }
     Ok(found.steps)
 }

@@ -100,7 +100,7 @@ fn rows(report: &IngestReport, contact: &Errors, direction: &Errors) -> Vec<Row>
     let mut rows = vec![
         Row::new("raw pushes: used", summary.pushes_used as f64, Reference::None),
         Row::new(
-            "raw pushes: used or set aside with a reason",
+            "raw pushes: used or excluded with a reason",
             (summary.pushes_used + excluded) as f64,
             Reference::Exactly(report.recordings.len() as f64),
         ),

@@ -20,7 +20,7 @@ pub(super) fn run(dir: &Path) -> Result<Section> {
     let excluded: usize = summary.excluded.values().sum();
     let rows = vec![
         Row::new(
-            "recordings: pushes used or set aside",
+            "recordings: pushes used or excluded",
             (summary.pushes_used + excluded) as f64,
             Reference::Exactly(report.recordings.len() as f64),
         ),

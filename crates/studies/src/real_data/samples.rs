@@ -24,7 +24,7 @@ pub(super) fn run(dir: &Path) -> Result<Section> {
         let (name, summary) = (&report.name, &report.summary);
         let excluded: usize = summary.excluded.values().sum();
         rows.push(Row::new(
-            format!("{name}: pushes used or set aside"),
+            format!("{name}: pushes used or excluded"),
             (summary.pushes_used + excluded) as f64,
             Reference::Exactly(set.recordings().len() as f64),
         ));

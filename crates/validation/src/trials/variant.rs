@@ -20,7 +20,7 @@ pub(crate) enum Variant {
     /// Four in five of the pushes, drawn without replacement: twice the same push would pass for
     /// a repeat without noise.
     Subsample,
-    /// Another choice of the pushes set aside.
+    /// Another choice of the held-out pushes.
     OtherSplit,
     /// One of each group of repeats alone: the noise has to come from neighbours.
     WithoutRepeats,
@@ -38,7 +38,7 @@ pub(crate) enum Variant {
 const KEPT: f64 = 0.8;
 const OUTLIER_SHARE: f64 = 0.05;
 const OUTLIER: [f64; 2] = [3e-4, 0.8 * std::f64::consts::PI / 180.0];
-/// Seed of the usual choice of pushes set aside, and of the other one.
+/// Seed of the usual choice of held-out pushes, and of the other one.
 pub(super) const SPLIT_SEED: u64 = 7;
 const OTHER_SPLIT_SEED: u64 = 8;
 const WRONG_BY: f64 = 0.8;
@@ -51,7 +51,7 @@ impl Variant {
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Subsample => "four fifths of the pushes",
-            Self::OtherSplit => "another choice of pushes set aside",
+            Self::OtherSplit => "another choice of held-out pushes",
             Self::WithoutRepeats => "noise from neighbours instead of repeats",
             Self::Outliers => "5 % outliers",
             Self::Reordered => "pushes in another order",

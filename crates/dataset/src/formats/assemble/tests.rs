@@ -53,10 +53,10 @@ fn a_quaternion_far_from_unit_length_is_set_aside_and_counted() {
     let yaw = 2.0 * f64::atan2(0.6, 0.8);
     assert!((recording.object.theta[1] - yaw).abs() < 1e-12);
     let [remark] = recording.remarks.as_slice() else { panic!("{:?}", recording.remarks) };
-    assert_eq!((remark.kind, remark.count), (RemarkKind::QuaternionSetAside, 1));
+    assert_eq!((remark.kind, remark.count), (RemarkKind::QuaternionExcluded, 1));
     assert_eq!(
         remark.text,
-        "1 of 3 rows set aside: the quaternion has length 0.500 instead of 1, first at byte 101"
+        "1 of 3 rows excluded: the quaternion has length 0.500 instead of 1, first at byte 101"
     );
 }
 

@@ -122,8 +122,8 @@ fn rows_that_are_not_finite_are_set_aside_and_counted() {
     let recording = read_object(rows).unwrap();
     assert_eq!(recording.object.t, [0.0, 3.0, 4.0]);
     let remark = &recording.remarks[0];
-    assert_eq!((remark.kind, remark.count), (RemarkKind::NonFiniteSetAside, 2));
-    assert_eq!(remark.text, "2 of 5 rows set aside: a value is not finite, first at line 3");
+    assert_eq!((remark.kind, remark.count), (RemarkKind::NonFiniteExcluded, 2));
+    assert_eq!(remark.text, "2 of 5 rows excluded: a value is not finite, first at line 3");
     let error = read_object("t_s,x_m,y_m,theta_rad\n1,inf,3,4\n2,NaN,3,4\n3,2,3,4\n").unwrap_err();
     assert!(matches!(error, DatasetError::MostlyUnusable { excluded: 2, total: 3, .. }));
     assert!(error.to_string().contains("not finite, first at line 2; check the sensor"), "{error}");

@@ -153,8 +153,8 @@ fn messages_that_do_not_fit_are_set_aside_and_counted() {
     let recording = Memory::new(&messages).read("").unwrap();
     assert_eq!(recording.object.x, [0.2, 0.3]);
     let remark = &recording.remarks[0];
-    assert_eq!((remark.kind, remark.count), (RemarkKind::MessageSetAside, 1));
-    assert!(remark.text.starts_with("1 of 3 messages set aside: first, the message at byte 3"));
+    assert_eq!((remark.kind, remark.count), (RemarkKind::MessageExcluded, 1));
+    assert!(remark.text.starts_with("1 of 3 messages excluded: first, the message at byte 3"));
     messages.extend([("/block", broken.clone()), ("/block", broken)]);
     let error = Memory::new(&messages).read("").unwrap_err();
     assert!(

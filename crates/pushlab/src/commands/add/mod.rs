@@ -31,7 +31,7 @@ use crate::terminal::{TITLE, Terminal};
 ///
 /// With --from the effects that the diagnosis names, or EFFECT alone if it is one of them or of a
 /// group of which one is missing; the pushes that confirmed them are the ones `compare` then uses.
-/// With --fit a quarter of the pushes is set aside first and kept for `compare`. An effect that the
+/// With --fit a quarter of the pushes is held out first and kept for `compare`. An effect that the
 /// pushes do not determine, or do not tell from nothing, is refused, with what would determine it.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES, group = ArgGroup::new("values").required(true))]
@@ -57,7 +57,7 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "FILE",
           value_parser = file_ending::or_standard(file_ending::model))]
     output: PathBuf,
-    /// Seed of the choice of pushes that are set aside
+    /// Seed of the choice of held-out pushes
     #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = seed_parser())]
     seed: u64,
     #[command(flatten)]

@@ -17,7 +17,7 @@ impl fmt::Display for Checked {
         let Coverage { n_steps, n_pushes, .. } = self.coverage;
         writeln!(f, "{TITLE}{}{TITLE:#}: {n_steps} steps of {n_pushes} pushes", self.name)?;
         if !self.excluded.is_empty() {
-            writeln!(f, "  rows set aside: {}", self.excluded)?;
+            writeln!(f, "  rows excluded: {}", self.excluded)?;
         }
         write_coverage(f, &self.coverage, self.duration)?;
         let names: Vec<_> = self.channels.iter().map(|channel| channel_name(*channel)).collect();

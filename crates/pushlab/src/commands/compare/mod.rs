@@ -24,7 +24,7 @@ use crate::terminal::Terminal;
 ///
 /// Each step is predicted from its measured start along the pusher's measured way. The floor is how
 /// far repeated pushes differ from each other; without repeats it is estimated from neighbours. Where
-/// a model was fitted to a part of these recordings, only the pushes that no fit has seen count.
+/// a model was fitted to a part of these recordings, only the held-out pushes count.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {

@@ -13,7 +13,7 @@ use serde::Serialize;
 pub(in crate::commands) enum Part {
     /// All of the set, which no model says that it was fitted to.
     All,
-    /// Those that no fit has seen.
+    /// The held-out ones.
     Confirm {
         /// How many pushes the split leaves out, for a model was fitted to them.
         n_fitted: usize,
@@ -54,7 +54,7 @@ impl Part {
             Self::All => Ok(all),
             Self::Confirm { names, .. } => all
                 .part(names)
-                .context("the pushes that no fit has seen are too few; fit both models anew"),
+                .context("the held-out pushes are too few; fit both models anew"),
         }
     }
 }
@@ -64,7 +64,7 @@ impl fmt::Display for Part {
         match self {
             Self::All => Ok(()),
             Self::Confirm { n_fitted, .. } => {
-                writeln!(f, "  the pushes that no fit has seen; {n_fitted} others were fitted to")
+                writeln!(f, "  the held-out pushes; {n_fitted} others were fitted to")
             }
         }
     }

@@ -25,7 +25,7 @@ impl fmt::Display for Compared {
         writeln!(f, "{TITLE}{}{TITLE:#} on {steps} steps of {pushes} pushes", self.model)?;
         write!(f, "{}", self.part)?;
         if found.n_excluded > 0 {
-            writeln!(f, "  rows set aside: {}", found.excluded)?;
+            writeln!(f, "  rows excluded: {}", found.excluded)?;
         }
         for what in &found.not_asked {
             writeln!(f, "  {what}")?;

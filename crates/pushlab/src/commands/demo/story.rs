@@ -71,7 +71,7 @@ impl Story<'_> {
         if found.named.is_empty() {
             self.say("Nothing is named, so nothing is added.");
         } else {
-            self.say("Add it, and look at the error on pushes that no fit has seen.");
+            self.say("Add it, and look at the error on held-out pushes.");
             self.run(&["add", "--from", &answer, "--model", &model, "-o", &better])?;
             self.run(&["compare", &set, "--model", &better, "--against", &model])?;
             report.extend(["--model", &better]);

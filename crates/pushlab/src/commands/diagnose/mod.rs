@@ -21,9 +21,9 @@ use crate::terminal::Terminal;
 
 /// Name the physical effect that a model lacks, or say that these recordings cannot tell
 ///
-/// A quarter of the pushes is set aside. On the others every effect of the catalogue is tested, the
+/// A quarter of the pushes is held out. On the others every effect of the catalogue is tested, the
 /// likeliest are fitted together with the nominal numbers, and what is claimed has to predict the
-/// pushes set aside better. The answer may be: these effects; one of these; none that is known;
+/// held-out pushes better. The answer may be: these effects; one of these; none that is known;
 /// none; or nothing that is sure.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
@@ -41,7 +41,7 @@ pub(crate) struct Args {
     /// A second set that confirms what is fitted to all of the first, instead of a quarter of it
     #[arg(long, value_name = "SET")]
     confirm: Option<PathBuf>,
-    /// Seed of the choice of pushes that are set aside
+    /// Seed of the choice of held-out pushes
     #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = seed_parser())]
     seed: u64,
     #[command(flatten)]

@@ -89,7 +89,7 @@ fn plural(kind: Cluster) -> &'static str {
 }
 
 fn write_error(f: &mut fmt::Formatter<'_>, error: &ErrorFall) -> fmt::Result {
-    writeln!(f, "{TITLE}error of a step, RMS{TITLE:#}, on the pushes set aside")?;
+    writeln!(f, "{TITLE}error of a step, RMS{TITLE:#}, on the held-out pushes")?;
     let ErrorFall { before_si, after_si, floor_si, .. } = error;
     let row = |of: fn(&MotionError) -> Option<f64>| [before_si, after_si, floor_si].map(of);
     for (name, unit, per, values) in [

@@ -30,7 +30,7 @@ impl Ingested {
         }
     }
 
-    /// What to know at once: the set, and what was set aside.
+    /// What to know at once: the set, and what was excluded.
     pub(super) fn short_text(&self) -> String {
         match self {
             Self::Report(report) => report.summary_text() + &excluded(report),
@@ -39,7 +39,7 @@ impl Ingested {
     }
 }
 
-/// What was set aside and why, one line each.
+/// What was excluded and why, one line each.
 fn excluded(report: &IngestReport) -> String {
     let mut reasons = Vec::new();
     for recording in &report.recordings {
@@ -51,7 +51,7 @@ fn excluded(report: &IngestReport) -> String {
     }
     let mut text = String::new();
     if !reasons.is_empty() {
-        let _ = writeln!(text, "{WARNING}set aside{WARNING:#}");
+        let _ = writeln!(text, "{WARNING}excluded{WARNING:#}");
     }
     for (name, why) in reasons.iter().take(MOST_REASONS) {
         let _ = writeln!(text, "  {name}: {why}");

@@ -109,7 +109,7 @@ fn compared(report: &Report) -> String {
         text += &format!(" Not told: {}.", first.not_asked.join("; "));
     }
     if first.n_excluded > 0 {
-        text += &format!(" Rows set aside: {}.", first.excluded);
+        text += &format!(" Rows excluded: {}.", first.excluded);
     }
     text
 }

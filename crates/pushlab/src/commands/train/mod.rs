@@ -29,7 +29,7 @@ use crate::terminal::Terminal;
 
 /// Train a model on a part of the pushes, alone or on what physics leaves over
 ///
-/// A quarter of the pushes is set aside first, as by the other commands, and tells how good the model
+/// A quarter of the pushes is held out first, as by the other commands, and tells how good the model
 /// is. A hybrid fits the physics of a model file with its effects, and learns what is left so that it
 /// says nothing that the fitted physics could say: its file tells which share is unexplained.
 #[derive(clap::Args)]
@@ -56,7 +56,7 @@ pub(crate) struct Args {
     /// Length of a step of recordings: a time or a way, as of `compare`; else 200ms
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<StepSize>,
-    /// Seed of the pushes that are set aside, and of all else that is drawn
+    /// Seed of the held-out pushes, and of all else that is drawn
     #[arg(long, value_name = "SEED", default_value_t = 7, value_parser = seed_parser())]
     seed: u64,
     /// Where to write the model; its weights are written beside it
@@ -97,7 +97,7 @@ struct Trained {
     unseen: Unseen,
 }
 
-/// The pushes that were set aside.
+/// The held-out pushes.
 #[derive(Serialize)]
 struct Unseen {
     n_pushes: usize,
@@ -155,7 +155,7 @@ fn unexplained_of(description: &Description) -> Option<Unexplained> {
     Some(description.weights.as_ref()?.orthogonal_discrepancy.as_ref()?.unexplained)
 }
 
-/// The steps to learn from, and those that were set aside.
+/// The steps to learn from, and those held out.
 struct Parts {
     split: Split,
     observations: [Observations; 2],

@@ -32,14 +32,14 @@ pub(super) struct Ends {
     n_missed: usize,
     /// The answer, or why there is none.
     found: std::result::Result<Diagnosis, DiagnosisError>,
-    /// Of the nominal model and of that with what is confirmed, on pushes that no fit has seen.
+    /// Of the nominal model and of that with what is confirmed, on held-out pushes.
     errors: [Unseen; 2],
 }
 
 /// Mean errors of where the object ends up.
 #[derive(Clone, Copy)]
 struct Unseen {
-    /// On the pushes set aside, which end in contact.
+    /// On the held-out pushes, which end in contact.
     kept: Error,
     /// On those and on the pushes whose pusher slid off, in the shares that they have of all.
     all: Error,
@@ -96,7 +96,7 @@ fn of(pushes: &Pushes) -> Result<Ends> {
     })
 }
 
-/// Of pushes that no fit has seen because the pusher slid off; none where there are too few.
+/// Of held-out pushes because the pusher slid off; none where there are too few.
 fn lost_error(model: &Description, lost: &Table, mapping: &TableMapping) -> Result<Option<Error>> {
     const FEWEST: usize = 3;
     if lost.rows.len() < FEWEST {

@@ -43,9 +43,9 @@ pushes nor repeats are known: every push is a cluster of its own, and the noise 
 neighbours. Of each object's pushes every second or third is taken, so that no more than 150 are.
 Each object is diagnosed by itself, with μp = 0.25 and uniform pressure to begin with.
 
-Mean distance and mean angle between the predicted and the measured end, before and after what the pushes
-set aside confirm is added (where that closes less than half of the gap it is no more than a hint), on
-pushes that no fit has seen: the quarter that the diagnosis sets aside, and, under “all”, those together
+Mean distance and mean angle between the predicted and the measured end, before and after what held-out
+pushes confirm is added (where that closes less than half of the gap it is no more than a hint), on
+held-out pushes: the quarter that the diagnosis holds out, and, under “all”, those together
 with the pushes whose pusher slid off, each kind with the share that it has of all pushes.
 
 | object | pushes, slid off | verdict | named | before | after | before, all | after, all |

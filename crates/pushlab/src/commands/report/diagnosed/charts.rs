@@ -23,7 +23,7 @@ pub(super) fn gains(found: &Diagnosis) -> Result<Vec<Drawing>, ReportError> {
     let names: Vec<(f64, String)> = (1..=n).map(|k| (k as f64, k.to_string())).collect();
     let x = Axis::new("effect").range(0.4, n as f64 + 0.6).names(&names);
     let y = Axis::new("gain in nats").range(low - if low < 0.0 { room } else { 0.0 }, high + room);
-    let mut panel = Panel::new(x, y).title("gain on pushes set aside").legend(LegendPlace::Hidden);
+    let mut panel = Panel::new(x, y).title("gain on held-out pushes").legend(LegendPlace::Hidden);
     let mut hover = Hover::new();
     for (index, (id, Gain { mean, se })) in gains.iter().enumerate() {
         let x = [index as f64 + 1.0];

@@ -40,16 +40,16 @@ pub(super) fn section(found: &Diagnosis, signatures: &Signatures) -> Result<Sect
     Ok(rest(found, section))
 }
 
-const GAINS: &str = "Gain in log predictive density by each effect, in nats, on the pushes set aside, \
+const GAINS: &str = "Gain in log predictive density by each effect, in nats, on the held-out pushes, \
      with one standard error. It says how much better these pushes are predicted with the effect \
      than without; it does not say how large the effect is, and a gain of many hundred is no more \
      true than one of fifty: more pushes make it longer.";
-const ERRORS: &str = "Error of a step before and after the claimed effects are added, on the pushes set \
-     aside; the gray line is the noise floor, below which nobody can come. A bar that stays well \
+const ERRORS: &str = "Error of a step before and after the claimed effects are added, on the held-out \
+     pushes; the gray line is the noise floor, below which nobody can come. A bar that stays well \
      above the line means that something else is missing, not that the effect is wrong.";
 const SIGNATURES: &str = "What each effect changes, beside what the model misses, over place and angle of \
      the push, in the number of a step that shows the effect most. Both maps are of all pushes, those \
-     of the fit among them: they show where, and the bars above show how much on pushes set aside. The \
+     of the fit among them: they show where, and the bars above show how much on held-out pushes. The \
      same colors in the same cells speak for it. It is no proof: look-alikes have nearly the same picture, and the verdict weighs \
      all numbers of a step, not this one alone.";
 
@@ -59,7 +59,7 @@ fn reading(verdict: Verdict) -> &'static str {
         Verdict::Named => {
             "Named: the effect is surer than chance allows in one of a hundred sets, matters beside \
              the noise, has an interval without “off”, has no rival that explains as much, and \
-             predicts pushes that no fit has seen. It is not proof that the part of the rig behind \
+             predicts held-out pushes. It is not proof that the part of the rig behind \
              it is broken: an effect that the library does not know can look the same."
         }
         Verdict::OneOf => {
