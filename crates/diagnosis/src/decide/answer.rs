@@ -68,7 +68,7 @@ pub enum Verdict {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorFall {
-    /// Root mean square of whitened residuals of the model asked about.
+    /// Root mean square of whitened residuals of the model under test.
     pub before: f64,
     /// Of the model with the claimed effects.
     pub after: f64,

@@ -9,7 +9,7 @@ use super::{DiagnoseSettings, EffectFinding, ParameterFinding, Status};
 use crate::statistics::quantile::student_975;
 use crate::{EffectFit, ParameterFit, ScreenedCoordinate, ScreenedEffect};
 
-/// Every effect that the model asked about lacks, those claimed first.
+/// Every effect that the model under test lacks, those claimed first.
 pub(super) fn findings(
     found: &Found,
     (claims, members): (&Claims, &[EffectFit]),

@@ -8,7 +8,7 @@ use crate::{EffectFit, NoiseModel, Screen};
 
 /// What a search found.
 pub(super) struct Found {
-    /// The screen of the model asked about.
+    /// The screen of the model under test.
     pub(super) first_screen: Screen,
     /// The screen of the last model.
     pub(super) last_screen: Screen,

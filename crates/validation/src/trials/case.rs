@@ -103,7 +103,7 @@ pub(super) struct Case {
     /// The effect that it is about; several are joined by +.
     pub(super) about: String,
     pub(super) seed: u64,
-    /// Surface of the model that is asked about.
+    /// Surface of the model under test.
     pub(super) surface: SurfaceKind,
     pub(super) setup: Setup,
     /// How many measuring sessions, and how they differ over how pushes do.

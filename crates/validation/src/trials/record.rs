@@ -21,7 +21,7 @@ pub(super) struct Record {
     /// The effect that it is about; several are joined by +.
     pub(super) about: String,
     pub(super) seed: u64,
-    /// Name of the surface of the model that was asked about.
+    /// Name of the surface of the model under test.
     pub(super) surface: String,
     pub(super) setup: Setup,
     /// Times the nameable size, of the first hidden effect; none for typical sizes.

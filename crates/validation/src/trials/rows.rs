@@ -174,7 +174,7 @@ fn as_asked(record: &Record) -> (String, bool) {
     (line(record), is_right(record))
 }
 
-/// Errors over the floor before and after, where the model asked about misses something.
+/// Errors over the floor before and after, where the model under test misses something.
 fn errors(record: &Record) -> Option<[f64; 2]> {
     const MISSES: f64 = 1.5;
     let is_asked = matches!(record.family, Family::Single | Family::Typical | Family::Pair);

@@ -21,7 +21,7 @@ use super::record::{Outcome, Record};
 use super::truth;
 use super::variant::{SPLIT_SEED, Variant};
 
-/// The model asked about, inside of the set's folder.
+/// The model under test, inside of the set's folder.
 const MODEL: &str = "model.toml";
 
 /// Runs a trial in a folder of its own, which is gone afterwards.
@@ -59,7 +59,7 @@ struct Sealed {
 }
 
 impl Sealed {
-    /// Makes the set of a case with the model that is asked about.
+    /// Makes the set of a case with the model under test.
     fn make(case: &Case, oracle: &Oracle, folder: &Path) -> Result<Self> {
         let shares = case.hidden.iter().map(|asked| oracle.share(asked, &case.setup));
         let shares = shares.collect::<Result<Vec<_>>>()?;
@@ -71,7 +71,7 @@ impl Sealed {
         let set = RecordingSet::open(&given)?;
         let base = Analytical::nominal(set.manifest().pusher.friction)?;
         let description = base.with_surface(case.surface)?.describe()?;
-        let model = ModelFile { name: "the model asked about".into(), description, split: None };
+        let model = ModelFile { name: "the model under test".into(), description, split: None };
         model.write(&given.join(MODEL))?;
         Ok(Self { given, truth: report.sealed_truth })
     }

@@ -64,7 +64,7 @@ impl Variant {
         if self == Self::OtherSplit { OTHER_SPLIT_SEED } else { SPLIT_SEED }
     }
 
-    /// The model that is asked about.
+    /// The model under test.
     ///
     /// # Errors
     /// A model without physics.
