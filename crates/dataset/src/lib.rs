@@ -18,6 +18,8 @@ mod table;
 
 mod manifest;
 
+mod suspicions;
+
 mod ingest;
 
 #[cfg(doctest)]
@@ -37,6 +39,7 @@ pub use recording::transform::{AxisSigns, Transform};
 pub use recording::{PoseStream, Recording, WrenchStream};
 pub use remark::{Remark, RemarkKind, StreamRole};
 
+pub use curves::sample::quantile;
 pub use curves::smoothing::{Smoother, smooth};
 pub use curves::spline::{CubicSpline, EndCondition};
 pub use ingest::first_contact::FirstContact;
@@ -56,6 +59,7 @@ pub use manifest::preset::Preset;
 pub use manifest::recording_set::RecordingSet;
 pub use manifest::session::Session;
 pub use manifest::{MANIFEST_NAME, Manifest, PusherSpec, RecordingsSpec, SupportSpec};
+pub use suspicions::{CHECKS, Check, SUSPECTED_RECORDINGS, Suspicion, suspicions};
 pub use table::column::{Column, columns};
 pub use table::coverage::{Coverage, Histogram};
 pub use table::endpoints::{EndPoint, WrenchTwist, read_endpoints, read_wrench_twists};

@@ -8,8 +8,6 @@ mod statistics;
 
 mod data;
 
-mod suspicions;
-
 mod predict;
 
 mod noise;
@@ -44,6 +42,7 @@ pub use data::observations::{Observations, PushName};
 pub use data::repeats::RepeatTolerance;
 pub use data::split::split;
 pub use data::steady_ingest::steady_ingest;
+pub use data::step_suspicions::step_suspicions;
 pub use data::tolerances::Tolerances;
 pub use decide::{
     Clusters, DataUsed, DiagnoseSettings, Diagnosed, Diagnosis, EffectFinding, ErrorFall, Gain,
@@ -69,5 +68,4 @@ pub use screen::untestable::{NotTestable, Reason};
 pub use suggest::{
     Aim, Precision, Separation, SuggestSettings, SuggestedPush, Suggestion, suggest,
 };
-pub use suspicions::{CHECKS, Check, SUSPECTED_RECORDINGS, Suspicion, step_suspicions, suspicions};
 pub use undetermined::Undetermined;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use dataset::{Manifest, RecordingSet, StepRow, SupportSpec, Table, ingest};
 use effects::{Object, StepInput, Track};
-use models::{Analytical, ChannelObservation, Cluster, Description, PushModel, Exclusion};
+use models::{Analytical, ChannelObservation, Cluster, Description, Exclusion, PushModel};
 use nalgebra::{DMatrix, DVector, Vector2};
 use planar::{Pose, Shape, Twist};
 use rand::{RngExt, SeedableRng};

@@ -133,7 +133,8 @@ impl Gp {
         let gp = Self::condition(learnt, x.as_ref(), y, noise, options.mean)?;
         let mut names: Vec<String> = kernel.parameters().into_iter().map(|p| p.name).collect();
         names.push("noise variance".to_owned());
-        let at_bound = space.at_bound(&minimum.point).into_iter().map(|i| names[i].clone()).collect();
+        let at_bound =
+            space.at_bound(&minimum.point).into_iter().map(|i| names[i].clone()).collect();
         let report = |(i, end): (usize, &Result<Minimum, GpError>)| match end {
             Ok(minimum) => Ok(search.report(i, minimum)),
             Err(error) => Err(error.clone()),

@@ -2,8 +2,8 @@
 
 use anyhow::Result;
 use dataset::{
-    IngestReport, IngestSettings, MANIFEST_NAME, Provenance, RecordingReport, RecordingSet,
-    Exclusion, Table, ingest_each, provenance,
+    Exclusion, IngestReport, IngestSettings, MANIFEST_NAME, Provenance, RecordingReport,
+    RecordingSet, Table, ingest_each, provenance,
 };
 
 use crate::origin::Input;
@@ -45,8 +45,7 @@ impl RecordedSteps {
         if let Some(sentence) = excluded(&report) {
             terminal.remark(sentence);
         }
-        let n_pushes =
-            report.summary.pushes_used + report.summary.excluded.values().sum::<usize>();
+        let n_pushes = report.summary.pushes_used + report.summary.excluded.values().sum::<usize>();
         let mut provenance = provenance(set, &report);
         let inputs = recorded_inputs(set, &report, &mut provenance)?;
         Ok(Self { table: Table { rows, provenance }, inputs, n_pushes })

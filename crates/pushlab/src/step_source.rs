@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use dataset::{
-    DatasetError, IngestSettings, MANIFEST_NAME, Manifest, Preset, PusherSpec, RecordingSet, Table,
-    TableMapping,
+    DatasetError, IngestSettings, MANIFEST_NAME, Manifest, Preset, PusherSpec, RecordingSet,
+    Suspicion, Table, TableMapping,
 };
-use diagnosis::{Observations, Suspicion, steady_ingest, step_suspicions};
+use diagnosis::{Observations, steady_ingest, step_suspicions};
 
 use crate::command_line::preset_parser;
 use crate::destination::Inputs;

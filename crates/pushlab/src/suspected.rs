@@ -1,8 +1,8 @@
 //! Measurements whose frames, signs or units contradict the mechanics.
 
 use anyhow::{Result, bail};
-use dataset::RecordingSet;
-use diagnosis::{Coverage, Observations, SUSPECTED_RECORDINGS, Suspicion, suspicions};
+use dataset::{RecordingSet, SUSPECTED_RECORDINGS, Suspicion, suspicions};
+use diagnosis::{Coverage, Observations};
 
 use crate::terminal::Terminal;
 

@@ -2,5 +2,6 @@
 
 pub(crate) mod banded;
 pub(crate) mod noise;
+pub(crate) mod sample;
 pub(crate) mod smoothing;
 pub(crate) mod spline;

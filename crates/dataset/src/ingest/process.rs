@@ -8,7 +8,7 @@ use crate::curves::noise::median;
 use crate::ingest::contact::{Contacts, find_contacts};
 use crate::ingest::first_contact::FirstContact;
 use crate::ingest::force_zero::{ForceZero, mean_between};
-use crate::ingest::push::{Push, Exclusion};
+use crate::ingest::push::{Exclusion, Push};
 use crate::ingest::repair::{CleanStream, RepairKind};
 use crate::ingest::report::{
     PushReport, RecordingReport, RestingNoise, StreamInPush, StreamReport,

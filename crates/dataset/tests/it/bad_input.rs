@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 
 use crate::made::{Made, manifest, write_set};
 use dataset::{
-    DatasetError, IngestSettings, ReadLimits, RecordingSet, RemarkKind, RepairKind, Exclusion,
+    DatasetError, Exclusion, IngestSettings, ReadLimits, RecordingSet, RemarkKind, RepairKind,
     StreamRole, Streams, Table, ingest,
 };
 

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::made::{HALF_SIDE, Made, manifest, write_set};
 use dataset::{
-    DatasetError, Flags, ForceZero, IngestReport, IngestSettings, Phase, Recording, RecordingSet,
-    RepairKind, Exclusion, StreamRole, Table, UntaredReason, ingest,
+    DatasetError, Exclusion, Flags, ForceZero, IngestReport, IngestSettings, Phase, Recording,
+    RecordingSet, RepairKind, StreamRole, Table, UntaredReason, ingest,
 };
 
 fn try_run(recordings: &[Recording]) -> Result<(Table, IngestReport), DatasetError> {

@@ -9,8 +9,8 @@ use std::{
 use crate::made::{Made, write_set};
 use allocation_counter::measure;
 use dataset::{
-    DatasetError, IngestReport, IngestSettings, LogFormat, PoseStream, ReadLimits, Recording,
-    RecordingSet, RemarkKind, Exclusion, StepLength, Streams, Table, columns, find_files,
+    DatasetError, Exclusion, IngestReport, IngestSettings, LogFormat, PoseStream, ReadLimits,
+    Recording, RecordingSet, RemarkKind, StepLength, Streams, Table, columns, find_files,
     format_by_id, ingest,
 };
 

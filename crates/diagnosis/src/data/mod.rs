@@ -11,5 +11,6 @@ pub(crate) mod repeats;
 pub(crate) mod second_set;
 pub(crate) mod split;
 pub(crate) mod steady_ingest;
+pub(crate) mod step_suspicions;
 pub(crate) mod thinning;
 pub(crate) mod tolerances;

@@ -8,8 +8,8 @@ use dataset::{
 };
 use effects::{Channel, Channels, Track};
 use models::{
-    ChannelModel, ChannelObservation, ChannelSteps, Cluster, Description, Exclusion, ExclusionReason,
-    Split, StepSelection,
+    ChannelModel, ChannelObservation, ChannelSteps, Cluster, Description, Exclusion,
+    ExclusionReason, Split, StepSelection,
 };
 use serde::Serialize;
 use sha2::{Digest, Sha256};

@@ -1,9 +1,10 @@
 //! The answer to "which effect is missing?", for people and programs.
 
+use dataset::Suspicion;
 use models::{Cluster, Split};
 use serde::{Deserialize, Serialize};
 
-use crate::{FloorSource, NoiseModel, Observations, Suspicion};
+use crate::{FloorSource, NoiseModel, Observations};
 
 /// What a diagnosis found; written and read as `diagnosis.json` (docs/diagnosis.schema.json).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

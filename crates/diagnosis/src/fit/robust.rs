@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::DVector;
 
-use crate::statistics::sample::quantile;
+use dataset::quantile;
 
 /// Huber's function of whitened residuals, once for each number and once for each push.
 ///

@@ -1,6 +1,6 @@
 //! How noise grows with the motion of a step.
 
-use crate::statistics::sample::quantile;
+use dataset::quantile;
 
 /// Variance of a step's noise: constant + per_square · way².
 #[derive(Clone, Copy, Debug, PartialEq)]

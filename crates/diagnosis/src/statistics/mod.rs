@@ -3,7 +3,6 @@
 pub(crate) mod box_search;
 pub(crate) mod map_test;
 pub(crate) mod quantile;
-pub(crate) mod sample;
 pub(crate) mod score;
 pub(crate) mod sign_flips;
 pub(crate) mod variances;

@@ -4,7 +4,7 @@ use super::SuggestSettings;
 use crate::Observations;
 use crate::data::coverage::Coverage;
 use crate::data::steady_ingest::{FIRST_WAY, STEP_WAY};
-use crate::statistics::sample::quantile;
+use dataset::quantile;
 
 /// Limits of pushes.
 #[derive(Clone, Debug)]

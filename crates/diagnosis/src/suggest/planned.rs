@@ -5,8 +5,8 @@ use models::{ChannelObservation, Cluster, Exclusion};
 use super::SuggestedPush;
 use super::route::{Route, RouteStep};
 use crate::data::observations::Place;
-use crate::statistics::sample::quantile;
 use crate::{Observations, PushName};
+use dataset::quantile;
 
 /// Candidates as observations, with the numbers that are expected.
 pub(super) struct Planned(pub(super) Observations);

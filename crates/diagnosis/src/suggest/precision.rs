@@ -5,10 +5,10 @@ use serde::Serialize;
 
 use super::planned::Planned;
 use super::standpoint::Standpoint;
-use crate::statistics::sample::quantile;
 use crate::statistics::score::DETECTABLE;
 use crate::statistics::score::pick;
 use crate::{DiagnosisError, NoiseModel, Observations};
+use dataset::quantile;
 
 /// How exactly a coordinate of an effect is known: a parameter, or for a ratio along a direction φ
 /// one of (e cos 2φ, e sin 2φ) with e = ½ ln ratio.

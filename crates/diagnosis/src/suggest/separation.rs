@@ -6,9 +6,9 @@ use serde::Serialize;
 use super::Aim;
 use super::planned::Planned;
 use super::standpoint::{Standpoint, View};
-use crate::statistics::sample::quantile;
 use crate::statistics::score::Products;
 use crate::{DiagnosisError, NoiseModel, Observations};
+use dataset::quantile;
 
 /// How well two rivals are told apart, in standard deviations: the root of twice the log likelihood
 /// ratio that is expected, were the one that is harder to tell true.

@@ -1,13 +1,13 @@
 //! A model as plain data: what goes into `model.toml` and its weights file, and what comes out of
 //! them.
 
-pub(crate) mod orthogonal_discrepancy;
 pub(crate) mod model_effect;
+pub(crate) mod orthogonal_discrepancy;
 
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Analytical, OrthogonalDiscrepancy, ModelEffect, ModelError, Outline, ProcessKind, ProcessModel,
+    Analytical, ModelEffect, ModelError, OrthogonalDiscrepancy, Outline, ProcessKind, ProcessModel,
     SeenSteps, StepFeatures,
 };
 

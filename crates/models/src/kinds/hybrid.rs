@@ -8,7 +8,7 @@ use crate::analytical::fit::output_sd;
 use crate::learnt::step_processes::StepProcesses;
 use crate::physics::{Physics, Setup};
 use crate::{
-    Analytical, Base, OrthogonalDiscrepancy, Description, ModelEffect, ModelError, Noise, Parts,
+    Analytical, Base, Description, ModelEffect, ModelError, Noise, OrthogonalDiscrepancy, Parts,
     ProcessReport, PushModel, Pushed, SeenSteps, StepInput, StepObservation, StepPrediction,
     Training, Unexplained, Weights,
 };
@@ -52,7 +52,8 @@ impl Hybrid {
         let (processes, reports) = residual_processes(&physics, steps, &options.clone().into())?;
         let inputs: Vec<_> = steps.iter().map(|step| &step.input).collect();
         let learnt = processes.means(&inputs)?;
-        let beside = OrthogonalDiscrepancy::unprojected(&physics, output_sd(steps)?, &inputs, &learnt)?;
+        let beside =
+            OrthogonalDiscrepancy::unprojected(&physics, output_sd(steps)?, &inputs, &learnt)?;
         Ok((Self { physics, processes, beside }, reports))
     }
 

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::physics::fit::{PhysicsFit, weighed};
 use crate::physics::{Free, Physics};
-use crate::{OrthogonalDiscrepancy, ModelError, StepInput, Unexplained};
+use crate::{ModelError, OrthogonalDiscrepancy, StepInput, Unexplained};
 
 impl OrthogonalDiscrepancy {
     /// For processes with the means `learnt` beside the physics of a fit, at the training steps.

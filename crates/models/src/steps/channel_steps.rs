@@ -7,7 +7,7 @@ use dataset::{Flags, ObjectChoice, ObjectSpec, Phase, StepRow, Table};
 use effects::{Object, StepInput, Track};
 
 use crate::steps::table_steps::object_of;
-use crate::{ModelError, Excluded, StepSelection};
+use crate::{Excluded, ModelError, StepSelection};
 
 /// A step with everything that was observed of it.
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@ use dataset::{Flags, ObjectChoice, ObjectSpec, Phase, StepRow, Table};
 use nalgebra::Vector3;
 use planar::Shape;
 
-use crate::{ModelError, Excluded, ExclusionReason, StepInput, StepObservation};
+use crate::{Excluded, ExclusionReason, ModelError, StepInput, StepObservation};
 
 /// Which rows of a table are steps to learn from or to be tested on.
 ///
@@ -150,7 +150,7 @@ fn observation(
 #[cfg(test)]
 mod tests {
     use super::StepSelection;
-    use crate::{Analytical, ModelError, ExclusionReason, StepInput};
+    use crate::{Analytical, ExclusionReason, ModelError, StepInput};
     use dataset::{Flags, ObjectChoice, ObjectSpec, Phase, Provenance, StepRow, Table};
     use nalgebra::{Vector2, Vector3};
     use planar::{Pose, Shape, perpendicular};

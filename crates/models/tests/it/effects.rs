@@ -6,8 +6,8 @@ use dataset::{
 };
 use effects::{Effect, EffectInfo, Object, PushPhysics, Rig, Setting, Surface, Track, all};
 use models::{
-    Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelEffect,
-    ModelError, ModelFile, ProcessKind, PushModel, ExclusionReason, StepInput, StepSelection,
+    Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ExclusionReason,
+    ModelEffect, ModelError, ModelFile, ProcessKind, PushModel, StepInput, StepSelection,
     SurfaceKind,
 };
 use nalgebra::{Matrix3, Vector2};

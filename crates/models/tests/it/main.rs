@@ -2,11 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
-mod orthogonal_discrepancy;
 mod effects;
 mod estimation;
 mod fast_roll_out;
 mod laws;
+mod orthogonal_discrepancy;
 mod schema;
 mod several_shapes;
 mod true_outline;

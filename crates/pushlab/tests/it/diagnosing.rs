@@ -108,7 +108,10 @@ fn a_second_set_confirms_what_is_fitted_to_all_of_the_first() {
     let [before, after] = ["before", "after"].map(|key| turn[key].as_f64().unwrap());
     assert!(after < 0.5 * before, "{turn}");
     // No push of the first set is unseen, none may be in both, and the rig has to be the same.
-    assert!(set.error(&[&["compare", "one"], &against[..]].concat()).contains("the held-out pushes are too few"));
+    assert!(
+        set.error(&[&["compare", "one"], &against[..]].concat())
+            .contains("the held-out pushes are too few")
+    );
     assert!(set.error(&["diagnose", "one", "--model", "better.toml"]).contains("--confirm"));
     let refused = |second: &str| set.error(&[&words[..], &[second]].concat());
     assert!(refused("one").contains("is in one, too"));

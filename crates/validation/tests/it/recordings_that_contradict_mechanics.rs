@@ -2,8 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use dataset::{Manifest, ObjectChoice, Recording, RecordingSet};
-use diagnosis::{Suspicion, suspicions};
+use dataset::{Manifest, ObjectChoice, Recording, RecordingSet, Suspicion, suspicions};
 use plant::{Design, GenerateSettings, Layout, PushedObject, generate};
 
 /// The recordings of a set, as read.

@@ -157,10 +157,7 @@ fn messages_that_do_not_fit_are_set_aside_and_counted() {
     assert!(remark.text.starts_with("1 of 3 messages excluded: first, the message at byte 3"));
     messages.extend([("/block", broken.clone()), ("/block", broken)]);
     let error = Memory::new(&messages).read("").unwrap_err();
-    assert!(
-        matches!(error, DatasetError::MostlyUnusable { excluded: 3, total: 5, .. }),
-        "{error}"
-    );
+    assert!(matches!(error, DatasetError::MostlyUnusable { excluded: 3, total: 5, .. }), "{error}");
 }
 
 #[test]

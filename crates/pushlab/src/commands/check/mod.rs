@@ -5,10 +5,10 @@ mod text;
 use std::path::PathBuf;
 
 use anyhow::Result;
-use dataset::RecordingSet;
+use dataset::{RecordingSet, Suspicion};
 use diagnosis::{
     Coverage, LookAlikes, NoiseModel, NotTestable, Observations, Screen, ScreenSettings,
-    ScreenedEffect, Suspicion, screen, steady_ingest,
+    ScreenedEffect, screen, steady_ingest,
 };
 use effects::{Channel, by_id};
 use models::{Analytical, Description, ModelFile, PushModel};

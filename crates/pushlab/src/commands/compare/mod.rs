@@ -6,9 +6,10 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use dataset::Suspicion;
 use diagnosis::{
     ChannelChange, Comparison, MapSettings, Observations, Predictions, PushEnds, RepeatTolerance,
-    Suspicion, change, compare, noise_floor, push_ends, roll_out,
+    change, compare, noise_floor, push_ends, roll_out,
 };
 use models::{Base, Description, ModelFile, Unexplained};
 use serde::Serialize;

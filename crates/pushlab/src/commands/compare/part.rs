@@ -52,9 +52,9 @@ impl Part {
     pub(in crate::commands) fn observations(&self, all: Observations) -> Result<Observations> {
         match self {
             Self::All => Ok(all),
-            Self::Confirm { names, .. } => all
-                .part(names)
-                .context("the held-out pushes are too few; fit both models anew"),
+            Self::Confirm { names, .. } => {
+                all.part(names).context("the held-out pushes are too few; fit both models anew")
+            }
         }
     }
 }

@@ -6,7 +6,8 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use diagnosis::{DiagnoseSettings, MadeBy, MadeFrom, Observations, Suspicion, diagnose};
+use dataset::Suspicion;
+use diagnosis::{DiagnoseSettings, MadeBy, MadeFrom, Observations, diagnose};
 use models::ModelFile;
 
 use crate::command_line::seed_parser;

@@ -14,11 +14,10 @@ use std::path::{Path, PathBuf};
 
 use ::report::{Page, Provenance};
 use anyhow::{Context, Result, bail};
-use dataset::{IngestSettings, RecordingSet};
+use dataset::{IngestSettings, RecordingSet, Suspicion};
 use diagnosis::{
     Comparison, Diagnosis, MapSettings, NoiseFloor, Observations, OutlineMap, Predictions,
-    PushEnds, RepeatTolerance, Rollout, Suspicion, compare, noise_floor, outline_maps, push_ends,
-    roll_out,
+    PushEnds, RepeatTolerance, Rollout, compare, noise_floor, outline_maps, push_ends, roll_out,
 };
 use models::ModelFile;
 use serde::Serialize;

@@ -9,8 +9,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use dataset::{Manifest, Recording, RecordingSet};
-use diagnosis::{CHECKS, Suspicion, suspicions};
+use dataset::{CHECKS, Manifest, Recording, RecordingSet, Suspicion, suspicions};
 use plant::{Design, GenerateSettings, PushedObject, Scatter, generate};
 use serde_json::Value;
 use tempfile::TempDir;

@@ -8,7 +8,7 @@ use super::numbers::length;
 use super::places::{NEAR, SHARE, distance};
 use super::scene::Scene;
 use super::{Check, Explanation, Find, Suspicion};
-use crate::statistics::sample::quantile;
+use crate::curves::sample::quantile;
 
 pub(super) const CHECK: Check = Check {
     id: "outline",

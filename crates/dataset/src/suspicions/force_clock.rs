@@ -5,7 +5,7 @@ use nalgebra::Vector2;
 use super::mistake::View;
 use super::scene::{Evidence, Scene};
 use super::{Check, Find, Suspicion};
-use crate::statistics::sample::quantile;
+use crate::curves::sample::quantile;
 
 pub(super) const CHECK: Check = Check {
     id: "force-clock",

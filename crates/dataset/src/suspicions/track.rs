@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::statistics::sample::quantile;
+use crate::curves::sample::quantile;
 
 /// Samples of a stream: positions in m, or forces in N, as recorded.
 #[derive(Clone, Debug, Default)]

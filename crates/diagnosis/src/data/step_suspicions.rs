@@ -1,8 +1,8 @@
 //! Motions of steps whose signs or units the mechanics contradict.
 
+use dataset::Suspicion;
 use models::{Analytical, Base, ChannelModel, Description, ModelError};
 
-use super::Suspicion;
 use crate::{DiagnosisError, Observations};
 
 /// Steps that are looked at, evenly over all.

@@ -4,7 +4,7 @@ use super::mistake::View;
 use super::places::{NEAR, NEARER, SHARE, distance, evidence};
 use super::scene::Scene;
 use super::{Check, Explanation, Find, Suspicion};
-use crate::statistics::sample::quantile;
+use crate::curves::sample::quantile;
 
 pub(super) const CHECK: Check = Check {
     id: "exchanged",

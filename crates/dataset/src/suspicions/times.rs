@@ -3,7 +3,7 @@
 use super::numbers::speed;
 use super::scene::Scene;
 use super::{Check, Find, Suspicion};
-use crate::statistics::sample::quantile;
+use crate::curves::sample::quantile;
 
 pub(super) const CHECK: Check = Check {
     id: "times",

@@ -1,10 +1,10 @@
 //! What is looked at of recordings.
 
-use dataset::{Manifest, ObjectSpec, PoseStream, Recording};
+use crate::{Manifest, ObjectSpec, PoseStream, Recording};
 
 use super::moment::{Moment, Motion, moments, zero};
 use super::track::Track;
-use crate::statistics::sample::quantile;
+use crate::curves::sample::quantile;
 
 /// All that is looked at.
 pub(super) struct Scene<'a> {

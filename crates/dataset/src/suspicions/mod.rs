@@ -13,7 +13,6 @@ mod mistake;
 mod moment;
 mod numbers;
 mod outline;
-mod outputs;
 mod places;
 mod quaternion_order;
 mod scene;
@@ -23,10 +22,8 @@ mod track;
 
 use std::fmt;
 
-use dataset::{Manifest, Recording};
+use crate::{Manifest, Recording};
 use serde::{Deserialize, Serialize};
-
-pub use self::outputs::step_suspicions;
 
 use self::mistake::View;
 use self::scene::Scene;

@@ -1,11 +1,11 @@
 //! Moments of recordings in which the object moves, as recorded.
 
-use dataset::{PoseStream, WrenchStream};
+use crate::{PoseStream, WrenchStream};
 use nalgebra::Vector2;
 use planar::Pose;
 
 use super::track::Track;
-use crate::statistics::sample::quantile;
+use crate::curves::sample::quantile;
 
 /// Pusher and object a little before, at, and a little after a time at which the object moves.
 #[derive(Clone, Debug)]

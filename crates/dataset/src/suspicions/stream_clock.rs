@@ -6,7 +6,7 @@ use super::numbers::length;
 use super::places::{NEAR, NEARER, SHARE, distance};
 use super::scene::Scene;
 use super::{Check, Explanation, Find, Suspicion, force_clock};
-use crate::statistics::sample::quantile;
+use crate::curves::sample::quantile;
 
 pub(super) const CHECK: Check = Check {
     id: "stream-clock",

@@ -1,11 +1,11 @@
 //! Whether the force is about that of sliding.
 
-use dataset::SupportSpec;
+use crate::SupportSpec;
 
 use super::mistake::View;
 use super::scene::Scene;
 use super::{Check, Find, Suspicion, mass};
-use crate::statistics::sample::quantile;
+use crate::curves::sample::quantile;
 
 pub(super) const CHECK: Check = Check {
     id: "force-size",

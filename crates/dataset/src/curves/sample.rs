@@ -2,7 +2,7 @@
 
 /// The value below which a share of the finite ones lies, by the nearest rank; none if there are
 /// none. Of an even number the median is the upper one of the middle two.
-pub(crate) fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
+pub fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
     values.retain(|value| value.is_finite());
     values.sort_by(f64::total_cmp);
     let last = values.len().checked_sub(1)?;
