@@ -25,8 +25,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         .text("Each figure below was drawn from synthetic numbers by the example itself.");
     for (name, caption, (figure, data)) in plates {
         let drawn = figure.write(&folder, name, &data)?;
-        section =
-            section.figure(Plate::new(drawn, caption, "cargo run -p pushlab-report --example gallery"));
+        section = section.figure(Plate::new(
+            drawn,
+            caption,
+            "cargo run -p pushlab-report --example gallery",
+        ));
     }
     page(section).write(&folder)?;
     println!("{}", folder.join("index.html").display());

@@ -189,7 +189,11 @@ fn load_crates(metadata: &Metadata) -> Result<Vec<Crate>> {
             test_roots: paths_of(&[TargetKind::Test]),
             imports: imports.filter(|import| names.contains(import)).collect(),
             unset_keys: unset_keys(package),
-            pulls_in: if LIGHT.contains(&name.as_str()) { tree(&package.name)? } else { BTreeSet::new() },
+            pulls_in: if LIGHT.contains(&name.as_str()) {
+                tree(&package.name)?
+            } else {
+                BTreeSet::new()
+            },
             name,
         })
     };
