@@ -7,7 +7,7 @@ use cargo_metadata::MetadataCommand;
 use clap::ValueEnum;
 
 use crate::cargo::{cargo, run as run_command, workspace_root};
-use crate::{starters, test, tidy};
+use crate::{fmt, starters, test, tidy};
 
 /// Time for each reader of files, in s.
 const FUZZ_SECONDS: &str = "10";
@@ -73,7 +73,7 @@ impl Stage {
 
     fn run(self) -> Result<()> {
         match self {
-            Stage::Fmt => run_command(&mut cargo(&["fmt", "--all", "--check"])),
+            Stage::Fmt => fmt::run(&fmt::Args { check: true }),
             Stage::Tidy => tidy::run(&tidy::Args::default()),
             Stage::Clippy => run_command(&mut cargo(&[
                 "clippy",

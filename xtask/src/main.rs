@@ -2,6 +2,7 @@
 
 mod cargo;
 mod ci;
+mod fmt;
 mod starters;
 mod test;
 mod tidy;
@@ -15,6 +16,7 @@ use clap::{Command, FromArgMatches, Subcommand};
 #[derive(Subcommand)]
 enum Task {
     Ci(ci::Args),
+    Fmt(fmt::Args),
     Test(test::Args),
     Tidy(tidy::Args),
 }
@@ -37,6 +39,7 @@ fn run() -> Result<()> {
     let matches = command_line().get_matches();
     match Task::from_arg_matches(&matches).unwrap_or_else(|error| error.exit()) {
         Task::Ci(args) => ci::run(&args),
+        Task::Fmt(args) => fmt::run(&args),
         Task::Test(args) => test::run(&args),
         Task::Tidy(args) => tidy::run(&args),
     }

@@ -34,7 +34,7 @@ fn rows() -> Result<Vec<Row>> {
     let exact = model(Surface::UniformPatch)?;
     let mut every = plain.clone();
     for effect in all() {
-        every = every.with(*effect, &effect.info().typical(plain.rig()))?;
+        every = every.with(effect, &effect.info().typical(plain.rig()))?;
     }
     Ok(vec![
         row("ellipsoid", 20, &plain, &steps, &ellipsoid),

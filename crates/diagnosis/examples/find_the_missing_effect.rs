@@ -1,9 +1,11 @@
 //! Finds the physical effect that the nominal model lacks, with one of one's own among the
 //! candidates: `cargo run -p pushlab-diagnosis --example find_the_missing_effect -- fixtures/pushes`
 
+use std::sync::Arc;
+
 use dataset::{RecordingSet, ingest};
 use diagnosis::{DiagnoseSettings, Observations, Verdict, diagnose, steady_ingest};
-use effects::{Channel, Effect, EffectInfo, Parameter, Sliding, Stage};
+use effects::{Channel, Effect, EffectInfo, Nuisance, Parameter, Sliding, Stage};
 use models::{Analytical, PushModel};
 
 /// Friction that grows towards one place of the table.
@@ -19,7 +21,9 @@ static INFO: EffectInfo = EffectInfo {
     stages: &[Stage::Local],
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[Parameter::number("surplus", "1", "At its middle", (0.0, 0.5), (0.0, 5.0))],
-    look_alikes: &[],
+    confounders: &[],
+    nuisance: Nuisance::No,
+    shown_by: &[],
 };
 
 impl Effect for StickySpot {
@@ -38,7 +42,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (table, _) = ingest(&set, &steady_ingest())?;
     let observations = Observations::steady(&table, set.manifest())?;
     let model = Analytical::nominal(set.manifest().pusher.friction)?.describe()?;
-    let settings = DiagnoseSettings { own: vec![&StickySpot], ..DiagnoseSettings::default() };
+    let settings =
+        DiagnoseSettings { own: vec![Arc::new(StickySpot)], ..DiagnoseSettings::default() };
     let found = diagnose(&observations, &model, &settings)?;
     println!("{}", found.diagnosis.sentence);
     if found.diagnosis.verdict == Verdict::Named {

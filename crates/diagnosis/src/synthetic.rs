@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use dataset::{Manifest, RecordingSet, StepRow, SupportSpec, Table, ingest};
 use effects::{Object, StepInput, Track};
-use models::{Analytical, ChannelObservation, Cluster, Description, Exclusion, PushModel};
+use models::{Analytical, ChannelObservation, Cluster, Description, Excluded, PushModel};
 use nalgebra::{DMatrix, DVector, Vector2};
 use planar::{Pose, Shape, Twist};
 use rand::{RngExt, SeedableRng};
@@ -93,7 +93,7 @@ pub(crate) fn made(
         set: String::new(),
         name: "synthetic".to_owned(),
         unknown: Vec::new(),
-        excluded: Exclusion::default(),
+        excluded: Excluded::default(),
     };
     let predictions = Predictions { variances: vec![[None; 7]; values.len()], values };
     (observations, predictions, floor())

@@ -18,20 +18,15 @@ mod pages;
 
 pub use {mechanics, nalgebra, planar};
 
-pub use catalogue::{
-    BodyAnisotropy, ContactBias, EdgeRounding, ForceBias, FrictionCenterOffset, FrictionDrift,
-    FrictionGradient, Inertia, LimitSurfaceShape, PoseOffset, PressureRadius, PusherCompliance,
-    PusherFriction, PusherFrictionAsymmetry, PusherRadius, PusherStiction, RateDependentFriction,
-    StreamLatency, SupportFriction, SupportStiction, TableAnisotropy, TableTilt, YawOffset, all,
-    by_id,
-};
+pub use catalogue::*;
 pub use effect::contact_law::ContactLaw;
 pub use effect::geometry::{Geometry, TrueOutline};
+pub use effect::measurement::MeasurementModel;
+pub use effect::nuisance::{Nuisance, Tolerance};
 pub use effect::parameter::{Coordinate, Frame, Off, Parameter, Role};
-pub use effect::reading::MeasurementModel;
 pub use effect::setting::Setting;
 pub use effect::support::{LogTensor, Support};
-pub use effect::{Effect, EffectInfo, LookAlike, Sliding, Snapshot, Stage};
+pub use effect::{Confounder, Effect, EffectInfo, IntoEffect, Sliding, Snapshot, Stage};
 pub use error::EffectError;
 pub use object::Object;
 pub use predict::push_physics::PushPhysics;

@@ -130,6 +130,23 @@ mod tests {
     }
 
     #[test]
+    fn an_import_through_a_list_that_the_root_hands_on_whole_is_found() {
+        let found = findings(&[
+            ("crates/a/src/lib.rs", "mod ground;\n\nmod roofs;\n\npub use roofs::*;\n"),
+            ("crates/a/src/ground.rs", "//! Ground.\n\nuse crate::R;\nuse crate::all;\n"),
+            (
+                "crates/a/src/roofs/mod.rs",
+                "//! Roofs.\nroofs! {\n    red::R,\n}\npub fn all() {}\n",
+            ),
+            ("crates/a/src/roofs/red.rs", "//! Red.\npub struct R;\n"),
+        ]);
+        let messages: Vec<_> = found.iter().map(|finding| finding.message("r")).collect();
+        assert_eq!(messages.len(), 2, "{messages:?}");
+        assert!(messages[0].contains("imports roofs,"), "{messages:?}");
+        assert!(messages[1].contains("imports roofs::red,"), "{messages:?}");
+    }
+
+    #[test]
     fn a_circle_is_found_once_and_tests_are_free() {
         let found = findings(&[
             ("crates/a/src/lib.rs", "mod b;\nmod c;\nmod d;\n"),

@@ -29,7 +29,8 @@ mod use_path;
 
 use anyhow::{Result, ensure};
 
-use self::project::{Finding, Project};
+use self::project::{Finding, Project, RustFile};
+use self::use_path::listed;
 
 /// Check the rules of the workspace that no compiler lint knows.
 #[derive(clap::Args, Default)]
@@ -54,6 +55,24 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     ensure!(messages.is_empty(), "tidy found {} to mend", messages.len());
     println!("tidy: {} rules hold on {} files", RULES.len(), project.n_files());
     Ok(())
+}
+
+/// The files that lists such as `catalogue! { tilt::Tilt, }` declare.
+///
+/// # Errors
+/// A project that cannot be read.
+pub(crate) fn listed_files() -> Result<Vec<String>> {
+    Ok(listed_in(&Project::load()?))
+}
+
+fn listed_in(project: &Project) -> Vec<String> {
+    let of = |file: &RustFile| {
+        let folder = file.path.trim_end_matches(".rs").trim_end_matches("/mod").to_owned();
+        let place = |(module, _): (&str, &str)| format!("{folder}/{module}.rs");
+        let names = listed(&file.code).filter_map(|entry| entry.split_once("::"));
+        names.map(place).filter(|path| project.text(path).is_some()).collect::<Vec<_>>()
+    };
+    project.rust_files().iter().flat_map(of).collect()
 }
 
 /// What the project must look like, and how that is checked.
@@ -96,7 +115,7 @@ fn check(project: &Project) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::project::{Crate, Project};
-    use super::{RULES, check};
+    use super::{RULES, check, listed_in};
 
     const MANIFEST: &str = "[package]\nname = \"planar\"\n\n[lints]\nworkspace = true\n";
     const LIBRARY: &str = "#![doc = include_str!(\"../README.md\")]\n\n\
@@ -127,6 +146,15 @@ mod tests {
     #[test]
     fn a_clean_project_has_no_findings() {
         assert_eq!(check(&clean_project()), Vec::<String>::new());
+    }
+
+    #[test]
+    fn files_that_a_list_declares_are_found() {
+        let project = Project::in_memory(&[
+            ("crates/a/src/roofs/mod.rs", "//! R.\nroofs! {\n    red::R,\n    lost::L,\n}\n"),
+            ("crates/a/src/roofs/red.rs", "//! Red.\n"),
+        ]);
+        assert_eq!(listed_in(&project), ["crates/a/src/roofs/red.rs"]);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::project::{Project, RustFile};
-use super::use_path::{exports, paths};
+use super::use_path::{exports, globs, items, paths};
 
 /// The modules of one crate, without its tests.
 pub(super) struct ModuleTree<'a> {
@@ -32,6 +32,18 @@ impl<'a> ModuleTree<'a> {
         for (module, file) in &files {
             for (name, from) in exports(code(file), module) {
                 handed_on.insert(joined(module, &name), from);
+            }
+        }
+        for (module, file) in &files {
+            for other in globs(code(file), module) {
+                let below = format!("{other}::");
+                let own = files.get(&other).into_iter().flat_map(|file| items(code(file)));
+                let handed = handed_on.keys().filter_map(|name| name.strip_prefix(&below));
+                let handed = handed.filter(|name| !name.contains("::"));
+                let names: Vec<String> = own.chain(handed).map(str::to_owned).collect();
+                for name in names {
+                    handed_on.insert(joined(module, &name), below.clone() + &name);
+                }
             }
         }
         Self { files, handed_on }

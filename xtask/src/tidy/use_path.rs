@@ -19,10 +19,14 @@ pub(super) fn paths(code: &str, module: &str) -> Vec<(usize, String)> {
     found
 }
 
-/// Names that a module hands on by `pub use`, and where each comes from.
+/// Names that a module hands on by `pub use`, or by a list such as `catalogue! { tilt::Tilt, }`, and
+/// where each comes from.
 pub(super) fn exports(code: &str, module: &str) -> Vec<(String, String)> {
     let uses = code.split("pub use ").skip(1).chain(code.split("pub(crate) use ").skip(1));
-    let mut found = Vec::new();
+    let mut found: Vec<_> = listed(code)
+        .filter_map(|path| Some((path.split_once("::")?.1.to_owned(), path)))
+        .filter_map(|(name, path)| Some((name, absolute(&format!("self::{path}"), module)?)))
+        .collect();
     for item in uses {
         let Some((path, _)) = item.split_once(';') else { continue };
         let mut names = Vec::new();
@@ -37,6 +41,35 @@ pub(super) fn exports(code: &str, module: &str) -> Vec<(String, String)> {
         }
     }
     found
+}
+
+/// The paths of lists that declare modules and hand on a name of each, one a line.
+pub(super) fn listed(code: &str) -> impl Iterator<Item = &str> {
+    let is_word = |word: &str| {
+        !word.is_empty() && word.chars().all(|letter| letter.is_alphanumeric() || letter == '_')
+    };
+    let lists = code.split("! {\n").skip(1).filter_map(|rest| rest.split_once("\n}"));
+    let entries = lists.flat_map(|(list, _)| list.split(',')).map(str::trim);
+    entries.filter(move |entry| {
+        entry.split_once("::").is_some_and(|(file, name)| is_word(file) && is_word(name))
+    })
+}
+
+/// Modules all of whose names a module hands on, by `pub use other::*`.
+pub(super) fn globs(code: &str, module: &str) -> Vec<String> {
+    let uses = code.split("pub use ").skip(1).filter_map(|rest| rest.split_once("::*;"));
+    uses.filter_map(|(path, _)| absolute(path.trim_start_matches("crate::"), module)).collect()
+}
+
+/// Names of a module's own public items.
+pub(super) fn items(code: &str) -> impl Iterator<Item = &str> {
+    let item = |line: &'_ str| -> Option<&str> {
+        let rest = line.strip_prefix("pub ")?;
+        let (kind, rest) = rest.split_once(' ')?;
+        let end = rest.find(|letter: char| !(letter.is_alphanumeric() || letter == '_'))?;
+        ["fn", "struct", "enum", "trait", "const", "type"].contains(&kind).then_some(&rest[..end])
+    };
+    code.lines().filter_map(item)
 }
 
 /// A use tree from its first letter on: `a::{b, c::d}` gives `a::b` and `a::c::d`.
@@ -105,7 +138,7 @@ fn absolute(path: &str, module: &str) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{exports, paths};
+    use super::{exports, globs, items, paths};
 
     #[test]
     fn groups_are_taken_apart_and_seen_from_the_root() {
@@ -123,5 +156,20 @@ mod tests {
         let pairs = [("B", "m::a::B"), ("C", "m::a::C"), ("G", "m::f::G"), ("e", "d::e")];
         let expected = pairs.map(|(name, from)| (name.to_owned(), from.to_owned()));
         assert_eq!(exports(code, "m"), expected);
+    }
+
+    #[test]
+    fn a_list_hands_on_what_it_declares() {
+        let code = "effects! {\n    tilt::Tilt,\n    wind::Wind,\n}\nf! {\n    a + b::c(),\n}\n";
+        let pairs = [("Tilt", "m::tilt::Tilt"), ("Wind", "m::wind::Wind")];
+        let expected = pairs.map(|(name, from)| (name.to_owned(), from.to_owned()));
+        assert_eq!(exports(code, "m"), expected);
+    }
+
+    #[test]
+    fn all_names_of_a_module_are_its_items_and_what_it_hands_on() {
+        assert_eq!(globs("pub use a::B;\npub use c::d::*;\n", ""), ["c::d"]);
+        let code = "pub fn all() {}\nfn own() {}\npub struct S;\npub use a::B;\n";
+        assert_eq!(items(code).collect::<Vec<_>>(), ["all", "S"]);
     }
 }

@@ -8,7 +8,7 @@ use dataset::{
 };
 use effects::{Channel, Channels, Track};
 use models::{
-    ChannelModel, ChannelObservation, ChannelSteps, Cluster, Description, Exclusion,
+    ChannelModel, ChannelObservation, ChannelSteps, Cluster, Description, Excluded,
     ExclusionReason, Split, StepSelection,
 };
 use serde::Serialize;
@@ -36,7 +36,7 @@ pub struct Observations {
     pub(crate) name: String,
     /// What was not measured.
     pub(crate) unknown: Vec<Covariate>,
-    pub(crate) excluded: Exclusion,
+    pub(crate) excluded: Excluded,
 }
 
 /// A push by its recording and its number there.
@@ -351,7 +351,7 @@ impl Observations {
     }
 
     /// Rows of the whole table that are not compared.
-    pub fn excluded(&self) -> &Exclusion {
+    pub fn excluded(&self) -> &Excluded {
         &self.excluded
     }
 }

@@ -1,5 +1,6 @@
 //! How exactly the nominal values of a set are known.
 
+use effects::{EffectInfo, Nuisance, Tolerance};
 use serde::{Deserialize, Serialize};
 
 /// Standard errors of what a set's manifest and its streams claim; SI units.
@@ -36,15 +37,21 @@ impl Default for Tolerances {
 impl Tolerances {
     /// The standard error of an effect's coordinates where the effect is a nuisance; infinite where
     /// nothing is known of it beforehand.
-    pub(crate) fn of(&self, effect: &str) -> Option<f64> {
-        match effect {
-            "support-friction" | "pusher-friction" | "pressure-radius" => Some(f64::INFINITY),
-            "pusher-radius" => Some(self.pusher_radius),
-            "pose-offset" => Some(self.pose),
-            "yaw-offset" => Some(self.yaw),
-            "stream-latency" => Some(self.latency),
-            "pusher-compliance" => Some(self.compliance),
-            _ => None,
+    pub(crate) fn of(&self, about: &EffectInfo) -> Option<f64> {
+        match about.nuisance {
+            Nuisance::No => None,
+            Nuisance::Free { .. } => Some(f64::INFINITY),
+            Nuisance::Known(tolerance) => Some(self.sd(tolerance)),
+        }
+    }
+
+    fn sd(&self, tolerance: Tolerance) -> f64 {
+        match tolerance {
+            Tolerance::PusherRadius => self.pusher_radius,
+            Tolerance::Pose => self.pose,
+            Tolerance::Yaw => self.yaw,
+            Tolerance::Latency => self.latency,
+            Tolerance::Compliance => self.compliance,
         }
     }
 }

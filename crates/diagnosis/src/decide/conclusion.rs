@@ -12,10 +12,6 @@ use crate::{
     DiagnosisError, EffectFit, Fit, NoiseModel, NuisanceFit, Screen, ScreenedEffect, Undetermined,
 };
 
-/// The numbers that every fit leaves open, and how exactly a manifest is taken to know them.
-const NOMINAL: [(&str, f64); 3] =
-    [("support-friction", 0.03), ("pusher-friction", 0.03), ("pressure-radius", 0.01)];
-
 impl Search<'_> {
     /// Adds the nominal numbers that the best model does not leave at their values, takes out what
     /// has no interval, and then what the held-out pushes do not confirm.
@@ -69,7 +65,7 @@ impl Search<'_> {
         let screened = &progress.first_screen.effects;
         let is_hidden =
             |id: &str| screened.iter().any(|one| one.id == id && one.not_testable.is_some());
-        let is_asked = |nuisance: &NuisanceFit| is_wrong(nuisance) && !is_hidden(nuisance.id);
+        let is_asked = |nuisance: &NuisanceFit| self.is_wrong(nuisance) && !is_hidden(nuisance.id);
         let wrong: Vec<NuisanceFit> =
             here.fit(&settings)?.nuisances.into_iter().filter(is_asked).collect();
         let others = if wrong.is_empty() { Vec::new() } else { self.beside_rivals(here, progress) };
@@ -105,8 +101,8 @@ impl Search<'_> {
             for rival in &choice.rivals {
                 let Some(there) = self.with_instead(here, choice.id, rival) else { continue };
                 let Ok(fit) = there.fit(&self.fit_settings(false)) else { continue };
-                let wrong = fit.nuisances.iter().filter(|one| is_wrong(one)).map(|one| one.id);
-                found.push((*rival, wrong.collect()));
+                let wrong = fit.nuisances.iter().filter(|one| self.is_wrong(one));
+                found.push((*rival, wrong.map(|one| one.id).collect()));
             }
         }
         found
@@ -122,7 +118,7 @@ impl Search<'_> {
         loop {
             let fit = whole.fit(&self.fit_settings(true))?;
             let objection = open(&fit, &progress.chosen);
-            let objection = objection.or_else(|| unsure_number(&fit, progress));
+            let objection = objection.or_else(|| self.unsure_number(&fit, progress));
             let Some((id, objection)) = objection else {
                 return Ok((whole, fit));
             };
@@ -152,7 +148,7 @@ impl Search<'_> {
                 let without = aside.outcome(&without)?;
                 let effect = fit.effects.iter().find(|effect| effect.id == choice.id);
                 let Some(effect) = effect.cloned() else { continue };
-                let p_adjusted = match is_number(choice.id) {
+                let p_adjusted = match self.nominal_within(choice.id).is_some() {
                     true => p_of_number(&effect, &progress.first_screen),
                     false => choice.p_adjusted,
                 };
@@ -216,6 +212,24 @@ impl Search<'_> {
         }
         None
     }
+
+    /// A nominal number that may be off by chance.
+    fn unsure_number(&self, fit: &Fit, progress: &Progress) -> Option<(&'static str, Objection)> {
+        let is_chosen = |id: &str| progress.chosen.iter().any(|one| one.id == id);
+        let is_number =
+            |one: &&EffectFit| self.nominal_within(one.id).is_some() && is_chosen(one.id);
+        let numbers = fit.effects.iter().filter(is_number);
+        let with_p = numbers.map(|one| (one.id, p_of_number(one, &progress.first_screen)));
+        let unsure = with_p.into_iter().find(|(_, p)| *p > Rules::NAME);
+        unsure.map(|(id, p)| (id, Objection::NotSure { p }))
+    }
+
+    /// Whether a nominal number is off by more than twice its tolerance and twice its error.
+    fn is_wrong(&self, nuisance: &NuisanceFit) -> bool {
+        let Some(tolerance) = self.nominal_within(nuisance.id) else { return false };
+        let miss = (nuisance.value - nuisance.nominal).abs();
+        miss > 2.0 * tolerance * nuisance.nominal.abs() + 2.0 * nuisance.se
+    }
 }
 
 /// What the held-out pushes confirm.
@@ -238,19 +252,6 @@ fn open(fit: &Fit, chosen: &[Choice]) -> Option<(&'static str, Objection)> {
     })
 }
 
-fn is_number(id: &str) -> bool {
-    NOMINAL.iter().any(|(number, _)| *number == id)
-}
-
-/// A nominal number that may be off by chance.
-fn unsure_number(fit: &Fit, progress: &Progress) -> Option<(&'static str, Objection)> {
-    let is_chosen = |id: &str| progress.chosen.iter().any(|one| one.id == id);
-    let numbers = fit.effects.iter().filter(|one| is_number(one.id) && is_chosen(one.id));
-    let with_p = numbers.map(|one| (one.id, p_of_number(one, &progress.first_screen)));
-    let unsure = with_p.into_iter().find(|(_, p)| *p > Rules::NAME);
-    unsure.map(|(id, p)| (id, Objection::NotSure { p }))
-}
-
 /// Probability of an estimate as far off, of any effect asked for: no flips tell it, for every screen
 /// leaves nominal numbers open, so it is that of the estimate alone times their number (Bonferroni).
 fn p_of_number(effect: &EffectFit, screen: &Screen) -> f64 {
@@ -267,14 +268,6 @@ fn is_mean_friction(here: &Refit, nuisance: &NuisanceFit) -> bool {
     let miss = (nuisance.value / nuisance.nominal).ln().abs();
     let open = 2.0 * nuisance.se / nuisance.value;
     nuisance.id == "support-friction" && spread > 0.0 && miss <= spread + open
-}
-
-/// Whether a nominal number is off by more than twice its tolerance and twice its error.
-fn is_wrong(nuisance: &NuisanceFit) -> bool {
-    let known = NOMINAL.iter().find(|(id, _)| *id == nuisance.id);
-    let Some((_, tolerance)) = known else { return false };
-    let miss = (nuisance.value - nuisance.nominal).abs();
-    miss > 2.0 * tolerance * nuisance.nominal.abs() + 2.0 * nuisance.se
 }
 
 #[cfg(test)]

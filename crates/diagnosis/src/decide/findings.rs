@@ -1,6 +1,8 @@
 //! What was found of each effect.
 
-use effects::{Effect, Off, by_id};
+use std::sync::Arc;
+
+use effects::{Effect, Off, by_id_with};
 
 use super::claims::Claims;
 use super::found::Found;
@@ -158,10 +160,8 @@ impl Finding<'_> {
         fit.parameters.iter().map(finding).collect()
     }
 
-    fn effect(&self) -> Option<&'static dyn Effect> {
-        let mut own = self.settings.own.iter().copied();
-        own.find(|effect| effect.info().id == self.screened.id)
-            .or_else(|| by_id(self.screened.id).ok())
+    fn effect(&self) -> Option<&Arc<dyn Effect>> {
+        by_id_with(self.screened.id, &self.settings.own).ok()
     }
 }
 

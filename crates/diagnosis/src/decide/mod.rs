@@ -17,6 +17,8 @@ mod scatter;
 mod search;
 mod sentence;
 
+use std::sync::Arc;
+
 use effects::Effect;
 use models::{Description, Split};
 
@@ -38,7 +40,7 @@ use crate::{DiagnosisError, Observations, ScreenSettings, split};
 #[derive(Clone, Debug)]
 pub struct DiagnoseSettings {
     /// Effects besides those of the catalogue.
-    pub own: Vec<&'static dyn Effect>,
+    pub own: Vec<Arc<dyn Effect>>,
     /// The parts of the set, if they are chosen already; else a quarter is held out.
     pub split: Option<Split>,
     /// A second set, whose pushes confirm what is fitted to all of the first; then `split` is not

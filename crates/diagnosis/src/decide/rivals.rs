@@ -1,7 +1,5 @@
 //! Effects that explain as much as the best one.
 
-use effects::Effect;
-
 use super::found::{Choice, Progress, Refused, ids};
 use super::rules::{Objection, Rules};
 use super::search::{Search, Tried};
@@ -36,7 +34,7 @@ impl Search<'_> {
             let alone = here.misfit_by(there) - other.misfit_by(there);
             // What cannot be predicted beside the winner is no second effect.
             let beside =
-                there.trial(other.effect).map_or(0.0, |both| there.objective() - both.objective());
+                there.trial(&other.effect).map_or(0.0, |both| there.objective() - both.objective());
             if beside < Rules::OWN_SHARE * alone {
                 rivals.push(other.id());
             }
@@ -47,8 +45,8 @@ impl Search<'_> {
     /// Whether one of two effects is documented to look like the other.
     pub(super) fn are_known_alike(&self, one: &str, other: &str) -> bool {
         let names = |id: &str, other: &str| {
-            let about = self.effect(id).map(Effect::info);
-            about.is_some_and(|about| about.look_alikes.iter().any(|alike| alike.id == other))
+            let about = self.effect(id).map(|effect| effect.info());
+            about.is_some_and(|about| about.confounders.iter().any(|alike| alike.id == other))
         };
         names(one, other) || names(other, one)
     }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::Gain;
-use crate::{DiagnosisError, Fit, Observations, Tolerances, Undetermined};
+use crate::{DiagnosisError, Fit, Observations, Undetermined};
 
 /// Rules for an effect that explains more than those before it.
 pub(super) struct Rules {
@@ -95,8 +95,9 @@ impl Rules {
 
     /// What speaks against an effect by its estimate.
     ///
-    /// That another effect looks like it does not: the two are rivals.
-    pub(super) fn objection_to(fit: &Fit, id: &str, tolerances: &Tolerances) -> Option<Objection> {
+    /// That another effect looks like it does not: the two are rivals. `tolerance` is the standard error
+    /// with which it is a nuisance.
+    pub(super) fn objection_to(fit: &Fit, id: &str, tolerance: Option<f64>) -> Option<Objection> {
         let effect = fit.effects.iter().find(|effect| effect.id == id)?;
         match &effect.undetermined {
             None | Some(Undetermined::LooksLike { .. }) => {}
@@ -105,7 +106,7 @@ impl Rules {
         if effect.p > Self::NAME {
             return Some(Objection::NotSure { p: effect.p });
         }
-        let tolerance = tolerances.of(id).filter(|tolerance| tolerance.is_finite())?;
+        let tolerance = tolerance.filter(|tolerance| tolerance.is_finite())?;
         let is_within = |parameter: &&crate::ParameterFit| {
             let off = parameter.off.unwrap_or_default();
             (parameter.value - off).abs() <= 2.0 * tolerance + 2.0 * parameter.se

@@ -1,6 +1,8 @@
 //! Adding the best effect, as long as one obeys every rule.
 
-use effects::{Effect, by_id};
+use std::sync::Arc;
+
+use effects::{Effect, Nuisance, by_id_with};
 use models::Description;
 
 use super::DiagnoseSettings;
@@ -111,7 +113,7 @@ impl Search<'_> {
             Err(why @ DiagnosisError::OneCluster { .. }) => return Ok(Some(why.into())),
             fit => fit?,
         };
-        let objection = Rules::objection_to(&fit, id, &self.settings.screen.tolerances);
+        let objection = Rules::objection_to(&fit, id, self.tolerance(id));
         let left_out = || [here.left_out(there), there.left_out(there)];
         Ok(objection.or_else(|| Rules::objection_to_gain(self.fitted, left_out())))
     }
@@ -169,7 +171,20 @@ impl Search<'_> {
 
     /// Whether every fit leaves the effect's numbers open without any prior.
     pub(super) fn is_nominal(&self, id: &str) -> bool {
-        self.settings.screen.tolerances.of(id) == Some(f64::INFINITY)
+        self.tolerance(id) == Some(f64::INFINITY)
+    }
+
+    /// The standard error with which an effect is a nuisance; none if it is not one.
+    fn tolerance(&self, id: &str) -> Option<f64> {
+        self.settings.screen.tolerances.of(self.effect(id)?.info())
+    }
+
+    /// How far a number that every fit leaves open may be off, as a share of its nominal value.
+    pub(super) fn nominal_within(&self, id: &str) -> Option<f64> {
+        match self.effect(id)?.info().nuisance {
+            Nuisance::Free { nominal_within } => Some(nominal_within),
+            Nuisance::No | Nuisance::Known(_) => None,
+        }
     }
 
     /// The strongest effects of a screen, and what looks like the very strongest.
@@ -220,8 +235,7 @@ impl Search<'_> {
     /// stays what it was.
     fn screened(&self, here: &Refit) -> Result<Description, DiagnosisError> {
         let [asked, mut whole] = here.descriptions()?;
-        let tolerances = &self.settings.screen.tolerances;
-        let is_bounded = |id: &str| tolerances.of(id).is_some_and(f64::is_finite);
+        let is_bounded = |id: &str| self.tolerance(id).is_some_and(f64::is_finite);
         whole.effects.retain(|effect| {
             let is_asked = asked.effects.iter().any(|other| other.id == effect.id);
             is_asked || !is_bounded(&effect.id)
@@ -246,9 +260,8 @@ impl Search<'_> {
         Ok((noise, whitening, screen))
     }
 
-    pub(super) fn effect(&self, id: &str) -> Option<&'static dyn Effect> {
-        let mut own = self.settings.own.iter().copied();
-        own.find(|effect| effect.info().id == id).or_else(|| by_id(id).ok())
+    pub(super) fn effect(&self, id: &str) -> Option<&Arc<dyn Effect>> {
+        by_id_with(id, &self.settings.own).ok()
     }
 }
 

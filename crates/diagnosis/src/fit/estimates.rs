@@ -232,7 +232,7 @@ impl Ending<'_> {
             name: parameter.name,
             unit: parameter.unit,
             nominal: member.start[k],
-            tolerance: settings.tolerances.of(member.id()).filter(|sd| sd.is_finite()),
+            tolerance: settings.tolerances.of(member.effect.info()).filter(|sd| sd.is_finite()),
             value,
             se: covariance[(k, k)].sqrt(),
         };

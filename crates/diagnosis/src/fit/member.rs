@@ -1,5 +1,7 @@
 //! An effect whose parameters a fit moves.
 
+use std::sync::Arc;
+
 use effects::{Coordinate, Effect, Parameter, Rig, Role};
 
 /// Why an effect is moved, and what becomes of it.
@@ -25,7 +27,7 @@ pub(super) enum Chart {
 /// An effect with its start, its prior and the numbers in which it is moved.
 #[derive(Clone, Debug)]
 pub(super) struct Member {
-    pub(super) effect: &'static dyn Effect,
+    pub(super) effect: Arc<dyn Effect>,
     pub(super) part: Part,
     /// Values when the effect is not there.
     pub(super) off: Vec<f64>,
@@ -48,11 +50,11 @@ const TURN: f64 = 0.2;
 
 impl Member {
     /// An effect with the weak prior of its coordinates about "off".
-    pub(super) fn new(effect: &'static dyn Effect, part: Part, start: &[f64], rig: &Rig) -> Self {
+    pub(super) fn new(effect: &Arc<dyn Effect>, part: Part, start: &[f64], rig: &Rig) -> Self {
         let about = effect.info();
         let coordinates = about.coordinates(rig);
         Self {
-            effect,
+            effect: effect.clone(),
             part,
             off: about.off(rig),
             typical: about.typical(rig),

@@ -14,6 +14,8 @@ mod sandwich;
 mod search;
 mod space;
 
+use std::sync::Arc;
+
 use effects::Effect;
 use models::{Cluster, Description};
 use nalgebra::DMatrix;
@@ -33,7 +35,7 @@ use crate::{DiagnosisError, NoiseModel, Observations, Tolerances, Undetermined, 
 #[derive(Clone, Debug)]
 pub struct FitSettings {
     /// Effects besides those of the catalogue.
-    pub own: Vec<&'static dyn Effect>,
+    pub own: Vec<Arc<dyn Effect>>,
     /// How exactly the nominal values are known: they are nuisances of every fit.
     pub tolerances: Tolerances,
     /// Whether standard errors in the model are priors: right where they come from other

@@ -1,5 +1,7 @@
 //! A model at its minimum, beside which single effects are tried.
 
+use std::sync::Arc;
+
 use effects::{Channels, Effect};
 use models::Description;
 use nalgebra::DMatrix;
@@ -32,7 +34,7 @@ pub(crate) struct Refit<'a> {
 /// One more effect beside a fitted model, near the minimum of both.
 #[derive(Clone, Debug)]
 pub(crate) struct Trial<'a> {
-    pub(crate) effect: &'static dyn Effect,
+    pub(crate) effect: Arc<dyn Effect>,
     /// Numbers in which it is moved.
     pub(crate) freedom: usize,
     problem: Problem<'a>,
@@ -163,7 +165,7 @@ impl<'a> Refit<'a> {
     ///
     /// # Errors
     /// What a prediction refuses.
-    pub(crate) fn trial(&self, effect: &'static dyn Effect) -> Result<Trial<'a>, DiagnosisError> {
+    pub(crate) fn trial(&self, effect: &Arc<dyn Effect>) -> Result<Trial<'a>, DiagnosisError> {
         let Problem { space, whitening, robust, .. } = &self.problem;
         let mut problem = Problem::new(space.with(effect)?, whitening, robust.clone());
         let numbers = problem.space.numbers_of(effect.info().id).unwrap_or(0..0);
@@ -197,7 +199,7 @@ impl<'a> Refit<'a> {
         let freedom = own.moved().len().max(1);
         let start = Start { at, slopes: Some(slopes), exactness: Exactness::Rough };
         let minimum = problem.descend_briefly(start, BRIEF)?;
-        Ok(Trial { effect, freedom, problem, minimum })
+        Ok(Trial { effect: effect.clone(), freedom, problem, minimum })
     }
 
     /// The minimum with the effect of a trial.

@@ -1,5 +1,7 @@
 //! How much of what an effect changes another one changes just so.
 
+use std::sync::Arc;
+
 use effects::{Effect, by_id};
 use nalgebra::DVector;
 use serde::Serialize;
@@ -33,7 +35,7 @@ pub(super) fn resemblances(
     let members = &problem.space.members;
     let about = members[index].effect.info();
     let signature = signature(problem, minimum, index)?;
-    let declared = about.look_alikes.iter().map(|alike| (alike.id, alike.when));
+    let declared = about.confounders.iter().map(|alike| (alike.id, alike.when));
     let others = members.iter().filter(|member| member.part != Part::Nuisance);
     let others = others.map(|member| (member.id(), "")).filter(|(id, _)| *id != about.id);
     let mut found: Vec<Resemblance> = Vec::new();
@@ -101,7 +103,7 @@ fn columns(
 fn foreign(
     problem: &Problem,
     minimum: &Minimum,
-    effect: &'static dyn Effect,
+    effect: &Arc<dyn Effect>,
 ) -> Result<Vec<DVector<f64>>, DiagnosisError> {
     let space = problem.space.with(effect)?;
     let n_known = minimum.at.x.len();

@@ -3,7 +3,10 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use effects::{Effect, Object, PressureRadius, PushPhysics, PusherFriction, Setting, by_id};
+use effects::{
+    Channel, Effect, EffectInfo, Nuisance, Object, PressureRadius, PushPhysics, PusherFriction,
+    Setting, all, by_id_with,
+};
 use models::{
     Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelEffect,
 };
@@ -12,10 +15,6 @@ use rayon::prelude::{IndexedParallelIterator, IntoParallelRefIterator, ParallelI
 use super::FitSettings;
 use super::member::{Chart, Member, Part};
 use crate::{DiagnosisError, Observations};
-
-/// The friction of the table changes little but the force, and every force shows it: it is moved
-/// and written wherever there are forces.
-const OPEN: &str = "support-friction";
 
 /// A model whose effects stand at any place, on observed steps.
 #[derive(Clone, Debug)]
@@ -47,21 +46,19 @@ impl<'a> Space<'a> {
         let first = first.ok_or_else(|| observations.too_few(0, 1))?;
         let rig =
             ChannelModel::new(&bare, observations.support, &[])?.physics(&first)?.rig().clone();
-        let find = |id: &str| {
-            let own = settings.own.iter().copied().find(|effect| effect.info().id == id);
-            own.map_or_else(|| by_id(id), Ok)
-        };
         let mut ids: Vec<&str> = asked.to_vec();
         ids.extend(model.effects.iter().map(|effect| effect.id.as_str()));
-        let known = effects::all().iter().map(|effect| effect.info().id);
-        ids.extend(known.filter(|id| settings.tolerances.of(id).is_some()));
+        let known = all().iter().chain(&settings.own).map(|effect| effect.info());
+        let nuisances = known.filter(|about| about.nuisance != Nuisance::No);
+        ids.extend(nuisances.map(|about| about.id));
         let (mut members, mut seen) = (Vec::new(), Vec::new());
         for id in ids {
-            let effect = find(id).map_err(models::ModelError::from)?;
-            if !seen.contains(&effect.info().id) {
-                seen.push(effect.info().id);
+            let effect = by_id_with(id, &settings.own).map_err(models::ModelError::from)?;
+            let about = effect.info();
+            if !seen.contains(&about.id) {
+                seen.push(about.id);
                 let carried = model.effects.iter().find(|carried| carried.id == id);
-                let is_open = id == OPEN && observations.show(effect.info().reaches);
+                let is_open = shows_in_every_force(about) && observations.show(about.reaches);
                 let wish = match asked.contains(&id) {
                     true => Some(Part::Asked),
                     false => is_open.then_some(Part::Carried),
@@ -92,7 +89,7 @@ impl<'a> Space<'a> {
     }
 
     /// The same with one more effect, at "off"; one that is a nuisance loses its prior.
-    pub(super) fn with(&self, effect: &'static dyn Effect) -> Result<Self, DiagnosisError> {
+    pub(super) fn with(&self, effect: &Arc<dyn Effect>) -> Result<Self, DiagnosisError> {
         let mut other = self.clone();
         let rig = self.physics[0].rig().clone();
         let off = effect.info().off(&rig);
@@ -181,9 +178,15 @@ impl<'a> Space<'a> {
     }
 }
 
+/// Whether an effect that nobody knows well changes nothing but the force, so that every force shows
+/// it: it is moved and written wherever there are forces.
+fn shows_in_every_force(about: &EffectInfo) -> bool {
+    matches!(about.nuisance, Nuisance::Free { .. }) && about.reaches == [Channel::Force]
+}
+
 /// What a fit does with an effect; none for one that stays as it is.
 fn member(
-    effect: &'static dyn Effect,
+    effect: &Arc<dyn Effect>,
     wish: Option<Part>,
     carried: Option<&ModelEffect>,
     rig: &effects::Rig,
@@ -197,7 +200,7 @@ fn member(
     let se = |name: &str| carried.and_then(|c| c.parameters.get(name)).map_or(0.0, |e| e.se);
     let se: Vec<f64> = about.parameters.iter().map(|parameter| se(parameter.name)).collect();
     let is_estimate = se.iter().any(|se| *se > 0.0);
-    let tolerance = settings.tolerances.of(about.id);
+    let tolerance = settings.tolerances.of(about);
     let part = match (wish, carried, tolerance) {
         (Some(part), ..) => part,
         (_, Some(_), _) if is_estimate => Part::Carried,

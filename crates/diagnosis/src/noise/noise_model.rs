@@ -1,6 +1,7 @@
 //! The covariance of all that is observed of a push, where the model is true.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use effects::Effect;
 use models::Description;
@@ -71,7 +72,7 @@ impl NoiseModel {
     /// `Model` for what the model refuses, such as a learnt one; `NotConverged`.
     pub fn learn(
         model: &Description,
-        own: &[&'static dyn Effect],
+        own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
         Self::learn_at(&Tangent::of(model, own, observations)?, observations)
@@ -112,7 +113,7 @@ impl NoiseModel {
     pub fn whitening(
         &self,
         model: &Description,
-        own: &[&'static dyn Effect],
+        own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Whitening, DiagnosisError> {
         let linearisation = Linearisation::of(model, own, observations, &push_directions()?)?;

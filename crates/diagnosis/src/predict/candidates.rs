@@ -1,6 +1,7 @@
 //! Effects that could be tested or are in the model, with the coordinates that stand for them.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use effects::{Effect, Off, Parameter, Role, all};
 use models::{ChannelModel, Description};
@@ -11,7 +12,7 @@ use crate::{DiagnosisError, Observations};
 /// An effect with its coordinates among all.
 #[derive(Clone, Debug)]
 pub(crate) struct Candidate {
-    pub(crate) effect: &'static dyn Effect,
+    pub(crate) effect: Arc<dyn Effect>,
     /// Whether the model has it already.
     pub(crate) is_in_model: bool,
     /// Its coordinates in [`Candidates::directions`].
@@ -37,14 +38,14 @@ impl Candidates {
     /// friction, stays at its usual value.
     pub(crate) fn of(
         model: &Description,
-        own: &[&'static dyn Effect],
+        own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
         let physics = ChannelModel::new(model, observations.support, own)?
             .physics(&observations.steps[0].input.object)?;
         let has = |id: &str| physics.effects().iter().any(|(other, _)| other.info().id == id);
         let mut found = Self::default();
-        for effect in all().iter().chain(own).copied() {
+        for effect in all().iter().chain(own) {
             let about = effect.info();
             let first = found.directions.len();
             for (index, coordinate) in about.coordinates(physics.rig()).iter().enumerate() {
@@ -54,7 +55,7 @@ impl Candidates {
                     continue;
                 }
                 found.directions.push(Direction {
-                    effect,
+                    effect: effect.clone(),
                     coordinate: index,
                     size: coordinate.secant,
                 });
@@ -65,7 +66,8 @@ impl Candidates {
             }
             let coordinates = first..found.directions.len();
             found.even_out(about.parameters, coordinates.clone());
-            found.effects.push(Candidate { effect, is_in_model: has(about.id), coordinates });
+            let (effect, is_in_model) = (effect.clone(), has(about.id));
+            found.effects.push(Candidate { effect, is_in_model, coordinates });
         }
         Ok(found)
     }

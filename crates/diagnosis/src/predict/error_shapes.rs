@@ -95,7 +95,11 @@ pub(crate) fn push_directions() -> Result<Vec<Direction>, DiagnosisError> {
         let Kind::Push { coordinates } = source.kind else { continue };
         let effect = by_id(source.name).map_err(models::ModelError::from)?;
         let size = SECANT * source.usual_sd;
-        let of = |coordinate: &usize| Direction { effect, coordinate: *coordinate, size };
+        let of = |coordinate: &usize| Direction {
+            effect: effect.clone(),
+            coordinate: *coordinate,
+            size,
+        };
         directions.extend(coordinates.iter().map(of));
     }
     Ok(directions)

@@ -1,6 +1,8 @@
 //! What a model says of observed steps.
 
-use effects::{Effect, by_id};
+use std::sync::Arc;
+
+use effects::{Effect, by_id_with};
 use models::{
     Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelError, Noise,
 };
@@ -27,7 +29,7 @@ impl Predictions {
     /// `Model` for what the model refuses.
     pub fn of(
         model: &Description,
-        own: &[&'static dyn Effect],
+        own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
         match &model.base {
@@ -39,7 +41,7 @@ impl Predictions {
     fn of_analytical(
         model: &Description,
         base: &Analytical,
-        own: &[&'static dyn Effect],
+        own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
         let predict = |model: &Description| -> Result<Vec<[f64; 7]>, ModelError> {
@@ -79,7 +81,7 @@ impl Predictions {
 
     fn of_learnt(
         model: &Description,
-        own: &[&'static dyn Effect],
+        own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
         let inputs = observations.motion_inputs()?;
@@ -128,7 +130,7 @@ struct Uncertain {
 fn uncertain(
     model: &Description,
     base: &Analytical,
-    own: &[&'static dyn Effect],
+    own: &[Arc<dyn Effect>],
 ) -> Result<Vec<Uncertain>, ModelError> {
     let mut all = Vec::new();
     let with_base = |friction: Estimate, length: CharacteristicLength| {
@@ -144,8 +146,7 @@ fn uncertain(
         all.extend(Uncertain::of(length, (LEAST_LENGTH * length.value, f64::INFINITY), of_length)?);
     }
     for (index, effect) in model.effects.iter().enumerate() {
-        let known = own.iter().copied().find(|own| own.info().id == effect.id);
-        let about = known.map_or_else(|| by_id(&effect.id), Ok)?.info();
+        let about = by_id_with(&effect.id, own)?.info();
         for parameter in about.parameters {
             let Some(estimate) = effect.parameters.get(parameter.name) else { continue };
             let of_effect = |moved| {

@@ -61,7 +61,7 @@ impl Rollout {
 /// `Model` for what the model refuses.
 pub fn roll_out(
     model: &Description,
-    own: &[&'static dyn Effect],
+    own: &[Arc<dyn Effect>],
     observations: &Observations,
 ) -> Result<Vec<Rollout>, DiagnosisError> {
     let runs = runs(observations);

@@ -10,9 +10,9 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use crate::{DiagnosisError, Observations};
 
 /// A coordinate of an effect, and how far to move it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Direction {
-    pub(crate) effect: &'static dyn Effect,
+    pub(crate) effect: Arc<dyn Effect>,
     /// Index in the effect's coordinates.
     pub(crate) coordinate: usize,
     /// To either side, in the coordinate's unit.
@@ -45,7 +45,7 @@ impl Linearisation {
     /// `Model` for what the model refuses.
     pub(crate) fn of(
         model: &Description,
-        own: &[&'static dyn Effect],
+        own: &[Arc<dyn Effect>],
         observations: &Observations,
         directions: &[Direction],
     ) -> Result<Self, DiagnosisError> {
@@ -145,8 +145,8 @@ impl Probes {
 
 impl Sides {
     fn new(physics: &PushPhysics, direction: &Direction) -> Result<Self, EffectError> {
-        let Direction { effect, coordinate, size } = *direction;
-        let about = effect.info();
+        let Direction { effect, coordinate, size } = direction;
+        let (about, coordinate) = (effect.info(), *coordinate);
         let found = physics.effects().iter().find(|(other, _)| other.info().id == about.id);
         let off = about.off(physics.rig());
         let values = found.map_or(&off, |(_, values)| values);

@@ -1,5 +1,7 @@
 //! Predictions with the slopes of everything that may move them.
 
+use std::sync::Arc;
+
 use effects::Effect;
 use models::Description;
 
@@ -25,13 +27,13 @@ impl Tangent {
     /// `Model` for what the model refuses, such as a learnt one.
     pub(crate) fn of(
         model: &Description,
-        own: &[&'static dyn Effect],
+        own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
         let candidates = Candidates::of(model, own, observations)?;
         let of_push = push_directions()?;
         let directions: Vec<Direction> =
-            of_push.iter().chain(&candidates.directions).copied().collect();
+            of_push.iter().chain(&candidates.directions).cloned().collect();
         let linearisation = Linearisation::of(model, own, observations, &directions)?;
         Ok(Self { candidates, linearisation, n_of_push: of_push.len() })
     }

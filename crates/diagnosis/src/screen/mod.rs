@@ -5,6 +5,8 @@ pub(crate) mod screened;
 pub(crate) mod untestable;
 pub(crate) mod whitened;
 
+use std::sync::Arc;
+
 use effects::Effect;
 use models::Description;
 
@@ -20,7 +22,7 @@ use crate::{DiagnosisError, NoiseModel, Observations, Screen, ScreenSettings, Wh
 /// `Model` for what the model refuses; `NotACovariance`.
 pub fn screen(
     model: &Description,
-    own: &[&'static dyn Effect],
+    own: &[Arc<dyn Effect>],
     observations: &Observations,
     noise: &NoiseModel,
     settings: &ScreenSettings,

@@ -126,9 +126,7 @@ fn advice(coverage: &Coverage, about: &EffectInfo, lacks_force: bool) -> String 
     if has(Stage::Contact) && coverage.beta[1] - coverage.beta[0] < 1.0 {
         list.push("pushes up to 45° from the normal");
     }
-    if about.id == "edge-rounding" {
-        list.push("pushes at the corners");
-    }
+    list.extend(about.shown_by);
     if list.is_empty() {
         list.push("more pushes");
     }

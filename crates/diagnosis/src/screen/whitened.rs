@@ -44,7 +44,7 @@ impl<'a> Whitened<'a> {
         let mut is_free = vec![true; scale.len()];
         let mut nuisances = Vec::new();
         for candidate in &candidates.effects {
-            let tolerance = settings.tolerances.of(candidate.effect.info().id);
+            let tolerance = settings.tolerances.of(candidate.effect.info());
             if let Some(tolerance) = tolerance.filter(|tolerance| tolerance.is_finite()) {
                 for k in candidate.coordinates.clone() {
                     (scale[k], is_free[k]) = (tolerance, candidate.is_in_model);

@@ -11,6 +11,8 @@ mod route;
 mod separation;
 mod standpoint;
 
+use std::sync::Arc;
+
 use effects::Effect;
 use models::Description;
 use nalgebra::Vector2;
@@ -36,7 +38,7 @@ use crate::{DiagnosisError, NoiseModel, Observations, Tolerances};
 #[derive(Clone, Debug)]
 pub struct SuggestSettings {
     /// Effects besides those of the catalogue.
-    pub own: Vec<&'static dyn Effect>,
+    pub own: Vec<Arc<dyn Effect>>,
     /// How exactly the nominal values are known.
     pub tolerances: Tolerances,
     /// How many pushes, repeats counted.

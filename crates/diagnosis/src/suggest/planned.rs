@@ -1,6 +1,6 @@
 //! Pushes that were not done yet, as observations would have them.
 
-use models::{ChannelObservation, Cluster, Exclusion};
+use models::{ChannelObservation, Cluster, Excluded};
 
 use super::SuggestedPush;
 use super::route::{Route, RouteStep};
@@ -48,7 +48,7 @@ impl Planned {
             set: String::new(),
             name: String::new(),
             unknown: observations.unknown.clone(),
-            excluded: Exclusion::default(),
+            excluded: Excluded::default(),
         })
     }
 }

@@ -1,6 +1,8 @@
 //! A model as fitted to the pushes so far, and the numbers of it that stay free.
 
-use effects::{Role, by_id};
+use std::sync::Arc;
+
+use effects::{Effect, Role, by_id_with};
 use models::Description;
 use nalgebra::DMatrix;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -20,7 +22,7 @@ pub(super) struct Standpoint {
     pub(super) description: Description,
     /// What stays free, and then effects that the model does not have.
     pub(super) free: Vec<Free>,
-    own: Vec<&'static dyn effects::Effect>,
+    own: Vec<Arc<dyn Effect>>,
 }
 
 /// A number that stays free.
@@ -76,8 +78,7 @@ impl Standpoint {
         let mut other = self.clone();
         let candidates = Candidates::of(&self.description, &self.own, all)?;
         for id in ids {
-            let own = self.own.iter().copied().find(|effect| effect.info().id == id);
-            let effect = own.map_or_else(|| by_id(id), Ok).map_err(models::ModelError::from)?;
+            let effect = by_id_with(id, &self.own).map_err(models::ModelError::from)?;
             let id = effect.info().id;
             if other.free.iter().any(|free| free.effect == id) {
                 continue;
@@ -102,7 +103,7 @@ impl Standpoint {
     ) -> Result<View, DiagnosisError> {
         let of_push = push_directions()?;
         let directions: Vec<Direction> =
-            of_push.iter().copied().chain(self.free.iter().map(|free| free.direction)).collect();
+            of_push.iter().chain(self.free.iter().map(|free| &free.direction)).cloned().collect();
         let linearisation =
             Linearisation::of(&self.description, &self.own, observations, &directions)?;
         let whitening = noise.whitening_at(observations, &linearisation)?;
@@ -124,7 +125,7 @@ fn free(candidates: &Candidates, tolerances: &Tolerances) -> Vec<Free> {
     let mut free = Vec::new();
     for candidate in &candidates.effects {
         let about = candidate.effect.info();
-        let tolerance = tolerances.of(about.id);
+        let tolerance = tolerances.of(about);
         if tolerance.is_none() && !candidate.is_in_model {
             continue;
         }
@@ -141,6 +142,6 @@ fn free(candidates: &Candidates, tolerances: &Tolerances) -> Vec<Free> {
 }
 
 fn numbered(candidates: &Candidates, effect: &'static str, k: usize, prior_sd: f64) -> Free {
-    let ((name, unit), direction) = (candidates.names[k], candidates.directions[k]);
+    let ((name, unit), direction) = (candidates.names[k], candidates.directions[k].clone());
     Free { effect, name, unit, direction, prior_sd }
 }

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
+mod own_effect;
 mod rollout;
 mod screen_laws;
 mod split;

@@ -8,7 +8,7 @@ use models::{Analytical, PushModel};
 use nalgebra::Vector2;
 use planar::Pose;
 
-fn recorded() -> (Table, Manifest) {
+pub(crate) fn recorded() -> (Table, Manifest) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/pushes");
     let set = RecordingSet::open(&path).unwrap();
     (ingest(&set, &steady_ingest()).unwrap().0, set.manifest().clone())

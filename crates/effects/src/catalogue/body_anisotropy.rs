@@ -1,8 +1,8 @@
 //! Friction that depends on the direction over the body.
 
 use crate::{
-    Channel, Effect, EffectInfo, Frame, LogTensor, LookAlike, Off, Parameter, Role, Snapshot,
-    Stage, Support,
+    Channel, Confounder, Effect, EffectInfo, Frame, LogTensor, Nuisance, Off, Parameter, Role,
+    Snapshot, Stage, Support,
 };
 
 /// Anisotropy of the body: see [`EffectInfo`] for its physics.
@@ -41,10 +41,12 @@ static INFO: EffectInfo = EffectInfo {
             role: Role::Direction(Frame::Body),
         },
     ],
-    look_alikes: &[
-        LookAlike { id: "table-anisotropy", when: "with one edge and one orientation only" },
-        LookAlike { id: "table-tilt", when: "with one edge and one orientation only" },
+    confounders: &[
+        Confounder { id: "table-anisotropy", when: "with one edge and one orientation only" },
+        Confounder { id: "table-tilt", when: "with one edge and one orientation only" },
     ],
+    nuisance: Nuisance::No,
+    shown_by: &[],
 };
 
 impl Effect for BodyAnisotropy {

@@ -1,7 +1,8 @@
 //! A force that acts beside the nearest point.
 
 use crate::{
-    Channel, Effect, EffectInfo, Geometry, LookAlike, Off, Parameter, Role, Stage, StepInput,
+    Channel, Confounder, Effect, EffectInfo, Geometry, Nuisance, Off, Parameter, Role, Stage,
+    StepInput,
 };
 
 /// Bias of the contact point: see [`EffectInfo`] for its physics.
@@ -27,11 +28,13 @@ static INFO: EffectInfo = EffectInfo {
         range: (-0.02, 0.02),
         role: Role::Odd,
     }],
-    look_alikes: &[
-        LookAlike { id: "friction-center-offset", when: "with one edge and one orientation only" },
-        LookAlike { id: "pose-offset", when: "with one edge and one orientation only" },
-        LookAlike { id: "friction-gradient", when: "with one edge and one orientation only" },
+    confounders: &[
+        Confounder { id: "friction-center-offset", when: "with one edge and one orientation only" },
+        Confounder { id: "pose-offset", when: "with one edge and one orientation only" },
+        Confounder { id: "friction-gradient", when: "with one edge and one orientation only" },
     ],
+    nuisance: Nuisance::No,
+    shown_by: &[],
 };
 
 impl Effect for ContactBias {

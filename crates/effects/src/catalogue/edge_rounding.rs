@@ -1,6 +1,8 @@
 //! Corners that are round.
 
-use crate::{Channel, Effect, EffectInfo, Geometry, Off, Parameter, Role, Stage, StepInput};
+use crate::{
+    Channel, Effect, EffectInfo, Geometry, Nuisance, Off, Parameter, Role, Stage, StepInput,
+};
 
 /// Rounded corners: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +28,9 @@ static INFO: EffectInfo = EffectInfo {
         range: (0.0, 0.02),
         role: Role::Even,
     }],
-    look_alikes: &[],
+    confounders: &[],
+    nuisance: Nuisance::No,
+    shown_by: &["pushes at the corners"],
 };
 
 impl Effect for EdgeRounding {

@@ -3,7 +3,8 @@
 use nalgebra::Vector2;
 
 use crate::{
-    Channel, Effect, EffectInfo, Frame, MeasurementModel, Off, Parameter, Role, Stage, StepInput,
+    Channel, Effect, EffectInfo, Frame, MeasurementModel, Nuisance, Off, Parameter, Role, Stage,
+    StepInput,
 };
 
 /// Bias of the force sensor: see [`EffectInfo`] for its physics.
@@ -50,7 +51,9 @@ static INFO: EffectInfo = EffectInfo {
             role: Role::Odd,
         },
     ],
-    look_alikes: &[],
+    confounders: &[],
+    nuisance: Nuisance::No,
+    shown_by: &[],
 };
 
 impl Effect for ForceBias {
@@ -58,8 +61,8 @@ impl Effect for ForceBias {
         &INFO
     }
 
-    fn reading(&self, values: &[f64], _: &StepInput, reading: &mut MeasurementModel) {
-        reading.force_bias_w += Vector2::new(values[0], values[1]);
-        reading.force_turn += values[2];
+    fn measurement(&self, values: &[f64], _: &StepInput, measurement: &mut MeasurementModel) {
+        measurement.force_bias_w += Vector2::new(values[0], values[1]);
+        measurement.force_turn += values[2];
     }
 }

@@ -3,7 +3,8 @@
 use nalgebra::Vector2;
 
 use crate::{
-    Channel, Effect, EffectInfo, Frame, LookAlike, Off, Parameter, Role, Snapshot, Stage, Support,
+    Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Off, Parameter, Role, Snapshot,
+    Stage, Support,
 };
 
 /// Offset of the center of friction: see [`EffectInfo`] for its physics.
@@ -45,11 +46,13 @@ static INFO: EffectInfo = EffectInfo {
             role: Role::Y(Frame::Body),
         },
     ],
-    look_alikes: &[
-        LookAlike { id: "pose-offset", when: "without the contact gap" },
-        LookAlike { id: "friction-gradient", when: "with one edge and one orientation only" },
-        LookAlike { id: "contact-bias", when: "with one edge and one orientation only" },
+    confounders: &[
+        Confounder { id: "pose-offset", when: "without the contact gap" },
+        Confounder { id: "friction-gradient", when: "with one edge and one orientation only" },
+        Confounder { id: "contact-bias", when: "with one edge and one orientation only" },
     ],
+    nuisance: Nuisance::No,
+    shown_by: &[],
 };
 
 impl Effect for FrictionCenterOffset {

@@ -1,6 +1,8 @@
 //! Friction that changes in the course of a set.
 
-use crate::{Channel, Effect, EffectInfo, Off, Parameter, Role, Snapshot, Stage, Support};
+use crate::{
+    Channel, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot, Stage, Support,
+};
 
 /// Drift of friction: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +28,9 @@ static INFO: EffectInfo = EffectInfo {
         range: (-1.5, 1.5),
         role: Role::Even,
     }],
-    look_alikes: &[],
+    confounders: &[],
+    nuisance: Nuisance::No,
+    shown_by: &[],
 };
 
 impl Effect for FrictionDrift {

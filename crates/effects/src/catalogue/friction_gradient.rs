@@ -3,7 +3,8 @@
 use nalgebra::Vector2;
 
 use crate::{
-    Channel, Effect, EffectInfo, Frame, LookAlike, Off, Parameter, Role, Snapshot, Stage, Support,
+    Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Off, Parameter, Role, Snapshot,
+    Stage, Support,
 };
 
 /// Gradient of friction over the table: see [`EffectInfo`] for its physics.
@@ -42,15 +43,17 @@ static INFO: EffectInfo = EffectInfo {
             role: Role::Y(Frame::World),
         },
     ],
-    look_alikes: &[
-        LookAlike {
+    confounders: &[
+        Confounder {
             id: "table-tilt",
             when: "with one orientation, or without pushes over the whole table",
         },
-        LookAlike { id: "friction-center-offset", when: "with one edge and one orientation only" },
-        LookAlike { id: "pose-offset", when: "with one edge and one orientation only" },
-        LookAlike { id: "contact-bias", when: "with one edge and one orientation only" },
+        Confounder { id: "friction-center-offset", when: "with one edge and one orientation only" },
+        Confounder { id: "pose-offset", when: "with one edge and one orientation only" },
+        Confounder { id: "contact-bias", when: "with one edge and one orientation only" },
     ],
+    nuisance: Nuisance::No,
+    shown_by: &[],
 };
 
 impl Effect for FrictionGradient {

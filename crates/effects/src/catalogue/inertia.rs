@@ -1,6 +1,6 @@
 //! An object that takes time to start and to stop.
 
-use crate::{Channel, Effect, EffectInfo, LookAlike, Off, Parameter, Role, Stage};
+use crate::{Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Stage};
 
 /// Inertia: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,10 +29,12 @@ static INFO: EffectInfo = EffectInfo {
         range: (0.0, 1.0),
         role: Role::Switch,
     }],
-    look_alikes: &[
-        LookAlike { id: "stream-latency", when: "after the stop only" },
-        LookAlike { id: "pusher-compliance", when: "after the stop only" },
+    confounders: &[
+        Confounder { id: "stream-latency", when: "after the stop only" },
+        Confounder { id: "pusher-compliance", when: "after the stop only" },
     ],
+    nuisance: Nuisance::No,
+    shown_by: &[],
 };
 
 impl Effect for Inertia {

@@ -1,7 +1,8 @@
 //! Between the ellipsoid and the exact surface of uniform pressure.
 
 use crate::{
-    Channel, Effect, EffectInfo, LookAlike, Off, Parameter, Role, Snapshot, Stage, Support,
+    Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot, Stage,
+    Support,
 };
 
 /// Shape of the limit surface: see [`EffectInfo`] for its physics.
@@ -37,17 +38,19 @@ static INFO: EffectInfo = EffectInfo {
         range: (0.0, 1.0),
         role: Role::Share,
     }],
-    look_alikes: &[
-        LookAlike {
+    confounders: &[
+        Confounder {
             id: "pressure-radius",
             when: "where all pushes turn alike; an ellipsoid fitted to the exact surface has a c \
                 that is 9 to 14 % too small",
         },
-        LookAlike {
+        Confounder {
             id: "rate-dependent-friction",
             when: "at one speed; pushes at several speeds tell them apart",
         },
     ],
+    nuisance: Nuisance::No,
+    shown_by: &[],
 };
 
 impl Effect for LimitSurfaceShape {

@@ -1,94 +1,73 @@
-//! The catalogue: one file an effect, one line in [`all`].
+//! The catalogue: one file an effect, and one line in the list.
 
-mod body_anisotropy;
-mod contact_bias;
-mod edge_rounding;
-mod force_bias;
-mod friction_center_offset;
-mod friction_drift;
-mod friction_gradient;
-mod inertia;
-mod limit_surface_shape;
-mod pose_offset;
-mod pressure_radius;
-mod pusher_compliance;
-mod pusher_friction;
-mod pusher_friction_asymmetry;
-mod pusher_radius;
-mod pusher_stiction;
-mod rate_dependent_friction;
-mod stream_latency;
-mod support_friction;
-mod support_stiction;
-mod table_anisotropy;
-mod table_tilt;
-mod yaw_offset;
-
-pub use body_anisotropy::BodyAnisotropy;
-pub use contact_bias::ContactBias;
-pub use edge_rounding::EdgeRounding;
-pub use force_bias::ForceBias;
-pub use friction_center_offset::FrictionCenterOffset;
-pub use friction_drift::FrictionDrift;
-pub use friction_gradient::FrictionGradient;
-pub use inertia::Inertia;
-pub use limit_surface_shape::LimitSurfaceShape;
-pub use pose_offset::PoseOffset;
-pub use pressure_radius::PressureRadius;
-pub use pusher_compliance::PusherCompliance;
-pub use pusher_friction::PusherFriction;
-pub use pusher_friction_asymmetry::PusherFrictionAsymmetry;
-pub use pusher_radius::PusherRadius;
-pub use pusher_stiction::PusherStiction;
-pub use rate_dependent_friction::RateDependentFriction;
-pub use stream_latency::StreamLatency;
-pub use support_friction::SupportFriction;
-pub use support_stiction::SupportStiction;
-pub use table_anisotropy::TableAnisotropy;
-pub use table_tilt::TableTilt;
-pub use yaw_offset::YawOffset;
+use std::sync::{Arc, LazyLock};
 
 use crate::{Effect, EffectError};
 
+/// Declares the modules, hands on their effects, and lists them in `ALL`.
+macro_rules! catalogue {
+    ($($file:ident::$Effect:ident,)+) => {
+        $(
+            mod $file;
+            pub use $file::$Effect;
+        )+
+
+        static ALL: LazyLock<Vec<Arc<dyn Effect>>> =
+            LazyLock::new(|| vec![$(Arc::new($Effect) as Arc<dyn Effect>),+]);
+    };
+}
+
+// In the order in which they act.
+catalogue! {
+    support_friction::SupportFriction,
+    pressure_radius::PressureRadius,
+    limit_surface_shape::LimitSurfaceShape,
+    friction_center_offset::FrictionCenterOffset,
+    table_anisotropy::TableAnisotropy,
+    body_anisotropy::BodyAnisotropy,
+    friction_gradient::FrictionGradient,
+    table_tilt::TableTilt,
+    rate_dependent_friction::RateDependentFriction,
+    support_stiction::SupportStiction,
+    friction_drift::FrictionDrift,
+    pusher_friction::PusherFriction,
+    pusher_friction_asymmetry::PusherFrictionAsymmetry,
+    pusher_stiction::PusherStiction,
+    pusher_radius::PusherRadius,
+    contact_bias::ContactBias,
+    edge_rounding::EdgeRounding,
+    pusher_compliance::PusherCompliance,
+    inertia::Inertia,
+    pose_offset::PoseOffset,
+    yaw_offset::YawOffset,
+    stream_latency::StreamLatency,
+    force_bias::ForceBias,
+}
+
 /// Every effect of the catalogue, in the order in which they act.
-pub fn all() -> &'static [&'static dyn Effect] {
-    ALL
+pub fn all() -> &'static [Arc<dyn Effect>] {
+    &ALL
 }
 
 /// The effect with an id.
 ///
 /// # Errors
 /// `UnknownEffect`, with the ids that there are.
-pub fn by_id(id: &str) -> Result<&'static dyn Effect, EffectError> {
-    let found = ALL.iter().find(|effect| effect.info().id == id);
-    found.copied().ok_or_else(|| EffectError::UnknownEffect {
-        id: id.to_owned(),
-        known: ALL.iter().map(|effect| effect.info().id).collect::<Vec<_>>().join(", "),
-    })
+pub fn by_id(id: &str) -> Result<&'static Arc<dyn Effect>, EffectError> {
+    by_id_with(id, &[])
 }
 
-static ALL: &[&dyn Effect] = &[
-    &SupportFriction,
-    &PressureRadius,
-    &LimitSurfaceShape,
-    &FrictionCenterOffset,
-    &TableAnisotropy,
-    &BodyAnisotropy,
-    &FrictionGradient,
-    &TableTilt,
-    &RateDependentFriction,
-    &SupportStiction,
-    &FrictionDrift,
-    &PusherFriction,
-    &PusherFrictionAsymmetry,
-    &PusherStiction,
-    &PusherRadius,
-    &ContactBias,
-    &EdgeRounding,
-    &PusherCompliance,
-    &Inertia,
-    &PoseOffset,
-    &YawOffset,
-    &StreamLatency,
-    &ForceBias,
-];
+/// The effect with an id, of `own` or else of the catalogue.
+///
+/// # Errors
+/// `UnknownEffect`, with the ids that there are.
+pub fn by_id_with<'a>(
+    id: &str,
+    own: &'a [Arc<dyn Effect>],
+) -> Result<&'a Arc<dyn Effect>, EffectError> {
+    let known = || own.iter().chain(all());
+    known().find(|effect| effect.info().id == id).ok_or_else(|| EffectError::UnknownEffect {
+        id: id.to_owned(),
+        known: known().map(|effect| effect.info().id).collect::<Vec<_>>().join(", "),
+    })
+}

@@ -3,8 +3,8 @@
 use nalgebra::Vector2;
 
 use crate::{
-    Channel, Effect, EffectInfo, Frame, LookAlike, MeasurementModel, Off, Parameter, Role, Stage,
-    StepInput,
+    Channel, Confounder, Effect, EffectInfo, Frame, MeasurementModel, Nuisance, Off, Parameter,
+    Role, Stage, StepInput, Tolerance,
 };
 
 /// Offset of the tracked frame: see [`EffectInfo`] for its physics.
@@ -43,11 +43,13 @@ static INFO: EffectInfo = EffectInfo {
             role: Role::Y(Frame::Body),
         },
     ],
-    look_alikes: &[
-        LookAlike { id: "friction-center-offset", when: "without the contact gap" },
-        LookAlike { id: "friction-gradient", when: "with one edge and one orientation only" },
-        LookAlike { id: "contact-bias", when: "with one edge and one orientation only" },
+    confounders: &[
+        Confounder { id: "friction-center-offset", when: "without the contact gap" },
+        Confounder { id: "friction-gradient", when: "with one edge and one orientation only" },
+        Confounder { id: "contact-bias", when: "with one edge and one orientation only" },
     ],
+    nuisance: Nuisance::Known(Tolerance::Pose),
+    shown_by: &[],
 };
 
 impl Effect for PoseOffset {
@@ -55,7 +57,7 @@ impl Effect for PoseOffset {
         &INFO
     }
 
-    fn reading(&self, values: &[f64], _: &StepInput, reading: &mut MeasurementModel) {
-        reading.offset_b += Vector2::new(values[0], values[1]);
+    fn measurement(&self, values: &[f64], _: &StepInput, measurement: &mut MeasurementModel) {
+        measurement.offset_b += Vector2::new(values[0], values[1]);
     }
 }

@@ -1,7 +1,8 @@
 //! Pressure nearer to the rim or to the middle.
 
 use crate::{
-    Channel, Effect, EffectInfo, LookAlike, Off, Parameter, Role, Snapshot, Stage, Support,
+    Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot, Stage,
+    Support,
 };
 
 /// Pressure radius: see [`EffectInfo`] for its physics.
@@ -28,11 +29,13 @@ static INFO: EffectInfo = EffectInfo {
         range: (0.4, 1.6),
         role: Role::Even,
     }],
-    look_alikes: &[LookAlike {
+    confounders: &[Confounder {
         id: "limit-surface-shape",
         when: "where all pushes turn alike; an ellipsoid fitted to the exact surface has a c that \
             is 9 to 14 % too small",
     }],
+    nuisance: Nuisance::Free { nominal_within: 0.01 },
+    shown_by: &[],
 };
 
 impl Effect for PressureRadius {

@@ -1,7 +1,8 @@
 //! A pusher that yields.
 
 use crate::{
-    Channel, ContactLaw, Effect, EffectInfo, LookAlike, Off, Parameter, Role, Snapshot, Stage,
+    Channel, Confounder, ContactLaw, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot,
+    Stage, Tolerance,
 };
 
 /// Compliance of the pusher: see [`EffectInfo`] for its physics.
@@ -29,10 +30,12 @@ static INFO: EffectInfo = EffectInfo {
         range: (0.0, 1e-3),
         role: Role::Even,
     }],
-    look_alikes: &[
-        LookAlike { id: "stream-latency", when: "without the gap at several speeds" },
-        LookAlike { id: "inertia", when: "without the gap" },
+    confounders: &[
+        Confounder { id: "stream-latency", when: "without the gap at several speeds" },
+        Confounder { id: "inertia", when: "without the gap" },
     ],
+    nuisance: Nuisance::Known(Tolerance::Compliance),
+    shown_by: &[],
 };
 
 impl Effect for PusherCompliance {

@@ -1,6 +1,8 @@
 //! Another friction between pusher and object.
 
-use crate::{Channel, ContactLaw, Effect, EffectInfo, Off, Parameter, Role, Snapshot, Stage};
+use crate::{
+    Channel, ContactLaw, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot, Stage,
+};
 
 /// Friction with the pusher: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,7 +27,9 @@ static INFO: EffectInfo = EffectInfo {
         range: (0.0, 2.0),
         role: Role::Even,
     }],
-    look_alikes: &[],
+    confounders: &[],
+    nuisance: Nuisance::Free { nominal_within: 0.03 },
+    shown_by: &[],
 };
 
 impl Effect for PusherFriction {

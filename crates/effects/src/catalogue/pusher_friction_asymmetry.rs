@@ -1,6 +1,8 @@
 //! A friction cone that leans to one side.
 
-use crate::{Channel, ContactLaw, Effect, EffectInfo, Off, Parameter, Role, Snapshot, Stage};
+use crate::{
+    Channel, ContactLaw, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot, Stage,
+};
 
 /// Asymmetry of the pusher friction: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +28,9 @@ static INFO: EffectInfo = EffectInfo {
         range: (-0.9, 0.9),
         role: Role::Odd,
     }],
-    look_alikes: &[],
+    confounders: &[],
+    nuisance: Nuisance::No,
+    shown_by: &[],
 };
 
 impl Effect for PusherFrictionAsymmetry {

@@ -1,7 +1,8 @@
 //! A pusher of another radius.
 
 use crate::{
-    Channel, Effect, EffectInfo, Geometry, LookAlike, Off, Parameter, Role, Stage, StepInput,
+    Channel, Confounder, Effect, EffectInfo, Geometry, Nuisance, Off, Parameter, Role, Stage,
+    StepInput, Tolerance,
 };
 
 /// Pusher radius: see [`EffectInfo`] for its physics.
@@ -26,10 +27,12 @@ static INFO: EffectInfo = EffectInfo {
         range: (-5e-3, 5e-3),
         role: Role::Even,
     }],
-    look_alikes: &[
-        LookAlike { id: "stream-latency", when: "in the gap, at one speed and one β" },
-        LookAlike { id: "pose-offset", when: "in the gap, with one edge only" },
+    confounders: &[
+        Confounder { id: "stream-latency", when: "in the gap, at one speed and one β" },
+        Confounder { id: "pose-offset", when: "in the gap, with one edge only" },
     ],
+    nuisance: Nuisance::Known(Tolerance::PusherRadius),
+    shown_by: &[],
 };
 
 impl Effect for PusherRadius {

@@ -1,7 +1,8 @@
 //! A pusher that sticks harder than it slides.
 
 use crate::{
-    Channel, ContactLaw, Effect, EffectInfo, LookAlike, Off, Parameter, Role, Snapshot, Stage,
+    Channel, Confounder, ContactLaw, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot,
+    Stage,
 };
 
 /// Stiction of the pusher: see [`EffectInfo`] for its physics.
@@ -41,7 +42,9 @@ static INFO: EffectInfo = EffectInfo {
             role: Role::Even,
         },
     ],
-    look_alikes: &[LookAlike { id: "pusher-friction", when: "where few pushes slide" }],
+    confounders: &[Confounder { id: "pusher-friction", when: "where few pushes slide" }],
+    nuisance: Nuisance::No,
+    shown_by: &[],
 };
 
 impl Effect for PusherStiction {

@@ -1,6 +1,8 @@
 //! Friction that grows with the logarithm of speed.
 
-use crate::{Channel, Effect, EffectInfo, LookAlike, Off, Parameter, Role, Sliding, Stage};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Sliding, Stage,
+};
 
 /// Friction that depends on speed: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,10 +41,12 @@ static INFO: EffectInfo = EffectInfo {
             role: Role::Even,
         },
     ],
-    look_alikes: &[
-        LookAlike { id: "limit-surface-shape", when: "at one speed" },
-        LookAlike { id: "support-stiction", when: "unless speeds span the Stribeck velocity" },
+    confounders: &[
+        Confounder { id: "limit-surface-shape", when: "at one speed" },
+        Confounder { id: "support-stiction", when: "unless speeds span the Stribeck velocity" },
     ],
+    nuisance: Nuisance::No,
+    shown_by: &[],
 };
 
 impl Effect for RateDependentFriction {

@@ -1,8 +1,8 @@
 //! Object poses that come late.
 
 use crate::{
-    Channel, Effect, EffectInfo, LookAlike, MeasurementModel, Off, Parameter, Role, Stage,
-    StepInput,
+    Channel, Confounder, Effect, EffectInfo, MeasurementModel, Nuisance, Off, Parameter, Role,
+    Stage, StepInput, Tolerance,
 };
 
 /// Latency of the object stream: see [`EffectInfo`] for its physics.
@@ -29,11 +29,13 @@ static INFO: EffectInfo = EffectInfo {
         range: (-0.1, 0.1),
         role: Role::Even,
     }],
-    look_alikes: &[
-        LookAlike { id: "inertia", when: "after the stop only" },
-        LookAlike { id: "pusher-compliance", when: "without the gap at several speeds" },
-        LookAlike { id: "pusher-radius", when: "in the gap, at one speed and one β" },
+    confounders: &[
+        Confounder { id: "inertia", when: "after the stop only" },
+        Confounder { id: "pusher-compliance", when: "without the gap at several speeds" },
+        Confounder { id: "pusher-radius", when: "in the gap, at one speed and one β" },
     ],
+    nuisance: Nuisance::Known(Tolerance::Latency),
+    shown_by: &[],
 };
 
 impl Effect for StreamLatency {
@@ -41,7 +43,7 @@ impl Effect for StreamLatency {
         &INFO
     }
 
-    fn reading(&self, values: &[f64], _: &StepInput, reading: &mut MeasurementModel) {
-        reading.latency += values[0];
+    fn measurement(&self, values: &[f64], _: &StepInput, measurement: &mut MeasurementModel) {
+        measurement.latency += values[0];
     }
 }

@@ -1,6 +1,8 @@
 //! Another friction between object and table.
 
-use crate::{Channel, Effect, EffectInfo, Off, Parameter, Role, Snapshot, Stage, Support};
+use crate::{
+    Channel, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot, Stage, Support,
+};
 
 /// Friction with the table: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +28,9 @@ static INFO: EffectInfo = EffectInfo {
         range: (0.01, 2.0),
         role: Role::Even,
     }],
-    look_alikes: &[],
+    confounders: &[],
+    nuisance: Nuisance::Free { nominal_within: 0.03 },
+    shown_by: &[],
 };
 
 impl Effect for SupportFriction {

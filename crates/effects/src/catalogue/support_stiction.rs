@@ -1,6 +1,8 @@
 //! Friction with the table that is larger at low speed.
 
-use crate::{Channel, Effect, EffectInfo, LookAlike, Off, Parameter, Role, Sliding, Stage};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Sliding, Stage,
+};
 
 /// Stiction of the support: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,10 +41,12 @@ static INFO: EffectInfo = EffectInfo {
             role: Role::Even,
         },
     ],
-    look_alikes: &[LookAlike {
+    confounders: &[Confounder {
         id: "rate-dependent-friction",
         when: "unless speeds span the Stribeck velocity",
     }],
+    nuisance: Nuisance::No,
+    shown_by: &[],
 };
 
 impl Effect for SupportStiction {

@@ -1,8 +1,8 @@
 //! Friction that depends on the direction over the table.
 
 use crate::{
-    Channel, Effect, EffectInfo, Frame, LogTensor, LookAlike, Off, Parameter, Role, Snapshot,
-    Stage, Support,
+    Channel, Confounder, Effect, EffectInfo, Frame, LogTensor, Nuisance, Off, Parameter, Role,
+    Snapshot, Stage, Support,
 };
 
 /// Anisotropy of the table: see [`EffectInfo`] for its physics.
@@ -41,10 +41,12 @@ static INFO: EffectInfo = EffectInfo {
             role: Role::Direction(Frame::World),
         },
     ],
-    look_alikes: &[
-        LookAlike { id: "body-anisotropy", when: "with one edge and one orientation only" },
-        LookAlike { id: "table-tilt", when: "with one edge and one orientation only" },
+    confounders: &[
+        Confounder { id: "body-anisotropy", when: "with one edge and one orientation only" },
+        Confounder { id: "table-tilt", when: "with one edge and one orientation only" },
     ],
+    nuisance: Nuisance::No,
+    shown_by: &[],
 };
 
 impl Effect for TableAnisotropy {

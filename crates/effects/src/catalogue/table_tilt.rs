@@ -3,7 +3,9 @@
 use nalgebra::Vector2;
 use planar::Wrench;
 
-use crate::{Channel, Effect, EffectInfo, Frame, LookAlike, Off, Parameter, Role, Snapshot, Stage};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Off, Parameter, Role, Snapshot, Stage,
+};
 
 /// Tilt of the table: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,14 +43,16 @@ static INFO: EffectInfo = EffectInfo {
             role: Role::Y(Frame::World),
         },
     ],
-    look_alikes: &[
-        LookAlike {
+    confounders: &[
+        Confounder {
             id: "friction-gradient",
             when: "with one orientation, or without pushes over the whole table",
         },
-        LookAlike { id: "table-anisotropy", when: "with one edge and one orientation only" },
-        LookAlike { id: "body-anisotropy", when: "with one edge and one orientation only" },
+        Confounder { id: "table-anisotropy", when: "with one edge and one orientation only" },
+        Confounder { id: "body-anisotropy", when: "with one edge and one orientation only" },
     ],
+    nuisance: Nuisance::No,
+    shown_by: &[],
 };
 
 impl Effect for TableTilt {

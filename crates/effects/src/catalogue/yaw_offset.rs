@@ -1,7 +1,8 @@
 //! A tracked frame that is turned against the outline.
 
 use crate::{
-    Channel, Effect, EffectInfo, MeasurementModel, Off, Parameter, Role, Stage, StepInput,
+    Channel, Effect, EffectInfo, MeasurementModel, Nuisance, Off, Parameter, Role, Stage,
+    StepInput, Tolerance,
 };
 
 /// Turn of the tracked frame: see [`EffectInfo`] for its physics.
@@ -27,7 +28,9 @@ static INFO: EffectInfo = EffectInfo {
         range: (-0.3, 0.3),
         role: Role::Odd,
     }],
-    look_alikes: &[],
+    confounders: &[],
+    nuisance: Nuisance::Known(Tolerance::Yaw),
+    shown_by: &[],
 };
 
 impl Effect for YawOffset {
@@ -35,7 +38,7 @@ impl Effect for YawOffset {
         &INFO
     }
 
-    fn reading(&self, values: &[f64], _: &StepInput, reading: &mut MeasurementModel) {
-        reading.yaw += values[0];
+    fn measurement(&self, values: &[f64], _: &StepInput, measurement: &mut MeasurementModel) {
+        measurement.yaw += values[0];
     }
 }

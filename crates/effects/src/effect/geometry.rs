@@ -41,17 +41,17 @@ impl TrueOutline {
     pub(crate) fn new(
         step: &StepInput,
         geometry: Geometry,
-        reading: &MeasurementModel,
+        measurement: &MeasurementModel,
     ) -> Result<Self, EffectError> {
         let Outline { core, radius, .. } = Outline::new(step, geometry)?;
         let corner_radius = if core.is_some() { geometry.corner_radius } else { 0.0 };
-        let pose_bo = reading.pose_bo();
+        let pose_bo = measurement.pose_bo();
         Ok(Self {
             core: core.unwrap_or_else(|| step.object.shape().clone()),
             pusher_radius: radius,
             corner_radius,
             pose_bo: (pose_bo != Pose::default()).then_some(pose_bo),
-            latency: reading.latency,
+            latency: measurement.latency,
         })
     }
 

@@ -2,20 +2,22 @@
 
 pub(crate) mod contact_law;
 pub(crate) mod geometry;
+pub(crate) mod measurement;
+pub(crate) mod nuisance;
 pub(crate) mod parameter;
-pub(crate) mod reading;
 pub(crate) mod setting;
 pub(crate) mod support;
 
 use std::fmt::Debug;
+use std::sync::Arc;
 
 use nalgebra::Vector2;
 use planar::{Pose, Wrench};
 
 use crate::effect::parameter::{coordinates, from_coordinates, to_coordinates};
 use crate::{
-    Channel, ContactLaw, Coordinate, EffectError, Geometry, MeasurementModel, Parameter, Rig,
-    StepInput, Support,
+    Channel, ContactLaw, Coordinate, EffectError, Geometry, MeasurementModel, Nuisance, Parameter,
+    Rig, StepInput, Support,
 };
 
 /// A physical effect that a model can carry.
@@ -23,13 +25,15 @@ use crate::{
 /// An effect adds to what the effects before it have gathered; the sums do not depend on their
 /// order. It is asked at the stages that [`EffectInfo::stages`] names and at no other, with its
 /// parameter values in the order of [`EffectInfo::parameters`], all finite and in range. With all values
-/// at "off" it must leave everything as it is, bit for bit.
-pub trait Effect: Debug + Sync {
+/// at "off" it must leave everything as it is, bit for bit. What is measured beforehand and no fit
+/// moves, such as a map of the table, is data of the type.
+pub trait Effect: Debug + Send + Sync {
     /// Name, parameters, physics and claims.
     fn info(&self) -> &EffectInfo;
 
     /// [`Stage::Measurement`]: how the streams are read; once a step.
-    fn reading(&self, _values: &[f64], _step: &StepInput, _reading: &mut MeasurementModel) {}
+    fn measurement(&self, _values: &[f64], _step: &StepInput, _measurement: &mut MeasurementModel) {
+    }
 
     /// [`Stage::Geometry`]: what touches where; once a step.
     fn geometry(&self, _values: &[f64], _step: &StepInput, _geometry: &mut Geometry) {}
@@ -62,6 +66,36 @@ pub trait Effect: Debug + Sync {
     /// [`Stage::Dynamics`]: whether the object's inertia is integrated.
     fn has_inertia(&self, _values: &[f64]) -> bool {
         false
+    }
+}
+
+/// What becomes a shared effect: an effect, or one that is shared already.
+pub trait IntoEffect {
+    /// The shared effect.
+    fn into_effect(self) -> Arc<dyn Effect>;
+}
+
+impl<E: Effect + 'static> IntoEffect for E {
+    fn into_effect(self) -> Arc<dyn Effect> {
+        Arc::new(self)
+    }
+}
+
+impl<E: Effect + 'static> IntoEffect for Arc<E> {
+    fn into_effect(self) -> Arc<dyn Effect> {
+        self
+    }
+}
+
+impl IntoEffect for Arc<dyn Effect> {
+    fn into_effect(self) -> Arc<dyn Effect> {
+        self
+    }
+}
+
+impl IntoEffect for &Arc<dyn Effect> {
+    fn into_effect(self) -> Arc<dyn Effect> {
+        self.clone()
     }
 }
 
@@ -138,13 +172,17 @@ pub struct EffectInfo {
     pub reaches: &'static [Channel],
     /// Its parameters.
     pub parameters: &'static [Parameter],
-    /// What may be taken for it.
-    pub look_alikes: &'static [LookAlike],
+    /// Effects that it is confounded with.
+    pub confounders: &'static [Confounder],
+    /// Whether tests of other effects leave it open.
+    pub nuisance: Nuisance,
+    /// What to measure so that it shows, besides what its stages and frames call for.
+    pub shown_by: &'static [&'static str],
 }
 
 /// Another effect that shows nearly the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LookAlike {
+pub struct Confounder {
     /// Its id.
     pub id: &'static str,
     /// With which data, and what tells them apart.

@@ -14,7 +14,7 @@ use crate::{Channels, ContactLaw, EffectError, MeasurementModel, PushPhysics, St
 pub(crate) struct Forward<'a> {
     pub(crate) physics: &'a PushPhysics,
     pub(crate) step: &'a StepInput,
-    reading: MeasurementModel,
+    measurement: MeasurementModel,
     outline: Outline<'a>,
     pub(crate) law: ContactLaw,
     /// The tracked frame in the outline's.
@@ -61,11 +61,11 @@ const SHORTEST: f64 = 1e-6;
 
 impl<'a> Forward<'a> {
     pub(crate) fn new(physics: &'a PushPhysics, step: &'a StepInput) -> Result<Self, EffectError> {
-        let (reading, geometry) = (physics.reading(step), physics.geometry(step));
-        let pose_bo = reading.pose_bo();
+        let (measurement, geometry) = (physics.measurement(step), physics.geometry(step));
+        let pose_bo = measurement.pose_bo();
         let pose_wo = step.pose_wb * pose_bo;
         let (law, has_inertia) = (physics.contact(step, &pose_wo), physics.has_inertia());
-        let is_plain = reading == MeasurementModel::default()
+        let is_plain = measurement == MeasurementModel::default()
             && geometry.radius_excess == 0.0
             && geometry.corner_radius == 0.0
             && law.compliance == 0.0;
@@ -80,7 +80,7 @@ impl<'a> Forward<'a> {
         let mut forward = Self {
             physics,
             step,
-            reading,
+            measurement,
             outline: Outline::new(step, geometry)?,
             law,
             pose_ob: pose_bo.inverse(),
@@ -181,7 +181,7 @@ impl<'a> Forward<'a> {
             // What the pusher still goes before it moves the object: its spring is not wound up
             // yet, or the object's stream lags behind. One that leaves has no such way before it.
             let approach = approach.max(0.0);
-            let ahead = self.deflection + approach * self.reading.latency.max(0.0);
+            let ahead = self.deflection + approach * self.measurement.latency.max(0.0);
             let lost = (ahead - approach * self.step.since_contact).max(0.0);
             self.close(lost);
             self.touching = lost <= TOUCH;
@@ -197,8 +197,8 @@ impl<'a> Forward<'a> {
     /// After contact a late stream still shows the motion of before; inertia follows it itself.
     fn finish_late_motion(&mut self) {
         let is_after = !self.step.touching && self.step.since_contact > 0.0;
-        if is_after && !self.has_inertia && self.reading.latency > 0.0 {
-            let late = self.reading.latency.min(self.step.track.duration());
+        if is_after && !self.has_inertia && self.measurement.latency > 0.0 {
+            let late = self.measurement.latency.min(self.step.track.duration());
             self.pose_wo = moved(&self.pose_wo, &self.step.twist_wb, late);
             self.now = self.meet(0.0, &self.pose_wo);
         }
@@ -334,7 +334,7 @@ impl<'a> Forward<'a> {
 
     /// Where the pusher is, in m, and its velocity, in m/s, at a time of the object's stream.
     fn pusher(&self, time: f64) -> (Vector2<f64>, Vector2<f64>) {
-        self.step.track.at(time - self.reading.latency)
+        self.step.track.at(time - self.measurement.latency)
     }
 
     /// The contact with its place and velocity, for a moment.
@@ -377,7 +377,7 @@ impl<'a> Forward<'a> {
         } else {
             let pose_wb = *pose * self.pose_ob;
             let normal_b = self.nominal(time, &pose_wb).normal;
-            (pose_wb.rotate(&normal_b), self.reading.force(&pose.rotate(force_o)))
+            (pose_wb.rotate(&normal_b), self.measurement.force(&pose.rotate(force_o)))
         };
         self.impulse +=
             length * Vector2::new(normal.dot(&force), perpendicular(&normal).dot(&force));

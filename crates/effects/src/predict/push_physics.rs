@@ -1,12 +1,14 @@
 //! A model of pushing: a rig and the effects it carries.
 
+use std::sync::Arc;
+
 use planar::{Pose, Wrench};
 
+use crate::catalogue::{all, by_id_with};
 use crate::effect::setting::Setting;
-use crate::effect::{Effect, Sliding, Snapshot, Stage};
+use crate::effect::{Effect, IntoEffect, Sliding, Snapshot, Stage};
 use crate::{
-    ContactLaw, EffectError, Geometry, MeasurementModel, Rig, StepInput, Support, TrueOutline, all,
-    by_id,
+    ContactLaw, EffectError, Geometry, MeasurementModel, Rig, StepInput, Support, TrueOutline,
 };
 
 /// The prediction of all channels of a step, by a rig with any set of effects.
@@ -16,7 +18,7 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct PushPhysics {
     rig: Rig,
-    effects: Vec<(&'static dyn Effect, Vec<f64>)>,
+    effects: Vec<(Arc<dyn Effect>, Vec<f64>)>,
     /// For each stage, the indices of the effects that act there.
     at_stage: [Vec<usize>; Stage::ALL.len()],
 }
@@ -31,11 +33,8 @@ impl PushPhysics {
     ///
     /// # Errors
     /// `DuplicateEffect` if the model has it already; `WrongCount`, `OutOfRange`, `NotASwitch` for its values.
-    pub fn with(
-        mut self,
-        effect: &'static dyn Effect,
-        values: &[f64],
-    ) -> Result<Self, EffectError> {
+    pub fn with(mut self, effect: impl IntoEffect, values: &[f64]) -> Result<Self, EffectError> {
+        let effect = effect.into_effect();
         let about = effect.info();
         about.check(values)?;
         if self.effects.iter().any(|(other, _)| other.info().id == about.id) {
@@ -75,11 +74,10 @@ impl PushPhysics {
     pub fn from_settings(
         rig: Rig,
         settings: &[Setting],
-        own: &[&'static dyn Effect],
+        own: &[Arc<dyn Effect>],
     ) -> Result<Self, EffectError> {
         settings.iter().try_fold(Self::new(rig), |model, setting| {
-            let found = own.iter().find(|effect| effect.info().id == setting.id);
-            let effect = found.copied().map_or_else(|| by_id(&setting.id), Ok)?;
+            let effect = by_id_with(&setting.id, own)?;
             let values = setting.values(effect.info())?;
             model.with(effect, &values)
         })
@@ -91,7 +89,7 @@ impl PushPhysics {
     }
 
     /// The effects with their values, in the order in which they act.
-    pub fn effects(&self) -> &[(&'static dyn Effect, Vec<f64>)] {
+    pub fn effects(&self) -> &[(Arc<dyn Effect>, Vec<f64>)] {
         &self.effects
     }
 
@@ -105,24 +103,24 @@ impl PushPhysics {
     /// # Errors
     /// `TooRound` for corners that do not fit on the outline.
     pub fn true_outline(&self, step: &StepInput) -> Result<TrueOutline, EffectError> {
-        TrueOutline::new(step, self.geometry(step), &self.reading(step))
+        TrueOutline::new(step, self.geometry(step), &self.measurement(step))
     }
 
     pub(crate) fn acts_at(&self, stage: Stage) -> bool {
         !self.at_stage[stage as usize].is_empty()
     }
 
-    fn at(&self, stage: Stage) -> impl Iterator<Item = (&'static dyn Effect, &[f64])> {
+    fn at(&self, stage: Stage) -> impl Iterator<Item = (&dyn Effect, &[f64])> {
         self.at_stage[stage as usize].iter().map(|&index| {
             let (effect, values) = &self.effects[index];
-            (*effect, values.as_slice())
+            (effect.as_ref(), values.as_slice())
         })
     }
 
-    pub(crate) fn reading(&self, step: &StepInput) -> MeasurementModel {
-        let mut reading = MeasurementModel::default();
-        self.at(Stage::Measurement).for_each(|(e, values)| e.reading(values, step, &mut reading));
-        reading
+    pub(crate) fn measurement(&self, step: &StepInput) -> MeasurementModel {
+        let mut model = MeasurementModel::default();
+        self.at(Stage::Measurement).for_each(|(e, values)| e.measurement(values, step, &mut model));
+        model
     }
 
     pub(crate) fn geometry(&self, step: &StepInput) -> Geometry {

@@ -74,7 +74,7 @@ fn a_prediction_is_finite_or_refused_with_a_reason() {
                 values[0] = f64::from(u8::from(random.random_bool(0.7)));
             }
             if random.random_bool(share) {
-                physics = physics.with(*effect, &values).unwrap();
+                physics = physics.with(effect, &values).unwrap();
             }
         }
         let object = &objects[random.random_range(0..objects.len())];

@@ -52,8 +52,8 @@ fn values(effect: &dyn Effect, rig: &Rig) -> [Vec<f64>; 3] {
 /// Predicts with every effect.
 fn check(rig: &Rig, step: &StepInput) {
     for effect in all() {
-        for values in values(*effect, rig) {
-            let physics = PushPhysics::new(rig.clone()).with(*effect, &values).unwrap();
+        for values in values(effect.as_ref(), rig) {
+            let physics = PushPhysics::new(rig.clone()).with(effect, &values).unwrap();
             match physics.predict(step) {
                 Ok(found) => {
                     let is_finite = found.to_array().iter().all(|value| value.is_finite());
@@ -93,7 +93,7 @@ fn every_effect_predicts_on_every_outline() {
                 let step = step(object, edge, 0.4, 0.005, 0.2, 4e-3);
                 for effect in all() {
                     let typical = effect.info().typical(&rig);
-                    let physics = PushPhysics::new(rig.clone()).with(*effect, &typical).unwrap();
+                    let physics = PushPhysics::new(rig.clone()).with(effect, &typical).unwrap();
                     let found = physics.predict(&step);
                     let name = (effect.info().id, edge, object.shape().bounding_radius());
                     let found = found.unwrap_or_else(|error| panic!("{name:?}: {error}"));

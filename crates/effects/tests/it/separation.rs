@@ -164,7 +164,7 @@ fn with_any_effect_a_leaving_pusher_moves_nothing() {
             continue;
         }
         let typical = about.typical(&rig());
-        let physics = PushPhysics::new(rig()).with(*effect, &typical).unwrap();
+        let physics = PushPhysics::new(rig()).with(effect, &typical).unwrap();
         let mut index = 0;
         all_leaving(CLEARLY, |name, step| {
             index += 1;

@@ -46,7 +46,7 @@ impl Reader for Models {
         add(given, Vec::new())?;
         add(nominal.clone().with_surface(SurfaceKind::Points { n_points: 9 })?, Vec::new())?;
         for effects in effects::all().chunks(4) {
-            let one = |effect: &&'static dyn effects::Effect| {
+            let one = |effect: &Arc<dyn effects::Effect>| {
                 let about = effect.info();
                 ModelEffect::from(Setting::new(about, &about.typical(&rig)))
             };

@@ -1,5 +1,7 @@
 //! The effects of a model file, checked against the catalogue.
 
+use std::sync::Arc;
+
 use effects::{Effect, EffectInfo, Parameter, all};
 use serde_spanned::Spanned;
 
@@ -15,7 +17,7 @@ impl Source<'_> {
     pub(super) fn effects(
         &self,
         raw: &Raw,
-        own: &[&'static dyn Effect],
+        own: &[Arc<dyn Effect>],
     ) -> Result<Vec<ModelEffect>, ModelError> {
         let base = raw.base.get_ref();
         let mut effects: Vec<ModelEffect> = Vec::new();
@@ -44,7 +46,7 @@ impl Source<'_> {
     fn effect(
         &self,
         raw: &Spanned<RawEffect>,
-        own: &[&'static dyn Effect],
+        own: &[Arc<dyn Effect>],
     ) -> Result<ModelEffect, ModelError> {
         let RawEffect { id, parameters } = raw.get_ref();
         let known = || own.iter().chain(all()).map(|effect| effect.info());

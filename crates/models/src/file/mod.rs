@@ -7,6 +7,7 @@ mod source;
 mod weights_file;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use dataset::DatasetError;
 use effects::Effect;
@@ -46,7 +47,7 @@ impl ModelFile {
     /// # Errors
     /// `Io`; `Invalid` with the line and key for what the format does not allow; `Weights` if the
     /// weights are damaged or not those that the file was written with.
-    pub fn read_with(path: &Path, own: &[&'static dyn Effect]) -> Result<Self, ModelError> {
+    pub fn read_with(path: &Path, own: &[Arc<dyn Effect>]) -> Result<Self, ModelError> {
         let text = read_text(path)?;
         let source = Source { path, text: &text };
         let raw: Raw = toml::from_str(&text).map_err(|error| source.syntax(&error))?;

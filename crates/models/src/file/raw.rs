@@ -129,7 +129,7 @@ impl RawBase {
 
 impl RawEffect {
     pub(super) fn of(effect: &ModelEffect) -> Self {
-        let about = by_id(&effect.id).ok().map(effects::Effect::info);
+        let about = by_id(&effect.id).ok().map(|effect| effect.info());
         let unit = |name: &str| {
             let known = about?.parameters.iter().find(|parameter| parameter.name == name)?;
             Some(known.unit.to_owned())

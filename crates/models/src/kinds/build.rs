@@ -1,5 +1,7 @@
 //! From a description to the model.
 
+use std::sync::Arc;
+
 use dataset::SupportSpec;
 use effects::Effect;
 
@@ -26,7 +28,7 @@ impl Description {
     pub fn build_in(
         &self,
         support: SupportSpec,
-        own: &[&'static dyn Effect],
+        own: &[Arc<dyn Effect>],
     ) -> Result<Box<dyn PushModel>, ModelError> {
         self.built(Some(Setup { support, own: own.to_vec() }))
     }

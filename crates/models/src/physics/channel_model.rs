@@ -20,7 +20,7 @@ use crate::{Analytical, Base, CharacteristicLength, Description, ModelError, Sur
 pub struct ChannelModel {
     base: Analytical,
     settings: Vec<Setting>,
-    own: Vec<&'static dyn Effect>,
+    own: Vec<Arc<dyn Effect>>,
     support: SupportSpec,
 }
 
@@ -33,7 +33,7 @@ impl ChannelModel {
     pub fn new(
         description: &Description,
         support: SupportSpec,
-        own: &[&'static dyn Effect],
+        own: &[Arc<dyn Effect>],
     ) -> Result<Self, ModelError> {
         let base = match &description.base {
             Base::Analytical(base) => base.clone(),
@@ -57,7 +57,7 @@ impl ChannelModel {
             CharacteristicLength::UniformPressure => Ok(physics),
             CharacteristicLength::Given(length) => {
                 let ratio = length.value / object.mean_distance();
-                Ok(physics.with(&PressureRadius, &[ratio])?)
+                Ok(physics.with(PressureRadius, &[ratio])?)
             }
         }
     }

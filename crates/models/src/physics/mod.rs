@@ -5,8 +5,10 @@ pub(crate) mod channel_model;
 pub(crate) mod fit;
 pub(crate) mod orthogonal;
 
+use std::sync::Arc;
+
 use dataset::SupportSpec;
-use effects::{Effect, EffectInfo, Rig, Role, TrueOutline, by_id};
+use effects::{Effect, EffectInfo, Rig, Role, TrueOutline, by_id_with};
 use nalgebra::Vector3;
 
 use crate::{
@@ -28,7 +30,7 @@ pub struct Setup {
     /// The table.
     pub support: SupportSpec,
     /// Effects besides those of the catalogue.
-    pub own: Vec<&'static dyn Effect>,
+    pub own: Vec<Arc<dyn Effect>>,
 }
 
 /// A parameter that a fit may move: its value is a function of a number u that is 0 here and of
@@ -228,12 +230,9 @@ impl Physics {
         Ok(self)
     }
 
-    fn info(&self, effect: &ModelEffect) -> Result<&'static EffectInfo, ModelError> {
-        let own = self.setup.iter().flat_map(|setup| &setup.own);
-        match own.into_iter().find(|own| own.info().id == effect.id) {
-            Some(own) => Ok(own.info()),
-            None => Ok(by_id(&effect.id)?.info()),
-        }
+    fn info(&self, effect: &ModelEffect) -> Result<&EffectInfo, ModelError> {
+        let own = self.setup.as_ref().map_or(&[][..], |setup| &setup.own);
+        Ok(by_id_with(&effect.id, own)?.info())
     }
 
     fn rig(&self, step: &StepInput) -> Result<Rig, ModelError> {

@@ -135,7 +135,7 @@ fn with_effects_every_channel_is_that_of_the_physics() {
         let setting = Setting::new(about, &values);
         let model = ChannelModel::new(&with(vec![setting.into()]), TABLE, &[]).unwrap();
         let predicted = model.predict(steps.iter().map(|(_, step)| step)).unwrap();
-        let physics = PushPhysics::new(rig.clone()).with(*effect, &values).unwrap();
+        let physics = PushPhysics::new(rig.clone()).with(effect, &values).unwrap();
         for ((_, step), channels) in steps.iter().zip(&predicted) {
             assert_eq!(*channels, physics.predict(step).unwrap(), "{}", about.id);
         }
@@ -164,7 +164,7 @@ fn a_file_with_effects_comes_back_as_it_was() {
     assert_eq!(effect.parameters["direction"], Estimate::exact(0.59, ""));
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.toml");
-    let of = |effect: &&'static dyn Effect| {
+    let of = |effect: &Arc<dyn Effect>| {
         let mut effect = ModelEffect::from(Setting::new(effect.info(), &typical(effect.info())));
         for (k, known) in effect.parameters.values_mut().enumerate() {
             *known = Estimate {

@@ -124,7 +124,7 @@ fn models() -> Vec<Box<dyn PushModel>> {
 fn a_file_with_every_effect_obeys_the_schema() {
     let schema = schema();
     let rig = effects::Rig::new(effects::Surface::Ellipsoid, 0.25, 0.25).unwrap();
-    let setting = |effect: &&'static dyn effects::Effect| {
+    let setting = |effect: &Arc<dyn effects::Effect>| {
         let about = effect.info();
         ModelEffect::from(effects::Setting::new(about, &about.typical(&rig)))
     };

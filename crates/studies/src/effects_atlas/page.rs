@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use effects::{Channel, EffectInfo, Off, Parameter, all};
+use effects::{Channel, Confounder, EffectInfo, Off, Parameter, all};
 
 const HEAD: &str = "# The catalogue of effects
 
@@ -55,9 +55,8 @@ fn section(text: &mut String, about: &EffectInfo) {
         line(format!("| `{name}` | {unit} | {off} | {typical} | {range} | {meaning} |"));
     }
     line(format!("\n- Seen in {}.", seen(about)));
-    for look_alike in about.look_alikes {
-        let id = look_alike.id;
-        line(format!("- Taken for [`{id}`](#{id}): {}.", look_alike.when));
+    for Confounder { id, when } in about.confounders {
+        line(format!("- Confounded with [`{id}`](#{id}): {when}."));
     }
     line(format!("- Source: {}.", source.trim_end_matches('.')));
     line(format!("\n![What {id} changes](effects/{id}.svg)"));

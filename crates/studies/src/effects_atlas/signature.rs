@@ -46,7 +46,7 @@ struct Atlas {
 }
 
 /// Two maps and two sets of lines.
-pub(super) fn figure(effect: &'static dyn Effect) -> Result<Figure> {
+pub(super) fn figure(effect: &Arc<dyn Effect>) -> Result<Figure> {
     let atlas = Atlas::new(effect)?;
     let changes = (0..CELLS * CELLS).map(|cell| atlas.change(&shot_of_cell(cell), true));
     let changes: Vec<_> = changes.collect::<Result<_>>()?;
@@ -107,7 +107,7 @@ fn map(changes: &[[f64; 7]], channel: usize) -> Panel {
 }
 
 impl Atlas {
-    fn new(effect: &'static dyn Effect) -> Result<Self> {
+    fn new(effect: &Arc<dyn Effect>) -> Result<Self> {
         let shape = Arc::new(Shape::square(0.09)?);
         let without = PushPhysics::new(Rig::new(Surface::Ellipsoid, 0.25, 0.25)?);
         let values = effect.info().typical(without.rig());

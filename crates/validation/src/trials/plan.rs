@@ -1,6 +1,6 @@
 //! All trials, in an order in which every beginning covers what the whole covers.
 
-use effects::all;
+use effects::{Channel, all, by_id};
 use models::SurfaceKind;
 use plant::effect_kinds;
 use rand::SeedableRng;
@@ -25,8 +25,6 @@ const MULTIPLES: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 const PAIR_MULTIPLE: f64 = 4.0;
 /// Measuring sessions, and their scatter over that of pushes: in turn.
 const SESSIONS: [(usize, f64); 3] = [(1, 0.0), (1, 0.5), (15, 0.5)];
-/// Shown by the force alone.
-const FORCE_ALONE: [&str; 3] = ["support-friction", "friction-drift", "force-bias"];
 /// What one edge, orientation and speed cannot tell apart.
 const NARROW: [&str; 7] = [
     "friction-center-offset",
@@ -130,6 +128,10 @@ fn typical(family: Family, id: &'static str, turn: usize) -> Case {
     Case { setup: Setup::of(id), hidden: vec![asked], ..case(family, id, "", turn) }
 }
 
+fn is_shown_by_force_alone(id: &str) -> bool {
+    by_id(id).is_ok_and(|effect| effect.info().reaches == [Channel::Force])
+}
+
 fn singles() -> Vec<Case> {
     let ids = without(&catalogue(), OF_THE_PUSHES);
     let with = |id: &'static str, turn: usize, times: f64| {
@@ -137,7 +139,7 @@ fn singles() -> Vec<Case> {
         // The thesis' ellipsoid misses the shape as well.
         let on_ellipsoid = turn % 4 == 3 && id != "limit-surface-shape";
         let surface = if on_ellipsoid { SurfaceKind::Ellipsoid } else { SurfaceKind::UniformPatch };
-        let has_force = turn % 6 != 5 || FORCE_ALONE.contains(&id);
+        let has_force = turn % 6 != 5 || is_shown_by_force_alone(id);
         let setup = Setup { has_force, ..Setup::of(id) };
         Case {
             surface,
@@ -154,8 +156,7 @@ fn singles() -> Vec<Case> {
 fn pairs() -> Vec<Case> {
     let ids = without(&catalogue(), OF_THE_PUSHES);
     let looks_like = |one: &str, other: &str| {
-        effects::by_id(one)
-            .is_ok_and(|effect| effect.info().look_alikes.iter().any(|alike| alike.id == other))
+        by_id(one).is_ok_and(|effect| effect.info().confounders.iter().any(|one| one.id == other))
     };
     let mut pairs: Vec<(&'static str, &'static str)> = Vec::new();
     for (k, one) in ids.iter().enumerate() {
@@ -186,9 +187,10 @@ fn narrow() -> Vec<Case> {
 }
 
 fn untestable() -> Vec<Case> {
-    let ids = [FORCE_ALONE.as_slice(), &["edge-rounding"]].concat();
+    let of_force = catalogue().into_iter().filter(|id| is_shown_by_force_alone(id));
+    let ids: Vec<_> = of_force.chain(["edge-rounding"]).collect();
     each(N_EACH, &ids, |id, turn| {
-        let has_force = !FORCE_ALONE.contains(&id);
+        let has_force = !is_shown_by_force_alone(id);
         // Pushes at the middle of an edge say nothing about its corners.
         let pushes = if has_force { Pushes::Central } else { Pushes::Rich };
         let setup = Setup { pushes, has_force, ..Setup::RICH };

@@ -110,8 +110,8 @@ pub(super) fn is_right(record: &Record) -> bool {
 /// Whether a group is an effect with documented look-alikes of it.
 fn is_class_of(group: &[String], id: &str) -> bool {
     let documents = |one: &str, other: &str| {
-        let alikes = by_id(one).map(|effect| effect.info().look_alikes);
-        alikes.is_ok_and(|alikes| alikes.iter().any(|alike| alike.id == other))
+        let confounders = by_id(one).map(|effect| effect.info().confounders);
+        confounders.is_ok_and(|all| all.iter().any(|one| one.id == other))
     };
     let is_alike = |other: &String| other == id || documents(id, other) || documents(other, id);
     group.iter().any(|member| member == id) && group.iter().all(is_alike)
@@ -211,7 +211,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_group_counts_if_its_members_are_documented_look_alikes() {
+    fn a_group_counts_if_its_members_are_documented_confounders() {
         let group: &[&[&str]] = &[&["friction-gradient", "table-tilt"]];
         assert_eq!(score(&[], group, &["table-tilt"], false).found, [true]);
         let loose: &[&[&str]] = &[&["inertia", "table-tilt"]];

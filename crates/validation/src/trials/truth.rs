@@ -5,7 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use plant::{Nominal, Variation};
+use effects::by_id;
+use plant::{Nominal, Variation, effect_kinds};
 use serde::{Deserialize, Serialize};
 
 /// An effect that is in a set.
@@ -117,7 +118,8 @@ impl TrueEffect {
         self.id != "pusher-stiction"
     }
 
-    /// The values as parameters of the catalogue's effect; those that it shares alone.
+    /// The values as parameters of the catalogue's effect; those that it shares alone. Most are the same
+    /// numbers in the same order.
     ///
     /// The simulator tells where the tracked frame is in the outline, what is added to the reading
     /// of the force on the tip, and a shift to the left of the inward normal; the catalogue tells
@@ -127,36 +129,21 @@ impl TrueEffect {
         let value = |name: &str| self.values.get(name).copied().unwrap_or_default();
         let nominal = Nominal::default();
         match self.id.as_str() {
-            "support-friction" | "pusher-friction" => vec![("friction", value("coefficient"))],
-            "pressure-radius" => vec![("ratio", value("ratio"))],
-            "limit-surface-shape" => vec![("lambda", value("patch_share"))],
-            "friction-center-offset" => vec![("dx", value("x")), ("dy", value("y"))],
-            "table-anisotropy" | "body-anisotropy" => {
-                vec![("ratio", value("ratio")), ("direction", value("direction"))]
-            }
-            "friction-gradient" => vec![("gx", value("x")), ("gy", value("y"))],
-            "table-tilt" => vec![("ax", value("x")), ("ay", value("y"))],
-            "rate-dependent-friction" => vec![("k", value("slope")), ("v0", value("speed"))],
-            "pusher-stiction" => {
-                vec![("ratio", value("ratio")), ("stribeck_velocity", value("speed"))]
-            }
-            "support-stiction" => {
-                vec![("breakaway", value("ratio")), ("stribeck_velocity", value("speed"))]
-            }
-            "friction-drift" => vec![("change", value("change"))],
             "pusher-friction-asymmetry" => vec![("asymmetry", 0.5 * value("difference"))],
             "pusher-radius" => vec![("excess", value("radius") - nominal.pusher_radius)],
             "contact-bias" => vec![("shift", -value("offset"))],
-            "edge-rounding" => vec![("radius", value("radius"))],
-            "pusher-compliance" => vec![("compliance", value("compliance"))],
             "inertia" => vec![("kappa", 1.0)],
             "pose-offset" => vec![("mx", -value("x")), ("my", -value("y"))],
             "yaw-offset" => vec![("yaw", -value("angle"))],
-            "stream-latency" => vec![("latency", value("delay"))],
             "force-bias" => {
                 vec![("fx", -value("x")), ("fy", -value("y")), ("turn", value("rotation"))]
             }
-            _ => Vec::new(),
+            id => {
+                let kind = effect_kinds().into_iter().find(|kind| kind.id == id);
+                let names = kind.map_or(&[][..], |kind| kind.parameters).iter().map(|p| p.name);
+                let own = by_id(id).map_or(&[][..], |effect| effect.info().parameters);
+                own.iter().zip(names).map(|(own, name)| (own.name, value(name))).collect()
+            }
         }
     }
 }
@@ -196,6 +183,10 @@ mod tests {
                 about.parameters.iter().map(|parameter| parameter.name).collect()
             });
             assert_eq!(names, own, "{}", kind.id);
+        }
+        for effect in all() {
+            let id = effect.info().id;
+            assert!(effect_kinds().iter().any(|kind| kind.id == id), "{id} cannot be hidden");
         }
     }
 }

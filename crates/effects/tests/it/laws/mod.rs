@@ -4,6 +4,9 @@ mod recovery;
 mod steps;
 mod world;
 
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
 use effects::{
     Channel, Channels, Effect, EffectError, Off, PushPhysics, Role, StepInput, Surface, all, by_id,
 };
@@ -23,9 +26,10 @@ fn predict(physics: &PushPhysics, steps: &[StepInput]) -> Vec<[f64; 7]> {
 }
 
 /// The model with one effect of its typical size, in a world of its own units and axes.
-fn with_typical(effect: &'static dyn Effect, world: &World, surface: &Surface) -> PushPhysics {
+fn with_typical(effect: &Arc<dyn Effect>, world: &World, surface: &Surface) -> PushPhysics {
     let rig = world.rig(surface.clone());
-    let values = world.values(effect, &effect.info().typical(&World::PLAIN.rig(surface.clone())));
+    let values =
+        world.values(effect.as_ref(), &effect.info().typical(&World::PLAIN.rig(surface.clone())));
     PushPhysics::new(rig).with(effect, &values).unwrap()
 }
 
@@ -37,9 +41,9 @@ fn an_effect_that_is_off_equals_the_baseline_bit_for_bit() {
         let mut every = PushPhysics::new(rig.clone());
         for effect in all() {
             let off = effect.info().off(&rig);
-            let alone = PushPhysics::new(rig.clone()).with(*effect, &off).unwrap();
+            let alone = PushPhysics::new(rig.clone()).with(effect, &off).unwrap();
             assert_eq!(predict(&alone, &steps), baseline, "{}", effect.info().id);
-            every = every.with(*effect, &off).unwrap();
+            every = every.with(effect, &off).unwrap();
         }
         assert_eq!(predict(&every, &steps), baseline);
     }
@@ -52,7 +56,7 @@ fn an_effect_reaches_the_channels_that_it_claims_and_no_other() {
         let baseline = predict(&PushPhysics::new(World::PLAIN.rig(surface.clone())), &steps);
         for effect in all() {
             let about = effect.info();
-            let with = predict(&with_typical(*effect, &World::PLAIN, &surface), &steps);
+            let with = predict(&with_typical(effect, &World::PLAIN, &surface), &steps);
             for channel in Channel::ALL {
                 let changes = with.iter().zip(&baseline).any(|(a, b)| {
                     (0..7).any(|i| Channels::KINDS[i] == channel && (a[i] - b[i]).abs() > FLOOR[i])
@@ -73,8 +77,8 @@ fn agree(name: &str, world: &World, tolerance: f64) {
             let id = effect.info().id;
             let is_tabulated = surface_shape(&surface) != 0.0 || id == "limit-surface-shape";
             let is_limited = is_tabulated && world.body_turn != 0.0;
-            let plain = predict(&with_typical(*effect, &World::PLAIN, &surface), &plain_steps);
-            let other = predict(&with_typical(*effect, world, &surface), &steps);
+            let plain = predict(&with_typical(effect, &World::PLAIN, &surface), &plain_steps);
+            let other = predict(&with_typical(effect, world, &surface), &steps);
             for (step, (a, b)) in plain.iter().zip(&other).enumerate() {
                 let b = world.channels_back(b);
                 let tolerance = match is_limited {
@@ -135,10 +139,10 @@ fn the_same_set_of_effects_in_any_order_gives_the_same_bits() {
         let surface = SURFACES[round % 2].clone();
         let rig = World::PLAIN.rig(surface);
         let mut chosen: Vec<_> =
-            all().iter().copied().filter(|_| random.random_bool(0.8)).collect();
-        let built = |order: &[&'static dyn Effect]| {
-            let add = |model: PushPhysics, effect: &&'static dyn Effect| {
-                model.with(*effect, &effect.info().typical(&rig)).unwrap()
+            all().iter().cloned().filter(|_| random.random_bool(0.8)).collect();
+        let built = |order: &[Arc<dyn Effect>]| {
+            let add = |model: PushPhysics, effect: &Arc<dyn Effect>| {
+                model.with(effect, &effect.info().typical(&rig)).unwrap()
             };
             predict(&order.iter().fold(PushPhysics::new(rig.clone()), add), &steps)
         };
@@ -151,8 +155,8 @@ fn the_same_set_of_effects_in_any_order_gives_the_same_bits() {
 #[test]
 fn settings_bring_a_model_back() {
     let rig = World::PLAIN.rig(Surface::Ellipsoid);
-    let add = |model: PushPhysics, effect: &&'static dyn Effect| {
-        model.with(*effect, &effect.info().typical(&rig)).unwrap()
+    let add = |model: PushPhysics, effect: &Arc<dyn Effect>| {
+        model.with(effect, &effect.info().typical(&rig)).unwrap()
     };
     let model = all().iter().fold(PushPhysics::new(rig.clone()), add);
     let text = serde_json::to_string(&model.settings()).unwrap();
@@ -172,7 +176,7 @@ fn values_out_of_range_are_named() {
             for bad in [parameter.range.1 + 1.0, parameter.range.0 - 1.0, f64::NAN, f64::INFINITY] {
                 let mut values = about.typical(&rig);
                 values[index] = bad;
-                let error = PushPhysics::new(rig.clone()).with(*effect, &values).unwrap_err();
+                let error = PushPhysics::new(rig.clone()).with(effect, &values).unwrap_err();
                 let text = error.to_string();
                 assert!(text.contains(about.id) && text.contains(parameter.name), "{text}");
                 assert!(text.contains(&bad.to_string()), "{text}");
@@ -180,10 +184,10 @@ fn values_out_of_range_are_named() {
         }
         let mut too_many = about.typical(&rig);
         too_many.push(0.0);
-        let error = PushPhysics::new(rig.clone()).with(*effect, &too_many).unwrap_err();
+        let error = PushPhysics::new(rig.clone()).with(effect, &too_many).unwrap_err();
         assert!(matches!(error, EffectError::WrongCount { got, .. } if got == too_many.len()));
-        let once = PushPhysics::new(rig.clone()).with(*effect, &about.off(&rig)).unwrap();
-        let twice = once.with(*effect, &about.off(&rig)).unwrap_err();
+        let once = PushPhysics::new(rig.clone()).with(effect, &about.off(&rig)).unwrap();
+        let twice = once.with(effect, &about.off(&rig)).unwrap_err();
         assert_eq!(twice, EffectError::DuplicateEffect { effect: about.id.to_owned() });
     }
     assert!(matches!(by_id("friction"), Err(EffectError::UnknownEffect { .. })));
@@ -192,12 +196,13 @@ fn values_out_of_range_are_named() {
 #[test]
 fn the_catalogue_is_consistent() {
     let rig = World::PLAIN.rig(Surface::Ellipsoid);
-    assert_eq!(all().len(), 23);
+    let ids: BTreeSet<_> = all().iter().map(|effect| effect.info().id).collect();
+    assert_eq!(ids.len(), all().len());
     for effect in all() {
         let about = effect.info();
         assert_eq!(by_id(about.id).unwrap().info().id, about.id);
-        for look_alike in about.look_alikes {
-            let other = by_id(look_alike.id).unwrap().info();
+        for confounder in about.confounders {
+            let other = by_id(confounder.id).unwrap().info();
             assert_ne!(other.id, about.id);
         }
         about.check(&about.off(&rig)).unwrap();

@@ -1,5 +1,7 @@
 //! An effect is found again, with its size, in what it simulated.
 
+use std::sync::Arc;
+
 use effects::{Effect, PushPhysics, StepInput, Surface, all};
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -13,18 +15,18 @@ const SD: [f64; 7] = [3e-5, 3e-5, 1.4e-3, 0.05, 0.05, 1e-4, 1e-4];
 const NOISE: f64 = 1e-3;
 
 struct Problem {
-    effect: &'static dyn Effect,
+    effect: Arc<dyn Effect>,
     steps: Vec<StepInput>,
     data: DVector<f64>,
 }
 
 impl Problem {
-    fn new(effect: &'static dyn Effect, seed: u64) -> Self {
+    fn new(effect: &Arc<dyn Effect>, seed: u64) -> Self {
         Self::of(effect, World::PLAIN.steps(), seed)
     }
 
-    fn of(effect: &'static dyn Effect, steps: Vec<StepInput>, seed: u64) -> Self {
-        let mut problem = Self { effect, steps, data: DVector::zeros(0) };
+    fn of(effect: &Arc<dyn Effect>, steps: Vec<StepInput>, seed: u64) -> Self {
+        let mut problem = Self { effect: effect.clone(), steps, data: DVector::zeros(0) };
         let truth = effect.info().typical(&World::PLAIN.rig(Surface::Ellipsoid));
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         problem.data = problem.model(&effect.info().to_coordinates(&truth));
@@ -36,7 +38,7 @@ impl Problem {
     fn model(&self, coordinates: &[f64]) -> DVector<f64> {
         let values = self.effect.info().from_coordinates(coordinates);
         let rig = World::PLAIN.rig(Surface::Ellipsoid);
-        let physics = PushPhysics::new(rig).with(self.effect, &values).unwrap();
+        let physics = PushPhysics::new(rig).with(&self.effect, &values).unwrap();
         let channels = physics.predict_all(&self.steps).unwrap();
         let whitened = |channels: &effects::Channels| {
             let array = channels.to_array();
@@ -98,7 +100,7 @@ fn an_effect_is_recovered_from_its_own_simulation() {
         if ["inertia", "pusher-stiction"].contains(&about.id) {
             continue;
         }
-        let problem = Problem::new(*effect, seed as u64);
+        let problem = Problem::new(effect, seed as u64);
         let truth = about.to_coordinates(&about.typical(&rig));
         let found = problem.fit();
         for ((coordinate, found), truth) in about.coordinates(&rig).iter().zip(&found).zip(&truth) {

@@ -1,5 +1,7 @@
 //! Laws of the integration: parts of a step, shorter sub-steps, and the energy of a step.
 
+use std::sync::Arc;
+
 use effects::{
     Channels, Effect, Geometry, MeasurementModel, PushPhysics, Snapshot, StepInput, Surface, Track,
     all,
@@ -65,7 +67,7 @@ fn apart<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-fn model(effect: &'static dyn Effect, surface: &Surface, longest: f64) -> PushPhysics {
+fn model(effect: &Arc<dyn Effect>, surface: &Surface, longest: f64) -> PushPhysics {
     let rig = World::PLAIN.rig(surface.clone()).with_longest_substep(longest).unwrap();
     let typical = effect.info().typical(&rig);
     PushPhysics::new(rig).with(effect, &typical).unwrap()
@@ -81,7 +83,7 @@ fn two_half_steps_are_the_whole_step() {
     for surface in super::SURFACES {
         let steps = straight_steps();
         for effect in all() {
-            let (id, physics) = (effect.info().id, model(*effect, &surface, 1e-3));
+            let (id, physics) = (effect.info().id, model(effect, &surface, 1e-3));
             // Whole and halves are each within 4 µm over 4 mm; with inertia the rule has six
             // sub-steps for an impact and what follows.
             let (farthest, strongest) = if id == "inertia" { (3e-5, 5e-2) } else { (6e-6, 2e-2) };
@@ -121,9 +123,9 @@ fn shorter_substeps_come_nearer_to_the_limit() {
         let steps = straight_steps();
         let steps: Vec<_> = steps.iter().filter(|step| !is_concave(step)).step_by(5).collect();
         for effect in all() {
-            let limit = model(*effect, &surface, 3e-5);
+            let limit = model(effect, &surface, 3e-5);
             let [coarse, fine] = [1e-3, 2.5e-4].map(|longest| {
-                let physics = model(*effect, &surface, longest);
+                let physics = model(effect, &surface, longest);
                 let square = |step: &&StepInput| {
                     let end = |physics| pose_after(physics, step, step.track.duration());
                     apart(motion(&end(&physics), &end(&limit)), [0.0; 3]).powi(2)
@@ -139,12 +141,12 @@ fn shorter_substeps_come_nearer_to_the_limit() {
 }
 
 /// Energy in J: what the pusher and other loads do, less what the object takes up.
-fn dissipated(effect: &'static dyn Effect, physics: &PushPhysics, step: &StepInput) -> [f64; 2] {
+fn dissipated(effect: &Arc<dyn Effect>, physics: &PushPhysics, step: &StepInput) -> [f64; 2] {
     let typical = effect.info().typical(physics.rig());
-    let (mut reading, mut geometry) = (MeasurementModel::default(), Geometry::default());
-    effect.reading(&typical, step, &mut reading);
+    let (mut measurement, mut geometry) = (MeasurementModel::default(), Geometry::default());
+    effect.measurement(&typical, step, &mut measurement);
     effect.geometry(&typical, step, &mut geometry);
-    let pose_bo = Pose { position: reading.offset_b, angle: reading.yaw };
+    let pose_bo = Pose { position: measurement.offset_b, angle: measurement.yaw };
     let duration = step.track.duration();
     let found = physics.predict(step).unwrap();
     let end = pose_after(physics, step, duration);
@@ -153,10 +155,11 @@ fn dissipated(effect: &'static dyn Effect, physics: &PushPhysics, step: &StepInp
     let normal_b = step.object.shape().contact(&center_b, step.pusher_radius).normal;
     let normal = step.pose_wb.rotate(&normal_b);
     let shown = found.force_normal * normal + found.force_tangential * perpendicular(&normal);
-    let force = Pose::new(0.0, 0.0, -reading.force_turn).rotate(&(shown - reading.force_bias_w));
+    let force =
+        Pose::new(0.0, 0.0, -measurement.force_turn).rotate(&(shown - measurement.force_bias_w));
     // Where it acts, and how far that goes.
     let [before, after] = [step.pose_wb, end].map(|pose_wb| pose_wb * pose_bo);
-    let center_o = before.inverse_transform_point(&step.track.at(-reading.latency).0);
+    let center_o = before.inverse_transform_point(&step.track.at(-measurement.latency).0);
     let contact = step.object.shape().contact(&center_o, step.pusher_radius);
     let place = contact.point - geometry.contact_shift * perpendicular(&contact.normal);
     let way = |place: &Vector2<f64>| after.transform_point(place) - before.transform_point(place);
@@ -189,12 +192,12 @@ fn no_effect_makes_energy() {
     for surface in super::SURFACES {
         let steps = straight_steps();
         for effect in all() {
-            let physics = model(*effect, &surface, 1e-3);
+            let physics = model(effect, &surface, 1e-3);
             for step in steps.iter().filter(|step| step.touching) {
                 // After some way, so that contact is made and the object goes with the pusher.
                 let step = rest(&physics, &settled(&physics, step), 0.7 * step.track.duration());
                 let short = part(&step, 0.0, 0.02 * step.track.duration());
-                let [energy, scale] = dissipated(*effect, &physics, &short);
+                let [energy, scale] = dissipated(effect, &physics, &short);
                 assert!(energy > 0.1 * scale, "{} {surface:?}: {energy} J", effect.info().id);
             }
         }

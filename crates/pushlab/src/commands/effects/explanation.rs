@@ -28,7 +28,8 @@ struct InModel {
     /// Channels that show it.
     reaches: &'static [Channel],
     parameters: Vec<Parameter>,
-    look_alikes: Vec<LookAlike>,
+    #[serde(rename = "look_alikes")]
+    confounders: Vec<Confounder>,
 }
 
 #[derive(Serialize)]
@@ -42,7 +43,7 @@ struct Parameter {
 }
 
 #[derive(Serialize)]
-struct LookAlike {
+struct Confounder {
     id: &'static str,
     when: &'static str,
 }
@@ -85,7 +86,7 @@ impl InModel {
                 *parameter;
             Parameter { name, unit, meaning, typical, low, high }
         };
-        let look_alike = |other: &effects::LookAlike| LookAlike { id: other.id, when: other.when };
+        let confounder = |of: &effects::Confounder| Confounder { id: of.id, when: of.when };
         Ok(Self {
             title: about.title,
             physics: about.physics,
@@ -93,7 +94,7 @@ impl InModel {
             source: about.source,
             reaches: about.reaches,
             parameters: about.parameters.iter().map(parameter).collect(),
-            look_alikes: about.look_alikes.iter().map(look_alike).collect(),
+            confounders: about.confounders.iter().map(confounder).collect(),
         })
     }
 }
@@ -148,10 +149,10 @@ impl fmt::Display for InModel {
             writeln!(f, "  {name}: {meaning}")?;
             writeln!(f, "    {}, typically {typical}", range(*low, *high, unit))?;
         }
-        if !self.look_alikes.is_empty() {
-            writeln!(f, "{TITLE}may be taken for{TITLE:#}")?;
+        if !self.confounders.is_empty() {
+            writeln!(f, "{TITLE}confounded with{TITLE:#}")?;
         }
-        for LookAlike { id, when } in &self.look_alikes {
+        for Confounder { id, when } in &self.confounders {
             writeln!(f, "  {id} {when}")?;
         }
         Ok(())

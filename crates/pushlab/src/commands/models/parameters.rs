@@ -125,7 +125,7 @@ fn analytical(model: &Analytical) -> Vec<Parameter> {
 
 /// The parameters of an effect, named after both.
 fn of_effect(effect: &ModelEffect) -> Vec<Parameter> {
-    let about = effects::by_id(&effect.id).map(effects::Effect::info).ok();
+    let about = effects::by_id(&effect.id).map(|effect| effect.info()).ok();
     let unit = |name: &str| {
         let known = about?.parameters.iter().find(|parameter| parameter.name == name)?;
         Some(known.unit)

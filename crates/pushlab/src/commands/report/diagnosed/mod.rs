@@ -126,7 +126,7 @@ fn alike(found: &Diagnosis, section: Section) -> Section {
     let mut rows = Vec::new();
     let is_claimed = |status| matches!(status, Status::Present | Status::Possible);
     for effect in found.effects.iter().filter(|effect| is_claimed(effect.status)) {
-        let known = by_id(&effect.id).map(|known| known.info().look_alikes).unwrap_or_default();
+        let known = by_id(&effect.id).map(|known| known.info().confounders).unwrap_or_default();
         let in_group = |other: &str| {
             found.one_of.iter().any(|g| g.contains(&effect.id) && g.iter().any(|id| id == other))
         };
