@@ -6,6 +6,7 @@ use planar::{Contact, Feature, Pose, Twist, perpendicular};
 
 use crate::effect::Stage;
 use crate::effect::geometry::Outline;
+use crate::predict::contact_event::ContactEvent;
 use crate::predict::instant::{ForceBalance, Memory, Rate};
 use crate::predict::touch_time::{TOUCH, touch_time};
 use crate::{Channels, ContactLaw, EffectError, MeasurementModel, PushPhysics, StepInput};
@@ -36,13 +37,6 @@ pub(crate) struct Forward<'a> {
     pub(crate) memory: Memory,
     /// Times and velocities of the last moments of the push, the later one first.
     trail: Vec<(f64, Twist)>,
-}
-
-/// The contact of a moment, frame of the outline, and the pusher's velocity in W.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ContactEvent {
-    pub(crate) contact: Contact,
-    pub(crate) velocity_w: Vector2<f64>,
 }
 
 /// The moment in the middle of a sub-step.

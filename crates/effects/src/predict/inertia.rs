@@ -5,7 +5,8 @@ use nalgebra::Vector2;
 use planar::{Pose, Twist};
 
 use crate::EffectError;
-use crate::predict::forward::{ContactEvent, Forward, moved};
+use crate::predict::contact_event::ContactEvent;
+use crate::predict::forward::{Forward, moved};
 use crate::predict::instant::{ForceBalance, Rate};
 
 /// 1 − 1/√2: both stages of the rule have this share of the sub-step.

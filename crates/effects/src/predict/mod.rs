@@ -1,6 +1,7 @@
 //! A rig, its effects and a step go in, all channels of the step come out.
 
 pub(crate) mod balance;
+pub(crate) mod contact_event;
 pub(crate) mod forward;
 pub(crate) mod friction;
 pub(crate) mod holding;
