@@ -6,6 +6,7 @@ mod beside_physics;
 mod effects;
 mod estimation;
 mod fast_roll_out;
+mod known_steps;
 mod laws;
 mod schema;
 mod several_shapes;
