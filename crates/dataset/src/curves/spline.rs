@@ -62,12 +62,6 @@ impl CubicSpline {
         &self.t
     }
 
-    /// The values at the knots.
-    #[must_use]
-    pub fn knot_values(&self) -> &[f64] {
-        &self.y
-    }
-
     /// y(t); none outside the knots.
     #[must_use]
     pub fn value(&self, t: f64) -> Option<f64> {

@@ -64,8 +64,9 @@ impl Floor {
         self.constant.hypot(self.per_meter * way)
     }
 
-    /// The same floor with a growth, over the ways of the steps compared.
-    fn growing(self, growth: Growth, observations: &Observations) -> Self {
+    /// The same floor with the growth that the deviations show, over the ways of the steps compared.
+    fn growing(self, deviations: &[Deviation], observations: &Observations) -> Self {
+        let Some(growth) = Growth::of(deviations) else { return self };
         let n = observations.n_steps();
         let variance = (0..n).map(|step| growth.variance(observations.way(step))).sum::<f64>();
         let rms = (variance / n as f64).sqrt();
@@ -139,10 +140,7 @@ fn of_repeats(
     let used = (0..sums.len()).filter(|push| sums[*push] > 0.0).map(|push| cells[push]);
     let n_cells = used.collect::<BTreeSet<_>>().len();
     let floor = floor(&sums, &observations.clusters_of_pushes(), freedom as f64, n_cells)?;
-    Some(match Growth::of(&deviations) {
-        Some(growth) => floor.growing(growth, observations),
-        None => floor,
-    })
+    Some(floor.growing(&deviations, observations))
 }
 
 /// The floor of squares summed a push, with the cluster of each push and `freedom` degrees in all.
@@ -241,10 +239,7 @@ fn of_neighbours(
         }
     }
     let floor = floor(&sums, &observations.clusters_of_pushes(), deviations.len() as f64, 0)?;
-    Some(match Growth::of(&deviations) {
-        Some(growth) => floor.growing(growth, observations),
-        None => floor,
-    })
+    Some(floor.growing(&deviations, observations))
 }
 
 #[cfg(test)]

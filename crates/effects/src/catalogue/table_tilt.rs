@@ -64,6 +64,6 @@ impl Effect for TableTilt {
         let object = &moment.step.object;
         let force_w = object.mass() * Vector2::new(values[0], values[1]);
         let arm_w = moment.pose_wo.rotate(object.center_of_mass());
-        *load_w = *load_w + Wrench::from_force_at(&force_w, &arm_w);
+        *load_w += Wrench::from_force_at(&force_w, &arm_w);
     }
 }

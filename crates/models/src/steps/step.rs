@@ -69,8 +69,7 @@ impl StepInput {
         let normal = shape.inward_normal_at(edge, p);
         let start_b = shape.point_at(edge, p) - pusher_radius * normal;
         let direction_b = Pose::new(0.0, 0.0, beta).rotate(&normal);
-        let step = Self::new(shape, pusher_radius, (edge, p), start_b, direction_b, distance);
-        Ok(Self { beta, ..step })
+        Ok(Self::new(shape, pusher_radius, (edge, p), beta, start_b, direction_b, distance))
     }
 
     /// The step of a pusher whose center moves from `start_w` to `end_w` (world frame, in m) while
@@ -95,7 +94,8 @@ impl StepInput {
         }
         let contact = shape.contact(&start_b, pusher_radius);
         let (place, direction_b) = ((contact.edge, contact.p), motion / distance);
-        Ok(Self::new(shape, pusher_radius, place, start_b, direction_b, distance))
+        let beta = beta(&shape.inward_normal_at(contact.edge, contact.p), &direction_b);
+        Ok(Self::new(shape, pusher_radius, place, beta, start_b, direction_b, distance))
     }
 
     /// The step of a pusher whose nearest point of the outline is known, all in B at its start; it
@@ -115,31 +115,22 @@ impl StepInput {
             Feature::Vertex => shape.inward_normal_at(edge, p),
         };
         let beta = beta(&normal, &direction_b);
-        let (duration, whole) = (Some(duration), None);
-        Self {
-            shape,
-            pusher_radius,
-            edge,
-            p,
-            beta,
-            start_b,
-            direction_b,
-            distance,
-            duration,
-            whole,
-        }
+        let place = (edge, p);
+        let step = Self::new(shape, pusher_radius, place, beta, start_b, direction_b, distance);
+        Self { duration: Some(duration), ..step }
     }
 
     /// A step whose numbers have been checked.
+    #[inline]
     fn new(
         shape: Arc<Shape>,
         pusher_radius: f64,
         (edge, p): (usize, f64),
+        beta: f64,
         start_b: Vector2<f64>,
         direction_b: Vector2<f64>,
         distance: f64,
     ) -> Self {
-        let beta = beta(&shape.inward_normal_at(edge, p), &direction_b);
         let (duration, whole) = (None, None);
         Self {
             shape,

@@ -5,6 +5,7 @@
 mod effects;
 mod estimation;
 mod fast_roll_out;
+mod known_steps;
 mod laws;
 mod orthogonal_discrepancy;
 mod schema;

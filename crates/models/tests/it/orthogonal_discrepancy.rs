@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::known_steps::{inputs, spread, unit_noise};
 use dataset::SupportSpec;
 use effects::{Object, Track};
 use models::{
@@ -30,22 +31,6 @@ fn nominal() -> Description {
     Analytical::nominal(0.3).unwrap().describe().unwrap()
 }
 
-fn spread(k: usize, ratio: f64) -> f64 {
-    (0.5 + k as f64 * ratio).fract()
-}
-
-/// Close to normal, with mean 0 and variance 1.
-fn unit_noise(k: usize, output: usize) -> f64 {
-    let uniform = |i: usize| {
-        let mut z = ((36 * k + 12 * output + i) as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
-        for shift in [30, 27, 31] {
-            z = (z ^ (z >> shift)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        }
-        (z >> 11) as f64 / (1u64 << 53) as f64
-    };
-    (0..12).map(uniform).sum::<f64>() - 6.0
-}
-
 fn input(shape: &Arc<Shape>, edge: usize, k: usize) -> StepInput {
     let (p, beta) = (spread(k, 0.754_877_666), 1.6 * spread(k, 0.569_840_290) - 0.8);
     StepInput::on_edge(shape.clone(), 0.00475, edge, p, beta, 0.004).unwrap()
@@ -66,10 +51,6 @@ fn steps(n: usize, missing: f64) -> Vec<StepObservation> {
         StepObservation { outputs: mean + missing * discrepancy(&input) + noise, input }
     };
     (0..n).map(step).collect()
-}
-
-fn inputs(steps: &[StepObservation]) -> Vec<StepInput> {
-    steps.iter().map(|step| step.input.clone()).collect()
 }
 
 fn outputs(model: &Analytical, steps: &[StepObservation]) -> Vec<Vector3<f64>> {

@@ -1,5 +1,6 @@
 //! One model of several outlines: what it sees of a contact, and what it knows of outlines beside.
 
+use crate::known_steps::{inputs, nmse, spread};
 use models::{
     Analytical, GpPushModel, Hybrid, ModelError, ModelFile, Noise, PushModel, StepFeatures,
     StepInput, StepObservation, Training,
@@ -18,7 +19,6 @@ fn mit(name: &str) -> Shape {
 /// Steps all round an outline, of the analytical model with a little noise.
 fn steps(shape: Shape, n: usize) -> Vec<StepObservation> {
     let (shape, model) = (Arc::new(shape), Analytical::nominal(0.25).unwrap());
-    let spread = |k: usize, ratio: f64| (0.5 + k as f64 * ratio).fract();
     let step = |k: usize| {
         let (p, beta) = (spread(k, 0.7548776662), 1.6 * spread(k, 0.5698402909) - 0.8);
         let edge = k % shape.n_edges();
@@ -28,21 +28,6 @@ fn steps(shape: Shape, n: usize) -> Vec<StepObservation> {
         StepObservation { outputs: input.outputs(&model.motion(&input).unwrap()) + noise, input }
     };
     (0..n).map(step).collect()
-}
-
-fn inputs(steps: &[StepObservation]) -> Vec<StepInput> {
-    steps.iter().map(|step| step.input.clone()).collect()
-}
-
-/// Mean over outputs of squared error over variance.
-fn nmse(model: &dyn PushModel, steps: &[StepObservation]) -> f64 {
-    let said = model.predict(&inputs(steps), Noise::Excluded).unwrap();
-    let score = |k: usize| {
-        let y: Vec<f64> = steps.iter().map(|step| step.outputs[k]).collect();
-        let mean: Vec<f64> = said.iter().map(|said| said.mean[k]).collect();
-        gp_core::scores::nmse(&y, &mean).unwrap()
-    };
-    (0..3).map(score).sum::<f64>() / 3.0
 }
 
 fn learn(steps: &[StepObservation], features: StepFeatures) -> GpPushModel {
