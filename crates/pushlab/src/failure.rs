@@ -1,11 +1,11 @@
 //! How a run ends, and what is said when it fails.
 
 use dataset::MANIFEST_NAME;
-use std::fmt;
 use std::io::{self, ErrorKind};
 use std::process::ExitCode;
 
 use crate::terminal::{FAILURE, Terminal};
+use crate::wrong_usage::WrongUsage;
 
 /// How a run ended, as exit codes tell it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,18 +23,6 @@ impl From<Outcome> for ExitCode {
         Self::from(outcome as u8)
     }
 }
-
-/// Arguments that do not go together, as only the command itself can tell.
-#[derive(Debug)]
-pub(crate) struct WrongUsage(pub(crate) &'static str);
-
-impl fmt::Display for WrongUsage {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.0)
-    }
-}
-
-impl std::error::Error for WrongUsage {}
 
 /// Says what failed, why, and what may help; returns how the run ended.
 pub(crate) fn report(error: &anyhow::Error, terminal: &Terminal) -> Outcome {

@@ -21,6 +21,7 @@ mod suspected;
 mod table_summary;
 mod terminal;
 mod unexplained;
+mod wrong_usage;
 
 use std::process::ExitCode;
 

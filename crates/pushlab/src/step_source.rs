@@ -11,12 +11,12 @@ use diagnosis::{Observations, steady_ingest, step_suspicions};
 
 use crate::command_line::preset_parser;
 use crate::destination::Inputs;
-use crate::failure::WrongUsage;
 use crate::origin::{Input, readable};
 use crate::recorded_steps::RecordedSteps;
 use crate::step_size::StepSize;
 use crate::suspected::{refuse, suspected, warn};
 use crate::terminal::Terminal;
+use crate::wrong_usage::WrongUsage;
 
 /// What names a set or a table.
 #[derive(clap::Args)]

@@ -14,11 +14,11 @@ use indicatif::ProgressDrawTarget;
 use serde::Serialize;
 
 use crate::document::document;
-use crate::failure::WrongUsage;
 use crate::file_ending::is_standard;
 use crate::global::Global;
 use crate::origin::{Input, Origin};
 use crate::progress::Progress;
+use crate::wrong_usage::WrongUsage;
 
 /// Standard output and standard error, with what the user wants to see of them.
 #[derive(Clone)]

@@ -109,7 +109,12 @@ fn colors_appear_on_demand_only() {
 #[test]
 fn a_reader_that_leaves_is_no_failure() {
     let set = SmallSet::new();
-    for arguments in [&["inspect", "set"][..], &["ingest", "set", "--json"], &["--help"]] {
+    for arguments in [
+        &["inspect", "set"][..],
+        &["ingest", "set", "--json"],
+        &["ingest", "set", "-o", "-"],
+        &["--help"],
+    ] {
         let mut child =
             set.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         drop(child.stdout.take());

@@ -20,12 +20,12 @@ use super::models::Parameters;
 use crate::command_line::seed_parser;
 use crate::destination::{Force, Inputs};
 use crate::diagnosis_file;
-use crate::failure::WrongUsage;
 use crate::file_ending;
 use crate::fitting::{Fitting, model_for};
 use crate::origin::{Origin, TOOL};
 use crate::suspected::warn;
 use crate::terminal::{TITLE, Terminal};
+use crate::wrong_usage::WrongUsage;
 
 /// Add effects to a model: what a diagnosis names, or one with values by hand or fitted
 ///

@@ -20,12 +20,12 @@ use self::settings_file::SettingsFile;
 use self::shape_name::ShapeName;
 use crate::command_line::seed_parser;
 use crate::destination::Inputs;
-use crate::failure::WrongUsage;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
 use crate::progress::Progress;
 use crate::speed::Speed;
 use crate::terminal::Terminal;
+use crate::wrong_usage::WrongUsage;
 
 /// Simulate pushes and write them as a recording set that can hide an effect
 ///

@@ -18,7 +18,6 @@ use self::source::Source;
 use crate::command_line::preset_parser;
 use crate::destination::{Force, Inputs};
 use crate::document::document;
-use crate::failure::WrongUsage;
 use crate::file_ending;
 use crate::origin::{Input, Origin};
 use crate::recorded_steps::recorded_inputs;
@@ -26,6 +25,7 @@ use crate::step_size::StepSize;
 use crate::suspected::{suspected, warn};
 use crate::table_summary::TableSummary;
 use crate::terminal::{TITLE, Terminal};
+use crate::wrong_usage::WrongUsage;
 
 /// Turn recordings into a step table, with a report of every repair
 ///

@@ -7,8 +7,8 @@ use anyhow::{Result, bail};
 use dataset::{MANIFEST_NAME, Preset, RecordingSet, TableMapping, all_formats, find_recordings};
 
 use super::Args;
-use crate::failure::WrongUsage;
 use crate::origin::readable;
+use crate::wrong_usage::WrongUsage;
 
 /// The input as it was recognized.
 pub(super) enum Source {

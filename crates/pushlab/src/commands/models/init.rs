@@ -9,10 +9,10 @@ use models::{Analytical, Estimate, ModelFile, PushModel};
 use super::parameters::Parameters;
 use crate::command_line::preset_parser;
 use crate::destination::{Force, Inputs};
-use crate::failure::WrongUsage;
 use crate::file_ending;
 use crate::origin::{Input, Origin, TOOL, readable};
 use crate::terminal::{TITLE, Terminal};
+use crate::wrong_usage::WrongUsage;
 
 /// Write the analytical model with the nominal values of a recording set
 ///

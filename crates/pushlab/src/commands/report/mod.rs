@@ -54,9 +54,9 @@ pub(crate) struct Args {
     /// Answer of `pushlab diagnose` about this set and the first model: what is missing
     #[arg(long, value_name = "DIAGNOSIS", alias = "diagnosis", value_parser = file_ending::json)]
     from: Option<PathBuf>,
-    /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm); else 200ms
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
-    step: Option<StepSize>,
+    /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm)
+    #[arg(long, value_name = "LENGTH", default_value = "200ms", allow_hyphen_values = true)]
+    step: StepSize,
     #[command(flatten)]
     force: Force,
 }
@@ -124,10 +124,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let set = RecordingSet::open(&args.set)?;
     let suspicions = suspected(&set);
     warn(&suspicions, terminal);
-    let mut settings = IngestSettings::default();
-    if let Some(StepSize(step)) = args.step {
-        settings.step = step;
-    }
+    let settings = IngestSettings { step: args.step.0, ..IngestSettings::default() };
     let recorded = RecordedSteps::read(&set, &settings, terminal)?;
     origin.inputs.extend(recorded.inputs);
     let observations = Observations::of(&recorded.table, set.manifest())?;
@@ -291,6 +288,6 @@ impl Args {
             .path(&self.set)
             .paths("model", &self.model)
             .paths("from", &self.from)
-            .option("step", self.step)
+            .option("step", [self.step])
     }
 }

@@ -16,11 +16,11 @@ use planar::Pose;
 use super::Args;
 use super::path_file::PathFile;
 use super::rolled::Task;
-use crate::failure::WrongUsage;
 use crate::origin::{Input, Origin, readable};
 use crate::recorded_steps::RecordedSteps;
 use crate::step_size::StepSize;
 use crate::terminal::Terminal;
+use crate::wrong_usage::WrongUsage;
 
 /// What is rolled out, and what is measured on.
 pub(super) struct Source {

@@ -5,7 +5,7 @@ use clap::ValueEnum;
 use models::ProcessKind;
 use serde::{Serialize, Serializer};
 
-use crate::failure::WrongUsage;
+use crate::wrong_usage::WrongUsage;
 
 /// A kind of model that learns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -19,13 +19,13 @@ use self::kind::{Chosen, Extra, Kind, Residual, Typed};
 use self::scores::{Score, scores};
 use crate::command_line::seed_parser;
 use crate::destination::Force;
-use crate::failure::WrongUsage;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
 use crate::some_of::some_of;
 use crate::step_size::StepSize;
 use crate::step_source::{Reading, StepSource, Steps};
 use crate::terminal::Terminal;
+use crate::wrong_usage::WrongUsage;
 
 /// Train a model on a part of the pushes, alone or on what physics leaves over
 ///
