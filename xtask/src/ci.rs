@@ -3,10 +3,10 @@
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use cargo_metadata::MetadataCommand;
+use cargo_metadata::{MetadataCommand, Package};
 use clap::ValueEnum;
 
-use crate::cargo::{cargo, run as run_command, workspace_root};
+use crate::cargo::{cargo, output, run as run_command, workspace_root};
 use crate::{fmt, starters, test, tidy};
 
 /// Time for each reader of files, in s.
@@ -44,8 +44,10 @@ enum Stage {
     Clippy,
     /// Documentation, its warnings as errors
     Doc,
-    /// Each crate builds without the features that others turn on
-    Alone,
+    /// Licenses and versions of dependencies, where cargo-deny is installed
+    Deny,
+    /// Each library packs, and builds from its package alone
+    Package,
     /// Committed recordings are what the task that makes them writes
     Fixtures,
     /// All tests and doctests
@@ -63,7 +65,8 @@ impl Stage {
             Stage::Tidy => "tidy",
             Stage::Clippy => "clippy",
             Stage::Doc => "doc",
-            Stage::Alone => "alone",
+            Stage::Deny => "deny",
+            Stage::Package => "package",
             Stage::Fixtures => "fixtures",
             Stage::Test => "test",
             Stage::Fuzz => "fuzz",
@@ -86,7 +89,8 @@ impl Stage {
             Stage::Doc => run_command(
                 cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"),
             ),
-            Stage::Alone => check_each_crate(),
+            Stage::Deny => check_dependencies(),
+            Stage::Package => package_libraries(),
             Stage::Fixtures => start("fixtures", &["--check"]),
             Stage::Test => test::run(&test::Args {}),
             Stage::Fuzz => start("fuzz", &["--seconds", FUZZ_SECONDS]),
@@ -99,12 +103,23 @@ fn start(task: &str, arguments: &[&str]) -> Result<()> {
     run_command(&mut starters::command(task, arguments)?)
 }
 
-fn check_each_crate() -> Result<()> {
-    let metadata = MetadataCommand::new().no_deps().current_dir(workspace_root()).exec()?;
-    for package in metadata.workspace_packages() {
-        run_command(&mut cargo(&["check", "--package", package.name.as_str()]))?;
+fn check_dependencies() -> Result<()> {
+    if output(&mut cargo(&["deny", "--version"])).is_err() {
+        println!("left out: cargo-deny is not installed");
+        return Ok(());
     }
-    Ok(())
+    run_command(&mut cargo(&["deny", "check", "licenses", "bans"]))
+}
+
+fn package_libraries() -> Result<()> {
+    let metadata = MetadataCommand::new().no_deps().current_dir(workspace_root()).exec()?;
+    let mut command = cargo(&["package", "--workspace", "--quiet", "--allow-dirty"]);
+    // A package with an empty list of registries is published nowhere.
+    let is_kept = |package: &&Package| package.publish.as_ref().is_some_and(Vec::is_empty);
+    for package in metadata.workspace_packages().into_iter().filter(is_kept) {
+        command.args(["--exclude", package.name.as_str()]);
+    }
+    run_command(&mut command)
 }
 
 #[cfg(test)]
