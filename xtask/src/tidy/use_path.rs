@@ -63,12 +63,12 @@ pub(super) fn globs(code: &str, module: &str) -> Vec<String> {
 
 /// Names of a module's own public items.
 pub(super) fn items(code: &str) -> impl Iterator<Item = &str> {
-    let item = |line: &'_ str| -> Option<&str> {
+    fn item(line: &str) -> Option<&str> {
         let rest = line.strip_prefix("pub ")?;
         let (kind, rest) = rest.split_once(' ')?;
         let end = rest.find(|letter: char| !(letter.is_alphanumeric() || letter == '_'))?;
         ["fn", "struct", "enum", "trait", "const", "type"].contains(&kind).then_some(&rest[..end])
-    };
+    }
     code.lines().filter_map(item)
 }
 
