@@ -8,7 +8,7 @@ use crate::{DiagnosisError, Screen};
 
 impl Search<'_> {
     /// Effects that explain nearly as much as one of those tried: within [`Rules::APART`] in twice the
-    /// log likelihood; of known look-alikes within a share of what it explains, for a model of a rig
+    /// log likelihood; of confounders within a share of what it explains, for a model of a rig
     /// is not true enough to tell them apart by less.
     ///
     /// All is measured from the model `here`, whose small nuisances take what they can for themselves.
@@ -51,7 +51,7 @@ impl Search<'_> {
         names(one, other) || names(other, one)
     }
 
-    /// Documented look-alikes of the best effect tried that were not tried themselves.
+    /// Confounders of the best effect tried that were not tried themselves.
     pub(super) fn alike_the_best(
         &self,
         tried: &[Tried],

@@ -71,7 +71,7 @@ impl Rules {
     const SHARE: f64 = 0.01;
     /// Difference in twice the log likelihood that tells effects apart.
     pub(super) const APART: f64 = 6.0;
-    /// Share of what an effect explains by which a known look-alike has to fall behind.
+    /// Share of what an effect explains by which a confounder has to fall behind.
     pub(super) const SHARE_APART: f64 = 0.05;
     /// Share of what an effect explains alone that is its own if it explains it beside another, too.
     pub(super) const OWN_SHARE: f64 = 0.5;

@@ -23,7 +23,7 @@ pub struct Resemblance {
     pub when: &'static str,
 }
 
-/// The resemblances of a fitted effect: its declared look-alikes, and what else was asked for.
+/// The resemblances of a fitted effect: its confounders, and what else was asked for.
 ///
 /// # Errors
 /// What a prediction refuses.
