@@ -63,7 +63,6 @@ pub(super) fn globs(code: &str, module: &str) -> Vec<String> {
 
 /// Names of a module's own public items.
 pub(super) fn items(code: &str) -> impl Iterator<Item = &str> {
-<<<<<<< HEAD
     code.lines().filter_map(public_item)
 }
 
@@ -71,15 +70,6 @@ fn public_item(line: &str) -> Option<&str> {
     let (kind, rest) = line.strip_prefix("pub ")?.split_once(' ')?;
     let end = rest.find(|letter: char| !(letter.is_alphanumeric() || letter == '_'))?;
     ["fn", "struct", "enum", "trait", "const", "type"].contains(&kind).then_some(&rest[..end])
-=======
-    fn item(line: &str) -> Option<&str> {
-        let rest = line.strip_prefix("pub ")?;
-        let (kind, rest) = rest.split_once(' ')?;
-        let end = rest.find(|letter: char| !(letter.is_alphanumeric() || letter == '_'))?;
-        ["fn", "struct", "enum", "trait", "const", "type"].contains(&kind).then_some(&rest[..end])
-    }
-    code.lines().filter_map(item)
->>>>>>> part-a
 }
 
 /// A use tree from its first letter on: `a::{b, c::d}` gives `a::b` and `a::c::d`.
