@@ -10,7 +10,6 @@ use nalgebra::{Unit, UnitVector2, Vector2};
 use planar::{Pose, Shape, Twist, Wrench};
 use proptest::prelude::{ProptestConfig, Strategy, prop_assert, prop_assert_eq, proptest};
 use proptest::test_runner::RngSeed;
-use std::sync::Arc;
 
 /// Relative accuracy of loads and motions that is asked of all.
 const TOLERANCE: f64 = 1e-7;
