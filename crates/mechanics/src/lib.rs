@@ -20,6 +20,7 @@ pub use limit_surface::point_set::Facet;
 pub use limit_surface::quadratic_patch::QuadraticTraction;
 pub use limit_surface::quartic::QUARTIC_EXPONENTS;
 pub use limit_surface::uniform::{UniformPressure, UniformSurface};
+#[allow(clippy::wildcard_imports)] // The list of surfaces says what is handed on.
 pub use limit_surface::*;
 pub use path::edge_push::{EdgePush, StraightPush};
 pub use path::follow::{push_along, push_along_with_external_wrench};

@@ -16,11 +16,14 @@ pub trait UniformPressure: LimitSurface + Sized + 'static {
     fn over(shape: &Shape, f_max: f64) -> Result<Self, MechanicsError>;
 }
 
+/// A surface over a shape that bears a force, in N.
+type Over = fn(&Shape, f64) -> Result<Arc<dyn LimitSurface>, MechanicsError>;
+
 /// A kind of surface that stands for uniform pressure, by its name.
 #[derive(Clone, Copy, Debug)]
 pub struct UniformSurface {
     name: &'static str,
-    over: fn(&Shape, f64) -> Result<Arc<dyn LimitSurface>, MechanicsError>,
+    over: Over,
 }
 
 impl UniformSurface {

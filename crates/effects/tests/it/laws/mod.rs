@@ -139,7 +139,7 @@ fn the_same_set_of_effects_in_any_order_gives_the_same_bits() {
         let surface = SURFACES[round % 2].clone();
         let rig = World::PLAIN.rig(surface);
         let mut chosen: Vec<_> =
-            all().iter().cloned().filter(|_| random.random_bool(0.8)).collect();
+            all().iter().filter(|_| random.random_bool(0.8)).cloned().collect();
         let built = |order: &[Arc<dyn Effect>]| {
             let add = |model: PushPhysics, effect: &Arc<dyn Effect>| {
                 model.with(effect, &effect.info().typical(&rig)).unwrap()
