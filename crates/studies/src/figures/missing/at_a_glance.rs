@@ -16,7 +16,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let pair = Pair::of(study, without, with)?.context("no map has enough pushes a cell")?;
     let errors = all_channels(study)?;
     let figure = Figure::new(1, 3)
-        .panel_size(340.0, 280.0)
+        .panel_size(400.0, 320.0)
         .with(pair.panel(1, with))
         .with(pair.panel(0, with))
         .with(errors.panel());
