@@ -134,6 +134,8 @@ mod tests {
             ("Cargo.toml", "[workspace]\n"),
             ("ARCHITECTURE.md", "| crate | imports (ours) |\n|---|---|\n| `planar` | – |\n"),
             ("README.md", "# pushlab\n"),
+            ("docs/SUMMARY.md", "- [Glossary](glossary.md)\n"),
+            ("docs/glossary.md", "| not | but |\n|---|---|\n| told | reported |\n"),
             ("crates/planar/Cargo.toml", MANIFEST),
             ("crates/planar/README.md", README),
             ("crates/planar/src/lib.rs", LIBRARY),

@@ -64,7 +64,7 @@ fn resolved(page: &str, target: &str) -> Option<String> {
 }
 
 fn unlisted(project: &Project) -> Vec<Finding> {
-    let Some(contents) = project.text(CONTENTS) else { return Vec::new() };
+    let contents = project.text(CONTENTS).unwrap_or_default();
     let listed: BTreeSet<_> = targets(contents)
         .into_iter()
         .filter_map(|(_, target)| resolved(CONTENTS, target))
@@ -92,21 +92,25 @@ mod tests {
     fn links_to_files_folders_places_and_other_sites_are_fine() {
         let page =
             "[a](../LICENSE) [b](b.md#part) [c](#here) [d](https://e.org) [e](../crates/e)\n";
-        let files =
-            [("docs/a.md", page), ("docs/b.md", ""), ("LICENSE", ""), ("crates/e/Cargo.toml", "")];
+        let files = [
+            ("fixtures/a.md", page),
+            ("fixtures/b.md", ""),
+            ("LICENSE", ""),
+            ("crates/e/a.rs", ""),
+        ];
         assert!(messages(&files).is_empty());
     }
 
     #[test]
     fn links_that_lead_nowhere_are_found() {
         assert_eq!(
-            messages(&[("docs/a.md", "\n[b](b.md) [c](../../c)\n")]),
+            messages(&[("fixtures/a.md", "\n[b](b.md) [c](../../c)\n")]),
             [
-                "docs/a.md:2: r: there is no `b.md`; correct the link, or take it out",
-                "docs/a.md:2: r: there is no `../../c`; correct the link, or take it out"
+                "fixtures/a.md:2: r: there is no `b.md`; correct the link, or take it out",
+                "fixtures/a.md:2: r: there is no `../../c`; correct the link, or take it out"
             ]
         );
-        assert!(messages(&[("docs/a.md", "```rust\na[1](b)\n```\n")]).is_empty());
+        assert!(messages(&[("fixtures/a.md", "```rust\na[1](b)\n```\n")]).is_empty());
     }
 
     #[test]
@@ -116,5 +120,6 @@ mod tests {
             messages(&files),
             ["docs/b.md:1: r: no chapter of the book; list it in docs/SUMMARY.md"]
         );
+        assert_eq!(messages(&[("docs/a.md", "")]).len(), 1);
     }
 }
