@@ -3,10 +3,11 @@
 use crate::known_steps::{inputs, nmse, spread};
 use models::{
     Analytical, GpPushModel, Hybrid, ModelError, ModelFile, Noise, PushModel, StepFeatures,
-    StepInput, StepObservation, Training,
+    StepInput, StepObservation, Training, Weights,
 };
 use nalgebra::Vector3;
 use planar::{Ellipse, MitObject, Shape, mit_object};
+use sha2::{Digest, Sha256};
 use std::sync::Arc;
 
 const CONTACT: StepFeatures = StepFeatures { contact: true, speed: false, normal: false };
@@ -97,4 +98,37 @@ fn a_model_of_contacts_comes_back_from_its_file_alone_and_beside_physics() {
         let [one, two] = [&model, &back].map(|m| m.predict(&asked, Noise::Included).unwrap());
         assert_eq!(one, two);
     }
+}
+
+/// Schema 2 called the orthogonal discrepancy `beside_physics`.
+#[test]
+fn weights_of_schema_2_are_read_and_of_others_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, steps) = (folder.path().join("model.toml"), steps(mit("tri1"), 60));
+    let base = Analytical::nominal(0.4).unwrap().describe().unwrap();
+    let training = Training { features: CONTACT, ..Training::default() };
+    let (hybrid, _) = Hybrid::train(&base, None, &steps, &training).unwrap();
+    let description = hybrid.describe().unwrap();
+    let file = ModelFile { name: "tri1".into(), description, split: None };
+    let read_as = |schema: &str, key: &str| {
+        let weights = file.description.weights.as_ref().unwrap();
+        let now = serde_json::to_string(weights).unwrap();
+        assert!(now.contains("\"orthogonal_discrepancy\":") && now.contains(Weights::SCHEMA));
+        let old = now.replace(Weights::SCHEMA, schema).replace("orthogonal_discrepancy", key);
+        file.write(&path).unwrap();
+        let model = std::fs::read_to_string(&path).unwrap();
+        let line = |start: &str| model.lines().find(|line| line.starts_with(start)).unwrap();
+        let (sha256, name) = (line("sha256 = "), line("weights = ").split('"').nth(1).unwrap());
+        std::fs::write(folder.path().join(name), &old).unwrap();
+        let model = model.replace(sha256, &format!("sha256 = \"{:x}\"", Sha256::digest(&old)));
+        std::fs::write(&path, model).unwrap();
+        ModelFile::read(&path).map(|file| file.description.build().unwrap())
+    };
+    let back = read_as("pushlab.weights/2", "beside_physics").unwrap();
+    let asked = inputs(&steps[20..40]);
+    let [one, two] =
+        [&hybrid as &dyn PushModel, &*back].map(|m| m.predict(&asked, Noise::Included).unwrap());
+    assert_eq!(one, two);
+    let refused = read_as("pushlab.weights/1", "beside_physics").err().unwrap().to_string();
+    assert!(refused.contains("reads pushlab.weights/2 and pushlab.weights/3"), "{refused}");
 }
