@@ -29,6 +29,7 @@ pub use effect::support::{LogTensor, Support};
 pub use effect::{Confounder, Effect, EffectInfo, IntoEffect, Sliding, Snapshot, Stage};
 pub use error::EffectError;
 pub use object::Object;
+pub use object::spots::Spot;
 pub use predict::push_physics::PushPhysics;
 pub use step::channels::{Channel, Channels};
 pub use step::input::StepInput;

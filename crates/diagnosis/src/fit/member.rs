@@ -250,7 +250,7 @@ mod tests {
                         let turned = turn * &block * turn.transpose();
                         assert!((turned - &block).norm() <= 1e-12 * block.norm(), "{}", about.id);
                     }
-                    Role::Even | Role::Odd | Role::Share | Role::Switch => {
+                    Role::Even | Role::Odd | Role::Cell | Role::Share | Role::Switch => {
                         assert!((squares[(k, k)].sqrt() - x[k].abs()).abs() < 1e-12);
                     }
                     Role::Y(_) | Role::Ratio(_) | Role::Direction(_) => {}

@@ -44,6 +44,19 @@ catalogue! {
     force_bias::ForceBias,
 }
 
+// Not searched for: a model carries them where it is built with them, as effects of its own.
+mod approach_gap;
+mod pressure_map;
+mod push_height;
+mod support_points;
+mod vertex_contact;
+
+pub use approach_gap::ApproachGap;
+pub use pressure_map::PressureMap;
+pub use push_height::PushHeight;
+pub use support_points::SupportPoints;
+pub use vertex_contact::VertexContact;
+
 /// Every effect of the catalogue, in the order in which they act.
 pub fn all() -> &'static [Arc<dyn Effect>] {
     &ALL

@@ -15,6 +15,12 @@ pub struct ContactLaw {
     pub stribeck_velocity: f64,
     /// How far the pusher yields along the normal, in m/N.
     pub compliance: f64,
+    /// How high above the table the pusher touches, in m.
+    pub height: f64,
+    /// Whether a pusher that would slide to the left is held.
+    pub caught_left: bool,
+    /// The same to the right.
+    pub caught_right: bool,
 }
 
 impl ContactLaw {
@@ -26,6 +32,9 @@ impl ContactLaw {
             static_ratio: 1.0,
             stribeck_velocity: 0.0,
             compliance: 0.0,
+            height: 0.0,
+            caught_left: false,
+            caught_right: false,
         }
     }
 
@@ -45,9 +54,21 @@ impl ContactLaw {
         (sliding + surplus, -2.0 * ratio / self.stribeck_velocity * surplus)
     }
 
-    /// Whether a force of this normal and tangential part can stick.
+    /// Whether a pusher may be held on either side.
+    pub(crate) fn is_caught(&self) -> bool {
+        self.caught_left || self.caught_right
+    }
+
+    /// Whether a pusher that would slide to a side is held: to the left (+1) or to the right (−1).
+    pub(crate) fn holds(&self, side: f64) -> bool {
+        if side > 0.0 { self.caught_left } else { self.caught_right }
+    }
+
+    /// Whether a force of this normal and tangential part can stick. What is held can be pulled at.
     pub(crate) fn sticks(&self, normal: f64, tangential: f64) -> bool {
         let side = if tangential >= 0.0 { 1.0 } else { -1.0 };
-        tangential.abs() <= self.static_ratio * self.sliding(side) * normal
+        let is_held = self.holds(side) && tangential != 0.0;
+        is_held
+            || normal > 0.0 && tangential.abs() <= self.static_ratio * self.sliding(side) * normal
     }
 }

@@ -14,6 +14,8 @@ pub struct Geometry {
     pub contact_shift: f64,
     /// Radius of the outline's corners, in m.
     pub corner_radius: f64,
+    /// How far the pusher still is from the object where a push is said to begin, in m.
+    pub approach_gap: f64,
 }
 
 /// Outline and pusher as a model has them: as stated, but for what its effects change.
@@ -116,6 +118,11 @@ impl<'a> Outline<'a> {
         };
         let contact = core.contact(center_o, self.radius + self.geometry.corner_radius);
         Contact { point: contact.point - self.geometry.corner_radius * contact.normal, ..contact }
+    }
+
+    /// Way of the pusher before it touches where a push is said to begin, in m.
+    pub(crate) fn approach_gap(&self) -> f64 {
+        self.geometry.approach_gap
     }
 
     /// Where the force acts.

@@ -16,8 +16,8 @@ use planar::{Pose, Wrench};
 
 use crate::effect::parameter::{coordinates, from_coordinates, to_coordinates};
 use crate::{
-    Channel, ContactLaw, Coordinate, EffectError, Geometry, MeasurementModel, Nuisance, Parameter,
-    Rig, StepInput, Support,
+    Channel, ContactLaw, Coordinate, EffectError, Geometry, MeasurementModel, Nuisance, Object,
+    Parameter, Rig, Spot, StepInput, Support,
 };
 
 /// A physical effect that a model can carry.
@@ -37,6 +37,10 @@ pub trait Effect: Debug + Send + Sync {
 
     /// [`Stage::Geometry`]: what touches where; once a step.
     fn geometry(&self, _values: &[f64], _step: &StepInput, _geometry: &mut Geometry) {}
+
+    /// [`Stage::Pressure`]: adds the spots on which an object rests; once a step. What they leave of
+    /// its weight is spread over the area as the rig says.
+    fn spots(&self, _values: &[f64], _object: &Object, _spots: &mut Vec<Spot>) {}
 
     /// [`Stage::Support`]: the limit surface, at a moment of the step.
     fn support(&self, _values: &[f64], _moment: &Snapshot<'_>, _support: &mut Support) {}
@@ -128,6 +132,8 @@ pub enum Stage {
     Measurement,
     /// What touches where: outline, radius, contact point.
     Geometry,
+    /// Where the weight rests.
+    Pressure,
     /// The limit surface: size, shape, center, directions.
     Support,
     /// Friction of each supported point with its own place and speed.
@@ -142,9 +148,10 @@ pub enum Stage {
 
 impl Stage {
     /// Every stage, in the order in which a prediction passes them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Measurement,
         Self::Geometry,
+        Self::Pressure,
         Self::Support,
         Self::Local,
         Self::Contact,

@@ -53,6 +53,8 @@ pub enum Role {
     Direction(Frame),
     /// 0 or 1.
     Switch,
+    /// A number of a cell of a grid along the body's axes: seen from other axes it is not one of theirs.
+    Cell,
     /// A share in a mixture, which neither changes: nothing is beyond the ends of its range, and an
     /// estimate may be there.
     Share,
@@ -180,7 +182,9 @@ pub(crate) fn from_coordinates(parameters: &[Parameter], coordinates: &[f64]) ->
     let mut list = coordinates.to_vec();
     for index in axes(parameters, coordinates.len()) {
         let (cosine, sine) = (coordinates[index], coordinates[index + 1]);
-        list[index] = (2.0 * cosine.hypot(sine)).exp();
+        // Each of the two may be at its end; the ratio is not beyond its own for that.
+        let (low, high) = parameters[index].range;
+        list[index] = (2.0 * cosine.hypot(sine)).exp().clamp(low, high);
         list[index + 1] = (0.5 * sine.atan2(cosine)).rem_euclid(std::f64::consts::PI);
     }
     list

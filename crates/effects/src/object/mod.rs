@@ -1,8 +1,10 @@
 //! An outline with mass goes in, what is pushed comes out: outline, mass and support.
 
+pub(crate) mod cells;
 pub(crate) mod patch_table;
 pub(crate) mod points;
 pub(crate) mod pressure;
+pub(crate) mod spots;
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -15,6 +17,7 @@ use crate::error::{finite, positive};
 use crate::object::patch_table::PatchTable;
 use crate::object::points::{Point, Points};
 use crate::object::pressure::Pressure;
+use crate::object::spots::Spot;
 
 /// An object on the table, with what predictions need of it worked out once.
 ///
@@ -33,6 +36,7 @@ pub struct Object {
     lanes: Points,
     ellipsoid: Ellipsoid,
     patch: OnceLock<Result<PatchTable, MechanicsError>>,
+    cells: OnceLock<Vec<Spot>>,
     /// The last one that was asked for: the steps of a set ask for the same again and again.
     pressure: Mutex<Option<Arc<Pressure>>>,
 }
@@ -57,7 +61,7 @@ impl Object {
         let second_moment = points.iter().map(|p| p.share * p.place * p.place.transpose()).sum();
         let mean_distance = shape.mean_distance(&centroid);
         let ellipsoid = Ellipsoid::new(1.0, mean_distance)?;
-        let (patch, pressure) = (OnceLock::new(), Mutex::new(None));
+        let (patch, cells, pressure) = (OnceLock::new(), OnceLock::new(), Mutex::new(None));
         Ok(Self {
             shape,
             mass,
@@ -70,6 +74,7 @@ impl Object {
             points,
             ellipsoid,
             patch,
+            cells,
             pressure,
         })
     }
@@ -138,6 +143,12 @@ impl Object {
     pub(crate) fn patch(&self) -> Result<&PatchTable, EffectError> {
         let made = self.patch.get_or_init(|| PatchTable::new(&self.shape));
         made.as_ref().map_err(|error| EffectError::Mechanics(error.clone()))
+    }
+
+    /// The cells of a grid of five rows and five columns over the outline, along the axes of its frame:
+    /// first row at the smallest y, first column at the smallest x, each with its share of the area.
+    pub fn cells(&self) -> &[Spot] {
+        self.cells.get_or_init(|| cells::cells(&self.shape))
     }
 
     /// Pressure whose center is `shift` from the centroid, in m.

@@ -154,18 +154,18 @@ impl Balance<'_> {
         guess: &ContactSolution,
     ) -> Result<ContactSolution, EffectError> {
         // What slides goes on sliding while it can, though it might stick by now.
-        if is_sliding(guess.mode) {
-            let edge = Edge::new(touch, law, guess.mode);
-            if let Some(answer) = self.slide_by_newton(touch, &edge, guess)?
-                && answer.mode == guess.mode
-                && edge.side * touch.slip(&answer.motion) > 0.0
-            {
-                return Ok(answer);
-            }
+        let edge = Edge::new(touch, law, guess.mode);
+        if is_sliding(guess.mode)
+            && !law.holds(edge.side)
+            && let Some(answer) = self.slide_by_newton(touch, &edge, guess)?
+            && answer.mode == guess.mode
+            && edge.side * touch.slip(&answer.motion) > 0.0
+        {
+            return Ok(answer);
         }
         let (motion, force) = self.stick(touch, 0.0, guess.motion.z)?;
         let (normal, tangential) = touch.split(&force);
-        if normal > 0.0 && law.sticks(normal, tangential) {
+        if law.sticks(normal, tangential) {
             return Ok(ContactSolution { mode: ContactMode::Sticking, motion, force });
         }
         let mode = match tangential >= 0.0 {

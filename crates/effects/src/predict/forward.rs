@@ -6,8 +6,9 @@ use planar::{Contact, Feature, Pose, Twist, perpendicular};
 
 use crate::effect::Stage;
 use crate::effect::geometry::Outline;
+use crate::object::spots::Spots;
 use crate::predict::contact_event::ContactEvent;
-use crate::predict::instant::{ForceBalance, Memory, Rate};
+use crate::predict::instant::{Memory, Rate};
 use crate::predict::touch_time::{TOUCH, touch_time};
 use crate::{Channels, ContactLaw, EffectError, MeasurementModel, PushPhysics, StepInput};
 
@@ -17,6 +18,8 @@ pub(crate) struct Forward<'a> {
     pub(crate) step: &'a StepInput,
     measurement: MeasurementModel,
     outline: Outline<'a>,
+    /// Where the object rests, if not on its area alone.
+    pub(crate) spots: Option<&'a Spots>,
     pub(crate) law: ContactLaw,
     /// The tracked frame in the outline's.
     pose_ob: Pose,
@@ -32,6 +35,8 @@ pub(crate) struct Forward<'a> {
     pub(crate) now: ContactEvent,
     /// How far the pusher yields along the normal, in m.
     deflection: f64,
+    /// How far the center of the pressure is moved by the push, in m, axes of the outline.
+    pub(crate) lean_o: Vector2<f64>,
     /// Time integral of the measured force, normal and tangential to the nominal contact, in N·s.
     impulse: Vector2<f64>,
     pub(crate) memory: Memory,
@@ -54,7 +59,11 @@ const MOST_SUBSTEPS: f64 = 1e5;
 const SHORTEST: f64 = 1e-6;
 
 impl<'a> Forward<'a> {
-    pub(crate) fn new(physics: &'a PushPhysics, step: &'a StepInput) -> Result<Self, EffectError> {
+    pub(crate) fn new(
+        physics: &'a PushPhysics,
+        step: &'a StepInput,
+        spots: Option<&'a Spots>,
+    ) -> Result<Self, EffectError> {
         let (measurement, geometry) = (physics.measurement(step), physics.geometry(step));
         let pose_bo = measurement.pose_bo();
         let pose_wo = step.pose_wb * pose_bo;
@@ -76,6 +85,7 @@ impl<'a> Forward<'a> {
             step,
             measurement,
             outline: Outline::new(step, geometry)?,
+            spots,
             law,
             pose_ob: pose_bo.inverse(),
             is_plain,
@@ -86,6 +96,7 @@ impl<'a> Forward<'a> {
             touching: false,
             now: ContactEvent { contact: nowhere, velocity_w: Vector2::zeros() },
             deflection: 0.0,
+            lean_o: Vector2::zeros(),
             impulse: Vector2::zeros(),
             memory: Memory::default(),
             trail: Vec::with_capacity(2),
@@ -175,7 +186,9 @@ impl<'a> Forward<'a> {
             // What the pusher still goes before it moves the object: its spring is not wound up
             // yet, or the object's stream lags behind. One that leaves has no such way before it.
             let approach = approach.max(0.0);
-            let ahead = self.deflection + approach * self.measurement.latency.max(0.0);
+            let ahead = self.deflection
+                + self.outline.approach_gap()
+                + approach * self.measurement.latency.max(0.0);
             let lost = (ahead - approach * self.step.since_contact).max(0.0);
             self.close(lost);
             self.touching = lost <= TOUCH;
@@ -255,19 +268,6 @@ impl<'a> Forward<'a> {
         Some(*last + ahead * (*last + -1.0 * *before))
     }
 
-    /// Motion and force at a moment of the quasi-static push.
-    fn rate(
-        &mut self,
-        time: f64,
-        pose: &Pose,
-        meeting: &ContactEvent,
-    ) -> Result<Rate, EffectError> {
-        let instant = ForceBalance::new(self.physics, self.step, pose, time)?;
-        let point = self.outline.acting_point(&meeting.contact);
-        let touch = instant.touch(&meeting.contact, &point, &meeting.velocity_w);
-        instant.pushed(&touch, &self.law, &mut self.memory)
-    }
-
     /// Time without contact, up to the touch at most.
     fn go_free(&mut self, length: f64, let_go: bool) -> Result<(), EffectError> {
         if !self.has_inertia && self.physics.acts_at(Stage::Load) {
@@ -305,8 +305,7 @@ impl<'a> Forward<'a> {
 
     /// Refuses an object that has to rest at a pose and cannot.
     pub(crate) fn rest(&self, pose: &Pose, memory: &mut Memory) -> Result<(), EffectError> {
-        ForceBalance::new(self.physics, self.step, pose, self.time)?
-            .refuse_sliding_by_itself(memory)
+        self.balance(pose, self.time, &Vector2::zeros())?.refuse_sliding_by_itself(memory)
     }
 
     /// Pose and velocity after some time without contact.

@@ -7,7 +7,7 @@ use planar::{Pose, Twist};
 use crate::EffectError;
 use crate::predict::contact_event::ContactEvent;
 use crate::predict::forward::{Forward, moved};
-use crate::predict::instant::{ForceBalance, Rate};
+use crate::predict::instant::Rate;
 
 /// 1 − 1/√2: both stages of the rule have this share of the sub-step.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -76,7 +76,7 @@ impl Forward<'_> {
                 self.rest(&pose, &mut memory)?;
                 return Ok((pose, Twist::default()));
             }
-            let now = ForceBalance::new(self.physics, self.step, &pose, self.time)?;
+            let now = self.balance(&pose, self.time, &Vector2::zeros())?;
             let (acceleration, power) = now.free_acceleration(&twist, &mut memory)?;
             // With constant forces the energy 2E/P more seconds would bring the object to rest.
             let until_rest = if power > 0.0 { 2.0 * energy / power } else { f64::INFINITY };
@@ -88,7 +88,7 @@ impl Forward<'_> {
             let length = left.min(SLIDE_SHARE * until_rest);
             let middle = twist + 0.5 * length * acceleration;
             let half_way = self.moved_center(&pose, &twist, 0.5 * length);
-            let then = ForceBalance::new(self.physics, self.step, &half_way, self.time)?;
+            let then = self.balance(&half_way, self.time, &Vector2::zeros())?;
             let (acceleration, _) = then.free_acceleration(&middle, &mut memory)?;
             pose = self.moved_center(&pose, &middle, length);
             twist += length * acceleration;
@@ -101,7 +101,7 @@ impl Forward<'_> {
     fn meet_pusher(&mut self) -> Result<(), EffectError> {
         if self.closing_speed(&self.now, &self.pose_wo, &self.twist_w) > 0.0 {
             let contact = &self.now.contact;
-            let instant = ForceBalance::new(self.physics, self.step, &self.pose_wo, self.time)?;
+            let instant = self.balance(&self.pose_wo, self.time, &Vector2::zeros())?;
             let point = self.acting_point(contact);
             let touch = instant.touch(contact, &point, &self.now.velocity_w);
             self.twist_w = instant.struck(&touch, &self.law, &self.twist_w)?;
@@ -118,11 +118,10 @@ impl Forward<'_> {
         target: &Twist,
     ) -> Result<Option<(Rate, ContactEvent)>, EffectError> {
         let meeting = self.meet(time, pose);
-        let point: Vector2<f64> = self.acting_point(&meeting.contact);
-        let instant = ForceBalance::new(self.physics, self.step, pose, time)?;
-        let touch = instant.touch(&meeting.contact, &point, &meeting.velocity_w);
-        let rate =
-            instant.pushed_with_inertia(&touch, &self.law, length, target, &mut self.memory)?;
+        let law = self.law;
+        let rate = self.with_lean(pose, time, &meeting, |instant, touch, memory| {
+            instant.pushed_with_inertia(touch, &law, length, target, memory)
+        })?;
         Ok((rate.mode != ContactMode::Separated).then_some((rate, meeting)))
     }
 

@@ -10,26 +10,28 @@ use crate::effect::{Snapshot, Stage};
 use crate::error::positive;
 use crate::object::points::Point;
 use crate::object::pressure::Pressure;
+use crate::object::spots::Spots;
+use crate::predict::area_friction::{AreaFriction, Local, ellipsoid, turning_ratio};
 use crate::predict::balance::{
     Balance, ContactKinematics, ContactSolution, closed_form, is_sliding,
 };
-use crate::predict::friction::{Friction, Local, ellipsoid, turning_ratio};
-use crate::predict::holding::overload;
+use crate::predict::friction::{Friction, SpotFriction, motion_at};
 use crate::{ContactLaw, EffectError, PushPhysics, StepInput, Support};
 
 /// The model at one pose and time of a step.
 pub(crate) struct ForceBalance<'a> {
-    physics: &'a PushPhysics,
+    pub(crate) physics: &'a PushPhysics,
     step: &'a StepInput,
+    spots: Option<&'a Spots>,
     pose_wo: Pose,
     time: f64,
-    support: Support,
+    pub(crate) support: Support,
     /// Center of friction, in m, frame of the outline.
     center: Vector2<f64>,
     /// Largest friction force, in N.
     pub(crate) f_max: f64,
     /// Loads besides the pusher's per `f_max`, about the center of friction, axes of the outline.
-    external: Vector3<f64>,
+    pub(crate) external: Vector3<f64>,
 }
 
 /// Motion and contact force of a moment.
@@ -71,19 +73,20 @@ impl Memory {
 
 /// Speed below which squares of velocities may underflow, in m/s.
 const SLOWEST: f64 = 1e-60;
-/// Speed of an object that is about to rest, in m/s: below what any law of friction resolves.
-const SLOW: f64 = 1e-12;
 
 impl<'a> ForceBalance<'a> {
     pub(crate) fn new(
         physics: &'a PushPhysics,
-        step: &'a StepInput,
+        (step, spots): (&'a StepInput, Option<&'a Spots>),
         pose_wo: &Pose,
         time: f64,
+        lean_o: &Vector2<f64>,
     ) -> Result<Self, EffectError> {
         let moment = Snapshot { rig: physics.rig(), step, pose_wo: *pose_wo, time };
-        let support = physics.support(&moment).checked()?;
-        let center = step.object.centroid() + support.center_o;
+        let mut support = physics.support(&moment).checked()?;
+        support.center_o += lean_o;
+        let of_spots = spots.map_or_else(Vector2::zeros, |spots| spots.center);
+        let center = step.object.centroid() + of_spots + support.center_o;
         let nominal = physics.rig().nominal_force(step.object.mass());
         let f_max = nominal * (support.friction / physics.rig().support_friction());
         positive("the largest force of friction with the table", f_max, "N")?;
@@ -95,7 +98,8 @@ impl<'a> ForceBalance<'a> {
         } else {
             Vector3::zeros()
         };
-        Ok(Self { physics, step, pose_wo: *pose_wo, time, support, center, f_max, external })
+        let pose_wo = *pose_wo;
+        Ok(Self { physics, step, spots, pose_wo, time, support, center, f_max, external })
     }
 
     /// A contact in the outline's frame, whose force acts at a point there, with a pusher that has a
@@ -134,6 +138,7 @@ impl<'a> ForceBalance<'a> {
         let local = self.local(&guess.motion);
         let is_closed = self.is_quadric()
             && law.static_ratio == 1.0
+            && !law.is_caught()
             && touch.acting == touch.point
             && self.external == Vector3::zeros();
         let answer = if is_closed && local.is_none() {
@@ -255,18 +260,21 @@ impl<'a> ForceBalance<'a> {
     }
 
     /// The friction of single points, if any has a surplus in a motion at S.
-    fn local(&self, motion: &Vector3<f64>) -> Option<Local<'a>> {
+    pub(crate) fn local(&self, motion: &Vector3<f64>) -> Option<Local<'a>> {
         if !self.physics.acts_at(Stage::Local) {
             return None;
         }
         let local = Local::new(self.physics, &self.pose_wo, &self.center);
-        let is_there = self.step.object.points().iter().any(|Point { place, .. }| {
+        let of_area = self.step.object.points().iter().map(|Point { place, .. }| place);
+        let of_spots = self.spots.into_iter().flat_map(Spots::places);
+        let mut places = of_area.chain(of_spots);
+        let is_there = places.any(|place| {
             local.surplus(place, &(motion.xy() + motion.z * perpendicular(place))) != 0.0
         });
         is_there.then_some(local)
     }
 
-    fn friction(
+    pub(crate) fn friction(
         &self,
         local: Option<Local<'a>>,
         memory: &mut Memory,
@@ -274,7 +282,25 @@ impl<'a> ForceBalance<'a> {
         let given = self.physics.rig().given();
         let has_points = self.support.shape != 0.0 || local.is_some();
         let pressure = if has_points { self.pressure(memory)? } else { None };
-        Friction::new(&self.step.object, &self.support, given, pressure, local)
+        let (object, support) = (&self.step.object, &self.support);
+        let Some(spots) = self.spots else {
+            let area = AreaFriction::new(object, support, given, pressure, local)?;
+            return Ok(Friction { area, spots: None });
+        };
+        // The area keeps its own center, about which its load is known.
+        let center = object.centroid() + support.center_o;
+        let of_area = local.map(|_| Local::new(self.physics, &self.pose_wo, &center));
+        let area = AreaFriction::new(object, support, given, pressure, of_area)?;
+        let spots = SpotFriction {
+            share: spots.share,
+            points: spots.leaning(&support.center_o),
+            length: support.length_ratio * spots.mean_distance,
+            stretch: support.length_ratio,
+            tensor: support.tensor_o.exp(1.0),
+            local,
+            to_area: motion_at(&(center - self.center)),
+        };
+        Ok(Friction { area, spots: Some(spots) })
     }
 
     /// The load that leans, worked out anew only if its center moved; none for uniform pressure.
@@ -293,7 +319,10 @@ impl<'a> ForceBalance<'a> {
 
     /// The ellipsoid of the moment, made anew only if it changed; its largest force is 1.
     fn ellipsoid(&self, memory: &mut Memory) -> Result<Ellipsoid, EffectError> {
-        if self.support.length_ratio == 1.0 && self.support.tensor_o.is_zero() {
+        if self.support.length_ratio == 1.0
+            && self.support.tensor_o.is_zero()
+            && self.spots.is_none()
+        {
             return Ok(*self.step.object.ellipsoid());
         }
         if let Some((support, surface)) = &memory.ellipsoid {
@@ -309,54 +338,17 @@ impl<'a> ForceBalance<'a> {
         Ok(surface)
     }
 
-    /// Refuses an object that must rest under a load which the friction in force cannot hold.
-    ///
-    /// # Errors
-    /// `SlidesByItself`.
-    pub(crate) fn refuse_sliding_by_itself(&self, memory: &mut Memory) -> Result<(), EffectError> {
-        if self.external == Vector3::zeros() {
-            return Ok(());
-        }
-        let level = if self.is_quadric() && !self.physics.acts_at(Stage::Local) {
-            let (wrench, normal) = self.external_and_normal();
-            let level = wrench.dot(&normal).sqrt();
-            (level >= 1.0).then_some(level)
-        } else {
-            self.overload(SLOW, memory)?
-        };
-        level.map_or(Ok(()), |level| Err(MechanicsError::SlidesByItself { level }.into()))
-    }
-
-    /// How far the external load is beyond the friction of motions of a speed, in m/s; none within.
-    fn overload(&self, speed: f64, memory: &mut Memory) -> Result<Option<f64>, EffectError> {
-        let length = self.length();
-        let (wrench, guess) = self.external_and_normal();
-        let motion = |t: &Vector3<f64>| speed * Vector3::new(t.x, t.y, t.z / length);
-        let friction = self.friction(self.local(&motion(&guess)), memory)?;
-        let load = |t: &Vector3<f64>| -> Result<Vector3<f64>, EffectError> {
-            let (load, _) = friction.load(&motion(t))?;
-            Ok(Vector3::new(load.x, load.y, load.z / length))
-        };
-        overload(load, &wrench, &guess)
-    }
-
-    /// The external load and the motion that it has on the ellipsoid, both with turns as lengths.
-    fn external_and_normal(&self) -> (Vector3<f64>, Vector3<f64>) {
-        let torque = self.external.z / self.length();
-        let force = self.external.xy();
-        let along = self.support.tensor_o.exp(-2.0) * force;
-        (Vector3::new(force.x, force.y, torque), Vector3::new(along.x, along.y, torque))
-    }
-
     /// Whether friction is the ellipsoid, but for that of single points.
-    fn is_quadric(&self) -> bool {
-        self.support.shape == 0.0 && self.physics.rig().given().is_none()
+    pub(crate) fn is_quadric(&self) -> bool {
+        self.support.shape == 0.0 && self.physics.rig().given().is_none() && self.spots.is_none()
     }
 
     /// c of the ellipsoid, in m.
-    fn length(&self) -> f64 {
+    pub(crate) fn length(&self) -> f64 {
         let object = &self.step.object;
-        self.support.length_ratio * turning_ratio(object, &self.support) * object.mean_distance()
+        let turning = self.support.length_ratio * turning_ratio(object, &self.support);
+        let mean = object.mean_distance();
+        turning * self.spots.map_or(mean, |s| (1.0 - s.share) * mean + s.share * s.mean_distance)
     }
 
     /// Mass matrix at the center of friction, axes of the outline.

@@ -1,5 +1,7 @@
 //! A rig, its effects and a step go in, all channels of the step come out.
 
+pub(crate) mod area_friction;
+pub(crate) mod at_rest;
 pub(crate) mod balance;
 pub(crate) mod contact_event;
 pub(crate) mod forward;
@@ -7,6 +9,7 @@ pub(crate) mod friction;
 pub(crate) mod holding;
 pub(crate) mod inertia;
 pub(crate) mod instant;
+pub(crate) mod lean;
 pub(crate) mod push_physics;
 pub(crate) mod touch_time;
 
@@ -28,7 +31,8 @@ impl PushPhysics {
     /// converge.
     pub fn predict(&self, step: &StepInput) -> Result<Channels, EffectError> {
         step.validate()?;
-        Forward::new(self, step)?.run()
+        let spots = self.spots(&step.object)?;
+        Forward::new(self, step, spots.as_ref())?.run()
     }
 
     /// All channels of many steps, in their order.

@@ -7,8 +7,10 @@ use planar::{Pose, Wrench};
 use crate::catalogue::{all, by_id_with};
 use crate::effect::setting::Setting;
 use crate::effect::{Effect, IntoEffect, Sliding, Snapshot, Stage};
+use crate::object::spots::Spots;
 use crate::{
-    ContactLaw, EffectError, Geometry, MeasurementModel, Rig, StepInput, Support, TrueOutline,
+    ContactLaw, EffectError, Geometry, MeasurementModel, Object, Rig, StepInput, Support,
+    TrueOutline,
 };
 
 /// The prediction of all channels of a step, by a rig with any set of effects.
@@ -134,6 +136,19 @@ impl PushPhysics {
         let mut law = ContactLaw::rigid(self.rig.pusher_friction());
         self.at(Stage::Contact).for_each(|(e, values)| e.contact(values, &moment, &mut law));
         law
+    }
+
+    /// What the effects say an object rests on besides its area.
+    ///
+    /// # Errors
+    /// `InvalidValue`.
+    pub(crate) fn spots(&self, object: &Object) -> Result<Option<Spots>, EffectError> {
+        if !self.acts_at(Stage::Pressure) {
+            return Ok(None);
+        }
+        let mut spots = Vec::new();
+        self.at(Stage::Pressure).for_each(|(e, values)| e.spots(values, object, &mut spots));
+        Spots::new(&spots, object.centroid(), object.mean_distance())
     }
 
     pub(crate) fn support(&self, moment: &Snapshot<'_>) -> Support {

@@ -8,3 +8,4 @@ mod extremes;
 mod known_answers;
 mod laws;
 mod separation;
+mod supports;

@@ -51,7 +51,12 @@ impl World {
                     (mapped[index], mapped[index + 1]) = (vector.x, vector.y);
                 }
                 Role::Direction(frame) => mapped[index] = sign * scaled[index] + turn(frame),
-                Role::Even | Role::Y(_) | Role::Ratio(_) | Role::Switch | Role::Share => {}
+                Role::Even
+                | Role::Y(_)
+                | Role::Ratio(_)
+                | Role::Switch
+                | Role::Share
+                | Role::Cell => {}
             }
         }
         mapped
