@@ -27,10 +27,11 @@ pub use hidden::{EffectKind, Hidden, HiddenEffect, Parameter, Quantity, effect_k
 pub use recording::generate::{GenerateReport, SetOutput, generate, generate_each};
 pub use recording::pushed_object::{Nominal, PushedObject, read_rig};
 pub use recording::scatter::Scatter;
-pub use recording::sensors::{Sensor, Sensors};
+pub use recording::sensors::{Flips, Sensor, Sensors};
 pub use recording::simulate::{GenerateSettings, SimulatedPush, simulate};
 pub use truth::variation::Variation;
 pub use truth::{
     Body, Cable, Clocks, ForceSensor, FrictionMap, Grain, Groove, HeightMap, Hysteresis, Magnet,
-    Markers, Pressure, RateLaw, Spot, SupportFriction, Tip, TipFriction, Truth, Wear, Wobble,
+    Markers, Pressure, RateLaw, Spot, SupportFriction, Texture, Tip, TipFriction, Truth, Underside,
+    Wear, Wobble,
 };

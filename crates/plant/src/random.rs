@@ -19,6 +19,8 @@ pub(crate) enum Purpose {
     Sensors = 4,
     Surprise = 5,
     Placing = 6,
+    Texture = 7,
+    Roughness = 8,
 }
 
 impl Random {

@@ -4,6 +4,7 @@ use libm::sqrt;
 use nalgebra::Vector2;
 use planar::Pose;
 
+use crate::dynamics::ground::Footprint;
 use crate::dynamics::rig::Rig;
 use crate::dynamics::state::State;
 use crate::{Plant, PlantError, TipPath, Trajectory, Variation};
@@ -42,13 +43,15 @@ fn integrate(rig: &Rig, start: &State) -> Result<Trajectory, PlantError> {
     let mut trajectory =
         Trajectory::new(rig.path, rig.pose(&start.place), rig.plant.center_of_mass, start);
     let (mut state, mut time, mut trial) = (*start, 0.0, FIRST_STEP);
+    let not_stable = |why| PlantError::NotConverged { time: 0.0, step: 0.0, why };
+    let mut footprint = rig.footprint(&state, None).map_err(not_stable)?;
     for end in rig.path.breaks() {
         while time < end {
             let left = end - time;
             let step = trial.min(numerics.longest_step).min(left);
             // A rest that is hardly a step is not left for the next one.
             let step = if left - step < 0.1 * step { left } else { step };
-            match taken(rig, time, step, &state) {
+            match taken(rig, time, step, &state, footprint.as_ref()) {
                 Ok((next, error)) => {
                     let ratio = error / numerics.tolerance;
                     let growth = (0.9 / sqrt(ratio.max(1e-6))).clamp(0.1, 4.0);
@@ -59,6 +62,12 @@ fn integrate(rig: &Rig, start: &State) -> Result<Trajectory, PlantError> {
                     state = next;
                     time = if step == left { end } else { time + step };
                     trajectory.record(time, &state);
+                    let last = footprint.as_ref();
+                    if last.is_some_and(|last| rig.has_left(last, &state)) {
+                        footprint = rig
+                            .footprint(&state, last)
+                            .map_err(|why| PlantError::NotConverged { time, step, why })?;
+                    }
                     if trajectory.n_steps() > MOST_STEPS {
                         let why = "the push takes too many steps";
                         return Err(PlantError::NotConverged { time, step, why });
@@ -75,10 +84,17 @@ fn integrate(rig: &Rig, start: &State) -> Result<Trajectory, PlantError> {
 }
 
 /// The state after a step, and the difference of the whole step from two halves, in m.
-fn taken(rig: &Rig, time: f64, step: f64, state: &State) -> Result<(State, f64), &'static str> {
+fn taken(
+    rig: &Rig,
+    time: f64,
+    step: f64,
+    state: &State,
+    footprint: Option<&Footprint>,
+) -> Result<(State, f64), &'static str> {
     let half = 0.5 * step;
-    let whole = rig.step(time, step, state)?;
-    let halves = rig.step(time + half, half, &rig.step(time, half, state)?)?;
+    let whole = rig.step(time, step, state, footprint)?;
+    let first = rig.step(time, half, state, footprint)?;
+    let halves = rig.step(time + half, half, &first, footprint)?;
     let moved = halves.place - whole.place;
     let turned = rig.radius() * moved.z;
     let bent = halves.deflection - whole.deflection;

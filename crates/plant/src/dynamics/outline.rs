@@ -59,7 +59,7 @@ impl Outline {
         match shape {
             Shape::Polygon(polygon) => {
                 let vertices = chipped(polygon.vertices(), wear)?;
-                Ok(Self::Sides(rounded(&vertices, wear.corner_radius)?))
+                Ok(Self::Sides(rounded(&vertices, wear)?))
             }
             Shape::Ellipse(ellipse) => {
                 if wear.corner_radius > 0.0 || wear.chip_size > 0.0 {
@@ -163,7 +163,8 @@ fn chipped(vertices: &[Vector2<f64>], wear: &Wear) -> Result<Vec<Vector2<f64>>, 
 ///
 /// Where sides meet at a slight turn they are taken for a curve drawn by points, which gets an arc
 /// there, to either side: a tip touches one place of it at a time, and rolls on smoothly.
-fn rounded(vertices: &[Vector2<f64>], radius: f64) -> Result<Vec<Side>, PlantError> {
+fn rounded(vertices: &[Vector2<f64>], wear: &Wear) -> Result<Vec<Side>, PlantError> {
+    let radius = wear.corner_radius;
     let n = vertices.len();
     let outward = |i: usize| -perpendicular(&(vertices[(i + 1) % n] - vertices[i])).normalize();
     let length = |i: usize| (vertices[(i + 1) % n] - vertices[i]).norm();
@@ -178,6 +179,8 @@ fn rounded(vertices: &[Vector2<f64>], radius: f64) -> Result<Vec<Side>, PlantErr
             let taken = (0.4 * length(before).min(length(i))).min(CURVE_RADIUS * tangent);
             (taken / tangent * turn.signum(), taken)
         } else if turn > 0.0 {
+            let room = 0.4 * length(before).min(length(i)) / tangent;
+            let radius = radius.max(wear.edge_break.min(room));
             (radius, radius * tangent)
         } else {
             (0.0, 0.0)

@@ -3,6 +3,7 @@
 use dataset::ObjectSpec;
 use nalgebra::Vector2;
 
+use crate::dynamics::ground::Ground;
 use crate::dynamics::outline::Outline;
 use crate::dynamics::pads::Pads;
 use crate::{Numerics, PlantError, Truth, Variation};
@@ -25,6 +26,7 @@ pub struct Plant {
     pub(crate) outline: Outline,
     pub(crate) truth: Truth,
     pub(crate) numerics: Numerics,
+    pub(crate) ground: Ground,
     uniform: Pads,
 }
 
@@ -64,16 +66,21 @@ impl Plant {
                 return Err(PlantError::OutOfRange { name, value, unit, allowed });
             }
         }
+        let mass = object.mass * truth.body.mass_ratio;
+        let center_of_mass = object.center_of_mass + Vector2::from(truth.body.center_shift);
+        let radius = object.shape.bounding_radius();
+        let uniform = Pads::uniform(&object.shape, numerics.n_pads);
         let plant = Self {
-            mass: object.mass * truth.body.mass_ratio,
+            mass,
             moment_of_inertia: object.moment_of_inertia * truth.body.mass_ratio,
-            center_of_mass: object.center_of_mass + Vector2::from(truth.body.center_shift),
-            radius: object.shape.bounding_radius(),
+            center_of_mass,
+            radius,
             gravity,
             outline: Outline::new(&object.shape, &truth.wear)?,
             truth: truth.clone(),
             numerics: *numerics,
-            uniform: Pads::uniform(&object.shape, numerics.n_pads),
+            ground: Ground::new(truth, &uniform, &center_of_mass, mass * gravity, radius),
+            uniform,
         };
         plant.pads(&Variation::default())?;
         Ok(plant)

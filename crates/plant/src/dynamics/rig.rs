@@ -4,10 +4,16 @@ use libm::sqrt;
 use nalgebra::{Vector2, Vector3};
 use planar::Pose;
 
+use crate::dynamics::ground::Footprint;
 use crate::dynamics::resistance::Footing;
 use crate::dynamics::state::{State, rotation};
 use crate::truth::TipFriction;
 use crate::{Plant, PlantError, TipPath, Variation};
+
+/// A footprint is that of the object until it has moved so far, in m, or is pushed so much more or
+/// less, over its weight.
+const MOVED: f64 = 5e-5;
+const PUSHED: f64 = 0.01;
 
 /// A plant, a path and the variation of one push.
 pub(crate) struct Rig<'a> {
@@ -64,6 +70,35 @@ impl<'a> Rig<'a> {
             return Ok(state);
         }
         Err(PlantError::Blocked { depth: -gap })
+    }
+
+    /// What the ground does to the pads in a state, from what it did a little before.
+    ///
+    /// # Errors
+    /// If the object tips over.
+    pub(crate) fn footprint(
+        &self,
+        state: &State,
+        last: Option<&Footprint>,
+    ) -> Result<Option<Footprint>, &'static str> {
+        let ground = &self.plant.ground;
+        if ground.is_even() {
+            return Ok(None);
+        }
+        let turn = rotation(state.place.z);
+        let place = |index: usize| state.place.xy() + turn * self.footing.place(index);
+        let places: Vec<_> = (0..self.loads.len()).map(place).collect();
+        ground.footprint(&places, state, last).map(Some)
+    }
+
+    /// Whether a footprint is no longer that of a state.
+    pub(crate) fn has_left(&self, footprint: &Footprint, state: &State) -> bool {
+        let moved = state.place - footprint.place;
+        let turned = self.radius() * moved.z;
+        let squared = moved.x * moved.x + moved.y * moved.y + turned * turned;
+        let pushed = state.force - footprint.force;
+        let felt = PUSHED * self.plant.mass * self.plant.gravity;
+        squared > MOVED * MOVED || pushed.dot(&pushed) > felt * felt
     }
 
     /// Distance of a tip from the object, in m.

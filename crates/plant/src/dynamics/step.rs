@@ -4,6 +4,7 @@ use libm::sqrt;
 use nalgebra::{Matrix2, Vector3};
 
 use crate::dynamics::balance::{Balance, Solved};
+use crate::dynamics::ground::Footprint;
 use crate::dynamics::rig::Rig;
 use crate::dynamics::state::{State, rotation};
 use crate::dynamics::surroundings::Surroundings;
@@ -11,6 +12,8 @@ use crate::dynamics::tip_contact::{Holder, TipContact};
 
 /// Force left over after Newton's method, as a share of the object's weight.
 const RESIDUAL: f64 = 1e-9;
+/// Share of the tip's friction that no texture takes away.
+const LEAST_FRICTION: f64 = 0.1;
 
 impl Rig<'_> {
     /// One step of the implicit Euler method, of first order in its length (s).
@@ -20,11 +23,17 @@ impl Rig<'_> {
     ///
     /// # Errors
     /// What did not converge; a shorter step may.
-    pub(crate) fn step(&self, time: f64, step: f64, state: &State) -> Result<State, &'static str> {
+    pub(crate) fn step(
+        &self,
+        time: f64,
+        step: f64,
+        state: &State,
+        footprint: Option<&Footprint>,
+    ) -> Result<State, &'static str> {
         let turn = rotation(state.place.z);
         let to_body = turn.transpose();
         let plant = self.plant;
-        let surroundings = Surroundings::of(self, state, &turn);
+        let surroundings = Surroundings::of(self, state, &turn, footprint);
         let balance = Balance {
             footing: &self.footing,
             frictions: surroundings.frictions.as_deref().unwrap_or(&self.frictions),
@@ -63,7 +72,9 @@ impl Rig<'_> {
             velocity: to_body * ((there - here) / step),
         };
         let place = (&arm, self.contact_shift, plant.truth.tip.radius);
-        TipContact::new(&touch, place, &holder, step, self.tip_friction, state.slip_speed)
+        let mut friction = self.tip_friction;
+        friction.coefficient *= (1.0 + plant.ground.sides.at(&touch.point)).max(LEAST_FRICTION);
+        TipContact::new(&touch, place, &holder, step, friction, state.slip_speed)
     }
 
     /// G of the table's and the body's grain together, in the body's axes.

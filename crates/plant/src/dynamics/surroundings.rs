@@ -3,6 +3,7 @@
 use nalgebra::{Matrix2, Vector2, Vector3};
 use planar::cross;
 
+use crate::dynamics::ground::Footprint;
 use crate::dynamics::rig::Rig;
 use crate::dynamics::state::State;
 
@@ -16,7 +17,12 @@ pub(crate) struct Surroundings {
 
 impl Surroundings {
     /// - `turn`: from the body's axes to the world's.
-    pub(crate) fn of(rig: &Rig, state: &State, turn: &Matrix2<f64>) -> Self {
+    pub(crate) fn of(
+        rig: &Rig,
+        state: &State,
+        turn: &Matrix2<f64>,
+        footprint: Option<&Footprint>,
+    ) -> Self {
         let (plant, truth) = (rig.plant, &rig.plant.truth);
         let to_body = turn.transpose();
         let downhill = plant.mass * (to_body * Vector2::from(truth.height_map.downhill));
@@ -26,7 +32,8 @@ impl Surroundings {
             let pull = truth.cable.pull(&(state.place.xy() + turn * arm));
             external += load(&(to_body * pull), &arm);
         }
-        let is_plain = truth.friction_map.is_off()
+        let is_plain = footprint.is_none()
+            && truth.friction_map.is_off()
             && truth.height_map.groove.is_off()
             && truth.magnet.pull == 0.0
             && truth.wobble.share == 0.0;
@@ -35,9 +42,13 @@ impl Surroundings {
             let mut frictions = rig.frictions.clone();
             for (index, friction) in frictions.iter_mut().enumerate() {
                 let arm = rig.footing.place(index);
-                let (factor, force_w) = at_pad(rig, index, &(state.place.xy() + turn * arm));
+                let (load_ratio, rub_ratio) = footprint
+                    .map_or((1.0, 1.0), |print| (print.loads[index], print.frictions[index]));
+                let pad_load = load_ratio * rig.loads[index];
+                let place_w = state.place.xy() + turn * arm;
+                let (factor, force_w) = at_pad(rig, pad_load, &place_w);
                 let leaning = (1.0 + lean.dot(&(arm - rig.load_center))).max(0.0);
-                *friction *= factor * leaning;
+                *friction *= rub_ratio * factor * leaning;
                 external += load(&(to_body * force_w), &arm);
             }
             frictions
@@ -46,9 +57,10 @@ impl Surroundings {
     }
 }
 
-/// Factor on a pad's friction, and force on it (N, world frame), where it stands (m).
-fn at_pad(rig: &Rig, index: usize, place_w: &Vector2<f64>) -> (f64, Vector2<f64>) {
-    let (truth, pad_load) = (&rig.plant.truth, rig.loads[index]);
+/// Factor on a pad's friction, and force on it (N, world frame), by its load (N) and where it stands
+/// (m).
+fn at_pad(rig: &Rig, pad_load: f64, place_w: &Vector2<f64>) -> (f64, Vector2<f64>) {
+    let truth = &rig.plant.truth;
     let mut factor = truth.friction_map.factor(place_w);
     let mut force_w = Vector2::zeros();
     if !truth.height_map.groove.is_off() {

@@ -20,6 +20,45 @@ pub struct Sensors {
     /// The sensor of force and torque at the tip; each reading is the mean since the one before.
     /// The torque is that about the tip's axis.
     pub force: Sensor,
+    /// Turns that the motion capture takes for others.
+    pub flips: Flips,
+}
+
+/// Stretches in which an object is tracked as if it were turned.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Flips {
+    /// How many begin in a second.
+    pub rate: f64,
+    /// Mean length, in s.
+    pub length: f64,
+    /// Least and largest turn, to either side, in rad.
+    pub turn: [f64; 2],
+}
+
+impl Default for Flips {
+    fn default() -> Self {
+        Self { rate: 0.0, length: 0.3, turn: [60.0_f64.to_radians(), 130.0_f64.to_radians()] }
+    }
+}
+
+impl Flips {
+    /// From when to when, in s, and by what turn, in rad.
+    fn drawn(&self, random: &mut Random, duration: f64) -> Vec<(f64, f64, f64)> {
+        let mut flips = Vec::new();
+        let mut time = 0.0;
+        while self.rate > 0.0 {
+            let mut wait = |mean: f64| -mean * libm::log(1.0 - random.uniform(0.0, 1.0));
+            time += wait(1.0 / self.rate);
+            if time > duration {
+                break;
+            }
+            let end = time + wait(self.length);
+            flips.push((time, end, random.sign() * random.uniform(self.turn[0], self.turn[1])));
+            time = end;
+        }
+        flips
+    }
 }
 
 /// One sensor with a clock of its own.
@@ -75,6 +114,7 @@ impl Default for Sensors {
             robot: Sensor { rate: 86.0, noise_sd: 3e-5, ..clock },
             object: Sensor { noise_sd: 6e-5, yaw_noise_sd: 1e-3, ..clock },
             force: Sensor { noise_sd: 0.03, yaw_noise_sd: 3e-4, ..clock },
+            flips: Flips::default(),
         }
     }
 }
@@ -84,7 +124,12 @@ impl Sensors {
     #[must_use]
     pub fn ideal() -> Self {
         let sensor = Sensor::default();
-        Self { robot: Sensor { rate: 86.0, ..sensor }, object: sensor, force: sensor }
+        Self {
+            robot: Sensor { rate: 86.0, ..sensor },
+            object: sensor,
+            force: sensor,
+            flips: Flips::default(),
+        }
     }
 
     /// The default with gaps, outliers, duplicates and late samples, as real logs have them.
@@ -98,8 +143,8 @@ impl Sensors {
             jitter_sd: 1e-3,
             ..sensor
         };
-        let Self { robot, object, force } = Self::default();
-        Self { robot: dirty(robot), object: dirty(object), force: dirty(force) }
+        let Self { robot, object, force, flips } = Self::default();
+        Self { robot: dirty(robot), object: dirty(object), force: dirty(force), flips }
     }
 }
 
@@ -129,6 +174,14 @@ impl Sensors {
             ] {
                 check_range(&format!("sensors.{name}.{key}"), value, unit, (0.0, high))?;
             }
+        }
+        for (key, value, unit, high) in [
+            ("rate", self.flips.rate, "1/s", 1e3),
+            ("length", self.flips.length, "s", 100.0),
+            ("turn[0]", self.flips.turn[0], "rad", self.flips.turn[1]),
+            ("turn[1]", self.flips.turn[1], "rad", std::f64::consts::PI),
+        ] {
+            check_range(&format!("sensors.flips.{key}"), value, unit, (0.0, high))?;
         }
         // A set without poses is no recording of pushes.
         for (name, rate) in [("robot", self.robot.rate), ("object", self.object.rate)] {
@@ -164,21 +217,30 @@ impl Sensors {
         });
         let shift = Vector2::from(truth.markers.shift);
         let latency = truth.clocks.object_latency;
+        let flips = self.flips.drawn(&mut stream(3), duration);
+        let flip = |time: f64| {
+            let now = flips.iter().find(|(from, to, _)| (*from..*to).contains(&time));
+            now.map_or(0.0, |(_, _, turn)| *turn)
+        };
         let mut random = stream(1);
         let object = self.object.samples(&mut random, duration, latency, |time, _| {
             let pose = trajectory.pose_at(time);
             let origin = pose.position + rotation(pose.angle) * shift;
-            [origin.x, origin.y, pose.angle + truth.markers.yaw]
+            [origin.x, origin.y, pose.angle + truth.markers.yaw + flip(time)]
         });
         let mut sensor = truth.force_sensor;
         for (bias, extra) in sensor.loaded_bias.iter_mut().zip(variation.force_bias) {
             *bias += extra;
         }
         let latency = truth.clocks.force_latency;
+        let zero_lost = variation.zero_kept * duration;
         let mut random = stream(2);
         let force = self.force.samples(&mut random, duration, latency, |time, before| {
             // The object pushes back at the tip.
-            let reading = sensor.reading(&-trajectory.mean_force(before, time));
+            let mut reading = sensor.reading(&-trajectory.mean_force(before, time));
+            if variation.zero_kept < 1.0 && time >= zero_lost {
+                reading += Vector2::from(sensor.lost_zero);
+            }
             [reading.x, reading.y, trajectory.mean_torque(before, time)]
         });
         Streams {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use dataset::Recording;
+use nalgebra::Vector2;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use crate::design::layout::push_name;
@@ -110,6 +111,9 @@ impl<'a> Set<'a> {
         let manifest = manifest_text(&settings.name, &settings.object, nominal, "csv");
         let object = object_of(&manifest, Path::new(dataset::MANIFEST_NAME))?;
         let (mut truth, mut design) = (settings.truth.clone(), settings.design.clone());
+        if truth.texture_seed == 0 {
+            truth.texture_seed = settings.seed;
+        }
         let mut hidden = Vec::new();
         for (number, asked) in settings.hidden.iter().enumerate() {
             let is_possible = |effect: &HiddenEffect| {
@@ -169,7 +173,12 @@ impl<'a> Set<'a> {
         start.position.x += random.normal(scatter.placing_sd);
         start.position.y += random.normal(scatter.placing_sd);
         start.angle += random.normal(scatter.turning_sd);
-        let trajectory = plant.push(&start, &self.path(plan), &variation)?;
+        let mut path = self.path(plan);
+        let shift = Vector2::from(variation.shift);
+        start.position += shift;
+        let direction = Vector2::from(path.direction);
+        path.start = (Vector2::from(path.start) + shift - variation.gap * direction).into();
+        let trajectory = plant.push(&start, &path, &variation)?;
         let Streams { robot, object, wrench } =
             settings.sensors.read(plant, &trajectory, &variation, (seed, index));
         let recording =

@@ -13,11 +13,20 @@ impl Truth {
     /// # Errors
     /// `OutOfRange` with the name, value, unit and range of the first of them.
     pub fn check(&self) -> Result<(), PlantError> {
-        let parts = [self.table_ranges().to_vec(), self.rig_ranges().to_vec()];
-        let mut all = parts.into_iter().flatten().chain(self.vector_ranges());
+        let parts = [&self.table_ranges()[..], &self.rig_ranges(), &self.ground_ranges()];
+        let mut all = parts.concat().into_iter().chain(self.vector_ranges());
         all.try_for_each(|(name, value, unit, low, high)| {
             check_range(name, value, unit, (low, high))
-        })
+        })?;
+        for (name, texture, unit, most) in [
+            ("height_map.texture", &self.height_map.texture, "m", 0.01),
+            ("underside.texture", &self.underside.texture, "m", 0.01),
+            ("friction_map.texture", &self.friction_map.texture, "", 2.0),
+            ("tip_friction.texture", &self.tip_friction.texture, "", 2.0),
+        ] {
+            texture.check(name, unit, most)?;
+        }
+        Ok(())
     }
 
     /// Of what is between object and table.
@@ -47,6 +56,17 @@ impl Truth {
             ("groove.direction", groove.direction, "rad", -7.0, 7.0),
             ("magnet.pull", self.magnet.pull, "N", 0.0, 100.0),
             ("magnet.reach", self.magnet.reach, "m", 5e-3, 10.0),
+        ]
+    }
+
+    /// Of what stands on the textures.
+    fn ground_ranges(&self) -> [Range; 5] {
+        [
+            ("underside.stiffness", self.underside.stiffness, "N/m", 0.0, 1e9),
+            ("underside.hollow", self.underside.hollow, "m", -0.01, 0.01),
+            ("underside.twist", self.underside.twist, "m", -0.01, 0.01),
+            ("tip.height", self.tip.height, "m", 0.0, 1.0),
+            ("wear.edge_break", self.wear.edge_break, "m", 0.0, 1.0),
         ]
     }
 
@@ -95,6 +115,7 @@ impl Truth {
             ("markers.shift", self.markers.shift, "m", 0.5),
             ("force_sensor.bias", sensor.bias, "N", 100.0),
             ("force_sensor.loaded_bias", sensor.loaded_bias, "N", 100.0),
+            ("force_sensor.lost_zero", sensor.lost_zero, "N", 100.0),
         ];
         vectors.into_iter().flat_map(|(name, values, unit, size)| {
             values.map(|value| (name, value, unit, -size, size))

@@ -14,6 +14,8 @@ pub struct ForceSensor {
     pub loaded_bias: [f64; 2],
     /// Added to every reading, in N, world frame.
     pub bias: [f64; 2],
+    /// Added to every reading once a push has lost the sensor's zero, in N, world frame.
+    pub lost_zero: [f64; 2],
     /// Turn of the sensor's axes, in rad.
     pub rotation: f64,
 }
@@ -41,8 +43,12 @@ mod tests {
 
     #[test]
     fn a_turned_sensor_reads_a_turned_force_and_its_bias() {
-        let sensor =
-            ForceSensor { rotation: FRAC_PI_2, bias: [0.5, 0.0], loaded_bias: [0.0, 0.25] };
+        let sensor = ForceSensor {
+            rotation: FRAC_PI_2,
+            bias: [0.5, 0.0],
+            loaded_bias: [0.0, 0.25],
+            ..ForceSensor::default()
+        };
         let reading = sensor.reading(&Vector2::new(2.0, 0.0));
         assert!((reading - Vector2::new(0.5, 2.25)).norm() < 1e-15);
         assert_eq!(sensor.reading(&Vector2::zeros()), Vector2::new(0.5, 0.0));

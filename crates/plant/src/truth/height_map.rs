@@ -4,6 +4,8 @@ use libm::{exp, sincos};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
+use super::Texture;
+
 /// The table's departures from a level plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -12,6 +14,8 @@ pub struct HeightMap {
     pub downhill: [f64; 2],
     /// A groove worn by earlier pushes.
     pub groove: Groove,
+    /// Height of its bumps, in m, felt where the underside has a stiffness.
+    pub texture: Texture,
 }
 
 /// A straight groove with smooth walls, depth·exp(−(distance/width)²).

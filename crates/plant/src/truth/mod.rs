@@ -15,8 +15,10 @@ mod markers;
 mod pressure;
 mod rate_law;
 mod support_friction;
+mod texture;
 mod tip;
 mod tip_friction;
+mod underside;
 mod wear;
 mod wobble;
 
@@ -34,8 +36,10 @@ pub use markers::Markers;
 pub use pressure::Pressure;
 pub use rate_law::RateLaw;
 pub use support_friction::SupportFriction;
+pub use texture::Texture;
 pub use tip::{Hysteresis, Tip};
 pub use tip_friction::TipFriction;
+pub use underside::Underside;
 pub use wear::Wear;
 pub use wobble::Wobble;
 
@@ -46,10 +50,14 @@ pub use wobble::Wobble;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Truth {
+    /// Which of all tables and objects with these textures; 0 for that of the set's seed.
+    pub texture_seed: u64,
     /// Friction between object and table.
     pub support_friction: SupportFriction,
     /// How the support's load is spread.
     pub pressure: Pressure,
+    /// The object's bottom, which may spread the load by where it stands.
+    pub underside: Underside,
     /// Direction-dependent friction that stays with the table.
     pub table_grain: Grain,
     /// Direction-dependent friction that turns with the object.

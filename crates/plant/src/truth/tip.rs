@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 pub struct Tip {
     /// Radius, in m; 0 for a point.
     pub radius: f64,
+    /// How high above the table it pushes, in m; felt where the underside has a stiffness.
+    pub height: f64,
     /// Compliance of tip and arm in every direction, in m/N.
     pub compliance: f64,
     /// Damping of the object's swing on this spring, as a share of the critical one.
@@ -33,6 +35,7 @@ impl Default for Tip {
     fn default() -> Self {
         Self {
             radius: 0.00475,
+            height: 0.0,
             compliance: 2e-5,
             damping_ratio: 0.4,
             bias: 0.0,

@@ -3,6 +3,8 @@
 use libm::exp;
 use serde::{Deserialize, Serialize};
 
+use super::Texture;
+
 /// Coulomb friction at the tip.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -15,11 +17,19 @@ pub struct TipFriction {
     pub static_ratio: f64,
     /// Sliding speed over which it falls from one to the other, in m/s.
     pub stribeck_speed: f64,
+    /// Relative departures along the object's sides.
+    pub texture: Texture,
 }
 
 impl Default for TipFriction {
     fn default() -> Self {
-        Self { coefficient: 0.25, asymmetry: 0.0, static_ratio: 1.0, stribeck_speed: 0.001 }
+        Self {
+            coefficient: 0.25,
+            asymmetry: 0.0,
+            static_ratio: 1.0,
+            stribeck_speed: 0.001,
+            texture: Texture::default(),
+        }
     }
 }
 

@@ -18,6 +18,12 @@ pub struct Variation {
     pub contact_shift: f64,
     /// Added to the readings of the loaded force sensor, in N, world frame.
     pub force_bias: [f64; 2],
+    /// Share of the push after which the force sensor's zero is lost; 1 if it is not.
+    pub zero_kept: f64,
+    /// How much further away the tip starts than planned, in m.
+    pub gap: f64,
+    /// Where on the table it takes place instead of where it was planned, object and path: x, y in m.
+    pub shift: [f64; 2],
 }
 
 impl Default for Variation {
@@ -29,6 +35,9 @@ impl Default for Variation {
             pressure_shift: [0.0; 2],
             contact_shift: 0.0,
             force_bias: [0.0; 2],
+            zero_kept: 1.0,
+            gap: 0.0,
+            shift: [0.0; 2],
         }
     }
 }

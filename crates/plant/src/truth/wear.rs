@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Wear {
+    /// Radius of every convex corner of a new object, in m; less where a side has no room for it.
+    pub edge_break: f64,
     /// Radius of every convex corner, in m.
     pub corner_radius: f64,
     /// Which vertex is chipped, 0-based.

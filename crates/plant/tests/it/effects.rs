@@ -31,7 +31,7 @@ fn set(hidden: Option<HiddenEffect>, n_pushes: usize) -> Vec<SimulatedPush> {
         hidden: hidden.map(Hidden::Effect).into_iter().collect(),
         design,
         scatter: Scatter::NONE,
-        sensors: Sensors { robot: even, object: even, force: even },
+        sensors: Sensors { robot: even, object: even, force: even, ..Sensors::ideal() },
         ..GenerateSettings::default()
     };
     simulate(&settings).expect("a set")

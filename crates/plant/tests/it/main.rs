@@ -5,3 +5,4 @@ mod effects;
 mod push_laws;
 mod rig;
 mod sets;
+mod uneven;

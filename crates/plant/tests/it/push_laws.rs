@@ -12,6 +12,9 @@ const NONE: Variation = Variation {
     pressure_shift: [0.0; 2],
     contact_shift: 0.0,
     force_bias: [0.0; 2],
+    zero_kept: 1.0,
+    gap: 0.0,
+    shift: [0.0; 2],
 };
 
 fn run(plant: &Plant, path: &TipPath) -> plant::Trajectory {

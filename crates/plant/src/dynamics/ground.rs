@@ -1,0 +1,125 @@
+//! Table and bottom of a plant, where they are uneven.
+
+use nalgebra::{Vector2, Vector3};
+
+use crate::dynamics::pads::Pads;
+use crate::dynamics::relief::{Part, Relief};
+use crate::dynamics::stand::{Bottom, Stand};
+use crate::dynamics::state::{State, rotation};
+use crate::truth::Truth;
+
+/// What varies from place to place.
+#[derive(Clone, Debug)]
+pub(crate) struct Ground {
+    heights: Relief,
+    frictions: Relief,
+    /// Along the object's sides.
+    pub(crate) sides: Relief,
+    /// The pads that bear the weight by where they stand.
+    bottom: Option<Uneven>,
+}
+
+#[derive(Clone, Debug)]
+struct Uneven {
+    bottom: Bottom,
+    /// How far each pad stands out of the bottom, in m.
+    bumps: Vec<f64>,
+    /// Length of 1 in the bottom's units, in m.
+    radius: f64,
+    /// How high the tip pushes over the weight, in m/N.
+    lever: f64,
+}
+
+/// What the ground does to each pad.
+#[derive(Clone, Debug)]
+pub(crate) struct Footprint {
+    /// State in which it was found: place (m and rad) and force of the tip (N), world frame.
+    pub(crate) place: Vector3<f64>,
+    pub(crate) force: Vector2<f64>,
+    /// Load of each pad over what it is on an even table.
+    pub(crate) loads: Vec<f64>,
+    /// The same for its friction.
+    pub(crate) frictions: Vec<f64>,
+    stand: Option<Stand>,
+}
+
+impl Ground {
+    /// - `pads`: with a uniform load; - `center_of_mass`: in m, frame B; - `weight`: in N;
+    ///   - `radius`: of the object, in m.
+    pub(crate) fn new(
+        truth: &Truth,
+        pads: &Pads,
+        center_of_mass: &Vector2<f64>,
+        weight: f64,
+        radius: f64,
+    ) -> Self {
+        let seed = truth.texture_seed;
+        let underside = &truth.underside;
+        let bottom = (underside.stiffness > 0.0).then(|| {
+            let relief = Relief::new(&underside.texture, seed, Part::Underside);
+            let place = |k: usize| Vector2::new(pads.x[k], pads.y[k]);
+            let bump = |k: usize| {
+                let out = place(k) / radius;
+                let twist = underside.twist * out.x * out.y;
+                underside.hollow * out.norm_squared() + twist + relief.at(&place(k))
+            };
+            let n = pads.share.len();
+            let bottom = Bottom {
+                places: (0..n).map(|k| (place(k) - center_of_mass) / radius).collect(),
+                shares: pads.share.clone(),
+                depth: weight / underside.stiffness,
+            };
+            let lever = truth.tip.height / weight;
+            Uneven { bottom, bumps: (0..n).map(bump).collect(), radius, lever }
+        });
+        Self {
+            heights: Relief::new(&truth.height_map.texture, seed, Part::TableHeight),
+            frictions: Relief::new(&truth.friction_map.texture, seed, Part::TableFriction),
+            sides: Relief::new(&truth.tip_friction.texture, seed, Part::Side),
+            bottom,
+        }
+    }
+
+    /// Whether every place under the object is like every other.
+    pub(crate) fn is_even(&self) -> bool {
+        self.bottom.is_none() && self.frictions.is_flat()
+    }
+
+    /// What it does to the pads.
+    ///
+    /// - `places_w`: where they stand in a state, in m; - `last`: what it did a little before.
+    ///
+    /// # Errors
+    /// If the object tips over.
+    pub(crate) fn footprint(
+        &self,
+        places_w: &[Vector2<f64>],
+        state: &State,
+        last: Option<&Footprint>,
+    ) -> Result<Footprint, &'static str> {
+        let mut loads = vec![1.0; places_w.len()];
+        let mut stand = None;
+        if let Some(uneven) = &self.bottom {
+            let bumps: Vec<f64> = uneven
+                .bumps
+                .iter()
+                .zip(places_w)
+                .map(|(bump, place)| bump + self.heights.at(place))
+                .collect();
+            let force_b = rotation(state.place.z).transpose() * state.force;
+            let center = uneven.lever / uneven.radius * force_b;
+            let last = last.and_then(|last| last.stand.as_ref());
+            let found = uneven.bottom.stand(&bumps, &center, last)?;
+            let shares = found.loads.iter().zip(&uneven.bottom.shares);
+            for (load, (own, even)) in loads.iter_mut().zip(shares) {
+                // Places that only fill a group bear nothing.
+                *load = if *even > 0.0 { own / even } else { 1.0 };
+            }
+            stand = Some(found);
+        }
+        let rub =
+            |(load, place): (&f64, &Vector2<f64>)| load * (1.0 + self.frictions.at(place)).max(0.0);
+        let frictions = loads.iter().zip(places_w).map(rub).collect();
+        Ok(Footprint { place: state.place, force: state.force, loads, frictions, stand })
+    }
+}
