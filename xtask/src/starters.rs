@@ -57,6 +57,11 @@ const STARTERS: &[Starter] = &[
         about: "Draw the thesis' figures on one offline page",
     },
     Starter {
+        task: "rig-calibration",
+        package: "validation",
+        about: "Put a simulated rig beside what was measured on real ones",
+    },
+    Starter {
         task: "samples",
         package: "studies",
         about: "Compare sets that hide a known effect with the thesis' model and with the effect added, in docs/",

@@ -25,6 +25,7 @@ pub use dynamics::trajectory::Trajectory;
 pub use error::PlantError;
 pub use hidden::{EffectKind, Hidden, HiddenEffect, Parameter, Quantity, effect_kinds};
 pub use recording::generate::{GenerateReport, SetOutput, generate, generate_each};
+pub use recording::profile::Profile;
 pub use recording::pushed_object::{Nominal, PushedObject, read_rig};
 pub use recording::scatter::Scatter;
 pub use recording::sensors::{Flips, Sensor, Sensors};

@@ -2,6 +2,7 @@
 
 pub mod fixtures;
 pub mod made_once;
+pub mod rig_calibration;
 pub mod surface;
 pub mod trials;
 mod workspace;

@@ -55,6 +55,7 @@ const USUAL: Scatter = Scatter {
     placing_sd: 1e-4,
     turning_sd: 1e-3,
     session_share: 0.0,
+    ..Scatter::NONE
 };
 
 impl Noise {
