@@ -1,12 +1,17 @@
 //! Table and bottom of a plant, where they are uneven.
 
+use libm::exp;
 use nalgebra::{Vector2, Vector3};
+use planar::Shape;
 
 use crate::dynamics::pads::Pads;
 use crate::dynamics::relief::{Part, Relief};
 use crate::dynamics::stand::{Bottom, Stand};
 use crate::dynamics::state::{State, rotation};
-use crate::truth::Truth;
+use crate::truth::{Burr, Truth};
+
+/// Share of the tip's friction that no texture takes away.
+const LEAST_FRICTION: f64 = 0.1;
 
 /// What varies from place to place.
 #[derive(Clone, Debug)]
@@ -14,7 +19,10 @@ pub(crate) struct Ground {
     heights: Relief,
     frictions: Relief,
     /// Along the object's sides.
-    pub(crate) sides: Relief,
+    sides: Relief,
+    /// Vertices with a burr, in m, frame B.
+    burrs: Vec<Vector2<f64>>,
+    burr: Burr,
     /// The pads that bear the weight by where they stand.
     bottom: Option<Uneven>,
 }
@@ -44,15 +52,15 @@ pub(crate) struct Footprint {
 }
 
 impl Ground {
-    /// - `pads`: with a uniform load; - `center_of_mass`: in m, frame B; - `weight`: in N;
-    ///   - `radius`: of the object, in m.
+    /// - `pads`: with a uniform load; - `center_of_mass`: in m, frame B; - `weight`: in N.
     pub(crate) fn new(
         truth: &Truth,
+        shape: &Shape,
         pads: &Pads,
         center_of_mass: &Vector2<f64>,
         weight: f64,
-        radius: f64,
     ) -> Self {
+        let radius = shape.bounding_radius();
         let seed = truth.texture_seed;
         let underside = &truth.underside;
         let bottom = (underside.stiffness > 0.0).then(|| {
@@ -76,8 +84,26 @@ impl Ground {
             heights: Relief::new(&truth.height_map.texture, seed, Part::TableHeight),
             frictions: Relief::new(&truth.friction_map.texture, seed, Part::TableFriction),
             sides: Relief::new(&truth.tip_friction.texture, seed, Part::Side),
+            burrs: match shape {
+                Shape::Polygon(polygon) => {
+                    let rough = polygon.vertices().iter().take(truth.wear.burr.n_vertices);
+                    rough.copied().collect()
+                }
+                Shape::Ellipse(_) => Vec::new(),
+            },
+            burr: truth.wear.burr,
             bottom,
         }
+    }
+
+    /// Friction of the tip at a place of the outline (m, frame B), of so much on an even side.
+    pub(crate) fn tip_friction(&self, even: f64, place_b: &Vector2<f64>) -> f64 {
+        let caught = |vertex: &Vector2<f64>| {
+            let away = (place_b - vertex) / self.burr.reach;
+            self.burr.friction * exp(-away.dot(&away))
+        };
+        let friction = even * (1.0 + self.sides.at(place_b)).max(LEAST_FRICTION);
+        self.burrs.iter().fold(friction, |sum, vertex| sum + caught(vertex))
     }
 
     /// Whether every place under the object is like every other.

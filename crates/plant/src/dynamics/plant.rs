@@ -68,18 +68,17 @@ impl Plant {
         }
         let mass = object.mass * truth.body.mass_ratio;
         let center_of_mass = object.center_of_mass + Vector2::from(truth.body.center_shift);
-        let radius = object.shape.bounding_radius();
         let uniform = Pads::uniform(&object.shape, numerics.n_pads);
         let plant = Self {
             mass,
             moment_of_inertia: object.moment_of_inertia * truth.body.mass_ratio,
             center_of_mass,
-            radius,
+            radius: object.shape.bounding_radius(),
             gravity,
             outline: Outline::new(&object.shape, &truth.wear)?,
             truth: truth.clone(),
             numerics: *numerics,
-            ground: Ground::new(truth, &uniform, &center_of_mass, mass * gravity, radius),
+            ground: Ground::new(truth, &object.shape, &uniform, &center_of_mass, mass * gravity),
             uniform,
         };
         plant.pads(&Variation::default())?;

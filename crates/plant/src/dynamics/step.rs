@@ -12,8 +12,6 @@ use crate::dynamics::tip_contact::{Holder, TipContact};
 
 /// Force left over after Newton's method, as a share of the object's weight.
 const RESIDUAL: f64 = 1e-9;
-/// Share of the tip's friction that no texture takes away.
-const LEAST_FRICTION: f64 = 0.1;
 
 impl Rig<'_> {
     /// One step of the implicit Euler method, of first order in its length (s).
@@ -73,7 +71,7 @@ impl Rig<'_> {
         };
         let place = (&arm, self.contact_shift, plant.truth.tip.radius);
         let mut friction = self.tip_friction;
-        friction.coefficient *= (1.0 + plant.ground.sides.at(&touch.point)).max(LEAST_FRICTION);
+        friction.coefficient = plant.ground.tip_friction(friction.coefficient, &touch.point);
         TipContact::new(&touch, place, &holder, step, friction, state.slip_speed)
     }
 

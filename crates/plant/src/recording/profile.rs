@@ -1,6 +1,6 @@
 //! Rigs as they are found: what is true of them, how their pushes scatter, what records them.
 
-use crate::{Flips, Nominal, Scatter, Sensor, Sensors, Texture, Truth};
+use crate::{Burr, Flips, Nominal, Scatter, Sensor, Sensors, Texture, Truth};
 
 /// A kind of rig.
 #[derive(Debug)]
@@ -40,7 +40,7 @@ const PROFILES: &[Profile] = &[
             drift: 0.0,
             log_slope: 0.0,
             grain: 1.0,
-            friction_sd: 0.2,
+            friction_sd: 0.15,
             height_sd: 1e-5,
         }),
     },
@@ -52,8 +52,8 @@ const PROFILES: &[Profile] = &[
             drift: -0.143,
             log_slope: 0.0,
             grain: 1.0,
-            friction_sd: 0.2,
-            height_sd: 1e-5,
+            friction_sd: 0.4,
+            height_sd: 2e-5,
         }),
     },
     Profile {
@@ -76,8 +76,8 @@ const PROFILES: &[Profile] = &[
             drift: -0.154,
             log_slope: 0.0,
             grain: 1.0,
-            friction_sd: 0.2,
-            height_sd: 1e-5,
+            friction_sd: 0.6,
+            height_sd: 4e-5,
         }),
     },
     Profile {
@@ -88,8 +88,8 @@ const PROFILES: &[Profile] = &[
             drift: -0.035,
             log_slope: 0.1,
             grain: 1.5,
-            friction_sd: 0.2,
-            height_sd: 1e-5,
+            friction_sd: 0.8,
+            height_sd: 6e-5,
         }),
     },
 ];
@@ -97,14 +97,17 @@ const PROFILES: &[Profile] = &[
 /// Stiffness of the table under an object, in N/m.
 const STIFFNESS: f64 = 1e6;
 /// How much lower the rim of a bottom is than its center, and two corners than two others, in m.
-const HOLLOW: f64 = 8e-6;
+const HOLLOW: f64 = 1e-5;
 const TWIST: f64 = 4e-6;
 /// What varies over table, bottom and sides: sizes in m, and how fast smaller ones fade.
 const TABLE_HEIGHT: Texture = Texture { sd: 0.0, longest: 0.2, shortest: 0.006, persistence: 0.7 };
 const TABLE_FRICTION: Texture =
-    Texture { sd: 0.0, longest: 0.1, shortest: 0.006, persistence: 0.9 };
+    Texture { sd: 0.0, longest: 0.2, shortest: 0.005, persistence: 0.8 };
 const BOTTOM: Texture = Texture { sd: 3e-6, longest: 0.1, shortest: 0.01, persistence: 0.6 };
 const SIDES: Texture = Texture { sd: 0.15, longest: 0.03, shortest: 0.002, persistence: 0.8 };
+
+/// Vertices at which a tip is caught.
+const BURR: Burr = Burr { n_vertices: 1, friction: 0.75, reach: 0.007 };
 
 impl Profile {
     /// Every profile, the quiet one first.
@@ -146,6 +149,7 @@ impl Profile {
         truth.tip_friction.texture = SIDES;
         truth.tip.height = 0.006;
         truth.wear.edge_break = 3e-4;
+        truth.wear.burr = BURR;
         truth.force_sensor.lost_zero = [-1.55, -0.55];
         truth
     }
@@ -159,9 +163,9 @@ impl Profile {
         Scatter {
             support_friction_sd: 0.04,
             contact_sd: 2e-4,
-            placing_sd: 3e-4,
+            placing_sd: 2e-4,
             turning_sd: 3e-3,
-            tip_friction_log_sd: 0.15,
+            tip_friction_log_sd: 0.35,
             site_sd: 0.02,
             widest_gap: 2.5e-3,
             lost_zero_share: 0.5,
@@ -182,5 +186,67 @@ impl Profile {
             force: Sensor { noise_sd: 0.015, ..usual.force },
             flips: Flips { rate: 1e-3, ..usual.flips },
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Profile;
+    use crate::{
+        Design, GenerateSettings, Nominal, PushedObject, Scatter, Sensors, Truth, simulate,
+    };
+    use std::collections::BTreeSet;
+
+    /// Three pushes of an object on a rig.
+    fn settings(profile: &Profile, object: PushedObject) -> GenerateSettings {
+        let nominal = profile.nominal();
+        GenerateSettings {
+            object,
+            nominal,
+            truth: profile.truth(&nominal),
+            scatter: profile.scatter(),
+            sensors: profile.sensors(),
+            design: Design { n_pushes: 3, travel: 0.02, ..Design::default() },
+            ..GenerateSettings::default()
+        }
+    }
+
+    #[test]
+    fn names_differ_and_are_found() {
+        let names: BTreeSet<_> = Profile::all().iter().map(|profile| profile.name).collect();
+        assert_eq!(names.len(), Profile::all().len());
+        for profile in Profile::all() {
+            assert_eq!(Profile::named(profile.name).unwrap().about, profile.about);
+        }
+        assert!(Profile::named("ice").is_none());
+    }
+
+    #[test]
+    fn quiet_is_the_plain_rig() {
+        let quiet = Profile::named("quiet").unwrap();
+        let nominal = Nominal { support_friction: 0.3, ..Nominal::default() };
+        assert_eq!(quiet.truth(&nominal), nominal.truth());
+        assert_eq!(quiet.truth(&quiet.nominal()), Truth::default());
+        assert_eq!((quiet.scatter(), quiet.sensors()), (Scatter::default(), Sensors::default()));
+    }
+
+    #[test]
+    fn every_profile_pushes_every_kind_of_object_and_again_alike() {
+        for profile in Profile::all() {
+            for name in ["rect1", "ellip2", "butter"] {
+                let settings = settings(profile, PushedObject::Mit { name: name.into() });
+                let pushes = simulate(&settings).unwrap();
+                assert_eq!(pushes, simulate(&settings).unwrap(), "{} {name}", profile.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_rough_rig_stands_on_other_spots_with_another_seed() {
+        let rough = settings(Profile::named("rough").unwrap(), PushedObject::default());
+        let mut other = rough.clone();
+        other.truth.texture_seed = 12;
+        let ends = [rough, other].map(|own| simulate(&own).unwrap()[0].trajectory.end_pose());
+        assert!((ends[0].position - ends[1].position).norm() > 1e-5);
     }
 }

@@ -47,17 +47,19 @@ impl Flips {
     fn drawn(&self, random: &mut Random, duration: f64) -> Vec<(f64, f64, f64)> {
         let mut flips = Vec::new();
         let mut time = 0.0;
-        while self.rate > 0.0 {
+        if self.rate == 0.0 {
+            return flips;
+        }
+        loop {
             let mut wait = |mean: f64| -mean * libm::log(1.0 - random.uniform(0.0, 1.0));
             time += wait(1.0 / self.rate);
             if time > duration {
-                break;
+                return flips;
             }
             let end = time + wait(self.length);
             flips.push((time, end, random.sign() * random.uniform(self.turn[0], self.turn[1])));
             time = end;
         }
-        flips
     }
 }
 
@@ -326,7 +328,7 @@ fn forces(samples: &[Sample]) -> WrenchStream {
 
 #[cfg(test)]
 mod tests {
-    use super::{Sample, Sensor};
+    use super::{Flips, Sample, Sensor};
     use crate::random::{Purpose, Random};
 
     fn samples(sensor: Sensor) -> Vec<Sample> {
@@ -356,6 +358,17 @@ mod tests {
         assert!(late.windows(2).filter(|pair| pair[0].0 > pair[1].0).count() > 50);
         let jitter = samples(Sensor { jitter_sd: 1e-3, ..Sensor::default() });
         assert!(jitter.iter().any(|(stamp, values)| (stamp - values[0]).abs() > 1e-3));
+    }
+
+    #[test]
+    fn flips_are_as_frequent_as_stated_and_of_the_turns_allowed() {
+        let drawn = |flips: Flips| flips.drawn(&mut Random::new(7, Purpose::Sensors, 3), 1e4);
+        assert!(drawn(Flips::default()).is_empty());
+        let flips = drawn(Flips { rate: 0.1, ..Flips::default() });
+        assert!((900..1040).contains(&flips.len()), "{}", flips.len());
+        for (from, to, turn) in flips {
+            assert!(from < to && (60.0..=130.0).contains(&turn.abs().to_degrees()));
+        }
     }
 
     #[test]

@@ -60,13 +60,15 @@ impl Truth {
     }
 
     /// Of what stands on the textures.
-    fn ground_ranges(&self) -> [Range; 5] {
+    fn ground_ranges(&self) -> [Range; 7] {
         [
             ("underside.stiffness", self.underside.stiffness, "N/m", 0.0, 1e9),
             ("underside.hollow", self.underside.hollow, "m", -0.01, 0.01),
             ("underside.twist", self.underside.twist, "m", -0.01, 0.01),
             ("tip.height", self.tip.height, "m", 0.0, 1.0),
             ("wear.edge_break", self.wear.edge_break, "m", 0.0, 1.0),
+            ("wear.burr.friction", self.wear.burr.friction, "", 0.0, 10.0),
+            ("wear.burr.reach", self.wear.burr.reach, "m", 1e-4, 1.0),
         ]
     }
 

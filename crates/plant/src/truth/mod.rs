@@ -40,7 +40,7 @@ pub use texture::Texture;
 pub use tip::{Hysteresis, Tip};
 pub use tip_friction::TipFriction;
 pub use underside::Underside;
-pub use wear::Wear;
+pub use wear::{Burr, Wear};
 pub use wobble::Wobble;
 
 /// Everything that is true of a rig besides the object's nominal outline, mass and moment.

@@ -14,4 +14,24 @@ pub struct Wear {
     pub chip_vertex: usize,
     /// Length that the chip takes from both of its sides, in m; 0 for none.
     pub chip_size: f64,
+    /// Rough vertices.
+    pub burr: Burr,
+}
+
+/// Vertices that new edges left rough, where the tip catches.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Burr {
+    /// How many vertices have one, from the first on.
+    pub n_vertices: usize,
+    /// Friction of the tip there, beside that of the sides.
+    pub friction: f64,
+    /// Distance at which it has fallen to 37 %, in m.
+    pub reach: f64,
+}
+
+impl Default for Burr {
+    fn default() -> Self {
+        Self { n_vertices: 0, friction: 0.0, reach: 0.005 }
+    }
 }

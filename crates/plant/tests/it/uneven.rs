@@ -3,7 +3,7 @@
 use crate::rig::{push, square};
 use nalgebra::Vector2;
 use planar::Pose;
-use plant::{PlantError, Texture, Trajectory, Truth, Variation};
+use plant::{Burr, PlantError, Texture, Trajectory, Truth, Variation};
 
 fn run(truth: &Truth, start: &Pose, y: f64, angle: f64) -> Trajectory {
     let mut path = push(y, angle, 0.02, 0.03);
@@ -92,4 +92,18 @@ fn a_tip_too_high_tips_the_object_over() {
         matches!(error, PlantError::NotConverged { why: "the object tips over", .. }),
         "{error}"
     );
+}
+
+#[test]
+fn a_tip_at_a_burr_is_caught() {
+    let slip = |friction: f64| {
+        let mut truth = Truth::default();
+        truth.wear.burr = Burr { n_vertices: 3, friction, reach: 0.005 };
+        // Towards vertex 1, the upper end of the left edge.
+        let motion = run(&truth, &Pose::default(), 0.042, -0.9);
+        let tip = |time: f64| motion.pose_at(time).inverse_transform_point(&motion.tip_at(time));
+        let touch = motion.first_touch().expect("a touch");
+        (tip(touch + 0.5) - tip(touch)).norm()
+    };
+    assert!(slip(0.0) > 0.002 && slip(2.0) < 0.5 * slip(0.0), "{} {}", slip(0.0), slip(2.0));
 }

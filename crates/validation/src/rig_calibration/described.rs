@@ -37,7 +37,7 @@ impl Described {
     /// A model that cannot be fitted to these steps.
     pub(super) fn of(data: &Steps, quick: bool) -> Result<Self> {
         let steps = &data.steps;
-        let near = Neighbors::of(steps);
+        let near = Neighbors::of(steps, data.pushes.as_deref());
         let mut found = Vec::new();
         let mut add = |name: &str, value: f64| found.push((name.to_owned(), value));
         let (scatter, elsewhere) = (near.scatter(steps), near.scatter_elsewhere(steps));

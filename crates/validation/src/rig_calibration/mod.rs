@@ -32,7 +32,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     with: Option<PathBuf>,
     /// Seeds of the simulated rigs; the median over them is shown
-    #[arg(long, value_name = "SEED", value_delimiter = ',', default_values_t = [101, 102, 103])]
+    #[arg(long, value_name = "SEED", value_delimiter = ',', default_values_t = [201, 202, 203])]
     seeds: Vec<u64>,
     /// Repeats of one push on each surface; 0 for none
     #[arg(long, value_name = "N", default_value_t = 300)]

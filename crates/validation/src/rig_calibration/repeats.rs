@@ -13,12 +13,12 @@ use super::row::Row;
 const PUBLISHED: [(&str, f64, f64); 4] =
     [("abs", 5.5, 3.2), ("delrin", 3.4, 1.3), ("plywood", 8.1, 4.2), ("pu", 11.7, 4.5)];
 /// The push: its place on the edge, its way in m, its speed in m/s. Which one was repeated is not
-/// published; this one begins beside the middle.
-const P: f64 = 0.4;
+/// published; this one begins in the middle of an edge.
+const P: f64 = 0.5;
 const WAY: f64 = 0.15;
 const SPEED: f64 = 0.02;
 /// How exactly an object is put back to where it was, in m.
-const SITE_SD: f64 = 1e-3;
+const SITE_SD: f64 = 3e-3;
 /// Width of a mode, over the standard deviation, and its height over the highest.
 const WIDTH: f64 = 0.2;
 const HEIGHT: f64 = 0.1;

@@ -19,7 +19,8 @@ pub(super) struct Neighbors {
 }
 
 impl Neighbors {
-    pub(super) fn of(steps: &[StepObservation]) -> Self {
+    /// - `pushes`: of each step; if not known, steps that are linked count as one push.
+    pub(super) fn of(steps: &[StepObservation], pushes: Option<&[usize]>) -> Self {
         let places: Vec<_> = steps.iter().map(|step| (step.input.p(), step.input.beta())).collect();
         let far = |i: usize, j: usize, scale: (f64, f64)| {
             let (p, beta) = (places[i].0 - places[j].0, places[i].1 - places[j].1);
@@ -33,11 +34,12 @@ impl Neighbors {
             };
             (0..places.len()).map(near).collect::<Vec<_>>()
         };
-        let run = runs(places.len(), |i, j| far(i, j, LINKED) < 1.0);
+        let linked = || runs(places.len(), |i, j| far(i, j, LINKED) < 1.0);
+        let run = pushes.map_or_else(linked, <[usize]>::to_vec);
         Self {
             alike: nearest(ALIKE, &|_, _| true),
             elsewhere: nearest(ALIKE, &|i, j| run[i] != run[j]),
-            linked: nearest(LINKED, &|_, _| true),
+            linked: nearest(LINKED, &|i, j| run[i] == run[j]),
         }
     }
 
@@ -146,7 +148,7 @@ mod tests {
             step(0.2105, 0.003),
             step(0.9, 0.0),
         ];
-        let near = Neighbors::of(&steps);
+        let near = Neighbors::of(&steps, None);
         assert_eq!(near.scatter(&steps).x, 0.0);
         assert!((near.scatter_elsewhere(&steps).x - 1e-3 / 2.0_f64.sqrt()).abs() < 1e-12);
         let along = [1.0, 1.0, -1.0, -1.0, 5.0].map(|x| Vector3::new(x, 0.0, 0.0));

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use dataset::{
     IngestSettings, ObjectChoice, RecordingSet, StepLength, Table, TableMapping, ingest,
 };
-use models::{StepObservation, StepSelection};
+use models::{StepInput, StepObservation, StepSelection, TableSteps};
 use plant::{Design, GenerateSettings, Layout, generate};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -19,11 +19,16 @@ use crate::workspace::workspace_root;
 /// Steps in a table: a random part, as of the real one.
 const N_STEPS: usize = 3000;
 const STEP_TIME: f64 = 0.2;
+/// Pushes and their steepest angle to the normal, in °, as in the public data set.
+const N_PUSHES: usize = 396;
+const STEEPEST: f64 = 80.0;
 const SPEED: f64 = 0.02;
 
 /// Steps and the friction of the tip that is claimed.
 pub(super) struct Steps {
     pub(super) steps: Vec<StepObservation>,
+    /// Push of each step, where it is known.
+    pub(super) pushes: Option<Vec<usize>>,
     pub(super) friction: f64,
 }
 
@@ -32,7 +37,8 @@ pub(super) fn measured(folder: &Path) -> Result<Steps> {
     let mapping = TableMapping::mit_table()?;
     let table = mapping.read_table(&folder.join("table.csv"))?;
     let objects = ObjectChoice::Fixed(Box::new(mapping.object.clone()));
-    observed(&table, &objects, mapping.pusher.radius, mapping.pusher.friction)
+    let steps = observed(&table, &objects, mapping.pusher.radius)?.steps;
+    Ok(Steps { steps, pushes: None, friction: mapping.pusher.friction })
 }
 
 /// A table of the thesis' design, made by a rig.
@@ -51,7 +57,14 @@ pub(super) fn simulated(rig: &Rig, seed: u64) -> Result<Steps> {
         truth: rig.truth.clone(),
         scatter: rig.scatter,
         sensors: rig.sensors,
-        design: Design { layout: Layout::Thesis, n_pushes: 0, speeds, ..Design::default() },
+        design: Design {
+            layout: Layout::Rich,
+            n_pushes: N_PUSHES,
+            repeat_share: 0.0,
+            steepest: STEEPEST.to_radians(),
+            speeds,
+            ..Design::default()
+        },
         format: "csv".into(),
         seed,
         ..GenerateSettings::default()
@@ -61,15 +74,27 @@ pub(super) fn simulated(rig: &Rig, seed: u64) -> Result<Steps> {
     let step = StepLength::Time(STEP_TIME);
     let (table, _) = ingest(&recordings, &IngestSettings { step, ..IngestSettings::default() })?;
     let manifest = recordings.manifest();
-    let all = observed(&table, &manifest.object, manifest.pusher.radius, manifest.pusher.friction)?;
+    let found = observed(&table, &manifest.object, manifest.pusher.radius)?;
+    let mut names: Vec<_> = table.rows.iter().map(|row| row.recording.clone()).collect();
+    names.sort();
+    names.dedup();
     clear();
-    let mut steps = all.steps;
-    steps.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
-    steps.truncate(N_STEPS);
-    Ok(Steps { steps, ..all })
+    let mut order: Vec<usize> = (0..found.steps.len()).collect();
+    order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
+    let (mut steps, mut pushes) = (Vec::new(), Vec::new());
+    for index in order.into_iter().take(N_STEPS) {
+        let own = &found.steps[index];
+        let (shape, radius) = (own.input.shared_shape().clone(), own.input.pusher_radius());
+        // The public table tells of a step at a corner, too, where it is along the edge.
+        let (edge, p, beta) = (own.input.edge(), own.input.p(), own.input.beta());
+        let input = StepInput::on_edge(shape, radius, edge, p, beta, own.input.distance())?;
+        steps.push(StepObservation { input, outputs: own.outputs });
+        let name = &table.rows[found.rows[index]].recording;
+        pushes.push(names.binary_search(name).unwrap_or(names.len()));
+    }
+    Ok(Steps { steps, pushes: Some(pushes), friction: manifest.pusher.friction })
 }
 
-fn observed(table: &Table, objects: &ObjectChoice, radius: f64, friction: f64) -> Result<Steps> {
-    let steps = StepSelection::default().observations(table, objects, radius)?.steps;
-    Ok(Steps { steps, friction })
+fn observed(table: &Table, objects: &ObjectChoice, radius: f64) -> Result<TableSteps> {
+    Ok(StepSelection::default().observations(table, objects, radius)?)
 }

@@ -8,11 +8,11 @@ mod shape_name;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap::builder::PossibleValuesParser;
 use clap::value_parser;
 use dataset::all_writers;
-use plant::{GenerateSettings, Hidden, Layout, SetOutput, generate_each};
+use plant::{GenerateSettings, Hidden, Layout, Profile, SetOutput, generate_each};
 
 use self::design_name::DesignName;
 use self::generated::Generated;
@@ -60,6 +60,9 @@ pub(crate) struct Args {
     /// The object: one of the MIT push data set's, or a dataset.toml, whose rig is taken with it
     #[arg(long, value_name = "NAME|FILE", default_value = "rect1")]
     shape: ShapeName,
+    /// What kind of rig it is: quiet, rough as real ones are, or rough on a published surface
+    #[arg(long, value_name = "RIG", default_value = "quiet", value_parser = rig_parser())]
+    rig: String,
     /// Sensors, scatter, the design's details and the truth from this file
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
@@ -73,8 +76,13 @@ Examples:
   pushlab generate --hidden 'table-anisotropy: ratio=1.3, direction_deg=34' -o set
   pushlab generate --hidden surprise -n 400 --seed 12 -o set
   pushlab generate --design thesis --shape tri1 --format csv -o set
+  pushlab generate --rig rough --hidden cable -o set
   pushlab generate --design pushes.csv --hidden table-tilt --hidden pusher-radius -o set
   pushlab generate --shape my-pushes/dataset.toml --settings rig.toml --sessions 5 -o twin";
+
+fn rig_parser() -> PossibleValuesParser {
+    PossibleValuesParser::new(Profile::all().iter().map(|profile| profile.name))
+}
 
 fn format_parser() -> PossibleValuesParser {
     PossibleValuesParser::new(all_writers().iter().map(|writer| writer.id()))
@@ -106,14 +114,16 @@ impl Args {
     fn settings(&self) -> Result<GenerateSettings> {
         let hidden =
             self.hidden.iter().map(|text| Ok(text.parse()?)).collect::<Result<Vec<Hidden>>>()?;
-        let (object, nominal) = self.shape.rig()?;
-        let usual_truth = nominal.truth();
+        let profile = Profile::named(&self.rig).context("the parser knows the rigs")?;
+        let (object, told) = self.shape.rig()?;
+        let nominal = told.unwrap_or_else(|| profile.nominal());
+        let usual = SettingsFile::usual(profile, &nominal);
         let file = match &self.settings {
             Some(path) => {
                 readable(path)?;
-                SettingsFile::read(path, &usual_truth)?
+                SettingsFile::read(path, &usual)?
             }
-            None => SettingsFile::usual(&usual_truth),
+            None => usual,
         };
         let SettingsFile { mut design, sensors, scatter, numerics, truth } = file;
         if let Some(name) = &self.design {
@@ -143,7 +153,7 @@ impl Args {
             name: format!("simulated pushes of {}", self.shape),
             object,
             nominal,
-            truth: truth.unwrap_or(usual_truth),
+            truth: truth.unwrap_or_else(|| profile.truth(&nominal)),
             hidden,
             design,
             scatter,
@@ -173,6 +183,7 @@ impl Args {
             .option("sessions", self.sessions)
             .option("speed", &self.speed)
             .option("shape", [&self.shape])
+            .option("rig", [&self.rig])
             .paths("settings", &self.settings)
             .option("format", [&self.format])
     }

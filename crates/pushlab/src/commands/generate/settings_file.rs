@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use plant::{Design, Numerics, Scatter, Sensors, Truth};
+use plant::{Design, Nominal, Numerics, Profile, Scatter, Sensors, Truth};
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
@@ -24,21 +24,26 @@ pub(super) struct SettingsFile {
 }
 
 impl SettingsFile {
-    /// Everything as usual, on a rig of which this is true.
-    pub(super) fn usual(truth: &Truth) -> Self {
-        Self { truth: Some(truth.clone()), ..Self::default() }
+    /// Everything as usual on a rig of which so much is claimed.
+    pub(super) fn usual(profile: &Profile, nominal: &Nominal) -> Self {
+        Self {
+            sensors: profile.sensors(),
+            scatter: profile.scatter(),
+            truth: Some(profile.truth(nominal)),
+            ..Self::default()
+        }
     }
 
     /// Reads a file over what is usual: single keys may be left out at any depth.
     ///
     /// # Errors
     /// If it cannot be read, or with the line and what it should be.
-    pub(super) fn read(path: &Path, truth: &Truth) -> Result<Self> {
+    pub(super) fn read(path: &Path, usual: &Self) -> Result<Self> {
         let context = || format!("cannot read {}", path.display());
         let text = dataset::read_text(path).with_context(context)?;
         // Of the text itself, so that an error has its line.
         toml::from_str::<Self>(&text).with_context(context)?;
-        let mut merged = Table::try_from(Self::usual(truth)).with_context(context)?;
+        let mut merged = Table::try_from(usual).with_context(context)?;
         merge(&mut merged, text.parse().with_context(context)?);
         merged.try_into().with_context(context)
     }
@@ -56,7 +61,7 @@ fn merge(into: &mut Table, from: Table) {
 
 #[cfg(test)]
 mod tests {
-    use plant::Truth;
+    use plant::{Nominal, Profile, Truth};
 
     use super::SettingsFile;
 
@@ -82,14 +87,16 @@ mod tests {
         let text = "[sensors.object]\nrate = 200.0\n[truth.clocks]\nforce_latency = 0.01\n\
                     [design]\nlayout = { narrow = { edge = 2 } }\n";
         std::fs::write(&path, text).unwrap();
-        let mut truth = Truth::default();
-        truth.tip.radius = 0.006;
-        let read = SettingsFile::read(&path, &truth).unwrap();
-        let mut expected = SettingsFile::usual(&truth);
-        expected.sensors.object.rate = 200.0;
-        expected.design.layout = plant::Layout::Narrow { edge: 2 };
-        expected.truth.as_mut().unwrap().clocks.force_latency = 0.01;
-        assert_eq!(read, expected);
+        let nominal = Nominal { pusher_radius: 0.006, ..Nominal::default() };
+        for profile in Profile::all() {
+            let usual = SettingsFile::usual(profile, &nominal);
+            let read = SettingsFile::read(&path, &usual).unwrap();
+            let mut expected = usual;
+            expected.sensors.object.rate = 200.0;
+            expected.design.layout = plant::Layout::Narrow { edge: 2 };
+            expected.truth.as_mut().unwrap().clocks.force_latency = 0.01;
+            assert_eq!(read, expected);
+        }
     }
 
     #[test]

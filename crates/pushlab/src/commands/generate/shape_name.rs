@@ -20,16 +20,17 @@ pub(super) enum ShapeName {
 }
 
 impl ShapeName {
-    /// The object, and what is nominally known of its rig.
+    /// The object, and what a manifest claims of its rig, where there is one.
     ///
     /// # Errors
     /// A manifest that cannot be read or is wrong.
-    pub(super) fn rig(&self) -> Result<(PushedObject, Nominal)> {
+    pub(super) fn rig(&self) -> Result<(PushedObject, Option<Nominal>)> {
         match self {
-            Self::Mit(name) => Ok((PushedObject::Mit { name: name.clone() }, Nominal::default())),
+            Self::Mit(name) => Ok((PushedObject::Mit { name: name.clone() }, None)),
             Self::Manifest(path) => {
                 readable(path)?;
-                Ok(read_rig(path)?)
+                let (object, nominal) = read_rig(path)?;
+                Ok((object, Some(nominal)))
             }
         }
     }
