@@ -84,6 +84,8 @@ fn judge(total: &Total, runner_succeeded: bool) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use proptest::test_runner::{Config, RngSeed};
+
     use super::{Total, judge, tally};
 
     const OUTPUT: &str = "\nrunning 3 tests\ntest a ... ok\n\
@@ -118,5 +120,13 @@ mod tests {
                 .contains("outside the tests")
         );
         assert_eq!(judge(&Total::default(), true).expect_err("empty").to_string(), "no test ran");
+    }
+
+    /// As `.cargo/config.toml` says.
+    #[test]
+    fn laws_of_random_inputs_meet_the_same_inputs_on_every_run() {
+        let config = Config::default();
+        assert_eq!(config.rng_seed, RngSeed::Fixed(7));
+        assert!(config.failure_persistence.is_none());
     }
 }

@@ -156,8 +156,7 @@ mod tests {
     use super::{Contact, Feature};
     use crate::{Ellipse, Polygon, Shape, mit_object};
     use nalgebra::Vector2;
-    use proptest::prelude::{ProptestConfig, prop_assert, proptest};
-    use proptest::test_runner::RngSeed;
+    use proptest::prelude::{prop_assert, proptest};
 
     const RADIUS: f64 = 0.00475;
 
@@ -226,10 +225,6 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            cases: 256, failure_persistence: None, rng_seed: RngSeed::Fixed(2), ..Default::default()
-        })]
-
         #[test]
         fn the_contact_undoes_a_pusher_placed_on_any_edge(
             name in 0..10usize, edge in 0..6usize, p in 0.02..0.98f64, gap in 0.0..0.01f64,

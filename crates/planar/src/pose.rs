@@ -113,14 +113,8 @@ mod tests {
     use super::{Pose, wrap_angle};
     use crate::{Twist, Wrench};
     use nalgebra::{Vector2, Vector3};
-    use proptest::prelude::{ProptestConfig, Strategy, prop_assert, proptest};
-    use proptest::test_runner::RngSeed;
+    use proptest::prelude::{Strategy, prop_assert, proptest};
     use std::f64::consts::{FRAC_PI_2, PI};
-
-    fn config() -> ProptestConfig {
-        let rng_seed = RngSeed::Fixed(1);
-        ProptestConfig { cases: 256, failure_persistence: None, rng_seed, ..Default::default() }
-    }
 
     fn pose() -> impl Strategy<Value = Pose> {
         (-2.0..2.0f64, -2.0..2.0f64, -3.1..3.1f64).prop_map(|(x, y, a)| Pose::new(x, y, a))
@@ -131,8 +125,6 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(config())]
-
         #[test]
         fn a_pose_times_its_inverse_is_the_identity(a in pose()) {
             prop_assert!(distance(&(a * a.inverse()), &Pose::default()) < 1e-14);

@@ -70,8 +70,7 @@ mod tests {
     use super::{Triangle, roundness};
     use crate::{MIT_NAMES, Polygon, Shape, cross, mit_object};
     use nalgebra::Vector2;
-    use proptest::prelude::{ProptestConfig, prop_assume, proptest};
-    use proptest::test_runner::RngSeed;
+    use proptest::prelude::{prop_assume, proptest};
     use std::f64::consts::TAU;
 
     fn polygon(points: &[[f64; 2]]) -> Polygon {
@@ -157,10 +156,6 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            cases: 256, failure_persistence: None, rng_seed: RngSeed::Fixed(4), ..Default::default()
-        })]
-
         #[test]
         fn any_simple_polygon_is_cut_into_its_triangles(
             n in 3..24usize, seed in 0..10_000u64, bend in 0.0..0.9f64, size in -6.0..6.0f64,

@@ -28,8 +28,7 @@ pub(crate) fn escape(text: &str) -> Cow<'_, str> {
 
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::{ProptestConfig, any, proptest};
-    use proptest::test_runner::RngSeed;
+    use proptest::prelude::{any, proptest};
 
     use super::escape;
 
@@ -42,11 +41,6 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            cases: 256, failure_persistence: None, rng_seed: RngSeed::Fixed(7),
-            ..ProptestConfig::default()
-        })]
-
         #[test]
         fn escaped_text_reads_back_from_an_element_and_an_attribute(text in any::<String>()) {
             let kept: String = text

@@ -132,7 +132,6 @@ fn superscript(exponent: i32) -> String {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::{ProptestConfig, proptest};
-    use proptest::test_runner::RngSeed;
 
     use super::{Ticks, linear, logarithmic};
 
@@ -184,10 +183,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            cases: 512, failure_persistence: None, rng_seed: RngSeed::Fixed(7),
-            ..ProptestConfig::default()
-        })]
+        #![proptest_config(ProptestConfig::with_cases(512))]
 
         #[test]
         fn linear_ticks_are_few_even_round_inside_and_distinct(

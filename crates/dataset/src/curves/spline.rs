@@ -239,7 +239,7 @@ mod tests {
     use proptest::{
         collection::vec,
         prelude::{Strategy, prop_assert, prop_assert_eq, proptest},
-        test_runner::{Config, RngSeed},
+        test_runner::Config,
     };
 
     use super::{CubicSpline, EndCondition, interval};
@@ -337,9 +337,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(Config {
-            cases: 64, failure_persistence: None, rng_seed: RngSeed::Fixed(7), ..Config::default()
-        })]
+        #![proptest_config(Config::with_cases(64))]
 
         #[test]
         fn not_a_knot_reproduces_every_cubic((t, c) in knots()) {

@@ -152,10 +152,7 @@ mod tests {
     use std::path::Path;
 
     use nalgebra::Vector2;
-    use proptest::{
-        prelude::{ProptestConfig, prop_assert_eq, proptest},
-        test_runner::RngSeed,
-    };
+    use proptest::prelude::{ProptestConfig, prop_assert_eq, proptest};
 
     use crate::error::DatasetError;
     use crate::table::flags::Flags;
@@ -187,10 +184,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            cases: 32, failure_persistence: None, rng_seed: RngSeed::Fixed(7),
-            ..ProptestConfig::default()
-        })]
+        #![proptest_config(ProptestConfig::with_cases(32))]
 
         #[test]
         fn files_return_every_bit(

@@ -2,19 +2,10 @@
 
 use filter::{Weights, all_resamplers};
 use proptest::prelude::{Strategy, prop};
-use proptest::test_runner::{Config, RngSeed};
+use proptest::test_runner::Config;
 use proptest::{prop_assert, prop_assert_eq, proptest};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-
-fn config() -> Config {
-    Config {
-        cases: 64,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(7),
-        ..Config::default()
-    }
-}
 
 /// Weights that sum to 1, some of them zero.
 fn weights() -> impl Strategy<Value = Vec<f64>> {
@@ -34,7 +25,7 @@ fn counts(ancestors: &[usize], n: usize) -> Vec<usize> {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(Config::with_cases(64))]
 
     #[test]
     fn draws_are_as_many_as_asked_ascending_and_of_positive_weight(

@@ -8,7 +8,6 @@ use gp_core::{
 };
 use proptest::collection::vec;
 use proptest::prelude::{Just, ProptestConfig, Strategy, prop_assert, prop_assert_eq, proptest};
-use proptest::test_runner::RngSeed;
 
 /// One of each kernel; a new kernel is added here.
 fn kernels(n_inputs: usize, scales: &[f64]) -> Vec<Box<dyn Kernel>> {
@@ -54,15 +53,6 @@ fn inputs(n_inputs: usize, entries: &[f64]) -> Mat<f64> {
     Mat::from_fn(entries.len() / n_inputs, n_inputs, |i, d| entries[i * n_inputs + d])
 }
 
-fn config() -> ProptestConfig {
-    ProptestConfig {
-        cases: 64,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(7),
-        ..ProptestConfig::default()
-    }
-}
-
 /// The slope at 0 by four points; its own error is of order h⁴ and ε/h.
 fn finite_difference(function: impl Fn(f64) -> f64) -> f64 {
     let h = 1e-4;
@@ -75,7 +65,7 @@ fn finite_difference(function: impl Fn(f64) -> f64) -> f64 {
 const SLOPE_TOLERANCE: f64 = 2e-8;
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn gram_matrices_are_symmetric_and_positive_semi_definite((d, entries, scales) in case()) {

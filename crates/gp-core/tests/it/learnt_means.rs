@@ -9,7 +9,6 @@ use gp_core::{
 };
 use proptest::collection::vec;
 use proptest::prelude::{ProptestConfig, Strategy, prop_assert, prop_assert_eq, proptest};
-use proptest::test_runner::RngSeed;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -45,15 +44,6 @@ fn case() -> impl Strategy<Value = Case> {
     })
 }
 
-fn config() -> ProptestConfig {
-    ProptestConfig {
-        cases: 48,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(7),
-        ..ProptestConfig::default()
-    }
-}
-
 /// The process whose coefficients have priors of variance `wide`, as a kernel about zero.
 fn integrated(x: &Mat<f64>, y: &[f64], mean: Mean, wide: f64) -> Gp {
     let constant = Constant::new(2, wide).unwrap();
@@ -87,7 +77,7 @@ fn off(case: &Case, mean: Mean, wide: f64) -> [f64; 3] {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
     fn it_is_the_limit_of_ever_wider_priors(case in case()) {

@@ -4,7 +4,6 @@ use faer::Mat;
 use gp_core::{BayesianLinear, Gp, GpError, Kernel, Mean, Parameter, Posterior};
 use proptest::collection::vec;
 use proptest::prelude::{Just, ProptestConfig, Strategy, prop_assert, proptest};
-use proptest::test_runner::RngSeed;
 
 /// k(φ, φ') = φᵀ Σp φ', eq. 3.9 of the thesis; also an example of a user's own kernel.
 #[derive(Debug)]
@@ -58,12 +57,7 @@ fn case() -> impl Strategy<Value = (Mat<f64>, Vec<f64>, Mat<f64>, Mat<f64>)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 64,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(7),
-        ..ProptestConfig::default()
-    })]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn it_equals_the_gaussian_process_on_the_feature_kernel(

@@ -6,7 +6,6 @@ use gp_core::{
 };
 use proptest::collection::vec;
 use proptest::prelude::{ProptestConfig, Strategy, prop_assert, proptest};
-use proptest::test_runner::RngSeed;
 
 const NOISE_VARIANCE: f64 = 0.05;
 
@@ -44,15 +43,6 @@ fn case() -> impl Strategy<Value = Case> {
     })
 }
 
-fn config() -> ProptestConfig {
-    ProptestConfig {
-        cases: 64,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(7),
-        ..ProptestConfig::default()
-    }
-}
-
 fn same(a: &Gp, b: &Gp, x_star: &Mat<f64>) -> bool {
     let close = |a: &[f64], b: &[f64]| {
         a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-10 * (1.0 + b.abs()))
@@ -67,7 +57,7 @@ fn same(a: &Gp, b: &Gp, x_star: &Mat<f64>) -> bool {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn a_row_added_is_as_if_it_had_always_been_there(case in case()) {

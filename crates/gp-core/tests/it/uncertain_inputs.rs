@@ -8,7 +8,6 @@ use gp_core::{
 };
 use proptest::collection::vec;
 use proptest::prelude::{ProptestConfig, Strategy, prop_assert, proptest};
-use proptest::test_runner::RngSeed;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -102,15 +101,6 @@ fn any_case() -> impl Strategy<Value = Case> {
     (1_usize..4).prop_flat_map(case)
 }
 
-fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(7),
-        ..ProptestConfig::default()
-    }
-}
-
 /// Points of the trapezoidal rule in standard deviations: for what is smooth and falls as a Gaussian
 /// its error falls faster than any power of the spacing.
 fn grid(d: usize) -> Vec<(Vec<f64>, f64)> {
@@ -131,7 +121,7 @@ fn row(of: &[f64]) -> MatRef<'_, f64> {
 }
 
 proptest! {
-    #![proptest_config(config(48))]
+    #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
     fn a_known_input_gets_the_prediction_and_its_slope(case in any_case()) {
@@ -181,7 +171,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(6))]
+    #![proptest_config(ProptestConfig::with_cases(6))]
 
     #[test]
     fn moments_are_the_integrals_over_two_inputs(case in case(2)) {

@@ -9,7 +9,6 @@ use gp_rff::{
 };
 use proptest::collection::vec;
 use proptest::prelude::{ProptestConfig, Strategy, prop_assert, prop_assert_eq, proptest};
-use proptest::test_runner::RngSeed;
 
 const FORMS: [Form; 2] = [Form::Cosines, Form::Paired];
 const SAMPLINGS: [Sampling; 3] =
@@ -65,22 +64,13 @@ fn case() -> impl Strategy<Value = Case> {
     })
 }
 
-fn config() -> ProptestConfig {
-    ProptestConfig {
-        cases: 64,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(7),
-        ..ProptestConfig::default()
-    }
-}
-
 fn close(actual: &[f64], expected: &[f64], tolerance: f64) -> bool {
     actual.len() == expected.len()
         && actual.iter().zip(expected).all(|(a, b)| (a - b).abs() <= tolerance * (1.0 + b.abs()))
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn it_is_bayesian_linear_regression_on_its_features(case in case()) {

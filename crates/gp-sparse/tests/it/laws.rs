@@ -9,7 +9,6 @@ use gp_core::{
 use gp_sparse::{Approximation, SparseGp, SparseGpModel, SparseSettings};
 use proptest::collection::vec;
 use proptest::prelude::{ProptestConfig, Strategy, prop_assert, prop_assert_eq, proptest};
-use proptest::test_runner::RngSeed;
 
 const ALL: [Approximation; 4] = [
     Approximation::Fitc,
@@ -82,22 +81,13 @@ fn case() -> impl Strategy<Value = Case> {
     })
 }
 
-fn config() -> ProptestConfig {
-    ProptestConfig {
-        cases: 64,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(7),
-        ..ProptestConfig::default()
-    }
-}
-
 fn close(actual: &[f64], expected: &[f64], tolerance: f64) -> bool {
     actual.len() == expected.len()
         && actual.iter().zip(expected).all(|(a, b)| (a - b).abs() <= tolerance * (1.0 + b.abs()))
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn posterior_variance_lies_between_zero_and_the_prior(case in case()) {

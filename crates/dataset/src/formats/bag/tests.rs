@@ -2,10 +2,7 @@
 
 use std::{fs, io::Write as _};
 
-use proptest::{
-    prelude::{ProptestConfig, any, prop_assert, proptest},
-    test_runner::RngSeed,
-};
+use proptest::prelude::{any, prop_assert, proptest};
 
 use super::{BagFormat, op};
 use crate::formats::format::LogFormat;
@@ -211,12 +208,6 @@ fn a_file_that_is_no_bag_is_an_error_with_its_byte() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(7),
-        ..ProptestConfig::default()
-    })]
-
     #[test]
     fn damage_anywhere_never_panics(
         at in any::<proptest::sample::Index>(), byte in any::<u8>(), cut in any::<bool>(),

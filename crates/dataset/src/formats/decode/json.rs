@@ -113,10 +113,7 @@ fn follow<'v>(value: &'v Value, path: &[String]) -> Option<&'v Value> {
 
 #[cfg(test)]
 mod tests {
-    use proptest::{
-        prelude::{ProptestConfig, any, prop, prop_assert, proptest},
-        test_runner::RngSeed,
-    };
+    use proptest::prelude::{any, prop, prop_assert, proptest};
 
     use super::{JsonPlan, JsonSchema};
     use crate::formats::decode::{Row, Slot, Wanted};
@@ -161,11 +158,6 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            failure_persistence: None,
-            rng_seed: RngSeed::Fixed(7),
-            ..ProptestConfig::default()
-        })]
         #[test]
         fn damaged_messages_never_panic(at in 0..MESSAGE.len(), byte in any::<u8>(),
                                         tail in prop::collection::vec(any::<u8>(), 0..8)) {

@@ -2,10 +2,7 @@
 
 use std::fs;
 
-use proptest::{
-    prelude::{ProptestConfig, Strategy, prop, prop_assert, prop_assert_eq, proptest},
-    test_runner::RngSeed,
-};
+use proptest::prelude::{ProptestConfig, Strategy, prop, prop_assert, prop_assert_eq, proptest};
 
 use super::all_writers;
 use crate::error::DatasetError;
@@ -71,12 +68,7 @@ fn columns(recording: &Recording) -> Vec<(Vec<f64>, f64)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 32,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(7),
-        ..ProptestConfig::default()
-    })]
+    #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
     fn what_is_written_is_read_back(recording in recordings()) {

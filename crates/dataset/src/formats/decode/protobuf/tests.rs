@@ -1,9 +1,6 @@
 //! The protobuf decoder against the reference encoder, and damage.
 
-use proptest::{
-    prelude::{ProptestConfig, any, prop, prop_assert, proptest},
-    test_runner::RngSeed,
-};
+use proptest::prelude::{any, prop, prop_assert, proptest};
 use prost_reflect::{
     DynamicMessage,
     prost::Message,
@@ -165,11 +162,6 @@ fn the_parts_of_a_schema_are_counted_before_it_is_read() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(7),
-        ..ProptestConfig::default()
-    })]
     #[test]
     fn damaged_messages_never_panic(random in prop::collection::vec(any::<u8>(), 0..60),
                                     at in 0..30_usize, byte in any::<u8>()) {

@@ -1,9 +1,6 @@
 //! Known bytes, laws and damage of the ROS decoder.
 
-use proptest::{
-    prelude::{ProptestConfig, any, prop, prop_assert, prop_assert_eq, proptest},
-    test_runner::RngSeed,
-};
+use proptest::prelude::{any, prop, prop_assert, prop_assert_eq, proptest};
 
 use super::{RosPlan, Step};
 use crate::formats::decode::{MessageError, Row, Slot, Wanted, ros_schema::RosSchema};
@@ -148,12 +145,6 @@ fn a_type_that_is_missing_or_endless_is_an_error() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(7),
-        ..ProptestConfig::default()
-    })]
-
     #[test]
     fn random_bytes_never_panic(message in prop::collection::vec(any::<u8>(), 0..200), cdr: bool) {
         for fields in [FLAT, LISTED] {
