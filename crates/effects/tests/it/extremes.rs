@@ -6,7 +6,6 @@ use effects::{Effect, EffectError, Object, PushPhysics, Rig, StepInput, Surface,
 use nalgebra::Vector2;
 use planar::{Polygon, Pose, Shape, Twist, mit_object};
 use proptest::prelude::{Just, ProptestConfig, Strategy, prop_oneof, proptest};
-use proptest::test_runner::RngSeed;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::{Arc, OnceLock};
 
@@ -132,9 +131,7 @@ fn duration() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 200, failure_persistence: None, rng_seed: RngSeed::Fixed(7), ..Default::default()
-    })]
+    #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
     fn extreme_steps_are_finite_or_refused(

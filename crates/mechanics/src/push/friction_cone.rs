@@ -76,8 +76,7 @@ mod tests {
     use super::FrictionCone;
     use crate::MechanicsError;
     use nalgebra::{Unit, Vector2, Vector3};
-    use proptest::prelude::{ProptestConfig, prop_assert, proptest};
-    use proptest::test_runner::RngSeed;
+    use proptest::prelude::{prop_assert, proptest};
 
     #[test]
     fn the_edges_are_the_angle_of_friction_away_from_the_normal() {
@@ -105,10 +104,6 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            cases: 256, failure_persistence: None, rng_seed: RngSeed::Fixed(7), ..Default::default()
-        })]
-
         #[test]
         fn the_projection_is_the_nearest_force_of_the_cone(
             f in (-1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64),

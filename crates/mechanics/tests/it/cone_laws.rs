@@ -7,16 +7,6 @@ use mechanics::{
 use nalgebra::{Unit, Vector2};
 use planar::{Polygon, Shape, Twist, Wrench, cross, perpendicular};
 use proptest::prelude::{ProptestConfig, Strategy, prop_assert, prop_assert_eq, proptest};
-use proptest::test_runner::RngSeed;
-
-fn config() -> ProptestConfig {
-    ProptestConfig {
-        cases: 512,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(7),
-        ..ProptestConfig::default()
-    }
-}
 
 fn pushes() -> impl Strategy<Value = Push> {
     (-0.1..0.1f64, -0.1..0.1f64, -3.2..3.2f64, -1.5..1.5f64, 0.0..2.0f64).prop_map(
@@ -146,7 +136,7 @@ fn a_velocity_on_the_edge_of_the_motion_cone_sticks() {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(ProptestConfig::with_cases(512))]
 
     #[test]
     fn a_twist_and_its_center_of_rotation_say_the_same(

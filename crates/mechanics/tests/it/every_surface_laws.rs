@@ -9,7 +9,6 @@ use mechanics::{
 use nalgebra::{Unit, UnitVector2, Vector2};
 use planar::{Pose, Shape, Twist, Wrench};
 use proptest::prelude::{ProptestConfig, Strategy, prop_assert, prop_assert_eq, proptest};
-use proptest::test_runner::RngSeed;
 
 /// Relative accuracy of loads and motions that is asked of all.
 const TOLERANCE: f64 = 1e-7;
@@ -92,13 +91,8 @@ fn mirrored(push: &Push) -> Push {
     }
 }
 
-fn config(cases: u32) -> ProptestConfig {
-    let rng_seed = RngSeed::Fixed(7);
-    ProptestConfig { cases, failure_persistence: None, rng_seed, ..ProptestConfig::default() }
-}
-
 proptest! {
-    #![proptest_config(config(64))]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn every_push_obeys_the_laws_of_contact_and_maximum_power(push in pushes()) {

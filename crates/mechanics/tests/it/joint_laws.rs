@@ -7,7 +7,6 @@ use mechanics::{
 use nalgebra::{Unit, UnitVector2, Vector2};
 use planar::{Shape, Wrench};
 use proptest::prelude::{ProptestConfig, Strategy, prop_assert_eq, proptest};
-use proptest::test_runner::RngSeed;
 
 fn unit(angle: f64) -> UnitVector2<f64> {
     Unit::new_normalize(Vector2::new(angle.cos(), angle.sin()))
@@ -153,9 +152,7 @@ fn pushes() -> impl Strategy<Value = Vec<Push>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 512, failure_persistence: None, rng_seed: RngSeed::Fixed(7), ..Default::default()
-    })]
+    #![proptest_config(ProptestConfig::with_cases(512))]
 
     #[test]
     fn any_contacts_obey_the_laws_of_contact(

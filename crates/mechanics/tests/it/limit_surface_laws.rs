@@ -4,7 +4,6 @@ use mechanics::{Ellipsoid, LimitSurface, Patch, PointSet, Quartic, uniform_surfa
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Ellipse, Shape, Twist, Wrench, mit_object};
 use proptest::prelude::{ProptestConfig, Strategy, prop_assert, proptest};
-use proptest::test_runner::RngSeed;
 use std::sync::{Arc, OnceLock};
 
 /// The moments and turns of all surfaces are scaled by a length of this size, in m.
@@ -53,11 +52,6 @@ fn surfaces() -> &'static [Row] {
     })
 }
 
-fn config() -> ProptestConfig {
-    let rng_seed = RngSeed::Fixed(7);
-    ProptestConfig { cases: 24, failure_persistence: None, rng_seed, ..ProptestConfig::default() }
-}
-
 fn direction() -> impl Strategy<Value = Vector3<f64>> {
     (-1.0..1.0, -1.0..1.0, -1.0..1.0)
         .prop_map(|(x, y, z)| Vector3::new(x, y, z))
@@ -73,7 +67,7 @@ fn twist(v: &Vector3<f64>) -> Twist {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
     fn the_level_is_symmetric_homogeneous_convex_and_bounded(a in direction(), b in direction()) {

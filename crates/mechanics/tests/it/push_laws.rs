@@ -7,16 +7,6 @@ use mechanics::{
 use nalgebra::{Unit, UnitVector2, Vector2};
 use planar::{Shape, Twist, Wrench};
 use proptest::prelude::{ProptestConfig, Strategy, prop_assert, prop_assert_eq, proptest};
-use proptest::test_runner::RngSeed;
-
-fn config() -> ProptestConfig {
-    ProptestConfig {
-        cases: 512,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(7),
-        ..ProptestConfig::default()
-    }
-}
 
 fn unit(angle: f64) -> UnitVector2<f64> {
     Unit::new_normalize(Vector2::new(angle.cos(), angle.sin()))
@@ -214,7 +204,7 @@ fn check_laws(
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(ProptestConfig::with_cases(512))]
 
     #[test]
     fn the_closed_form_obeys_the_laws_of_contact(surface in surfaces(), push in pushes()) {

@@ -199,12 +199,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            cases: 200,
-            failure_persistence: None,
-            rng_seed: proptest::test_runner::RngSeed::Fixed(7),
-            ..ProptestConfig::default()
-        })]
+        #![proptest_config(ProptestConfig::with_cases(200))]
         #[test]
         fn no_part_is_negative_and_none_could_be_better(
             sums in proptest::array::uniform12(any::<u8>().prop_map(|x| f64::from(x) - 128.0)),

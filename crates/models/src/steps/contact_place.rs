@@ -120,20 +120,9 @@ mod tests {
     use nalgebra::{Vector2, Vector3};
     use planar::{Ellipse, Polygon, Pose, Shape};
     use proptest::prelude::{ProptestConfig, prop_assert, proptest};
-    use proptest::test_runner::RngSeed;
 
     use super::{ContactPlace, ContactPlaces};
     use crate::{Analytical, StepInput};
-
-    fn config() -> ProptestConfig {
-        let rng_seed = RngSeed::Fixed(7);
-        ProptestConfig {
-            cases: 64,
-            failure_persistence: None,
-            rng_seed,
-            ..ProptestConfig::default()
-        }
-    }
 
     fn step(shape: Shape, edge: usize, p: f64, beta: f64) -> StepInput {
         StepInput::on_edge(Arc::new(shape), 0.005, edge, p, beta, 0.004).unwrap()
@@ -207,7 +196,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(config())]
+        #![proptest_config(ProptestConfig::with_cases(64))]
 
         #[test]
         fn inputs_do_not_change_with_the_frame_or_the_size_of_an_object(

@@ -132,7 +132,6 @@ mod tests {
     use nalgebra::{Matrix2, Vector2, Vector3};
     use planar::Shape;
     use proptest::prelude::{ProptestConfig, prop_assert, proptest};
-    use proptest::test_runner::RngSeed;
 
     const CREEP: f64 = 1e-4;
 
@@ -167,9 +166,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            cases: 64, failure_persistence: None, rng_seed: RngSeed::Fixed(7), ..Default::default()
-        })]
+        #![proptest_config(ProptestConfig::with_cases(64))]
 
         #[test]
         fn the_slope_is_the_derivative_and_the_load_dissipates(
