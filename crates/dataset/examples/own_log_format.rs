@@ -1,11 +1,11 @@
 //! A log format of one's own: the fixtures written as text and read back to the same table.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use dataset::{
     DatasetError, IngestSettings, Limit, LogFormat, PoseStream, ReadLimits, Recording,
-    RecordingSet, Streams, WrenchStream, find_files, ingest, read_text, recording_name,
+    RecordingSet, Streams, WrenchStream, ingest, read_text, recording_name,
 };
 
 /// One sample a line: `tip t x y`, `object t x y theta`, `force t fx fy`, in SI units and the world
@@ -19,10 +19,6 @@ impl LogFormat for TextLog {
 
     fn endings(&self) -> &'static [&'static str] {
         &["log"]
-    }
-
-    fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError> {
-        find_files(dir, self.id(), self.endings())
     }
 
     fn read(

@@ -26,7 +26,6 @@ mod ingest;
 mod pages;
 
 pub use error::DatasetError;
-pub use formats::find_files;
 pub use formats::format::{Inspection, LogFormat, StreamInfo};
 pub use formats::list::{all_formats, format_by_id};
 pub use input::limits::{Limit, ReadLimits};

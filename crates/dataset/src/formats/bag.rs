@@ -1,15 +1,8 @@
 //! ROS 1 bags, version 2.0, whole or damaged.
 
-use std::{
-    collections::BTreeMap,
-    ops::ControlFlow,
-    path::{Path, PathBuf},
-};
+use std::{collections::BTreeMap, ops::ControlFlow, path::Path};
 
-use super::{
-    bag_record::Record,
-    find::{find_recordings, is_file_ending},
-};
+use super::bag_record::Record;
 use crate::formats::channel::ChannelList;
 use crate::formats::container::{Channel, Container, Message, Sink};
 use crate::formats::format::{Inspection, LogFormat};
@@ -46,11 +39,6 @@ impl LogFormat for BagFormat {
 
     fn endings(&self) -> &'static [&'static str] {
         &["bag"]
-    }
-
-    fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError> {
-        let is_recording = |path: &Path| is_file_ending(path, self.endings());
-        find_recordings(dir, self.id(), "files NAME.bag", &is_recording)
     }
 
     fn read(

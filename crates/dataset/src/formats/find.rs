@@ -40,18 +40,13 @@ fn is_unfinished(path: &Path) -> bool {
 }
 
 /// The files of a folder with one of these endings, sorted by name; such a file itself alone.
-///
-/// What a log format of a user's own needs for [`crate::LogFormat::find`].
-///
-/// # Errors
-/// `Io` if the folder cannot be read, `NoRecordings` if it has no such file.
-pub fn find_files(
+pub(super) fn find_files(
     dir: &Path,
     format: &'static str,
     endings: &[&str],
 ) -> Result<Vec<PathBuf>, DatasetError> {
-    let expected = "files with the format's ending";
-    find_recordings(dir, format, expected, &|path| is_file_ending(path, endings))
+    let expected = format!("files NAME.{}", endings.first().unwrap_or(&""));
+    find_recordings(dir, format, &expected, &|path| is_file_ending(path, endings))
 }
 
 /// Whether a path is a file with one of these endings.

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::find::find_files;
 use crate::input::limits::ReadLimits;
 use crate::recording::Recording;
 use crate::recording::settings::Streams;
@@ -15,13 +16,13 @@ use crate::{
 /// A way in which recordings are stored.
 ///
 /// Those of this crate are in [`crate::all_formats`]; [`crate::RecordingSet::open_with_format`] reads a set
-/// with one of a user's own, which needs `id`, `find` and `read`.
+/// with one of a user's own, which needs `id`, `endings` and `read`.
 pub trait LogFormat: Sync {
     /// The name used in `dataset.toml`.
     fn id(&self) -> &'static str;
 
     /// Endings of its files without the dot, which are no part of a recording's name; none where a
-    /// recording is a folder.
+    /// recording is a folder, which [`LogFormat::find`] then has to know.
     fn endings(&self) -> &'static [&'static str] {
         &[]
     }
@@ -30,7 +31,9 @@ pub trait LogFormat: Sync {
     ///
     /// # Errors
     /// `Io` if the folder cannot be read, `NoRecordings` if it has none of this format.
-    fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError>;
+    fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError> {
+        find_files(dir, self.id(), self.endings())
+    }
 
     /// As [`LogFormat::find`], where the manifest names the files that make a recording.
     ///

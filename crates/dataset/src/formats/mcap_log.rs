@@ -3,13 +3,12 @@
 use std::{
     collections::{BTreeMap, btree_map::Entry},
     ops::ControlFlow,
-    path::{Path, PathBuf},
+    path::Path,
 };
 
 use mcap::{MAGIC, records::op};
 
 use super::{
-    find::{find_recordings, is_file_ending},
     mcap_damage::Damage,
     mcap_record::{ChannelRecord, Chunk, PREFIX, Record, Schema, Summary, record_at},
 };
@@ -38,11 +37,6 @@ impl LogFormat for McapFormat {
 
     fn endings(&self) -> &'static [&'static str] {
         &["mcap"]
-    }
-
-    fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError> {
-        let is_recording = |path: &Path| is_file_ending(path, self.endings());
-        find_recordings(dir, self.id(), "files NAME.mcap", &is_recording)
     }
 
     fn read(

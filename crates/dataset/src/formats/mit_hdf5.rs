@@ -1,13 +1,10 @@
 //! The MIT push data set as HDF5: one file a push, three data sets of rows.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use hdf5_pure::{File, FormatError, Source};
 
-use super::{
-    find::{find_recordings, is_file_ending},
-    mit_rows::{Rows, inspect_rows, recording_of_rows},
-};
+use super::mit_rows::{Rows, inspect_rows, recording_of_rows};
 use crate::error::DatasetError;
 use crate::formats::format::{Inspection, LogFormat};
 use crate::input::caught::caught;
@@ -26,11 +23,6 @@ impl LogFormat for MitHdf5Format {
 
     fn endings(&self) -> &'static [&'static str] {
         &["h5", "hdf5"]
-    }
-
-    fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError> {
-        let is_recording = |path: &Path| is_file_ending(path, self.endings());
-        find_recordings(dir, self.id(), "files NAME.h5", &is_recording)
     }
 
     fn read(

@@ -1,20 +1,13 @@
 //! The MIT push data set as JSON: one file a push, three lists of rows.
 
-use std::{
-    collections::BTreeMap,
-    fmt,
-    path::{Path, PathBuf},
-};
+use std::{collections::BTreeMap, fmt, path::Path};
 
 use serde::{
     Deserializer,
     de::{DeserializeSeed, MapAccess, SeqAccess, Visitor},
 };
 
-use super::{
-    find::{find_recordings, is_file_ending},
-    mit_rows::{Rows, inspect_rows, recording_of_rows},
-};
+use super::mit_rows::{Rows, inspect_rows, recording_of_rows};
 use crate::error::DatasetError;
 use crate::formats::format::{Inspection, LogFormat};
 use crate::input::caught::caught;
@@ -33,11 +26,6 @@ impl LogFormat for MitJsonFormat {
 
     fn endings(&self) -> &'static [&'static str] {
         &["json"]
-    }
-
-    fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError> {
-        let is_recording = |path: &Path| is_file_ending(path, self.endings());
-        find_recordings(dir, self.id(), "files NAME.json", &is_recording)
     }
 
     fn read(

@@ -27,7 +27,6 @@ mod mit_rows;
 #[cfg(feature = "bag")]
 pub(crate) use bag::BagFormat;
 pub(crate) use csv_folder::CsvFormat;
-pub use find::find_files;
 pub(crate) use mcap_log::McapFormat;
 #[cfg(feature = "hdf5")]
 pub(crate) use mit_hdf5::MitHdf5Format;

@@ -1,17 +1,13 @@
 //! Recordings that ask for too much, or for what cannot be: each is refused by name, and the rest of
 //! its set is read.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::{fs, path::Path};
 
 use crate::made::{Made, write_set};
 use allocation_counter::measure;
 use dataset::{
     DatasetError, Exclusion, IngestReport, IngestSettings, LogFormat, PoseStream, ReadLimits,
-    Recording, RecordingSet, RemarkKind, StepLength, Streams, Table, columns, find_files,
-    format_by_id, ingest,
+    Recording, RecordingSet, RemarkKind, StepLength, Streams, Table, columns, format_by_id, ingest,
 };
 
 /// A set of two pushes, `bad` and `good`; the first is spoiled.
@@ -122,8 +118,8 @@ impl LogFormat for Careless {
         "careless"
     }
 
-    fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError> {
-        find_files(dir, self.id(), &["log"])
+    fn endings(&self) -> &'static [&'static str] {
+        &["log"]
     }
 
     fn read(&self, path: &Path, _: &Streams, _: &ReadLimits) -> Result<Recording, DatasetError> {

@@ -1,15 +1,11 @@
 //! What would be read wrongly without a word: mixed pushes, lost rows, wrong times, mixed messages.
 
-use std::{
-    collections::BTreeMap,
-    fs,
-    path::{Path, PathBuf},
-};
+use std::{collections::BTreeMap, fs, path::Path};
 
 use crate::made::{Made, manifest, write_set};
 use dataset::{
     DatasetError, IngestSettings, LogFormat, ReadLimits, Recording, RecordingSet, RemarkKind,
-    Streams, find_files, ingest,
+    Streams, ingest,
 };
 
 /// A set with these recordings, written by one writer.
@@ -52,10 +48,6 @@ impl LogFormat for TwoEndings {
 
     fn endings(&self) -> &'static [&'static str] {
         &["log", "txt"]
-    }
-
-    fn find(&self, dir: &Path) -> Result<Vec<PathBuf>, DatasetError> {
-        find_files(dir, self.id(), self.endings())
     }
 
     fn read(&self, _: &Path, _: &Streams, _: &ReadLimits) -> Result<Recording, DatasetError> {
