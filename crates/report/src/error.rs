@@ -176,6 +176,19 @@ pub(crate) fn check_length(
     Err(ReportError::Length { mark: mark.to_owned(), field, expected, found })
 }
 
+/// Lists that belong together: not empty, equally long and finite.
+pub(crate) fn check_columns(
+    mark: &str,
+    columns: &[(&'static str, &[f64])],
+) -> Result<(), ReportError> {
+    let n = columns.first().map_or(0, |(_, values)| values.len());
+    check_some(mark, n)?;
+    for (field, values) in columns {
+        check_length(mark, field, n, values.len())?;
+    }
+    columns.iter().try_for_each(|(field, values)| check_finite(mark, field, values))
+}
+
 pub(crate) fn check_some(mark: &str, n: usize) -> Result<(), ReportError> {
     if n > 0 { Ok(()) } else { Err(ReportError::Empty { mark: mark.to_owned() }) }
 }

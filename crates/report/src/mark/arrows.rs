@@ -12,8 +12,7 @@ pub struct Arrows {
     tails: Vec<[f64; 2]>,
     vectors: Vec<[f64; 2]>,
     scale: f64,
-    color: Color,
-    width: f64,
+    stroke: Stroke,
     label: Option<String>,
 }
 
@@ -24,8 +23,7 @@ impl Arrows {
             tails: tails.to_vec(),
             vectors: vectors.to_vec(),
             scale: 1.0,
-            color: Color::INK,
-            width: 1.4,
+            stroke: Stroke::new(Color::INK, 1.4),
             label: None,
         }
     }
@@ -43,7 +41,7 @@ impl Arrows {
     }
 }
 
-builders!(Arrows: color, width, label);
+builders!(Arrows: stroke, label);
 
 impl Mark for Arrows {
     fn name(&self) -> String {
@@ -57,7 +55,7 @@ impl Mark for Arrows {
         check_finite(&name, "tails (x, y)", self.tails.as_flattened())?;
         check_finite(&name, "vectors (x, y)", self.vectors.as_flattened())?;
         check_positive(&name, "scale", self.scale)?;
-        check_positive(&name, "width", self.width)
+        check_positive(&name, "width", self.stroke.width)
     }
 
     fn extent(&self) -> Extent {
@@ -65,13 +63,12 @@ impl Mark for Arrows {
     }
 
     fn draw(&self, canvas: &mut Canvas<'_>) {
-        let stroke = Stroke::new(self.color, self.width);
         for [tail, tip] in self.ends() {
-            canvas.arrow(tail, tip, stroke);
+            canvas.arrow(tail, tip, self.stroke);
         }
     }
 
     fn legend(&self) -> Option<LegendKey> {
-        LegendKey::new(self.label.as_ref(), Swatch::Arrow(Stroke::new(self.color, self.width)))
+        LegendKey::new(self.label.as_ref(), Swatch::Arrow(self.stroke))
     }
 }

@@ -3,7 +3,7 @@
 use super::{Extent, LegendKey, Mark, Swatch, described};
 use crate::canvas::Canvas;
 use crate::color::Color;
-use crate::error::{ReportError, check_finite, check_length, check_positive, check_some};
+use crate::error::{ReportError, check_columns, check_positive};
 use crate::scene::Ink;
 
 /// The area from `low[i]` to `high[i]` over `x[i]`, e.g. mean ± two standard deviations.
@@ -12,8 +12,7 @@ pub struct Band {
     x: Vec<f64>,
     low: Vec<f64>,
     high: Vec<f64>,
-    color: Color,
-    opacity: f64,
+    ink: Ink,
     label: Option<String>,
 }
 
@@ -21,7 +20,7 @@ impl Band {
     /// A blue band of opacity 0.2.
     pub fn new(x: &[f64], low: &[f64], high: &[f64]) -> Self {
         let (x, low, high) = (x.to_vec(), low.to_vec(), high.to_vec());
-        Self { x, low, high, color: Color::BLUE, opacity: 0.2, label: None }
+        Self { x, low, high, ink: Ink::new(Color::BLUE, 0.2), label: None }
     }
 
     fn outline(&self) -> Vec<[f64; 2]> {
@@ -31,7 +30,7 @@ impl Band {
     }
 }
 
-builders!(Band: color, opacity, label);
+builders!(Band: ink, label);
 
 impl Mark for Band {
     fn name(&self) -> String {
@@ -40,13 +39,8 @@ impl Mark for Band {
 
     fn check(&self) -> Result<(), ReportError> {
         let name = self.name();
-        check_some(&name, self.x.len())?;
-        check_length(&name, "low", self.x.len(), self.low.len())?;
-        check_length(&name, "high", self.x.len(), self.high.len())?;
-        check_finite(&name, "x", &self.x)?;
-        check_finite(&name, "low", &self.low)?;
-        check_finite(&name, "high", &self.high)?;
-        check_positive(&name, "opacity", self.opacity)
+        check_columns(&name, &[("x", &self.x), ("low", &self.low), ("high", &self.high)])?;
+        check_positive(&name, "opacity", self.ink.opacity)
     }
 
     fn extent(&self) -> Extent {
@@ -54,12 +48,10 @@ impl Mark for Band {
     }
 
     fn draw(&self, canvas: &mut Canvas<'_>) {
-        let ink = Ink::new(self.color, self.opacity);
-        canvas.area(&[self.outline()], Some(ink), None);
+        canvas.area(&[self.outline()], Some(self.ink), None);
     }
 
     fn legend(&self) -> Option<LegendKey> {
-        let ink = Ink::new(self.color, self.opacity);
-        LegendKey::new(self.label.as_ref(), Swatch::Area(Some(ink), None))
+        LegendKey::new(self.label.as_ref(), Swatch::Area(Some(self.ink), None))
     }
 }

@@ -3,7 +3,7 @@
 use super::{Extent, LegendKey, Mark, Swatch, described, pairs};
 use crate::canvas::Canvas;
 use crate::color::Color;
-use crate::error::{ReportError, check_finite, check_length, check_positive, check_some};
+use crate::error::{ReportError, check_columns, check_positive};
 use crate::scene::Ink;
 
 /// Bars from 0 to `heights[i]` about `x[i]`; name the positions with [`Axis::names`].
@@ -35,10 +35,7 @@ impl Mark for Bars {
 
     fn check(&self) -> Result<(), ReportError> {
         let name = self.name();
-        check_some(&name, self.x.len())?;
-        check_length(&name, "heights", self.x.len(), self.heights.len())?;
-        check_finite(&name, "x", &self.x)?;
-        check_finite(&name, "heights", &self.heights)?;
+        check_columns(&name, &[("x", &self.x), ("heights", &self.heights)])?;
         check_positive(&name, "width", self.width)
     }
 

@@ -15,9 +15,7 @@ pub struct Contours {
     grid: Grid,
     levels: Vec<f64>,
     numbered: bool,
-    color: Color,
-    width: f64,
-    dashed: bool,
+    stroke: Stroke,
     label: Option<String>,
 }
 
@@ -28,9 +26,7 @@ impl Contours {
             grid,
             levels: levels.to_vec(),
             numbered: false,
-            color: Color::INK,
-            width: 1.0,
-            dashed: false,
+            stroke: Stroke::new(Color::INK, 1.0),
             label: None,
         }
     }
@@ -41,14 +37,9 @@ impl Contours {
         self.numbered = true;
         self
     }
-
-    fn stroke(&self) -> Stroke {
-        let stroke = Stroke::new(self.color, self.width);
-        if self.dashed { stroke.dashed() } else { stroke }
-    }
 }
 
-builders!(Contours: color, width, dashed, label);
+builders!(Contours: stroke, dashed, label);
 
 impl Mark for Contours {
     fn name(&self) -> String {
@@ -60,7 +51,7 @@ impl Mark for Contours {
         self.grid.check(&name)?;
         check_some(&name, self.levels.len())?;
         check_finite(&name, "levels", &self.levels)?;
-        check_positive(&name, "width", self.width)
+        check_positive(&name, "width", self.stroke.width)
     }
 
     fn extent(&self) -> Extent {
@@ -77,16 +68,16 @@ impl Mark for Contours {
                 numbers.push((longest[longest.len() / 2], text));
             }
             for line in lines {
-                canvas.line(line, self.stroke());
+                canvas.line(line, self.stroke);
             }
         }
         for (at, text) in numbers.iter().filter(|_| self.numbered) {
-            canvas.text(*at, [0.0, -4.0], Anchor::Middle, text, self.color);
+            canvas.text(*at, [0.0, -4.0], Anchor::Middle, text, self.stroke.ink.color);
         }
     }
 
     fn legend(&self) -> Option<LegendKey> {
-        LegendKey::new(self.label.as_ref(), Swatch::Line(self.stroke()))
+        LegendKey::new(self.label.as_ref(), Swatch::Line(self.stroke))
     }
 
     fn needs_linear_axes(&self) -> bool {

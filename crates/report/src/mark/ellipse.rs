@@ -12,9 +12,7 @@ pub struct Ellipse {
     center: [f64; 2],
     semi_axes: [f64; 2],
     angle: f64,
-    color: Color,
-    width: f64,
-    dashed: bool,
+    stroke: Stroke,
     fill: Option<Ink>,
     label: Option<String>,
 }
@@ -26,9 +24,7 @@ impl Ellipse {
             center,
             semi_axes,
             angle,
-            color: Color::INK,
-            width: 1.4,
-            dashed: false,
+            stroke: Stroke::new(Color::INK, 1.4),
             fill: None,
             label: None,
         }
@@ -51,18 +47,6 @@ impl Ellipse {
         )
     }
 
-    /// Fills the ellipse with a color at an opacity of 0 to 1.
-    #[must_use]
-    pub fn fill(mut self, color: Color, opacity: f64) -> Self {
-        self.fill = Some(Ink::new(color, opacity));
-        self
-    }
-
-    fn stroke(&self) -> Stroke {
-        let stroke = Stroke::new(self.color, self.width);
-        if self.dashed { stroke.dashed() } else { stroke }
-    }
-
     fn outline(&self) -> Vec<[f64; 2]> {
         const CORNERS: i32 = 72;
         let (sin, cos) = self.angle.sin_cos();
@@ -75,7 +59,7 @@ impl Ellipse {
     }
 }
 
-builders!(Ellipse: color, width, dashed, label);
+builders!(Ellipse: stroke, dashed, fill, label);
 
 impl Mark for Ellipse {
     fn name(&self) -> String {
@@ -89,7 +73,7 @@ impl Mark for Ellipse {
         check_finite(&name, "angle", &[self.angle])?;
         check_positive(&name, "semi_axes[0]", self.semi_axes[0])?;
         check_positive(&name, "semi_axes[1]", self.semi_axes[1])?;
-        check_positive(&name, "width", self.width)
+        check_positive(&name, "width", self.stroke.width)
     }
 
     fn extent(&self) -> Extent {
@@ -97,10 +81,10 @@ impl Mark for Ellipse {
     }
 
     fn draw(&self, canvas: &mut Canvas<'_>) {
-        canvas.area(&[self.outline()], self.fill, Some(self.stroke()));
+        canvas.area(&[self.outline()], self.fill, Some(self.stroke));
     }
 
     fn legend(&self) -> Option<LegendKey> {
-        LegendKey::new(self.label.as_ref(), Swatch::Area(self.fill, Some(self.stroke())))
+        LegendKey::new(self.label.as_ref(), Swatch::Area(self.fill, Some(self.stroke)))
     }
 }

@@ -3,7 +3,7 @@
 use super::{Extent, LegendKey, Mark, Swatch, described};
 use crate::canvas::Canvas;
 use crate::color::Color;
-use crate::error::{ReportError, check_finite, check_length, check_positive, check_some};
+use crate::error::{ReportError, check_columns, check_positive};
 use crate::scene::Stroke;
 
 /// Vertical bars from `low[i]` to `high[i]` at `x[i]`, with caps.
@@ -12,8 +12,7 @@ pub struct ErrorBars {
     x: Vec<f64>,
     low: Vec<f64>,
     high: Vec<f64>,
-    color: Color,
-    width: f64,
+    stroke: Stroke,
     label: Option<String>,
 }
 
@@ -21,11 +20,11 @@ impl ErrorBars {
     /// Blue bars, 1.4 px wide.
     pub fn new(x: &[f64], low: &[f64], high: &[f64]) -> Self {
         let (x, low, high) = (x.to_vec(), low.to_vec(), high.to_vec());
-        Self { x, low, high, color: Color::BLUE, width: 1.4, label: None }
+        Self { x, low, high, stroke: Stroke::new(Color::BLUE, 1.4), label: None }
     }
 }
 
-builders!(ErrorBars: color, width, label);
+builders!(ErrorBars: stroke, label);
 
 impl Mark for ErrorBars {
     fn name(&self) -> String {
@@ -34,13 +33,8 @@ impl Mark for ErrorBars {
 
     fn check(&self) -> Result<(), ReportError> {
         let name = self.name();
-        check_some(&name, self.x.len())?;
-        check_length(&name, "low", self.x.len(), self.low.len())?;
-        check_length(&name, "high", self.x.len(), self.high.len())?;
-        check_finite(&name, "x", &self.x)?;
-        check_finite(&name, "low", &self.low)?;
-        check_finite(&name, "high", &self.high)?;
-        check_positive(&name, "width", self.width)
+        check_columns(&name, &[("x", &self.x), ("low", &self.low), ("high", &self.high)])?;
+        check_positive(&name, "width", self.stroke.width)
     }
 
     fn extent(&self) -> Extent {
@@ -49,15 +43,14 @@ impl Mark for ErrorBars {
     }
 
     fn draw(&self, canvas: &mut Canvas<'_>) {
-        let stroke = Stroke::new(self.color, self.width);
         for ((x, low), high) in self.x.iter().zip(&self.low).zip(&self.high) {
-            canvas.segments(&[[[*x, *low], [*x, *high]]], stroke);
-            canvas.tick([*x, *low], 3.5, stroke);
-            canvas.tick([*x, *high], 3.5, stroke);
+            canvas.segments(&[[[*x, *low], [*x, *high]]], self.stroke);
+            canvas.tick([*x, *low], 3.5, self.stroke);
+            canvas.tick([*x, *high], 3.5, self.stroke);
         }
     }
 
     fn legend(&self) -> Option<LegendKey> {
-        LegendKey::new(self.label.as_ref(), Swatch::Line(Stroke::new(self.color, self.width)))
+        LegendKey::new(self.label.as_ref(), Swatch::Line(self.stroke))
     }
 }

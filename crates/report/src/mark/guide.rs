@@ -12,9 +12,7 @@ pub struct Guide {
     from: f64,
     to: f64,
     upright: bool,
-    color: Color,
-    width: f64,
-    dashed: bool,
+    stroke: Stroke,
     label: Option<String>,
 }
 
@@ -35,20 +33,15 @@ impl Guide {
     }
 
     fn between(from: f64, to: f64, upright: bool) -> Self {
-        Self { from, to, upright, color: Color::GRAY, width: 1.2, dashed: false, label: None }
-    }
-
-    fn stroke(&self) -> Stroke {
-        let stroke = Stroke::new(self.color, self.width);
-        if self.dashed { stroke.dashed() } else { stroke }
+        Self { from, to, upright, stroke: Stroke::new(Color::GRAY, 1.2), label: None }
     }
 
     fn ink(&self) -> Ink {
-        Ink::new(self.color, 0.15)
+        Ink { opacity: 0.15, ..self.stroke.ink }
     }
 }
 
-builders!(Guide: color, width, dashed, label);
+builders!(Guide: stroke, dashed, label);
 
 impl Mark for Guide {
     fn name(&self) -> String {
@@ -57,7 +50,7 @@ impl Mark for Guide {
 
     fn check(&self) -> Result<(), ReportError> {
         check_finite(&self.name(), "position", &[self.from, self.to])?;
-        check_positive(&self.name(), "width", self.width)
+        check_positive(&self.name(), "width", self.stroke.width)
     }
 
     fn extent(&self) -> Extent {
@@ -73,15 +66,15 @@ impl Mark for Guide {
             let strip = vec![[a, bottom], [b, bottom], [b, top], [a, top]];
             canvas.area(&[strip], Some(self.ink()), None);
         } else if self.upright {
-            canvas.line([[self.from, bottom], [self.from, top]], self.stroke());
+            canvas.line([[self.from, bottom], [self.from, top]], self.stroke);
         } else {
-            canvas.line([[left, self.from], [right, self.from]], self.stroke());
+            canvas.line([[left, self.from], [right, self.from]], self.stroke);
         }
     }
 
     fn legend(&self) -> Option<LegendKey> {
         let swatch = if self.from == self.to {
-            Swatch::Line(self.stroke())
+            Swatch::Line(self.stroke)
         } else {
             Swatch::Area(Some(self.ink()), None)
         };

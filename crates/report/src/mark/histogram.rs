@@ -13,8 +13,7 @@ pub struct Histogram {
     samples: Vec<f64>,
     bins: usize,
     range: Option<(f64, f64)>,
-    color: Color,
-    opacity: f64,
+    ink: Ink,
     label: Option<String>,
 }
 
@@ -22,7 +21,7 @@ impl Histogram {
     /// Blue bars of opacity 0.35 over the whole range of the samples.
     pub fn new(samples: &[f64], bins: usize) -> Self {
         let samples = samples.to_vec();
-        Self { samples, bins, range: None, color: Color::BLUE, opacity: 0.35, label: None }
+        Self { samples, bins, range: None, ink: Ink::new(Color::BLUE, 0.35), label: None }
     }
 
     /// Spreads the bins from `low` to `high`, so that two histograms can be compared.
@@ -59,12 +58,12 @@ impl Histogram {
         edges.windows(2).zip(&densities).filter(|(_, h)| **h > 0.0).map(bar).collect()
     }
 
-    fn paint(&self) -> (Ink, Stroke) {
-        (Ink::new(self.color, self.opacity), Stroke::new(self.color, 1.0))
+    fn stroke(&self) -> Stroke {
+        Stroke::new(self.ink.color, 1.0)
     }
 }
 
-builders!(Histogram: color, opacity, label);
+builders!(Histogram: ink, label);
 
 impl Mark for Histogram {
     fn name(&self) -> String {
@@ -76,7 +75,7 @@ impl Mark for Histogram {
         check_some(&name, self.samples.len())?;
         check_finite(&name, "samples", &self.samples)?;
         check_positive(&name, "bins", self.bins as f64)?;
-        check_positive(&name, "opacity", self.opacity)?;
+        check_positive(&name, "opacity", self.ink.opacity)?;
         self.range.map_or(Ok(()), |(low, high)| check_positive(&name, "range width", high - low))
     }
 
@@ -88,13 +87,11 @@ impl Mark for Histogram {
     }
 
     fn draw(&self, canvas: &mut Canvas<'_>) {
-        let (ink, stroke) = self.paint();
-        canvas.area(&self.bars(), Some(ink), Some(stroke));
+        canvas.area(&self.bars(), Some(self.ink), Some(self.stroke()));
     }
 
     fn legend(&self) -> Option<LegendKey> {
-        let (ink, stroke) = self.paint();
-        LegendKey::new(self.label.as_ref(), Swatch::Area(Some(ink), Some(stroke)))
+        LegendKey::new(self.label.as_ref(), Swatch::Area(Some(self.ink), Some(self.stroke())))
     }
 
     fn needs_linear_axes(&self) -> bool {

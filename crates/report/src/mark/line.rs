@@ -3,7 +3,7 @@
 use super::{Extent, LegendKey, Mark, Swatch, described, pairs};
 use crate::canvas::Canvas;
 use crate::color::Color;
-use crate::error::{ReportError, check_finite, check_length, check_positive, check_some};
+use crate::error::{ReportError, check_columns, check_positive};
 use crate::scene::Stroke;
 
 /// A line through the points `(x[i], y[i])` in their order.
@@ -11,9 +11,7 @@ use crate::scene::Stroke;
 pub struct Line {
     x: Vec<f64>,
     y: Vec<f64>,
-    color: Color,
-    width: f64,
-    dashed: bool,
+    stroke: Stroke,
     label: Option<String>,
 }
 
@@ -21,7 +19,7 @@ impl Line {
     /// A solid blue line, 1.8 px wide.
     pub fn new(x: &[f64], y: &[f64]) -> Self {
         let (x, y) = (x.to_vec(), y.to_vec());
-        Self { x, y, color: Color::BLUE, width: 1.8, dashed: false, label: None }
+        Self { x, y, stroke: Stroke::new(Color::BLUE, 1.8), label: None }
     }
 
     /// The same through points given as pairs.
@@ -29,14 +27,9 @@ impl Line {
         let (x, y): (Vec<_>, Vec<_>) = points.iter().map(|[x, y]| (*x, *y)).unzip();
         Self::new(&x, &y)
     }
-
-    fn stroke(&self) -> Stroke {
-        let stroke = Stroke::new(self.color, self.width);
-        if self.dashed { stroke.dashed() } else { stroke }
-    }
 }
 
-builders!(Line: color, width, dashed, label);
+builders!(Line: stroke, dashed, label);
 
 impl Mark for Line {
     fn name(&self) -> String {
@@ -45,11 +38,8 @@ impl Mark for Line {
 
     fn check(&self) -> Result<(), ReportError> {
         let name = self.name();
-        check_some(&name, self.x.len())?;
-        check_length(&name, "y", self.x.len(), self.y.len())?;
-        check_finite(&name, "x", &self.x)?;
-        check_finite(&name, "y", &self.y)?;
-        check_positive(&name, "width", self.width)
+        check_columns(&name, &[("x", &self.x), ("y", &self.y)])?;
+        check_positive(&name, "width", self.stroke.width)
     }
 
     fn extent(&self) -> Extent {
@@ -57,10 +47,10 @@ impl Mark for Line {
     }
 
     fn draw(&self, canvas: &mut Canvas<'_>) {
-        canvas.line(pairs(&self.x, &self.y), self.stroke());
+        canvas.line(pairs(&self.x, &self.y), self.stroke);
     }
 
     fn legend(&self) -> Option<LegendKey> {
-        LegendKey::new(self.label.as_ref(), Swatch::Line(self.stroke()))
+        LegendKey::new(self.label.as_ref(), Swatch::Line(self.stroke))
     }
 }

@@ -12,19 +12,21 @@ macro_rules! builders {
     ($mark:ident: $($method:ident),+) => {
         impl $mark { $( builders!(@ $method); )+ }
     };
-    (@ color) => {
+    (@ color) => { builders!(@ color of color); };
+    (@ color of $($field:ident).+) => {
         /// Draws in this color.
         #[must_use]
         pub fn color(mut self, color: crate::color::Color) -> Self {
-            self.color = color;
+            self.$($field).+ = color;
             self
         }
     };
-    (@ width) => {
+    (@ stroke) => {
+        builders!(@ color of stroke.ink.color);
         /// Draws lines this wide, in px.
         #[must_use]
         pub fn width(mut self, width: f64) -> Self {
-            self.width = width;
+            self.stroke.width = width;
             self
         }
     };
@@ -32,15 +34,24 @@ macro_rules! builders {
         /// Dashes the line.
         #[must_use]
         pub fn dashed(mut self) -> Self {
-            self.dashed = true;
+            self.stroke = self.stroke.dashed();
             self
         }
     };
-    (@ opacity) => {
+    (@ ink) => {
+        builders!(@ color of ink.color);
         /// Fills with this opacity, 0 to 1.
         #[must_use]
         pub fn opacity(mut self, opacity: f64) -> Self {
-            self.opacity = opacity;
+            self.ink.opacity = opacity;
+            self
+        }
+    };
+    (@ fill) => {
+        /// Fills it with a color at an opacity of 0 to 1.
+        #[must_use]
+        pub fn fill(mut self, color: Color, opacity: f64) -> Self {
+            self.fill = Some(Ink::new(color, opacity));
             self
         }
     };

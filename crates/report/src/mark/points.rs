@@ -3,7 +3,7 @@
 use super::{Extent, LegendKey, Mark, Swatch, described, pairs};
 use crate::canvas::Canvas;
 use crate::color::{Color, ColorMap, ColorScale};
-use crate::error::{ReportError, check_finite, check_length, check_positive, check_some};
+use crate::error::{ReportError, check_columns, check_finite, check_length, check_positive};
 use crate::scene::{Ink, Stroke};
 
 /// Discs at `(x[i], y[i])`.
@@ -13,8 +13,7 @@ pub struct Points {
     y: Vec<f64>,
     radius: f64,
     hollow: bool,
-    color: Color,
-    opacity: f64,
+    ink: Ink,
     values: Option<Values>,
     label: Option<String>,
 }
@@ -35,8 +34,7 @@ impl Points {
             y: y.to_vec(),
             radius: 3.0,
             hollow: false,
-            color: Color::BLUE,
-            opacity: 1.0,
+            ink: Color::BLUE.into(),
             values: None,
             label: None,
         }
@@ -80,7 +78,7 @@ impl Points {
     }
 
     fn ring(&self) -> Stroke {
-        Stroke::new(Ink::new(self.color, self.opacity), 1.4)
+        Stroke::new(self.ink, 1.4)
     }
 
     /// One batch a color: 64 shades are more than the eye tells apart in a point.
@@ -96,12 +94,12 @@ impl Points {
         }
         for (i, batch) in batches.into_iter().enumerate().filter(|(_, batch)| !batch.is_empty()) {
             let color = scale.map.at(i as f64 / (SHADES - 1) as f64);
-            canvas.dots(batch, self.radius, Ink::new(color, self.opacity));
+            canvas.dots(batch, self.radius, Ink { color, ..self.ink });
         }
     }
 }
 
-builders!(Points: color, opacity, label);
+builders!(Points: ink, label);
 
 impl Mark for Points {
     fn name(&self) -> String {
@@ -110,12 +108,9 @@ impl Mark for Points {
 
     fn check(&self) -> Result<(), ReportError> {
         let name = self.name();
-        check_some(&name, self.x.len())?;
-        check_length(&name, "y", self.x.len(), self.y.len())?;
-        check_finite(&name, "x", &self.x)?;
-        check_finite(&name, "y", &self.y)?;
+        check_columns(&name, &[("x", &self.x), ("y", &self.y)])?;
         check_positive(&name, "radius", self.radius)?;
-        check_positive(&name, "opacity", self.opacity)?;
+        check_positive(&name, "opacity", self.ink.opacity)?;
         if let Some(Values { values, range, .. }) = &self.values {
             check_length(&name, "values", self.x.len(), values.len())?;
             check_finite(&name, "values", values)?;
@@ -138,8 +133,7 @@ impl Mark for Points {
                 canvas.ring(point, self.radius, self.ring());
             }
         } else {
-            let ink = Ink::new(self.color, self.opacity);
-            canvas.dots(pairs(&self.x, &self.y), self.radius, ink);
+            canvas.dots(pairs(&self.x, &self.y), self.radius, self.ink);
         }
     }
 
@@ -147,7 +141,10 @@ impl Mark for Points {
         let swatch = if self.hollow {
             Swatch::Ring(self.ring(), self.radius)
         } else {
-            Swatch::Disc(Ink::new(self.color, self.opacity.max(0.5)), self.radius.max(2.5))
+            Swatch::Disc(
+                Ink { opacity: self.ink.opacity.max(0.5), ..self.ink },
+                self.radius.max(2.5),
+            )
         };
         LegendKey::new(self.label.as_ref(), swatch)
     }

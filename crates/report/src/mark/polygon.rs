@@ -10,9 +10,7 @@ use crate::scene::{Ink, Stroke};
 #[derive(Debug, Clone)]
 pub struct Polygon {
     corners: Vec<[f64; 2]>,
-    color: Color,
-    width: f64,
-    dashed: bool,
+    stroke: Stroke,
     fill: Option<Ink>,
     label: Option<String>,
 }
@@ -22,28 +20,14 @@ impl Polygon {
     pub fn new(corners: &[[f64; 2]]) -> Self {
         Self {
             corners: corners.to_vec(),
-            color: Color::INK,
-            width: 1.4,
-            dashed: false,
+            stroke: Stroke::new(Color::INK, 1.4),
             fill: None,
             label: None,
         }
     }
-
-    /// Fills the polygon with a color at an opacity of 0 to 1.
-    #[must_use]
-    pub fn fill(mut self, color: Color, opacity: f64) -> Self {
-        self.fill = Some(Ink::new(color, opacity));
-        self
-    }
-
-    fn stroke(&self) -> Stroke {
-        let stroke = Stroke::new(self.color, self.width);
-        if self.dashed { stroke.dashed() } else { stroke }
-    }
 }
 
-builders!(Polygon: color, width, dashed, label);
+builders!(Polygon: stroke, dashed, fill, label);
 
 impl Mark for Polygon {
     fn name(&self) -> String {
@@ -54,7 +38,7 @@ impl Mark for Polygon {
         let name = self.name();
         check_some(&name, self.corners.len())?;
         check_finite(&name, "corners (x, y)", self.corners.as_flattened())?;
-        check_positive(&name, "width", self.width)
+        check_positive(&name, "width", self.stroke.width)
     }
 
     fn extent(&self) -> Extent {
@@ -62,10 +46,10 @@ impl Mark for Polygon {
     }
 
     fn draw(&self, canvas: &mut Canvas<'_>) {
-        canvas.area(std::slice::from_ref(&self.corners), self.fill, Some(self.stroke()));
+        canvas.area(std::slice::from_ref(&self.corners), self.fill, Some(self.stroke));
     }
 
     fn legend(&self) -> Option<LegendKey> {
-        LegendKey::new(self.label.as_ref(), Swatch::Area(self.fill, Some(self.stroke())))
+        LegendKey::new(self.label.as_ref(), Swatch::Area(self.fill, Some(self.stroke)))
     }
 }

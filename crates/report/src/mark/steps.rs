@@ -11,9 +11,7 @@ use crate::scene::Stroke;
 pub struct Steps {
     edges: Vec<f64>,
     values: Vec<f64>,
-    color: Color,
-    width: f64,
-    dashed: bool,
+    stroke: Stroke,
     label: Option<String>,
 }
 
@@ -21,12 +19,7 @@ impl Steps {
     /// A solid blue line, 1.8 px wide; there is one edge more than values.
     pub fn new(edges: &[f64], values: &[f64]) -> Self {
         let (edges, values) = (edges.to_vec(), values.to_vec());
-        Self { edges, values, color: Color::BLUE, width: 1.8, dashed: false, label: None }
-    }
-
-    fn stroke(&self) -> Stroke {
-        let stroke = Stroke::new(self.color, self.width);
-        if self.dashed { stroke.dashed() } else { stroke }
+        Self { edges, values, stroke: Stroke::new(Color::BLUE, 1.8), label: None }
     }
 
     fn corners(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
@@ -35,7 +28,7 @@ impl Steps {
     }
 }
 
-builders!(Steps: color, width, dashed, label);
+builders!(Steps: stroke, dashed, label);
 
 impl Mark for Steps {
     fn name(&self) -> String {
@@ -48,7 +41,7 @@ impl Mark for Steps {
         check_length(&name, "edges", self.values.len() + 1, self.edges.len())?;
         check_finite(&name, "edges", &self.edges)?;
         check_finite(&name, "values", &self.values)?;
-        check_positive(&name, "width", self.width)
+        check_positive(&name, "width", self.stroke.width)
     }
 
     fn extent(&self) -> Extent {
@@ -56,10 +49,10 @@ impl Mark for Steps {
     }
 
     fn draw(&self, canvas: &mut Canvas<'_>) {
-        canvas.line(self.corners(), self.stroke());
+        canvas.line(self.corners(), self.stroke);
     }
 
     fn legend(&self) -> Option<LegendKey> {
-        LegendKey::new(self.label.as_ref(), Swatch::Line(self.stroke()))
+        LegendKey::new(self.label.as_ref(), Swatch::Line(self.stroke))
     }
 }

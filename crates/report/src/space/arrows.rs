@@ -13,8 +13,7 @@ use crate::scene::{Scene, Stroke};
 pub struct SpatialArrows {
     tails: Vec<[f64; 3]>,
     vectors: Vec<[f64; 3]>,
-    color: Color,
-    width: f64,
+    stroke: Stroke,
     label: Option<String>,
 }
 
@@ -22,7 +21,7 @@ impl SpatialArrows {
     /// Dark arrows, 1.4 px wide.
     pub fn new(tails: &[[f64; 3]], vectors: &[[f64; 3]]) -> Self {
         let (tails, vectors) = (tails.to_vec(), vectors.to_vec());
-        Self { tails, vectors, color: Color::INK, width: 1.4, label: None }
+        Self { tails, vectors, stroke: Stroke::new(Color::INK, 1.4), label: None }
     }
 
     fn ends(&self) -> impl Iterator<Item = [[f64; 3]; 2]> + '_ {
@@ -31,7 +30,7 @@ impl SpatialArrows {
     }
 }
 
-builders!(SpatialArrows: color, width, label);
+builders!(SpatialArrows: stroke, label);
 
 impl Body for SpatialArrows {
     fn name(&self) -> String {
@@ -44,7 +43,7 @@ impl Body for SpatialArrows {
         check_length(&name, "vectors", self.tails.len(), self.vectors.len())?;
         check_finite(&name, "tails (x, y, z)", self.tails.as_flattened())?;
         check_finite(&name, "vectors (x, y, z)", self.vectors.as_flattened())?;
-        check_positive(&name, "width", self.width)
+        check_positive(&name, "width", self.stroke.width)
     }
 
     fn points(&self) -> Vec<[f64; 3]> {
@@ -52,19 +51,17 @@ impl Body for SpatialArrows {
     }
 
     fn pieces(&self, view: &View) -> Vec<Piece> {
-        let stroke = Stroke::new(self.color, self.width);
         let piece = |[tail, tip]: [[f64; 3]; 2]| {
             // Only the outermost point tells whether an arrow that starts on a surface is hidden.
             let depth = 0.5 * (view.depth(tail) + view.depth(tip)) + 0.02;
             let mut scene = Scene::new(0.0, 0.0);
-            push_arrow(&mut scene, view.place(tail), view.place(tip), stroke);
+            push_arrow(&mut scene, view.place(tail), view.place(tip), self.stroke);
             Piece { depth, shapes: scene.shapes }
         };
         self.ends().map(piece).collect()
     }
 
     fn legend(&self) -> Option<LegendKey> {
-        let stroke = Stroke::new(self.color, self.width);
-        LegendKey::new(self.label.as_ref(), Swatch::Arrow(stroke))
+        LegendKey::new(self.label.as_ref(), Swatch::Arrow(self.stroke))
     }
 }

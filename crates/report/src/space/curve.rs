@@ -11,9 +11,7 @@ use crate::scene::{Shape, Stroke};
 #[derive(Debug, Clone)]
 pub struct Curve {
     points: Vec<[f64; 3]>,
-    color: Color,
-    width: f64,
-    dashed: bool,
+    stroke: Stroke,
     label: Option<String>,
 }
 
@@ -21,16 +19,11 @@ impl Curve {
     /// A solid vermilion line, 2 px wide.
     pub fn new(points: &[[f64; 3]]) -> Self {
         let points = points.to_vec();
-        Self { points, color: Color::VERMILION, width: 2.0, dashed: false, label: None }
-    }
-
-    fn stroke(&self) -> Stroke {
-        let stroke = Stroke::new(self.color, self.width);
-        if self.dashed { stroke.dashed() } else { stroke }
+        Self { points, stroke: Stroke::new(Color::VERMILION, 2.0), label: None }
     }
 }
 
-builders!(Curve: color, width, dashed, label);
+builders!(Curve: stroke, dashed, label);
 
 impl Body for Curve {
     fn name(&self) -> String {
@@ -41,7 +34,7 @@ impl Body for Curve {
         let name = self.name();
         check_some(&name, self.points.len())?;
         check_finite(&name, "points (x, y, z)", self.points.as_flattened())?;
-        check_positive(&name, "width", self.width)
+        check_positive(&name, "width", self.stroke.width)
     }
 
     fn points(&self) -> Vec<[f64; 3]> {
@@ -49,7 +42,6 @@ impl Body for Curve {
     }
 
     fn pieces(&self, view: &View) -> Vec<Piece> {
-        let stroke = self.stroke();
         let mut drawn = 0.0;
         let mut pieces = Vec::new();
         for ends in self.points.windows(2) {
@@ -57,10 +49,10 @@ impl Body for Curve {
             let depth = 0.5 * (view.depth(ends[0]) + view.depth(ends[1])) + 0.02;
             let line = [view.place(ends[0]), view.place(ends[1])];
             let length = (line[1][0] - line[0][0]).hypot(line[1][1] - line[0][1]);
-            let rings = visible(line, length, drawn, stroke.dash);
+            let rings = visible(line, length, drawn, self.stroke.dash);
             drawn += length;
             if !rings.is_empty() {
-                let stroke = Some(Stroke { dash: None, ..stroke });
+                let stroke = Some(Stroke { dash: None, ..self.stroke });
                 let shapes = vec![Shape::Path { rings, closed: false, fill: None, stroke }];
                 pieces.push(Piece { depth, shapes });
             }
@@ -69,7 +61,7 @@ impl Body for Curve {
     }
 
     fn legend(&self) -> Option<LegendKey> {
-        LegendKey::new(self.label.as_ref(), Swatch::Line(self.stroke()))
+        LegendKey::new(self.label.as_ref(), Swatch::Line(self.stroke))
     }
 }
 

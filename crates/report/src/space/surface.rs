@@ -14,8 +14,7 @@ use crate::scene::{Ink, Shape, Stroke};
 pub struct Surface {
     points: Vec<[f64; 3]>,
     facets: Vec<Vec<usize>>,
-    color: Color,
-    opacity: f64,
+    ink: Ink,
     wireframe: bool,
     edges: bool,
     convex: bool,
@@ -28,8 +27,7 @@ impl Surface {
         Self {
             points: points.to_vec(),
             facets: facets.to_vec(),
-            color: Color::SKY,
-            opacity: 1.0,
+            ink: Color::SKY.into(),
             wireframe: false,
             edges: false,
             convex: false,
@@ -92,7 +90,7 @@ impl Surface {
                 edges.insert((*corner.min(&next), *corner.max(&next)));
             }
         }
-        let stroke = Some(Stroke::new(Ink::new(self.color, self.opacity), 0.9));
+        let stroke = Some(Stroke::new(self.ink, 0.9));
         let piece = |(a, b): (usize, usize)| {
             let ends = [self.points[a], self.points[b]];
             let depth = 0.5 * (view.depth(ends[0]) + view.depth(ends[1]));
@@ -104,12 +102,12 @@ impl Surface {
 
     fn facet(&self, view: &View, corners: &[[f64; 3]]) -> Shape {
         let rings = vec![corners.iter().map(|corner| view.place(*corner)).collect()];
-        let color = self.color.lit(0.5 + 0.75 * view.light(corners));
-        let fill = Ink::new(color, self.opacity);
+        let color = self.ink.color.lit(0.5 + 0.75 * view.light(corners));
+        let fill = Ink { color, ..self.ink };
         // The outline in the fill's own color closes the seams between facets.
         let stroke = if self.edges {
-            Some(Stroke::new(Ink::new(self.color.lit(0.45), self.opacity), 0.7))
-        } else if self.opacity >= 1.0 {
+            Some(Stroke::new(Ink::new(self.ink.color.lit(0.45), self.ink.opacity), 0.7))
+        } else if self.ink.opacity >= 1.0 {
             Some(Stroke::new(color, 0.6))
         } else {
             None
@@ -118,7 +116,7 @@ impl Surface {
     }
 }
 
-builders!(Surface: color, opacity, label);
+builders!(Surface: ink, label);
 
 impl Body for Surface {
     fn name(&self) -> String {
@@ -129,7 +127,7 @@ impl Body for Surface {
         let name = self.name();
         check_some(&name, self.facets.len())?;
         check_finite(&name, "points (x, y, z)", self.points.as_flattened())?;
-        check_positive(&name, "opacity", self.opacity)?;
+        check_positive(&name, "opacity", self.ink.opacity)?;
         check_some(&name, self.facets.iter().map(Vec::len).min().unwrap_or(0))?;
         let largest = self.facets.iter().flatten().copied().max().unwrap_or(0);
         if largest < self.points.len() {
@@ -169,9 +167,9 @@ impl Body for Surface {
 
     fn legend(&self) -> Option<LegendKey> {
         let swatch = if self.wireframe {
-            Swatch::Line(Stroke::new(self.color, 1.2))
+            Swatch::Line(Stroke::new(self.ink.color, 1.2))
         } else {
-            Swatch::Area(Some(Ink::new(self.color, self.opacity)), None)
+            Swatch::Area(Some(self.ink), None)
         };
         LegendKey::new(self.label.as_ref(), swatch)
     }
