@@ -39,6 +39,7 @@ use crate::vector::add_multiple;
 /// Its parameters are positive numbers in the user's own units; derivatives are taken with respect
 /// to their logarithms. The slices `a` and `b` have `n_inputs` entries.
 /// Pairwise methods are enough; `column` and `column_gradient` are there to be made faster.
+#[auto_impl::auto_impl(Box)]
 pub trait Kernel: Debug + Send + Sync {
     /// The number of input coordinates D.
     fn n_inputs(&self) -> usize;
@@ -258,58 +259,4 @@ pub fn column_of(matrix: MatMut<'_, f64>, j: usize) -> &mut [f64] {
         .try_as_col_major_mut()
         .expect("owned matrices are column-major")
         .as_slice_mut()
-}
-
-impl<K: Kernel + ?Sized> Kernel for Box<K> {
-    fn n_inputs(&self) -> usize {
-        (**self).n_inputs()
-    }
-
-    fn value(&self, a: &[f64], b: &[f64]) -> f64 {
-        (**self).value(a, b)
-    }
-
-    fn parameters(&self) -> Vec<Parameter> {
-        (**self).parameters()
-    }
-
-    fn with_parameters(&self, values: &[f64]) -> Result<Box<dyn Kernel>, GpError> {
-        (**self).with_parameters(values)
-    }
-
-    fn parameter_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
-        (**self).parameter_gradient(a, b, gradient);
-    }
-
-    fn input_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
-        (**self).input_gradient(a, b, gradient);
-    }
-
-    fn spec(&self) -> Option<KernelSpec> {
-        (**self).spec()
-    }
-
-    fn column(&self, x: MatRef<'_, f64>, b: &[f64], values: &mut [f64]) {
-        (**self).column(x, b, values);
-    }
-
-    fn column_gradient(
-        &self,
-        x: MatRef<'_, f64>,
-        b: &[f64],
-        values: &[f64],
-        weights: &[f64],
-        of_parameters: &mut [f64],
-        of_input: &mut [f64],
-    ) {
-        (**self).column_gradient(x, b, values, weights, of_parameters, of_input);
-    }
-
-    fn diagonal(&self, x: MatRef<'_, f64>, values: &mut [f64]) {
-        (**self).diagonal(x, values);
-    }
-
-    fn diagonal_gradient(&self, x: MatRef<'_, f64>, weights: &[f64], gradient: &mut [f64]) {
-        (**self).diagonal_gradient(x, weights, gradient);
-    }
 }
