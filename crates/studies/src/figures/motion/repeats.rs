@@ -34,7 +34,8 @@ const LAID_SD: [f64; 2] = [5e-4, 0.01];
 /// Of a tip thin enough to push through the vertex in both ways, in m.
 const TIP_RADIUS: f64 = 5e-4;
 const MOST_LEARNT: usize = 300;
-const N_PARTICLES: usize = 1000;
+/// With care, and quickly.
+const N_PARTICLES: [usize; 2] = [1000, 250];
 /// The neighbor whose distance tells the density, and how many particles are held against an end.
 const NEIGHBOR: usize = 20;
 const N_COMPARED: usize = 500;
@@ -61,7 +62,8 @@ struct End {
     turns: Vec<f64>,
 }
 
-pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
+pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
+    let n_particles = N_PARTICLES[usize::from(inputs.quick())];
     let all = pushes(&Inputs::open(&repeats()?, false)?)?;
     let (learn, rest) = all.split_at(all.len() / 3);
     let (measure, test) = rest.split_at(rest.len() / 2);
@@ -78,8 +80,8 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
     };
     let many = |inputs: &[StepInput]| Ok(mixture.ways(inputs, Noise::Included)?);
     let scores = [
-        Scores::of(("gp", Color::BLUE), &plain, one, measure, test)?,
-        Scores::of(("mixture", Color::VERMILION), &mixture, many, measure, test)?,
+        Scores::of(("gp", Color::BLUE), &plain, one, measure, test, n_particles)?,
+        Scores::of(("mixture", Color::VERMILION), &mixture, many, measure, test, n_particles)?,
     ];
     let turned: Vec<f64> = test.iter().map(turn).collect();
     let figure = Figure::new(1, 2)
@@ -92,7 +94,7 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
     let caption = format!(
         "A push through a vertex towards the center, repeated {} times in simulation with scatter of friction, \
          pressure and of where the object lies: it turns either way. Left: by how much, measured in {} \
-         repeats that no model has seen, and in {N_PARTICLES} particles of each by a Gaussian process and \
+         repeats that no model has seen, and in {n_particles} particles of each by a Gaussian process and \
          by a mixture of sticking and slipping, learnt from {} others. Right: the share of the ends within \
          regions of highest density, which may fall apart; densities are by the distance to the {NEIGHBOR}th \
          neighbor, for both alike. Negative log density of a step and of an end in nats, and ends within \
@@ -161,10 +163,11 @@ impl Scores {
         predict: impl Fn(&[StepInput]) -> Result<Vec<SlipPrediction>>,
         measure: &[RecordedPush],
         test: &[RecordedPush],
+        n_particles: usize,
     ) -> Result<Self> {
         let correlation = StepCorrelation::measure(model, measure)?;
         let settings = RollOutSettings {
-            n_particles: N_PARTICLES,
+            n_particles,
             seed: SEED,
             errors: StepErrors::Held(correlation.clone()),
             ..recorded_settings(correlation.gap)
