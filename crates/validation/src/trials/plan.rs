@@ -149,7 +149,7 @@ fn singles() -> Vec<Case> {
         }
     };
     let turns = (0..N_EACH).flat_map(|turn| [4.0, 2.0, 1.0, 0.5].map(|times| (turn, times)));
-    debug_assert_eq!(MULTIPLES.len(), 4);
+    assert_eq!(MULTIPLES.len(), 4);
     turns.flat_map(|(turn, times)| ids.iter().map(move |id| with(id, turn, times))).collect()
 }
 

@@ -61,7 +61,7 @@ impl Score {
             right.push(SHAPE);
         }
         for (id, same) in EQUIVALENTS.iter().filter(|(id, _)| hidden.contains(id)) {
-            debug_assert!(by_id(id).is_err());
+            assert!(by_id(id).is_err());
             right.extend(*same);
         }
         let is_found = |id: &&str| {
