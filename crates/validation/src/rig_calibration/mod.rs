@@ -28,7 +28,7 @@ pub struct Args {
     #[arg(long, value_name = "NAME", default_value = "rough",
           value_parser = PossibleValuesParser::new(Profile::all().iter().map(|own| own.name)))]
     rig: String,
-    /// Numbers of [truth], [scatter] and [sensors] to try instead of every profile's
+    /// Numbers of `[truth]`, `[scatter]` and `[sensors]` to try instead of every profile's
     #[arg(long, value_name = "FILE")]
     with: Option<PathBuf>,
     /// Seeds of the simulated rigs; the median over them is shown
