@@ -15,8 +15,7 @@ static INFO: EffectInfo = EffectInfo {
     physics: "Where a push is said to begin, the pusher is still a little away from the object: that \
         much of its way is lost before the object moves.",
     equation: "The object rests until the pusher has moved by g, in m, towards it.",
-    source: "Yu, Bauza, Fazeli & Rodriguez (2016), More than a million ways to be pushed, IROS: \
-        pushes start from a planned contact.",
+    source: "Kinematics of a pusher that moves before it touches.",
     stages: &[Stage::Geometry],
     reaches: &[Channel::Motion, Channel::Force, Channel::Gap],
     parameters: &[Parameter {

@@ -16,10 +16,9 @@ static INFO: EffectInfo = EffectInfo {
     title: "Tip caught at a vertex",
     physics: "A round tip near the end of an edge meets the vertex, and with it the normals of both \
         edges. A push that would slide from there towards the middle of the edge is held: the vertex \
-        is in its way. What counts is where the step begins.",
+        is in its way, and holds it however it is pulled at. What counts is where the step begins.",
     equation: "Within the distance of an edge's end, sliding inwards: sticks, whatever the friction.",
-    source: "Mason (1986), Mechanics and planning of manipulator pushing operations, Int. J. \
-        Robotics Research 5(3): contact at a vertex has the cone of both edges.",
+    source: "Geometry: at a vertex the contact normal is any between those of its two edges.",
     stages: &[Stage::Contact],
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[Parameter {

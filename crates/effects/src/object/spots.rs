@@ -1,5 +1,7 @@
 //! Places on which an object rests.
 
+use std::borrow::Cow;
+
 use nalgebra::{Matrix2, Vector2};
 
 use crate::EffectError;
@@ -77,9 +79,9 @@ impl Spots {
 
     /// The spots as they bear a weight that leans: its center is beside their own by `shift`, in m,
     /// from which they are seen.
-    pub(crate) fn leaning(&self, shift: &Vector2<f64>) -> Points {
+    pub(crate) fn leaning(&self, shift: &Vector2<f64>) -> Cow<'_, Points> {
         if *shift == Vector2::zeros() {
-            return self.lanes.clone();
+            return Cow::Borrowed(&self.lanes);
         }
         let (shares, rest) = leaning(&self.points, &self.own_center, shift);
         let point = |(point, share): (&Point, f64)| Point {
@@ -87,7 +89,8 @@ impl Spots {
             share,
             spin: point.spin,
         };
-        Points::new(&self.points.iter().zip(shares).map(point).collect::<Vec<_>>())
+        let points: Vec<Point> = self.points.iter().zip(shares).map(point).collect();
+        Cow::Owned(Points::new(&points))
     }
 
     /// Where they are about the center.

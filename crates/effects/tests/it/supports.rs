@@ -83,23 +83,6 @@ fn points_push_as_the_exact_surface_of_a_point_set_does() {
 }
 
 #[test]
-fn half_on_points_dissipates_half_of_each() {
-    // A turn in place of friction that resists it: what c the force on a long lever shows.
-    let half: Vec<f64> =
-        FOUR.iter().enumerate().map(|(k, v)| if k % 3 == 2 { 0.5 * v } else { *v }).collect();
-    let step = push(0.044, 0.0, 1e-5);
-    let force = |effects: Values<'_>| {
-        with(Surface::Ellipsoid, effects).predict(&step).unwrap().force_normal
-    };
-    let (none, half, all) = (
-        force(&[]),
-        force(&[(Arc::new(SupportPoints), &half)]),
-        force(&[(Arc::new(SupportPoints), &FOUR)]),
-    );
-    assert!(none < half && half < all, "{none} {half} {all}");
-}
-
-#[test]
 fn a_map_of_uniform_pressure_is_near_the_uniform_patch() {
     let object = Object::uniform(Arc::new(Shape::square(SIDE).unwrap()), MASS).unwrap();
     let shares: Vec<f64> = object.cells().iter().map(|cell| cell.share).collect();
