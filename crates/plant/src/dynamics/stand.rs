@@ -110,7 +110,6 @@ mod tests {
     use super::{Bottom, Stand};
     use nalgebra::Vector2;
     use proptest::prelude::{ProptestConfig, prop_assert, proptest};
-    use proptest::test_runner::RngSeed;
 
     /// 8 × 8 pads from −1 to 1.
     fn bottom() -> Bottom {
@@ -160,9 +159,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            cases: 64, failure_persistence: None, rng_seed: RngSeed::Fixed(7), ..Default::default()
-        })]
+        #![proptest_config(ProptestConfig::with_cases(64))]
 
         #[test]
         fn weight_and_moments_are_borne_from_any_start_and_alike_in_a_mirror(

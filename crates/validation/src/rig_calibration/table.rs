@@ -1,6 +1,5 @@
 //! Tables of steps of 0.2 s at 20 mm/s, real and simulated.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
@@ -14,7 +13,6 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
 use super::Rig;
-use crate::workspace::workspace_root;
 
 /// Steps in a table: a random part, as of the real one.
 const N_STEPS: usize = 3000;
@@ -43,14 +41,8 @@ pub(super) fn measured(folder: &Path) -> Result<Steps> {
 
 /// A table of the thesis' design, made by a rig.
 pub(super) fn simulated(rig: &Rig, seed: u64) -> Result<Steps> {
-    let folder = workspace_root().join("target/rig-calibration");
-    fs::create_dir_all(&folder)?;
-    let (set, truth) = (folder.join("set"), folder.join("set.truth.toml"));
-    let clear = || {
-        let _ = fs::remove_dir_all(&set);
-        let _ = fs::remove_file(&truth);
-    };
-    clear();
+    let folder = tempfile::tempdir().context("cannot make a folder for the simulated set")?;
+    let set = folder.path().join("set");
     let speeds = vec![SPEED];
     let settings = GenerateSettings {
         nominal: rig.nominal,
@@ -78,7 +70,6 @@ pub(super) fn simulated(rig: &Rig, seed: u64) -> Result<Steps> {
     let mut names: Vec<_> = table.rows.iter().map(|row| row.recording.clone()).collect();
     names.sort();
     names.dedup();
-    clear();
     let mut order: Vec<usize> = (0..found.steps.len()).collect();
     order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
     let (mut steps, mut pushes) = (Vec::new(), Vec::new());
@@ -90,7 +81,8 @@ pub(super) fn simulated(rig: &Rig, seed: u64) -> Result<Steps> {
         let input = StepInput::on_edge(shape, radius, edge, p, beta, own.input.distance())?;
         steps.push(StepObservation { input, outputs: own.outputs });
         let name = &table.rows[found.rows[index]].recording;
-        pushes.push(names.binary_search(name).unwrap_or(names.len()));
+        // Every row's recording is among them.
+        pushes.push(names.partition_point(|other| other < name));
     }
     Ok(Steps { steps, pushes: Some(pushes), friction: manifest.pusher.friction })
 }
