@@ -5,8 +5,7 @@ mod result;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
-use dataset::RecordingSet;
-use diagnosis::{Fit, FitSettings, NoiseModel, Observations, fit_with_noise, split, steady_ingest};
+use diagnosis::{Fit, FitSettings, NoiseModel, Observations, fit_with_noise, split};
 use effects::EffectInfo;
 use models::{ModelFile, Split};
 use output::OutputFile;
@@ -14,8 +13,7 @@ use output::OutputFile;
 pub(crate) use self::result::Fitted;
 use crate::destination::{Force, Inputs};
 use crate::origin::{Input, Origin, readable};
-use crate::recorded_steps::RecordedSteps;
-use crate::suspected::{refuse, suspected};
+use crate::step_source::{Reading, StepSource};
 use crate::terminal::Terminal;
 
 /// Recordings with their split.
@@ -28,24 +26,21 @@ pub(crate) struct Fitting {
 }
 
 impl Fitting {
-    /// Reads a set and splits it: as the model says where it was fitted to this set before, else
+    /// Reads a set or a table and splits it: as the model says where it was fitted to this set before, else
     /// by the seed.
     ///
     /// # Errors
-    /// If the set cannot be read, contradicts the mechanics, or has too few pushes.
+    /// If it cannot be read, contradicts the mechanics, or has too few pushes.
     pub(crate) fn read(
-        set: &Path,
+        source: &StepSource,
         model: &ModelFile,
         seed: u64,
         origin: &mut Origin,
         terminal: &Terminal,
     ) -> Result<Self> {
-        readable(set)?;
-        let recordings = RecordingSet::open(set)?;
-        refuse(&suspected(&recordings), terminal)?;
-        let recorded = RecordedSteps::read(&recordings, &steady_ingest(), terminal)?;
-        origin.inputs.extend(recorded.inputs);
-        let all = Observations::steady(&recorded.table, recordings.manifest())?;
+        let steps = source.read(Reading::Steady, terminal)?;
+        origin.inputs.extend(steps.inputs);
+        let all = steps.observations;
         let known = model.split.clone().filter(|split| all.are_of(split));
         let is_known = known.is_some();
         let split = match known {
@@ -53,7 +48,7 @@ impl Fitting {
             None => split(&all, seed)?,
         };
         let train = all.part(&split.fit)?;
-        Ok(Self { set: set.display().to_string(), split, train, is_known })
+        Ok(Self { set: source.set.display().to_string(), split, train, is_known })
     }
 
     /// Values at which an effect changes nothing of a model on this set.

@@ -37,6 +37,8 @@ pub(super) struct Start {
 pub(super) enum Exactness {
     /// What is left to fall is small beside the fall.
     Rough,
+    /// Within a standard error of it, which is enough for numbers that mean little alone.
+    Mixture,
     /// The sum is as good as the smallest.
     Sum,
     /// So is the place, and slopes were worked out within a standard error of it.
@@ -69,6 +71,8 @@ const POLL: f64 = 0.5;
 const SLOW: f64 = 0.3;
 /// Share of the fall so far that a brief or rough descent leaves to go.
 const BRIEFLY: f64 = 0.01;
+/// The same of a mixture.
+const ROUGHLY: f64 = 1e-3;
 /// Slopes worked out where this is left of the distance are those of the end: a standard error.
 const NEAR_BY: f64 = 1.0;
 /// Damping at first, and of slopes that were just worked out.
@@ -106,6 +110,7 @@ impl Problem<'_> {
             let fall = (first - at.value) / self.robust.scale().powi(2);
             let near = match exactness {
                 Exactness::Rough => SETTLED.max(BRIEFLY * fall),
+                Exactness::Mixture => NEAR_BY.max(ROUGHLY * fall),
                 Exactness::Sum => SETTLED,
                 Exactness::Estimates => CONVERGED,
             };
@@ -122,6 +127,10 @@ impl Problem<'_> {
             }
             let is_low = decrement < STUCK.max(near) || (is_fresh && !is_final);
             if is_enough && is_low {
+                if exactness == Exactness::Mixture && !is_fresh {
+                    let whole = self.slopes(&at, &self.secants)?;
+                    return Ok(self.end(self.quadratic(&at, &whole)?, at, whole, iterations));
+                }
                 return Ok(self.end(quadratic, at, whole, iterations));
             }
             if is_fresh && self.narrow(&mut widths) {

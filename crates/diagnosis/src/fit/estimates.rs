@@ -1,6 +1,6 @@
 //! From a minimum to estimates that people read.
 
-use effects::{Channels, Off, Role, Setting};
+use effects::{Channels, Off, Parameter, Role, Setting};
 use models::{Analytical, Base, CharacteristicLength, Description, ModelEffect};
 use nalgebra::{DMatrix, DVector};
 
@@ -16,6 +16,8 @@ use crate::statistics::quantile::{fisher_tail, student_975, student_tail};
 use crate::undetermined::Undetermined;
 use crate::{DiagnosisError, Observations};
 
+/// A 95 % interval in standard errors.
+const WIDTH: f64 = 3.92;
 /// Correlation of signatures beyond which two effects are one to the data.
 const ALIKE: f64 = 0.98;
 
@@ -136,11 +138,19 @@ impl Ending<'_> {
         let (values, covariances) = self.values(index);
         let mut parameters = Vec::new();
         for (k, (parameter, value)) in member.parameters().iter().zip(values).enumerate() {
-            let se = covariances[0][(k, k)].sqrt();
-            let interval = match has_intervals && se > 0.0 {
-                true => self.interval(index, k, &covariances)?,
-                false => None,
+            let mut se = covariances[0][(k, k)].sqrt();
+            let interval = match parameter.role {
+                Role::Threshold => self.limits(index, k)?,
+                Role::X(_) | Role::Y(_) | Role::Part | Role::Cell if member.is_mixture() => {
+                    self.of_cluster_scatter(parameter, value, se)
+                }
+                _ if has_intervals && se > 0.0 => self.interval(index, k, &covariances)?,
+                _ => None,
             };
+            if let (Role::Threshold, Some(Interval { low95, high95 })) = (parameter.role, interval)
+            {
+                se = (high95 - low95) / WIDTH;
+            }
             let off = (parameter.off != Off::Undefined).then(|| member.off[k]);
             let (name, unit) = (parameter.name, parameter.unit);
             parameters.push(ParameterFit { name, unit, off, value, se, interval });
@@ -149,6 +159,21 @@ impl Ending<'_> {
             .or_else(|| alike(&resemblances))
             .or_else(|| open(member, &parameters, has_intervals));
         Ok(EffectFit { id: member.id(), parameters, p, resemblances, undetermined })
+    }
+
+    /// The values of a limit that are as good as the best.
+    fn limits(&self, member: usize, own: usize) -> Result<Option<Interval>, DiagnosisError> {
+        let k = self.problem.space.first(member) + own;
+        let parameter = &self.problem.space.members[member].parameters()[own];
+        self.problem.limits(&self.minimum().at.x, k, parameter)
+    }
+
+    /// The interval by a standard error, within the range of a parameter; none without one.
+    fn of_cluster_scatter(&self, parameter: &Parameter, value: f64, se: f64) -> Option<Interval> {
+        let reach = student_975(self.clusters.len() as f64 - 1.0) * se;
+        let (low, high) = parameter.range;
+        let (low95, high95) = ((value - reach).max(low), (value + reach).min(high));
+        (se > 0.0).then_some(Interval { low95, high95 })
     }
 
     fn interval(
@@ -169,7 +194,10 @@ impl Ending<'_> {
     /// the mean gain of a cluster.
     fn p(&self, index: usize) -> Result<f64, DiagnosisError> {
         let member = &self.problem.space.members[index];
-        if member.switches().iter().any(|is_switch| *is_switch) {
+        let has_no_way = member.switches().iter().any(|is_switch| *is_switch)
+            || member.is_mixture()
+            || !member.thresholds().is_empty();
+        if has_no_way {
             return Ok(self.p_of_gain());
         }
         let (x, columns) = self.own(index);
@@ -219,7 +247,7 @@ impl Ending<'_> {
         };
         let coordinates = columns.iter().zip(&member.coordinates).enumerate();
         let mut sizes = coordinates.filter(|(k, _)| is_size(member, *k)).map(|(_, pair)| pair);
-        let is_seen = sizes.all(shows);
+        let is_seen = if member.is_mixture() { sizes.any(shows) } else { sizes.all(shows) };
         (!is_seen).then_some(Undetermined::Invisible)
     }
 
@@ -346,6 +374,9 @@ fn alike(resemblances: &[Resemblance]) -> Option<Undetermined> {
 
 /// A size that the data leave open; a reference, as the speed at which a law sets in, may be.
 fn open(member: &Member, parameters: &[ParameterFit], has_intervals: bool) -> Option<Undetermined> {
+    if member.is_mixture() {
+        return None;
+    }
     let switches = member.switches();
     let mut sizes =
         parameters.iter().zip(switches).enumerate().filter(|(k, _)| is_size(member, *k));

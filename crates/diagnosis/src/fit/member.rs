@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use effects::{Coordinate, Effect, Parameter, Rig, Role};
+use effects::{Coordinate, Effect, Object, Parameter, Rig, Role};
+use nalgebra::Vector2;
 
 /// Why an effect is moved, and what becomes of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +42,8 @@ pub(super) struct Member {
     /// Of the prior, in coordinates.
     pub(super) prior_sd: Vec<f64>,
     pub(super) chart: Chart,
+    /// Of what it says where it rests.
+    object: Option<Arc<Object>>,
 }
 
 /// A ratio of 1 has no direction.
@@ -63,6 +66,7 @@ impl Member {
             prior_sd: coordinates.iter().map(|coordinate| coordinate.prior_sd).collect(),
             coordinates,
             chart: Chart::Coordinates,
+            object: None,
         }
     }
 
@@ -108,11 +112,61 @@ impl Member {
     }
 
     /// The place of values in the chart.
+    ///
+    /// Parts of the whole weight have room to either side: they stay in proportion while all but the
+    /// largest are moved.
     pub(super) fn place(&self, values: &[f64]) -> Vec<f64> {
-        match self.chart {
-            Chart::Coordinates => self.effect.info().to_coordinates(values),
-            Chart::Values => values.to_vec(),
+        if self.chart == Chart::Values {
+            return values.to_vec();
         }
+        let mut place = self.effect.info().to_coordinates(values);
+        let parts: Vec<usize> =
+            (0..place.len()).filter(|k| is_part(&self.parameters()[*k])).collect();
+        if parts.iter().map(|k| place[*k]).sum::<f64>() > 1.0 - ROUNDING {
+            parts.into_iter().for_each(|k| place[k] *= ROOM);
+        }
+        place
+    }
+
+    /// The same from other values, about an object. Of parts of the weight the largest is held, for they
+    /// count in proportion, and so is all of a point that bears nothing. The others are under the object.
+    pub(super) fn starting_from(mut self, values: Vec<f64>, object: &Arc<Object>) -> Self {
+        self.object = Some(object.clone());
+        let parts = self.parts();
+        let largest = parts.clone().max_by(|a, b| values[*a].total_cmp(&values[*b]));
+        for part in parts {
+            if Some(part) == largest || values[part] == 0.0 {
+                self.prior_sd[part] = 0.0;
+            }
+            let is_point = self.parameters()[part].role == Role::Part;
+            if is_point && values[part] == 0.0 {
+                self.prior_sd[part - 2..part].fill(0.0);
+            }
+        }
+        self.start = values;
+        self
+    }
+
+    /// Which numbers are parts of the weight.
+    fn parts(&self) -> impl Iterator<Item = usize> + Clone + use<> {
+        let parameters = self.parameters();
+        (0..parameters.len()).filter(|k| is_part(&parameters[*k]))
+    }
+
+    /// Whether it says how the weight is spread, of which single numbers mean little.
+    pub(super) fn is_mixture(&self) -> bool {
+        self.parts().next().is_some()
+    }
+
+    /// Whether it is one that is written.
+    pub(super) fn is_moved_mixture(&self) -> bool {
+        self.part != Part::Nuisance && self.is_mixture()
+    }
+
+    /// Which numbers are limits, whose slopes are none.
+    pub(super) fn thresholds(&self) -> Vec<usize> {
+        let is = |k: &usize| self.parameters()[*k].role == Role::Threshold;
+        (0..self.len()).filter(is).collect()
     }
 
     /// (coordinate − center)/sd of the prior; 0 where there is none.
@@ -123,7 +177,18 @@ impl Member {
             true => (x - center) / sd,
             false => 0.0,
         };
-        coordinates.into_iter().zip(priors).map(prior_residual).collect()
+        let mut residuals: Vec<f64> =
+            coordinates.into_iter().zip(priors).map(prior_residual).collect();
+        if let Some(object) = &self.object {
+            for (k, parameter) in self.parameters().iter().enumerate() {
+                if matches!(parameter.role, Role::X(_)) {
+                    let outside = outside(object, &Vector2::new(values[k], values[k + 1]));
+                    residuals[k] += outside.x / OUTSIDE;
+                    residuals[k + 1] += outside.y / OUTSIDE;
+                }
+            }
+        }
+        residuals
     }
 
     /// The size of what each number of a place of the coordinates is part of: of a number its own, of
@@ -168,9 +233,12 @@ impl Member {
         }
     }
 
-    /// Which numbers are not moved: switches, and what the model states without a standard error.
+    /// Which numbers are not moved by slopes: switches, limits, and what is held without a prior.
     pub(super) fn frozen(&self) -> Vec<bool> {
-        self.switches().iter().zip(&self.prior_sd).map(|(on, sd)| *on || *sd == 0.0).collect()
+        let has_no_slope =
+            |parameter: &Parameter| matches!(parameter.role, Role::Switch | Role::Threshold);
+        let numbers = self.parameters().iter().zip(&self.prior_sd);
+        numbers.map(|(parameter, sd)| has_no_slope(parameter) || *sd == 0.0).collect()
     }
 
     /// Which numbers are shares, whose ranges end where nothing more is.
@@ -183,6 +251,25 @@ impl Member {
         self.parameters().iter().map(|parameter| parameter.role == Role::Switch).collect()
     }
 }
+
+/// How far a place is outside of an outline, in m.
+fn outside(object: &Object, place: &Vector2<f64>) -> Vector2<f64> {
+    match object.shape().contains(place) {
+        true => Vector2::zeros(),
+        false => place - object.shape().contact(place, 0.0).point,
+    }
+}
+
+/// Tolerance of outlines, in m.
+const OUTSIDE: f64 = 2e-4;
+
+fn is_part(parameter: &Parameter) -> bool {
+    matches!(parameter.role, Role::Part | Role::Cell)
+}
+
+/// Parts that are together the whole stand at so many times themselves.
+const ROOM: f64 = 2.0;
+const ROUNDING: f64 = 1e-9;
 
 /// A difference of this many standard errors tells how coordinates follow values.
 const NUDGE: f64 = 1e-3;
@@ -250,7 +337,13 @@ mod tests {
                         let turned = turn * &block * turn.transpose();
                         assert!((turned - &block).norm() <= 1e-12 * block.norm(), "{}", about.id);
                     }
-                    Role::Even | Role::Odd | Role::Cell | Role::Share | Role::Switch => {
+                    Role::Even
+                    | Role::Odd
+                    | Role::Part
+                    | Role::Cell
+                    | Role::Threshold
+                    | Role::Share
+                    | Role::Switch => {
                         assert!((squares[(k, k)].sqrt() - x[k].abs()).abs() < 1e-12);
                     }
                     Role::Y(_) | Role::Ratio(_) | Role::Direction(_) => {}

@@ -13,6 +13,8 @@ mod robust;
 mod sandwich;
 mod search;
 mod space;
+mod supports;
+mod thresholds;
 
 use std::sync::Arc;
 
@@ -167,7 +169,19 @@ pub fn fit(
     whitening: &Whitening,
     settings: &FitSettings,
 ) -> Result<Fit, DiagnosisError> {
-    let space = Space::new(observations, model, free, settings)?;
+    fit_near(observations, model, free, whitening, settings, None)
+}
+
+/// The same, where what says where the object rests starts from another model.
+fn fit_near(
+    observations: &Observations,
+    model: &Description,
+    free: &[&str],
+    whitening: &Whitening,
+    settings: &FitSettings,
+    near: Option<&Description>,
+) -> Result<Fit, DiagnosisError> {
+    let space = Space::new(observations, model, free, settings, near)?;
     let rows = whitening.rows();
     let start = space.place(|member| member.start.clone());
     let robust = Robust::at(&rows, &whitening.whiten(&space.residuals(&start)?));
@@ -191,7 +205,8 @@ pub fn fit_with_noise(
     let whitening = |model| noise.whitening(model, &settings.own, observations);
     let first = FitSettings { intervals: false, resemblances: false, ..settings.clone() };
     let first = fit(observations, model, free, &whitening(model)?, &first)?;
-    fit(observations, model, free, &whitening(&first.with_nuisances)?, settings)
+    let (whitening, near) = (whitening(&first.with_nuisances)?, Some(&first.description));
+    fit_near(observations, model, free, &whitening, settings, near)
 }
 
 impl Fit {

@@ -55,7 +55,7 @@ impl<'a> Refit<'a> {
         whitening: &'a Whitening,
         settings: &FitSettings,
     ) -> Result<Self, DiagnosisError> {
-        let mut space = Space::new(observations, model, &[], settings)?;
+        let mut space = Space::new(observations, model, &[], settings, None)?;
         let is_in_model = |id: &str| model.effects.iter().any(|effect| effect.id == id);
         for member in space.members.iter_mut().filter(|member| !is_in_model(member.id())) {
             member.part = Part::Nuisance;

@@ -28,25 +28,45 @@ impl Problem<'_> {
     /// # Errors
     /// As a descent.
     pub(super) fn search(&mut self) -> Result<Found, DiagnosisError> {
-        let start = self.space.place(|member| member.start.clone());
+        let asked_from = |member: &Member| match member.part == Part::Asked && member.is_mixture() {
+            true => member.off.clone(),
+            false => member.start.clone(),
+        };
+        let start = self.space.place(asked_from);
         let mut without = self.clone();
         let asked = self.space.of_each(|member| vec![member.part == Part::Asked; member.len()]);
         without.frozen.iter_mut().zip(asked).for_each(|(frozen, asked)| *frozen |= asked);
         let before = without.settle(start, None, Exactness::Sum)?;
         self.robust = without.robust;
-        let plain = self.switched_on(&before.at.x);
+        let plain = self.spread(&self.switched_on(&before.at.x));
+        let plain = self.limited(plain)?;
+        let has_mixture = self.space.members.iter().any(Member::is_moved_mixture);
+        let exactness = if has_mixture { Exactness::Mixture } else { Exactness::Estimates };
         let far = self.far_start(plain.clone())?;
         let mut other = self.clone();
-        let mut after = self.settle(plain.clone(), None, Exactness::Estimates)?;
+        let mut after = self.settle(plain.clone(), None, exactness)?;
         if far != plain {
             // A start may lead to where the mechanics refuse; the other one counts then.
-            if let Ok(found) = other.settle(far, None, Exactness::Estimates)
+            if let Ok(found) = other.settle(far, None, exactness)
                 && other.robust.value(&found.at.z) < other.robust.value(&after.at.z)
             {
                 (*self, after) = (other, found);
             }
         }
+        let limited = self.limited(after.at.x.clone())?;
+        if limited != after.at.x {
+            after = self.settle(limited, None, exactness)?;
+        }
         Ok(Found { before, after })
+    }
+
+    /// The place with what says where the weight rests at its start.
+    fn spread(&self, x: &[f64]) -> Vec<f64> {
+        let at = |(member, own): (&Member, &[f64])| match member.is_mixture() {
+            true => member.place(&member.start),
+            false => own.to_vec(),
+        };
+        self.space.shares(x).flat_map(at).collect()
     }
 
     /// The minimum below a place, with weights by the typical residual there.
@@ -98,7 +118,7 @@ impl Problem<'_> {
         for (index, member) in self.space.members.iter().enumerate() {
             let first = self.space.first(index);
             let from = best.x.clone();
-            let own = first..first + member.len();
+            let own = if member.is_mixture() { 0..0 } else { first..first + member.len() };
             for k in own.filter(|k| member.part == Part::Asked && !self.frozen[*k]) {
                 for side in [-2.0, 2.0] {
                     let mut x = from.clone();

@@ -5,15 +5,15 @@ use std::sync::Arc;
 
 use effects::{
     Channel, Effect, EffectInfo, Nuisance, Object, PressureRadius, PushPhysics, PusherFriction,
-    Setting, all, by_id_with,
+    Setting, Stage, all, by_id_with,
 };
 use models::{
     Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelEffect,
 };
 use rayon::prelude::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
-use super::FitSettings;
 use super::member::{Chart, Member, Part};
+use super::{FitSettings, supports};
 use crate::{DiagnosisError, Observations};
 
 /// A model whose effects stand at any place, on observed steps.
@@ -29,7 +29,7 @@ pub(super) struct Space<'a> {
 
 impl<'a> Space<'a> {
     /// The model with the effects asked for, those that it carries with a standard error, and the
-    /// nuisances.
+    /// nuisances. What says where the object rests starts from a model that is near, if there is one.
     ///
     /// # Errors
     /// `Model` for what the model or an effect refuses.
@@ -38,6 +38,7 @@ impl<'a> Space<'a> {
         model: &Description,
         asked: &[&str],
         settings: &FitSettings,
+        near: Option<&Description>,
     ) -> Result<Self, DiagnosisError> {
         let model = unfolded(model, observations)?;
         let bare = Description { effects: Vec::new(), ..model.clone() };
@@ -49,7 +50,15 @@ impl<'a> Space<'a> {
         let mut ids: Vec<&str> = asked.to_vec();
         ids.extend(model.effects.iter().map(|effect| effect.id.as_str()));
         let known = all().iter().chain(&settings.own).map(|effect| effect.info());
-        let nuisances = known.filter(|about| about.nuisance != Nuisance::No);
+        // Where it is said where the weight rests, its mean distance follows.
+        let says_where = |id: &&str| {
+            let effect = by_id_with(id, &settings.own);
+            effect.is_ok_and(|effect| effect.info().stages.contains(&Stage::Pressure))
+        };
+        let follows = |about: &EffectInfo| about.id == PressureRadius.info().id;
+        let has_spots = ids.iter().any(says_where);
+        let is_open = |about: &&EffectInfo| about.nuisance != Nuisance::No;
+        let nuisances = known.filter(is_open).filter(|about| !(has_spots && follows(about)));
         ids.extend(nuisances.map(|about| about.id));
         let (mut members, mut seen) = (Vec::new(), Vec::new());
         for id in ids {
@@ -63,7 +72,11 @@ impl<'a> Space<'a> {
                     true => Some(Part::Asked),
                     false => is_open.then_some(Part::Carried),
                 };
-                members.extend(member(effect, wish, carried, &rig, settings)?);
+                let found = member(effect, wish, carried, &rig, settings)?;
+                let known = near.unwrap_or(&model).effects.iter().find(|effect| effect.id == id);
+                let known = known.and_then(|effect| effect.setting().values(about).ok());
+                let start = |member| with_start(member, known, observations, &first);
+                members.extend(found.map(start));
             }
         }
         let started =
@@ -176,6 +189,23 @@ impl<'a> Space<'a> {
             .collect::<Result<_, effects::EffectError>>()
             .map_err(models::ModelError::from)?)
     }
+}
+
+/// A member that says where the object rests, from what is known or else from where the motions say
+/// that it does.
+fn with_start(
+    member: Member,
+    known: Option<Vec<f64>>,
+    observations: &Observations,
+    object: &Arc<Object>,
+) -> Member {
+    if !member.is_moved_mixture() {
+        return member;
+    }
+    let known = known.filter(|values| *values != member.off);
+    let found = known.or_else(|| supports::start(member.effect.as_ref(), observations));
+    let values = found.unwrap_or_else(|| member.typical.clone());
+    member.starting_from(values, object)
 }
 
 /// Whether an effect that nobody knows well changes nothing but the force, so that every force shows

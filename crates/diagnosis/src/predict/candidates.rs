@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use effects::{Effect, Off, Parameter, Role, all};
+use effects::{Effect, Off, Parameter, Role, tested};
 use models::{ChannelModel, Description};
 
 use crate::predict::secants::Direction;
@@ -45,7 +45,7 @@ impl Candidates {
             .physics(&observations.steps[0].input.object)?;
         let has = |id: &str| physics.effects().iter().any(|(other, _)| other.info().id == id);
         let mut found = Self::default();
-        for effect in all().iter().chain(own) {
+        for effect in tested().iter().chain(own) {
             let about = effect.info();
             let first = found.directions.len();
             for (index, coordinate) in about.coordinates(physics.rig()).iter().enumerate() {

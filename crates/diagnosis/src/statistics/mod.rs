@@ -2,6 +2,7 @@
 
 pub(crate) mod box_search;
 pub(crate) mod map_test;
+pub(crate) mod mixture;
 pub(crate) mod quantile;
 pub(crate) mod score;
 pub(crate) mod sign_flips;

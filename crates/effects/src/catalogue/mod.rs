@@ -4,62 +4,75 @@ use std::sync::{Arc, LazyLock};
 
 use crate::{Effect, EffectError};
 
-/// Declares the modules, hands on their effects, and lists them in `ALL`.
+/// Declares the modules, hands on their effects, and lists them in `ALL`, those that a diagnosis tests
+/// for first.
 macro_rules! catalogue {
-    ($($file:ident::$Effect:ident,)+) => {
+    (
+        tested { $($file:ident::$Effect:ident,)+ }
+        fitted { $($other_file:ident::$Other:ident,)+ }
+    ) => {
         $(
             mod $file;
             pub use $file::$Effect;
         )+
+        $(
+            mod $other_file;
+            pub use $other_file::$Other;
+        )+
 
-        static ALL: LazyLock<Vec<Arc<dyn Effect>>> =
-            LazyLock::new(|| vec![$(Arc::new($Effect) as Arc<dyn Effect>),+]);
+        static ALL: LazyLock<Vec<Arc<dyn Effect>>> = LazyLock::new(|| {
+            vec![$(Arc::new($Effect) as Arc<dyn Effect>,)+ $(Arc::new($Other),)+]
+        });
+
+        /// How many a diagnosis tests for.
+        const N_TESTED: usize = [$(stringify!($Effect)),+].len();
     };
 }
 
 // In the order in which they act.
 catalogue! {
-    support_friction::SupportFriction,
-    pressure_radius::PressureRadius,
-    limit_surface_shape::LimitSurfaceShape,
-    friction_center_offset::FrictionCenterOffset,
-    table_anisotropy::TableAnisotropy,
-    body_anisotropy::BodyAnisotropy,
-    friction_gradient::FrictionGradient,
-    table_tilt::TableTilt,
-    rate_dependent_friction::RateDependentFriction,
-    support_stiction::SupportStiction,
-    friction_drift::FrictionDrift,
-    pusher_friction::PusherFriction,
-    pusher_friction_asymmetry::PusherFrictionAsymmetry,
-    pusher_stiction::PusherStiction,
-    pusher_radius::PusherRadius,
-    contact_bias::ContactBias,
-    edge_rounding::EdgeRounding,
-    pusher_compliance::PusherCompliance,
-    inertia::Inertia,
-    pose_offset::PoseOffset,
-    yaw_offset::YawOffset,
-    stream_latency::StreamLatency,
-    force_bias::ForceBias,
+    tested {
+        support_friction::SupportFriction,
+        pressure_radius::PressureRadius,
+        limit_surface_shape::LimitSurfaceShape,
+        friction_center_offset::FrictionCenterOffset,
+        table_anisotropy::TableAnisotropy,
+        body_anisotropy::BodyAnisotropy,
+        friction_gradient::FrictionGradient,
+        table_tilt::TableTilt,
+        rate_dependent_friction::RateDependentFriction,
+        support_stiction::SupportStiction,
+        friction_drift::FrictionDrift,
+        pusher_friction::PusherFriction,
+        pusher_friction_asymmetry::PusherFrictionAsymmetry,
+        pusher_stiction::PusherStiction,
+        pusher_radius::PusherRadius,
+        contact_bias::ContactBias,
+        edge_rounding::EdgeRounding,
+        pusher_compliance::PusherCompliance,
+        inertia::Inertia,
+        pose_offset::PoseOffset,
+        yaw_offset::YawOffset,
+        stream_latency::StreamLatency,
+        force_bias::ForceBias,
+    }
+    fitted {
+        support_points::SupportPoints,
+        pressure_map::PressureMap,
+        vertex_contact::VertexContact,
+        push_height::PushHeight,
+        approach_gap::ApproachGap,
+    }
 }
-
-// Not searched for: a model carries them where it is built with them, as effects of its own.
-mod approach_gap;
-mod pressure_map;
-mod push_height;
-mod support_points;
-mod vertex_contact;
-
-pub use approach_gap::ApproachGap;
-pub use pressure_map::PressureMap;
-pub use push_height::PushHeight;
-pub use support_points::SupportPoints;
-pub use vertex_contact::VertexContact;
 
 /// Every effect of the catalogue, in the order in which they act.
 pub fn all() -> &'static [Arc<dyn Effect>] {
     &ALL
+}
+
+/// The effects of the catalogue that a diagnosis tests for; the others are added by hand or fitted.
+pub fn tested() -> &'static [Arc<dyn Effect>] {
+    &ALL[..N_TESTED]
 }
 
 /// The effect with an id.

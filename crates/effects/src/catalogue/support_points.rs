@@ -40,7 +40,7 @@ const fn point(names: [&'static str; 3], (x, y): (f64, f64)) -> [Parameter; 3] {
             off: Off::At(0.0),
             typical: 0.15,
             range: (0.0, 1.0),
-            role: Role::Even,
+            role: Role::Part,
         },
     ]
 }

@@ -28,7 +28,7 @@ static INFO: EffectInfo = EffectInfo {
         off: Off::At(0.0),
         typical: 2e-3,
         range: (0.0, 0.02),
-        role: Role::Even,
+        role: Role::Threshold,
     }],
     confounders: &[Confounder {
         id: "edge-rounding",

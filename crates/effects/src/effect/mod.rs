@@ -17,7 +17,7 @@ use planar::{Pose, Wrench};
 use crate::effect::parameter::{coordinates, from_coordinates, to_coordinates};
 use crate::{
     Channel, ContactLaw, Coordinate, EffectError, Geometry, MeasurementModel, Nuisance, Object,
-    Parameter, Rig, Spot, StepInput, Support,
+    Parameter, Rig, Role, Spot, StepInput, Support,
 };
 
 /// A physical effect that a model can carry.
@@ -232,6 +232,28 @@ impl EffectInfo {
             return Err(EffectError::WrongCount { effect, parameters, got: values.len() });
         }
         self.parameters.iter().zip(values).try_for_each(|(p, value)| p.check(self.id, *value))
+    }
+
+    /// The first parameter that has to be told, but is not; of points and cells that bear nothing none has.
+    pub fn missing(&self, is_told: impl Fn(&str) -> bool) -> Option<&'static Parameter> {
+        let is_left_out = |index: usize, parameter: &Parameter| match parameter.role {
+            Role::Cell => true,
+            // A share follows the place of its point.
+            Role::X(_) => self.is_part(index + 2) && !is_told(self.parameters[index + 2].name),
+            Role::Y(_) => self.is_part(index + 1) && !is_told(self.parameters[index + 1].name),
+            Role::Part => {
+                !self.parameters[index - 2..index].iter().any(|place| is_told(place.name))
+            }
+            _ => false,
+        };
+        let parameters = self.parameters.iter().enumerate();
+        let mut untold = parameters.filter(|(_, parameter)| !is_told(parameter.name));
+        let found = untold.find(|(index, parameter)| !is_left_out(*index, parameter));
+        found.map(|(_, parameter)| parameter)
+    }
+
+    fn is_part(&self, index: usize) -> bool {
+        self.parameters.get(index).is_some_and(|parameter| parameter.role == Role::Part)
     }
 
     /// The parameters' names, for messages.

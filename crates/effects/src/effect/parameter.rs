@@ -53,8 +53,13 @@ pub enum Role {
     Direction(Frame),
     /// 0 or 1.
     Switch,
-    /// A number of a cell of a grid along the body's axes: seen from other axes it is not one of theirs.
+    /// A part of the weight. Fits move parts freely and read them as in proportion where they are more
+    /// than the whole.
+    Part,
+    /// The same of a cell of a grid along the body's axes: seen from other axes it is not one of theirs.
     Cell,
+    /// A limit that a step is on one side of: predictions jump with it, and fits try values.
+    Threshold,
     /// A share in a mixture, which neither changes: nothing is beyond the ends of its range, and an
     /// estimate may be there.
     Share,
@@ -136,6 +141,9 @@ impl Parameter {
     }
 }
 
+/// Of the whole weight, as a coordinate.
+const LARGEST_PART: f64 = 4.0;
+
 /// The coordinates of a list of parameters.
 pub(crate) fn coordinates(parameters: &[Parameter], rig: &Rig) -> Vec<Coordinate> {
     let coordinate = |parameter: &Parameter| {
@@ -154,6 +162,7 @@ pub(crate) fn coordinates(parameters: &[Parameter], rig: &Rig) -> Vec<Coordinate
         };
         match parameter.role {
             Role::Ratio(_) => axis("e cos 2φ", parameter.typical, range.1),
+            Role::Part | Role::Cell => Coordinate { range: (0.0, LARGEST_PART), ..plain },
             Role::Direction(_) => plain,
             _ => plain,
         }
@@ -177,7 +186,8 @@ pub(crate) fn to_coordinates(parameters: &[Parameter], values: &[f64]) -> Vec<f6
     list
 }
 
-/// From coordinates to values; the direction is in [0, π), and 0 where the ratio is 1.
+/// From coordinates to values; the direction is in [0, π), and 0 where the ratio is 1, and parts are
+/// together no more than 1.
 pub(crate) fn from_coordinates(parameters: &[Parameter], coordinates: &[f64]) -> Vec<f64> {
     let mut list = coordinates.to_vec();
     for index in axes(parameters, coordinates.len()) {
@@ -186,6 +196,13 @@ pub(crate) fn from_coordinates(parameters: &[Parameter], coordinates: &[f64]) ->
         let (low, high) = parameters[index].range;
         list[index] = (2.0 * cosine.hypot(sine)).exp().clamp(low, high);
         list[index + 1] = (0.5 * sine.atan2(cosine)).rem_euclid(std::f64::consts::PI);
+    }
+    let is_part = |parameter: &Parameter| matches!(parameter.role, Role::Part | Role::Cell);
+    let parts = || parameters.iter().zip(&list).filter(|(parameter, _)| is_part(parameter));
+    let whole: f64 = parts().map(|(_, part)| part).sum();
+    if whole > 1.0 {
+        let parts = parameters.iter().zip(&mut list).filter(|(parameter, _)| is_part(parameter));
+        parts.for_each(|(_, part)| *part /= whole);
     }
     list
 }

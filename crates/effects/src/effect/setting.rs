@@ -24,7 +24,7 @@ impl Setting {
         Self { id: about.id.to_owned(), parameters }
     }
 
-    /// The values in the order of the effect's parameters.
+    /// The values in the order of the effect's parameters; 0 for points and cells that are left out.
     ///
     /// # Errors
     /// `UnknownParameter` for one that the effect does not have, `MissingParameter` for one without value.
@@ -35,12 +35,11 @@ impl Setting {
             let (effect, name) = (effect.clone(), name.clone());
             return Err(EffectError::UnknownParameter { effect, name, parameters });
         }
-        let missing = |name: &str| EffectError::MissingParameter {
-            effect: effect.clone(),
-            name: name.to_owned(),
-            parameters: parameters.clone(),
-        };
-        let value = |name| self.parameters.get(name).copied().ok_or_else(|| missing(name));
-        about.parameters.iter().map(|parameter| value(parameter.name)).collect()
+        if let Some(missing) = about.missing(|name| self.parameters.contains_key(name)) {
+            let (effect, name) = (effect.clone(), missing.name.to_owned());
+            return Err(EffectError::MissingParameter { effect, name, parameters });
+        }
+        let value = |name: &str| self.parameters.get(name).copied().unwrap_or_default();
+        Ok(about.parameters.iter().map(|parameter| value(parameter.name)).collect())
     }
 }

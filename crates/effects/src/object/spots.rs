@@ -35,6 +35,8 @@ pub(crate) struct Spots {
     pub(crate) mean_distance: f64,
 }
 
+/// Of the whole weight: shares that leave less leave nothing.
+const ROUNDING: f64 = 1e-12;
 /// Of the mean distance of spots that all are at their center, as a share of the area's.
 const LEAST_DISTANCE: f64 = 1e-3;
 
@@ -54,7 +56,7 @@ impl Spots {
         if total == 0.0 {
             return Ok(None);
         }
-        let share = total.min(1.0);
+        let share = if total > 1.0 - ROUNDING { 1.0 } else { total };
         let bearing = spots.iter().filter(|spot| spot.share > 0.0);
         let arm = |spot: &Spot| spot.share / total * (spot.place_o - centroid);
         let mean: Vector2<f64> = bearing.clone().map(arm).sum();

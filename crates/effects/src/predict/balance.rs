@@ -305,7 +305,18 @@ impl Balance<'_> {
             if high - low <= TOLERANCE * speed || value == 0.0 {
                 return Ok(edge.answer(touch, motion, force));
             }
-            if value > 0.0 { low = middle } else { high = middle }
+            if value > 0.0 {
+                low = middle
+            } else {
+                high = middle
+            }
+            // From nearer to the answer Newton's method may find it.
+            let guess = ContactSolution { mode: edge.mode, motion, force };
+            if let Some(answer) = self.slide_by_newton(touch, edge, &guess)?
+                && (low..=high).contains(&(edge.side * touch.slip(&answer.motion)))
+            {
+                return Ok(answer);
+            }
         }
         Err(EffectError::NotConverged { what: "the sliding push", iterations: 2 * MAX_ITERATIONS })
     }

@@ -1,6 +1,6 @@
 //! Whatever the effects and their values, a prediction is finite or refused with a reason.
 
-use crate::laws::every;
+use effects::all;
 use effects::{EffectError, Object, PushPhysics, Rig, StepInput, Surface, Track};
 use mechanics::MechanicsError;
 use planar::{MIT_NAMES, Pose, Twist, mit_object};
@@ -61,7 +61,7 @@ fn a_prediction_is_finite_or_refused_with_a_reason() {
         let surface = if is_exact { Surface::UniformPatch } else { Surface::Ellipsoid };
         let mut physics = PushPhysics::new(Rig::new(surface, 0.3, 0.25).unwrap());
         let share = random.random_range(0.0..0.4);
-        for effect in &every() {
+        for effect in all() {
             let about = effect.info();
             let reach = 10_f64.powf(random.random_range(-2.0..0.0));
             let value = |parameter: &effects::Parameter| {

@@ -1,7 +1,7 @@
 //! Extreme but legal input: every effect, at both ends of its range and at its typical size, predicts
 //! finite numbers or refuses with a reason.
 
-use crate::laws::every;
+use effects::all;
 use effects::{Effect, EffectError, Object, PushPhysics, Rig, StepInput, Surface, Track};
 use nalgebra::Vector2;
 use planar::{Polygon, Pose, Shape, Twist, mit_object};
@@ -51,7 +51,7 @@ fn values(effect: &dyn Effect, rig: &Rig) -> [Vec<f64>; 3] {
 
 /// Predicts with every effect.
 fn check(rig: &Rig, step: &StepInput) {
-    for effect in &every() {
+    for effect in all() {
         for values in values(effect.as_ref(), rig) {
             let physics = PushPhysics::new(rig.clone()).with(effect, &values).unwrap();
             match physics.predict(step) {
@@ -91,7 +91,7 @@ fn every_effect_predicts_on_every_outline() {
         for object in objects() {
             for edge in 0..object.shape().n_edges().min(2) {
                 let step = step(object, edge, 0.4, 0.005, 0.2, 4e-3);
-                for effect in &every() {
+                for effect in all() {
                     let typical = effect.info().typical(&rig);
                     let physics = PushPhysics::new(rig.clone()).with(effect, &typical).unwrap();
                     let found = physics.predict(&step);

@@ -1,6 +1,6 @@
 //! A pusher that leaves moves nothing, and one that turns back leaves the object where it was.
 
-use crate::laws::every;
+use effects::all;
 use effects::{Channels, Object, PushPhysics, Rig, StepInput, Surface, Track, by_id};
 use mechanics::Polyline;
 use nalgebra::Vector2;
@@ -158,7 +158,7 @@ fn off_a_vertex_the_gap_is_that_of_the_pusher() {
 
 #[test]
 fn with_any_effect_a_leaving_pusher_moves_nothing() {
-    for effect in &every() {
+    for effect in all() {
         let about = effect.info();
         // With these the pusher is elsewhere than it seems, and need not leave.
         if ["pose-offset", "yaw-offset", "edge-rounding", "pusher-radius"].contains(&about.id) {

@@ -1,5 +1,6 @@
 //! The effects of a model file, checked against the catalogue.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use effects::{Effect, EffectInfo, Parameter, all};
@@ -54,12 +55,10 @@ impl Source<'_> {
             let ids: Vec<_> = known().map(|about| about.id).collect();
             return Err(self.unknown(id, "effects.id", &ids));
         };
-        for parameter in about.parameters {
-            if !parameters.contains_key(parameter.name) {
-                let problem = format!("is missing; {} needs {}", about.id, described(about));
-                let key = format!("effects.parameters.{}", parameter.name);
-                return Err(self.invalid(raw.span().start, &key, problem));
-            }
+        if let Some(parameter) = about.missing(|name| parameters.contains_key(name)) {
+            let problem = format!("is missing; {} needs {}", about.id, described(about));
+            let key = format!("effects.parameters.{}", parameter.name);
+            return Err(self.invalid(raw.span().start, &key, problem));
         }
         let estimates = parameters.iter().map(|(name, value)| {
             let key = format!("effects.parameters.{name}");
@@ -71,7 +70,12 @@ impl Source<'_> {
                 }
             }
         });
-        let parameters = estimates.collect::<Result<_, ModelError>>()?;
+        let mut parameters = estimates.collect::<Result<BTreeMap<_, _>, ModelError>>()?;
+        for parameter in about.parameters {
+            // What bears nothing is left out.
+            let nothing = || Estimate::exact(0.0, "");
+            parameters.entry(parameter.name.to_owned()).or_insert_with(nothing);
+        }
         let effect = ModelEffect { id: id.get_ref().clone(), parameters };
         let checked = effect.setting().values(about).and_then(|values| about.check(&values));
         checked.map_err(|error| self.invalid(raw.span().start, "effects", error.to_string()))?;

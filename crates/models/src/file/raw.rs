@@ -1,6 +1,6 @@
 //! The tables of `model.toml` as they stand in the text.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use effects::by_id;
 use nalgebra::Matrix3;
@@ -138,8 +138,22 @@ impl RawEffect {
             let Estimate { value, se, source } = estimate.clone();
             (name.clone(), new(RawParameter { value, se, unit: unit(name), source }))
         };
-        let parameters = effect.parameters.iter().map(parameter).collect();
-        Self { id: new(effect.id.clone()), parameters }
+        let nothing =
+            |(_, estimate): &(&String, &Estimate)| estimate.value == 0.0 && estimate.se == 0.0;
+        let mut told: BTreeSet<&str> = match about {
+            Some(_) => effect
+                .parameters
+                .iter()
+                .filter(|one| !nothing(one))
+                .map(|(name, _)| name.as_str())
+                .collect(),
+            None => effect.parameters.keys().map(String::as_str).collect(),
+        };
+        while let Some(more) = about.and_then(|about| about.missing(|name| told.contains(name))) {
+            told.insert(more.name);
+        }
+        let told = effect.parameters.iter().filter(|(name, _)| told.contains(name.as_str()));
+        Self { id: new(effect.id.clone()), parameters: told.map(parameter).collect() }
     }
 }
 

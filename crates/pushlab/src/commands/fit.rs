@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use anyhow::Result;
 
 use crate::command_line::seed_parser;
-use crate::destination::{Force, Inputs};
+use crate::destination::Force;
 use crate::file_ending;
 use crate::fitting::{Fitting, model_for};
 use crate::origin::Origin;
+use crate::step_source::StepSource;
 use crate::terminal::Terminal;
 
 /// Fit nominal parameters, or effects that a model carries, to recordings
@@ -18,8 +19,8 @@ use crate::terminal::Terminal;
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// Recording set: a folder with dataset.toml
-    set: PathBuf,
+    #[command(flatten)]
+    source: StepSource,
     /// What to fit: pusher-friction, pressure-radius, support-friction, or ids of effects
     #[arg(long, value_name = "IDS", required = true, value_delimiter = ',')]
     free: Vec<String>,
@@ -42,16 +43,17 @@ const EXAMPLES: &str = "\
 Examples:
   pushlab fit pushes --free pusher-friction -o fitted.toml
   pushlab fit pushes --free pusher-friction,pressure-radius --model nominal.toml -o fitted.toml
+  pushlab fit table.csv --preset mit-table --free pusher-friction -o fitted.toml
 then:
   pushlab compare pushes --model fitted.toml --against model.toml";
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let terminal = &terminal.beside([args.output.as_path()])?;
     let mut origin = args.origin();
-    let inputs = Inputs::default().with_set(&args.set, None);
+    let inputs = args.source.inputs();
     let output = (args.output.as_path(), &args.force);
     let (model, destination) = model_for(&args.model, output, inputs, &mut origin)?;
-    let fitting = Fitting::read(&args.set, &model, args.seed, &mut origin, terminal)?;
+    let fitting = Fitting::read(&args.source, &model, args.seed, &mut origin, terminal)?;
     let free: Vec<&str> = args.free.iter().map(String::as_str).collect();
     let fit = fitting.fit(&model, &free)?.determined()?;
     let fitted = fitting.write(fit, format!("{}, fitted", model.name), destination)?;
@@ -61,9 +63,10 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
 impl Args {
     fn origin(&self) -> Origin {
         Origin::new("fit")
-            .path(&self.set)
+            .path(&self.source.set)
             .option("free", [self.free.join(",")])
             .paths("model", [&self.model])
+            .words(self.source.words())
             .option("seed", [self.seed])
     }
 }

@@ -61,7 +61,8 @@ impl fmt::Display for Fitted {
         writeln!(f, "{n_kept} others are kept to confirm it")?;
         for EffectFit { id, parameters, resemblances, .. } in &self.effects {
             writeln!(f, "{TITLE}{id}{TITLE:#}")?;
-            parameters.iter().try_for_each(|parameter| write_parameter(f, parameter))?;
+            let mut told = parameters.iter().filter(|parameter| !is_nothing(parameter));
+            told.try_for_each(|parameter| write_parameter(f, parameter))?;
             let nearest =
                 resemblances.iter().max_by(|a, b| a.correlation.total_cmp(&b.correlation));
             if let Some(alike) = nearest {
@@ -73,6 +74,11 @@ impl fmt::Display for Fitted {
         writeln!(f, "{TITLE}left open beside it{TITLE:#}, not written")?;
         self.nuisances.iter().try_for_each(|nuisance| write_nuisance(f, nuisance))
     }
+}
+
+/// Whether it is of a point or a cell that bears nothing, which no fit has moved.
+fn is_nothing(parameter: &ParameterFit) -> bool {
+    parameter.value == 0.0 && parameter.se == 0.0 && parameter.off == Some(0.0)
 }
 
 fn write_nuisance(f: &mut fmt::Formatter<'_>, nuisance: &NuisanceFit) -> fmt::Result {

@@ -26,7 +26,7 @@ pub(super) fn text() -> String {
     text.push_str("\n| id | what it is | parameters | seen in |\n|---|---|---|---|\n");
     for effect in all() {
         let about = effect.info();
-        let names: Vec<_> = about.parameters.iter().map(with_unit).collect();
+        let names: Vec<_> = kinds(about).iter().map(|kind| with_unit(kind)).collect();
         let (id, title) = (about.id, about.title);
         let row = format!("| [`{id}`](#{id}) | {title} | {} | {} |", names.join(", "), seen(about));
         writeln!(text, "{row}").expect("a String takes any text");
@@ -48,11 +48,12 @@ fn section(text: &mut String, about: &EffectInfo) {
     line(
         "| parameter | unit | off | typical | range | meaning |\n|---|---|---|---|---|---|".into(),
     );
-    for parameter in about.parameters {
-        let Parameter { name, meaning, typical, range, .. } = parameter;
+    for same in kinds(about) {
+        let (parameter, name) = (same[0], names(&same));
+        let Parameter { meaning, typical, range, .. } = parameter;
         let (unit, off) = (parameter.unit, off(parameter));
         let range = format!("{} to {}", range.0, range.1);
-        line(format!("| `{name}` | {unit} | {off} | {typical} | {range} | {meaning} |"));
+        line(format!("| {name} | {unit} | {off} | {typical} | {range} | {meaning} |"));
     }
     line(format!("\n- Seen in {}.", seen(about)));
     for Confounder { id, when } in about.confounders {
@@ -62,10 +63,34 @@ fn section(text: &mut String, about: &EffectInfo) {
     line(format!("\n![What {id} changes](effects/{id}.svg)"));
 }
 
-fn with_unit(parameter: &Parameter) -> String {
-    match parameter.unit {
-        "1" => parameter.name.to_owned(),
-        unit => format!("{} in {unit}", parameter.name),
+/// The parameters, those together that mean the same at other places.
+fn kinds(about: &EffectInfo) -> Vec<Vec<&Parameter>> {
+    let mut kinds: Vec<Vec<&Parameter>> = Vec::new();
+    for parameter in about.parameters {
+        let is_same = |kind: &&mut Vec<&Parameter>| kind[0].meaning == parameter.meaning;
+        match kinds.iter_mut().find(is_same) {
+            Some(kind) => kind.push(parameter),
+            None => kinds.push(vec![parameter]),
+        }
+    }
+    kinds
+}
+
+fn names(kind: &[&Parameter]) -> String {
+    match kind {
+        [first, .., last] => format!("`{}` to `{}`", first.name, last.name),
+        _ => format!("`{}`", kind[0].name),
+    }
+}
+
+fn with_unit(kind: &[&Parameter]) -> String {
+    let name = match kind {
+        [first, .., last] => format!("{} to {}", first.name, last.name),
+        _ => kind[0].name.to_owned(),
+    };
+    match kind[0].unit {
+        "1" => name,
+        unit => format!("{name} in {unit}"),
     }
 }
 

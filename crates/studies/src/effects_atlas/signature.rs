@@ -23,6 +23,8 @@ const CHANNELS: [(&str, &str, f64, f64); 7] = [
 const CELLS: usize = 24;
 /// Changes below this many standard deviations are not drawn as lines.
 const SEEN: f64 = 0.02;
+/// Parameters that a title has room for.
+const MOST_SHOWN: usize = 6;
 const RADIUS: f64 = 0.00475;
 const WAY: f64 = 0.01;
 const SLOW: f64 = 0.02;
@@ -64,8 +66,10 @@ pub(super) fn figure(effect: &Arc<dyn Effect>) -> Result<Figure> {
             unit => format!("{} {value} {unit}", parameter.name),
         })
         .collect();
+    let values = if values.len() > MOST_SHOWN { String::new() } else { values.join(", ") };
+    let colon = if values.is_empty() { "" } else { ": " };
     Ok(Figure::new(2, 2)
-        .title(&format!("{}: {}", about.title, values.join(", ")))
+        .title(&format!("{}{colon}{values}", about.title))
         .panel_size(350.0, 280.0)
         .with(map(&changes, first))
         .with(map(&changes, second))

@@ -18,7 +18,7 @@ pub(super) struct Detectable {
 
 /// Of every effect that sets without a hidden effect bound.
 pub(super) fn detectable(records: &[Record], oracle: &Oracle) -> Vec<Detectable> {
-    let catalogue = effects::all().iter().map(|effect| effect.info().id);
+    let catalogue = effects::tested().iter().map(|effect| effect.info().id);
     catalogue.filter_map(|id| of(id, records, oracle)).collect()
 }
 

@@ -114,7 +114,7 @@ cargo xtask diagnosis-trials --seed {}
                         the multiple from which nine in ten are.\n\n\
                         | effect | 0.5× | 1× | 2× | 4× | nine in ten from |\n|---|---|---|---|---|---|\n"
             .to_owned();
-        let known = effects::all().iter().map(|effect| Some(effect.info().id));
+        let known = effects::tested().iter().map(|effect| Some(effect.info().id));
         for id in std::iter::once(None).chain(known) {
             let power = Power::of(self.records, id);
             if power.0.is_empty() {

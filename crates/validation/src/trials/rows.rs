@@ -259,7 +259,7 @@ fn told_sizes(records: &[Record], oracle: &Oracle) -> Row {
 }
 
 fn measured_sizes(records: &[Record]) -> Row {
-    let known = effects::all().iter().map(|effect| effect.info().id);
+    let known = effects::tested().iter().map(|effect| effect.info().id);
     let near = known.filter_map(|id| {
         let power = Power::of(records, Some(id));
         // Where the share grows is not known without trials below and above.

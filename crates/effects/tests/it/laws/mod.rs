@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use effects::{
-    ApproachGap, Channel, Channels, Effect, EffectError, Off, PressureMap, PushHeight, PushPhysics,
-    Role, StepInput, SupportPoints, Surface, VertexContact, all, by_id, by_id_with,
+    Channel, Channels, Effect, EffectError, Off, PushPhysics, Role, StepInput, Surface, all, by_id,
+    by_id_with,
 };
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
@@ -20,18 +20,6 @@ const SURFACES: [Surface; 2] = [Surface::Ellipsoid, Surface::UniformPatch];
 
 /// Differences that count as a change of a channel: a millionth of a step's motion, force and gap.
 const FLOOR: [f64; 7] = [1e-9, 1e-9, 1e-8, 1e-6, 1e-6, 1e-9, 1e-9];
-
-/// The catalogue, and the effects that a model has to be built with.
-pub(crate) fn every() -> Vec<Arc<dyn Effect>> {
-    let more: [Arc<dyn Effect>; 5] = [
-        Arc::new(SupportPoints),
-        Arc::new(PressureMap),
-        Arc::new(VertexContact),
-        Arc::new(PushHeight),
-        Arc::new(ApproachGap),
-    ];
-    all().iter().cloned().chain(more).collect()
-}
 
 /// Whether its numbers are those of the body's axes alone: no other axes have the same.
 fn is_of_axes(effect: &dyn Effect) -> bool {
@@ -57,11 +45,11 @@ fn an_effect_that_is_off_equals_the_baseline_bit_for_bit() {
         let (rig, steps) = (World::PLAIN.rig(surface), World::PLAIN.steps());
         let baseline = predict(&PushPhysics::new(rig.clone()), &steps);
         let mut together = PushPhysics::new(rig.clone());
-        for effect in every() {
+        for effect in all() {
             let off = effect.info().off(&rig);
-            let alone = PushPhysics::new(rig.clone()).with(&effect, &off).unwrap();
+            let alone = PushPhysics::new(rig.clone()).with(effect, &off).unwrap();
             assert_eq!(predict(&alone, &steps), baseline, "{}", effect.info().id);
-            together = together.with(&effect, &off).unwrap();
+            together = together.with(effect, &off).unwrap();
         }
         assert_eq!(predict(&together, &steps), baseline);
     }
@@ -72,9 +60,9 @@ fn an_effect_reaches_the_channels_that_it_claims_and_no_other() {
     for surface in SURFACES {
         let steps = World::PLAIN.steps();
         let baseline = predict(&PushPhysics::new(World::PLAIN.rig(surface.clone())), &steps);
-        for effect in every() {
+        for effect in all() {
             let about = effect.info();
-            let with = predict(&with_typical(&effect, &World::PLAIN, &surface), &steps);
+            let with = predict(&with_typical(effect, &World::PLAIN, &surface), &steps);
             for channel in Channel::ALL {
                 let changes = with.iter().zip(&baseline).any(|(a, b)| {
                     (0..7).any(|i| Channels::KINDS[i] == channel && (a[i] - b[i]).abs() > FLOOR[i])
@@ -91,15 +79,15 @@ fn an_effect_reaches_the_channels_that_it_claims_and_no_other() {
 fn agree(name: &str, world: &World, tolerance: f64) {
     let (plain_steps, steps) = (World::PLAIN.steps(), world.steps());
     for surface in SURFACES {
-        for effect in every() {
+        for effect in all() {
             let id = effect.info().id;
             if is_of_axes(effect.as_ref()) && (world.is_mirrored || world.body_turn != 0.0) {
                 continue;
             }
             let is_tabulated = surface_shape(&surface) != 0.0 || id == "limit-surface-shape";
             let is_limited = is_tabulated && world.body_turn != 0.0;
-            let plain = predict(&with_typical(&effect, &World::PLAIN, &surface), &plain_steps);
-            let other = predict(&with_typical(&effect, world, &surface), &steps);
+            let plain = predict(&with_typical(effect, &World::PLAIN, &surface), &plain_steps);
+            let other = predict(&with_typical(effect, world, &surface), &steps);
             for (step, (a, b)) in plain.iter().zip(&other).enumerate() {
                 let b = world.channels_back(b);
                 let tolerance = match is_limited {
@@ -160,7 +148,7 @@ fn the_same_set_of_effects_in_any_order_gives_the_same_bits() {
         let surface = SURFACES[round % 2].clone();
         let rig = World::PLAIN.rig(surface);
         let mut chosen: Vec<_> =
-            every().iter().filter(|_| random.random_bool(0.8)).cloned().collect();
+            all().iter().filter(|_| random.random_bool(0.8)).cloned().collect();
         let built = |order: &[Arc<dyn Effect>]| {
             let add = |model: PushPhysics, effect: &Arc<dyn Effect>| {
                 model.with(effect, &effect.info().typical(&rig)).unwrap()
@@ -179,10 +167,10 @@ fn settings_bring_a_model_back() {
     let add = |model: PushPhysics, effect: &Arc<dyn Effect>| {
         model.with(effect, &effect.info().typical(&rig)).unwrap()
     };
-    let model = every().iter().fold(PushPhysics::new(rig.clone()), add);
+    let model = all().iter().fold(PushPhysics::new(rig.clone()), add);
     let text = serde_json::to_string(&model.settings()).unwrap();
     let settings: Vec<effects::Setting> = serde_json::from_str(&text).unwrap();
-    let back = PushPhysics::from_settings(rig, &settings, &every()).unwrap();
+    let back = PushPhysics::from_settings(rig, &settings, &[]).unwrap();
     assert_eq!(back.settings(), model.settings());
     let steps = World::PLAIN.steps();
     assert_eq!(predict(&back, &steps), predict(&model, &steps));
@@ -191,13 +179,13 @@ fn settings_bring_a_model_back() {
 #[test]
 fn values_out_of_range_are_named() {
     let rig = World::PLAIN.rig(Surface::Ellipsoid);
-    for effect in every() {
+    for effect in all() {
         let about = effect.info();
         for (index, parameter) in about.parameters.iter().enumerate() {
             for bad in [parameter.range.1 + 1.0, parameter.range.0 - 1.0, f64::NAN, f64::INFINITY] {
                 let mut values = about.typical(&rig);
                 values[index] = bad;
-                let error = PushPhysics::new(rig.clone()).with(&effect, &values).unwrap_err();
+                let error = PushPhysics::new(rig.clone()).with(effect, &values).unwrap_err();
                 let text = error.to_string();
                 assert!(text.contains(about.id) && text.contains(parameter.name), "{text}");
                 assert!(text.contains(&bad.to_string()), "{text}");
@@ -205,10 +193,10 @@ fn values_out_of_range_are_named() {
         }
         let mut too_many = about.typical(&rig);
         too_many.push(0.0);
-        let error = PushPhysics::new(rig.clone()).with(&effect, &too_many).unwrap_err();
+        let error = PushPhysics::new(rig.clone()).with(effect, &too_many).unwrap_err();
         assert!(matches!(error, EffectError::WrongCount { got, .. } if got == too_many.len()));
-        let once = PushPhysics::new(rig.clone()).with(&effect, &about.off(&rig)).unwrap();
-        let twice = once.with(&effect, &about.off(&rig)).unwrap_err();
+        let once = PushPhysics::new(rig.clone()).with(effect, &about.off(&rig)).unwrap();
+        let twice = once.with(effect, &about.off(&rig)).unwrap_err();
         assert_eq!(twice, EffectError::DuplicateEffect { effect: about.id.to_owned() });
     }
     assert!(matches!(by_id("friction"), Err(EffectError::UnknownEffect { .. })));
@@ -217,14 +205,13 @@ fn values_out_of_range_are_named() {
 #[test]
 fn the_catalogue_is_consistent() {
     let rig = World::PLAIN.rig(Surface::Ellipsoid);
-    let ids: BTreeSet<_> = every().iter().map(|effect| effect.info().id).collect();
-    assert_eq!(ids.len(), every().len());
-    for effect in every() {
+    let ids: BTreeSet<_> = all().iter().map(|effect| effect.info().id).collect();
+    assert_eq!(ids.len(), all().len());
+    for effect in all() {
         let about = effect.info();
-        assert_eq!(by_id_with(about.id, &every()).unwrap().info().id, about.id);
+        assert_eq!(by_id_with(about.id, &[]).unwrap().info().id, about.id);
         for confounder in about.confounders {
-            let every = every();
-            let other = by_id_with(confounder.id, &every).unwrap().info();
+            let other = by_id(confounder.id).unwrap().info();
             assert_ne!(other.id, about.id);
         }
         about.check(&about.off(&rig)).unwrap();

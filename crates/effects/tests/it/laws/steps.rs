@@ -1,6 +1,6 @@
 //! Laws of the integration: parts of a step, shorter sub-steps, and the energy of a step.
 
-use super::every;
+use effects::all;
 use std::sync::Arc;
 
 use effects::{
@@ -82,7 +82,7 @@ fn is_concave(step: &StepInput) -> bool {
 fn two_half_steps_are_the_whole_step() {
     for surface in super::SURFACES {
         let steps = straight_steps();
-        for effect in &every() {
+        for effect in all() {
             let (id, physics) = (effect.info().id, model(effect, &surface, 1e-3));
             // Whole and halves are each within 4 µm over 4 mm; with inertia the rule has six
             // sub-steps for an impact and what follows.
@@ -122,7 +122,7 @@ fn shorter_substeps_come_nearer_to_the_limit() {
     for surface in super::SURFACES {
         let steps = straight_steps();
         let steps: Vec<_> = steps.iter().filter(|step| !is_concave(step)).step_by(5).collect();
-        for effect in &every() {
+        for effect in all() {
             let limit = model(effect, &surface, 3e-5);
             let [coarse, fine] = [1e-3, 2.5e-4].map(|longest| {
                 let physics = model(effect, &surface, longest);
@@ -191,7 +191,7 @@ fn kinetic(step: &StepInput, twist: &Twist, pose: &Pose) -> f64 {
 fn no_effect_makes_energy() {
     for surface in super::SURFACES {
         let steps = straight_steps();
-        for effect in &every() {
+        for effect in all() {
             let physics = model(effect, &surface, 1e-3);
             for step in steps.iter().filter(|step| step.touching) {
                 // After some way, so that contact is made and the object goes with the pusher.

@@ -56,7 +56,9 @@ impl World {
                 | Role::Ratio(_)
                 | Role::Switch
                 | Role::Share
-                | Role::Cell => {}
+                | Role::Part
+                | Role::Cell
+                | Role::Threshold => {}
             }
         }
         mapped

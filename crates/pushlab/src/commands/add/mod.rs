@@ -23,6 +23,7 @@ use crate::diagnosis_file;
 use crate::file_ending;
 use crate::fitting::{Fitting, model_for};
 use crate::origin::{Origin, TOOL};
+use crate::step_source::{Known, StepSource};
 use crate::suspected::warn;
 use crate::terminal::{TITLE, Terminal};
 use crate::wrong_usage::WrongUsage;
@@ -42,9 +43,11 @@ pub(crate) struct Args {
     /// A parameter's value in its SI unit; once for each parameter
     #[arg(long, value_name = "NAME=VALUE", group = "values")]
     set: Vec<Value>,
-    /// Recording set to fit the parameters to
+    /// Recording set, or step table, to fit the parameters to
     #[arg(long, value_name = "SET", group = "values", conflicts_with = "set")]
     fit: Option<PathBuf>,
+    #[command(flatten)]
+    known: Known,
     /// Answer of `pushlab diagnose` that names the effects and their values
     #[arg(long, value_name = "DIAGNOSIS", group = "values", value_parser = file_ending::json,
           conflicts_with_all = ["set", "fit"])]
@@ -68,6 +71,7 @@ const EXAMPLES: &str = "\
 Examples:
   pushlab add table-anisotropy --set ratio=1.3 --set direction=0.6 -o better.toml
   pushlab add table-anisotropy --fit pushes --model model.toml -o better.toml
+  pushlab add support-points --fit table.csv --preset mit-table --model model.toml -o better.toml
   pushlab add --from diagnosis.json --model model.toml -o better.toml
 then:
   pushlab compare pushes --model better.toml --against model.toml";
@@ -94,7 +98,13 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let terminal = &terminal.beside([args.output.as_path()])?;
     let mut origin = args.origin();
     let inputs = Inputs::default().with(&args.from);
-    let inputs = args.fit.iter().fold(inputs, |inputs, set| inputs.with_set(set, None));
+    if args.fit.is_none() && !args.known.words().is_empty() {
+        bail!(WrongUsage(
+            "--manifest, --preset and --mapping tell of what --fit reads; give --fit SET"
+        ));
+    }
+    let source = args.fit.as_ref().map(|set| StepSource::of(set, args.known.clone()));
+    let inputs = source.iter().fold(inputs, |inputs, source| inputs.and(source.inputs()));
     let output = (args.output.as_path(), &args.force);
     let (mut model, destination) = model_for(&args.model, output, inputs, &mut origin)?;
     if let Some(from) = &args.from {
@@ -103,10 +113,10 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let about = by_id(args.effect())?.info();
     refuse_twice(&model, about.id)?;
     let name = format!("{} + {}", model.name, about.id);
-    let Some(set) = &args.fit else {
+    let Some(source) = &source else {
         return by_hand(args, ModelFile { name, ..model }, &origin, destination, terminal);
     };
-    let fitting = Fitting::read(set, &model, args.seed, &mut origin, terminal)?;
+    let fitting = Fitting::read(source, &model, args.seed, &mut origin, terminal)?;
     let off = fitting.off(&model, about)?;
     model.description.effects.push(ModelEffect::from(Setting::new(about, &off)));
     let fit = fitting.fit(&model, &[about.id])?.distinct()?;
@@ -217,6 +227,7 @@ impl Args {
             .option("set", set)
             .paths("fit", &self.fit)
             .option("seed", self.fit.as_ref().map(|_| self.seed))
+            .words(self.known.words())
             .paths("from", &self.from)
             .paths("model", [&self.model])
     }
