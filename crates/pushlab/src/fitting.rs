@@ -5,7 +5,9 @@ mod result;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
-use diagnosis::{Fit, FitSettings, NoiseModel, Observations, fit_with_noise, split};
+use diagnosis::{
+    Fit, FitSettings, NoiseModel, Observations, SpreadFit, fit_per_push, fit_with_noise, split,
+};
 use effects::EffectInfo;
 use models::{ModelFile, Split};
 use output::OutputFile;
@@ -64,10 +66,34 @@ impl Fitting {
     /// # Errors
     /// What the fit says.
     pub(crate) fn fit(&self, model: &ModelFile, free: &[&str]) -> Result<Fit> {
-        let settings = FitSettings { priors: !self.is_known, ..FitSettings::default() };
+        self.fit_with(model, free, &self.settings())
+    }
+
+    fn settings(&self) -> FitSettings {
+        FitSettings { priors: !self.is_known, ..FitSettings::default() }
+    }
+
+    fn fit_with(&self, model: &ModelFile, free: &[&str], settings: &FitSettings) -> Result<Fit> {
         let description = &model.description;
         let noise = NoiseModel::learn(description, &settings.own, &self.train)?;
-        Ok(fit_with_noise(&self.train, description, free, &noise, &settings)?)
+        Ok(fit_with_noise(&self.train, description, free, &noise, settings)?)
+    }
+
+    /// How much an effect differs from push to push: the model with it.
+    ///
+    /// # Errors
+    /// What the fit says.
+    pub(crate) fn per_push(&self, model: &ModelFile, effect: &str) -> Result<SpreadFit> {
+        Ok(fit_per_push(&self.train, &model.description, effect, &FitSettings::default())?)
+    }
+
+    /// The same for a model of which only the values count.
+    ///
+    /// # Errors
+    /// What the fit says.
+    pub(crate) fn fit_values(&self, model: &ModelFile, free: &[&str]) -> Result<Fit> {
+        let values = FitSettings { intervals: false, resemblances: false, ..self.settings() };
+        self.fit_with(model, free, &values)
     }
 
     /// Writes the fitted model.

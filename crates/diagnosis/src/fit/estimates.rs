@@ -295,7 +295,7 @@ impl Ending<'_> {
 /// Puts an effect in the place of the one with its id, of the base's own number, or at the end.
 fn put(model: &mut Description, effect: ModelEffect) -> Result<(), DiagnosisError> {
     if let Some(known) = model.effects.iter_mut().find(|known| known.id == effect.id) {
-        *known = effect;
+        *known = ModelEffect { per_push: std::mem::take(&mut known.per_push), ..effect };
         return Ok(());
     }
     if let Base::Analytical(base) = &model.base {

@@ -6,6 +6,7 @@ mod estimates;
 mod interval;
 mod left_out;
 mod member;
+mod per_push;
 mod problem;
 mod refit;
 mod resemblance;
@@ -24,6 +25,7 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 pub use self::interval::Interval;
+pub use self::per_push::{MotionErrors, SpreadFit, fit_per_push};
 pub(crate) use self::refit::{Refit, Trial};
 pub use self::resemblance::Resemblance;
 

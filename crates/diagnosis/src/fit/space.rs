@@ -1,5 +1,6 @@
 //! A model as a function of the numbers that a fit moves.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -79,8 +80,12 @@ impl<'a> Space<'a> {
                 members.extend(found.map(start));
             }
         }
-        let started =
-            |member: &Member| ModelEffect::from(Setting::new(member.effect.info(), &member.start));
+        let started = |member: &Member| {
+            let carried = model.effects.iter().find(|carried| carried.id == member.id());
+            let per_push = carried.map(|carried| carried.per_push.clone()).unwrap_or_default();
+            let setting = Setting::new(member.effect.info(), &member.start);
+            ModelEffect::from(Setting { per_push, ..setting })
+        };
         let is_fixed = |carried: &&ModelEffect| members.iter().all(|m| m.id() != carried.id);
         let mut effects: Vec<_> = model.effects.iter().filter(is_fixed).cloned().collect();
         effects.extend(members.iter().map(started));
@@ -280,5 +285,6 @@ fn unfolded(
 fn one_parameter(effect: &dyn Effect, estimate: Estimate) -> ModelEffect {
     let about = effect.info();
     let name = about.parameters[0].name.to_owned();
-    ModelEffect { id: about.id.to_owned(), parameters: [(name, estimate)].into() }
+    let (parameters, per_push) = ([(name, estimate)].into(), BTreeMap::new());
+    ModelEffect { id: about.id.to_owned(), parameters, per_push }
 }

@@ -76,6 +76,7 @@ fn an_effect_that_is_not_there_makes_the_ends_worse() {
     grain.effects.push(ModelEffect {
         id: "table-anisotropy".to_owned(),
         parameters: parameters.map(|(name, value)| (name.to_owned(), estimate(value))).into(),
+        per_push: Default::default(),
     });
     let [plain, wrong] =
         [model(), grain].map(|model| mean_error(&roll_out(&model, &[], &observations).unwrap()));
@@ -95,6 +96,7 @@ fn a_model_that_knows_the_true_radius_goes_as_if_it_were_stated() {
     knows.effects.push(ModelEffect {
         id: "pusher-radius".to_owned(),
         parameters: [("excess".to_owned(), models::Estimate::exact(excess, ""))].into(),
+        per_push: Default::default(),
     });
     let stated = Observations::of(&table, set.manifest()).unwrap();
     let unstated = Observations::of(&table, &thin).unwrap();

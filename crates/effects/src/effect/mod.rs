@@ -6,6 +6,7 @@ pub(crate) mod measurement;
 pub(crate) mod nuisance;
 pub(crate) mod parameter;
 pub(crate) mod setting;
+pub(crate) mod spread;
 pub(crate) mod support;
 
 use std::fmt::Debug;

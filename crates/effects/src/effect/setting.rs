@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{EffectError, EffectInfo};
+use crate::{EffectError, EffectInfo, Spread};
 
 /// The id of an effect and its named parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,6 +14,9 @@ pub struct Setting {
     pub id: String,
     /// Value of each parameter by its name, in its SI unit.
     pub parameters: BTreeMap<String, f64>,
+    /// Of those that differ from push to push.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub per_push: BTreeMap<String, Spread>,
 }
 
 impl Setting {
@@ -21,7 +24,7 @@ impl Setting {
     pub fn new(about: &EffectInfo, values: &[f64]) -> Self {
         let names = about.parameters.iter().map(|parameter| parameter.name.to_owned());
         let parameters = names.zip(values.iter().copied()).collect();
-        Self { id: about.id.to_owned(), parameters }
+        Self { id: about.id.to_owned(), parameters, per_push: BTreeMap::new() }
     }
 
     /// The values in the order of the effect's parameters; 0 for points and cells that are left out.

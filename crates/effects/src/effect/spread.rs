@@ -35,9 +35,12 @@ impl Spread {
         let width = parameter.range.1 - parameter.range.0;
         let (name, value, largest, unit) = match self {
             Self::Sd(sd) => ("a parameter's standard deviation", sd, width, parameter.unit),
-            Self::RelativeSd(sd) => {
-                ("the standard deviation of a parameter's logarithm", sd, Self::LARGEST_RELATIVE, "1")
-            }
+            Self::RelativeSd(sd) => (
+                "the standard deviation of a parameter's logarithm",
+                sd,
+                Self::LARGEST_RELATIVE,
+                "1",
+            ),
         };
         if (0.0..=largest).contains(&value) {
             return Ok(());

@@ -17,7 +17,7 @@ use crate::predict::forward::Forward;
 use crate::{Channels, EffectError, PushPhysics, StepInput};
 
 impl PushPhysics {
-    /// All channels of one step.
+    /// All channels of one step, expected where parameters differ from push to push.
     ///
     /// The push is integrated along the pusher's path by the midpoint rule, in as many sub-steps of
     /// equal time as the path has millimeters (four or more) and cut where the pusher turns back:
@@ -30,6 +30,32 @@ impl PushPhysics {
     /// load that friction cannot hold; `NotFinite` for numbers that overflow; a solver that did not
     /// converge.
     pub fn predict(&self, step: &StepInput) -> Result<Channels, EffectError> {
+        if !self.has_spread() {
+            return self.predict_one(step);
+        }
+        let mut mean = [0.0; 7];
+        for (weight, channels) in self.predict_varied(step)? {
+            let of = channels.to_array();
+            mean.iter_mut().zip(of).for_each(|(mean, of)| *mean += weight * of);
+        }
+        Ok(Channels::from_array(mean))
+    }
+
+    /// The channels of one step for certain values of the parameters that differ from push to push, with
+    /// weights that are together 1: their weighted mean and covariance are those over pushes, by as many
+    /// predictions. One without such parameters.
+    ///
+    /// # Errors
+    /// As [`PushPhysics::predict`].
+    pub fn predict_varied(&self, step: &StepInput) -> Result<Vec<(f64, Channels)>, EffectError> {
+        if !self.has_spread() {
+            return Ok(vec![(1.0, self.predict_one(step)?)]);
+        }
+        let one = |(weight, physics): (f64, Self)| Ok((weight, physics.predict_one(step)?));
+        self.varied().into_iter().map(one).collect()
+    }
+
+    fn predict_one(&self, step: &StepInput) -> Result<Channels, EffectError> {
         step.validate()?;
         let spots = self.spots(&step.object)?;
         Forward::new(self, step, spots.as_ref())?.run()

@@ -6,10 +6,11 @@ use planar::{Pose, Wrench};
 
 use crate::catalogue::{all, by_id_with};
 use crate::effect::setting::Setting;
+use crate::effect::spread::deviations;
 use crate::effect::{Effect, IntoEffect, Sliding, Snapshot, Stage};
 use crate::object::spots::Spots;
 use crate::{
-    ContactLaw, EffectError, Geometry, MeasurementModel, Object, Rig, StepInput, Support,
+    ContactLaw, EffectError, Geometry, MeasurementModel, Object, Rig, Spread, StepInput, Support,
     TrueOutline,
 };
 
@@ -23,12 +24,14 @@ pub struct PushPhysics {
     effects: Vec<(Arc<dyn Effect>, Vec<f64>)>,
     /// For each stage, the indices of the effects that act there.
     at_stage: [Vec<usize>; Stage::ALL.len()],
+    /// Parameters that differ from push to push, each by its effect and its place there.
+    spreads: Vec<(&'static str, usize, Spread)>,
 }
 
 impl PushPhysics {
     /// The rig alone.
     pub fn new(rig: Rig) -> Self {
-        Self { rig, effects: Vec::new(), at_stage: Default::default() }
+        Self { rig, effects: Vec::new(), at_stage: Default::default(), spreads: Vec::new() }
     }
 
     /// The same model with one more effect; `values` in the order of its parameters.
@@ -51,17 +54,68 @@ impl PushPhysics {
         Ok(self)
     }
 
+    /// The same model, in which a parameter of one of its effects differs from push to push.
+    ///
+    /// # Errors
+    /// `UnknownEffect`, `UnknownParameter`; `InvalidValue` for a spread that cannot be.
+    pub fn with_spread(
+        mut self,
+        id: &str,
+        parameter: &str,
+        spread: Spread,
+    ) -> Result<Self, EffectError> {
+        let about = self.effects[self.index_of(id)?].0.info();
+        let unknown = || EffectError::UnknownParameter {
+            effect: id.to_owned(),
+            name: parameter.to_owned(),
+            parameters: about.names(),
+        };
+        let index = about.parameters.iter().position(|known| known.name == parameter);
+        let index = index.ok_or_else(unknown)?;
+        spread.check(&about.parameters[index])?;
+        self.spreads.retain(|(effect, known, _)| (*effect, *known) != (about.id, index));
+        self.spreads.push((about.id, index, spread));
+        self.spreads.sort_by_key(|(effect, parameter, _)| (place(effect), *parameter));
+        Ok(self)
+    }
+
+    /// Whether parameters differ from push to push.
+    pub fn has_spread(&self) -> bool {
+        !self.spreads.is_empty()
+    }
+
+    /// Models in which those parameters have certain values, with weights: means over them are means
+    /// over pushes.
+    pub(crate) fn varied(&self) -> Vec<(f64, Self)> {
+        let at = |(weight, deviations): (f64, Vec<f64>)| {
+            let mut one = Self { spreads: Vec::new(), ..self.clone() };
+            for ((id, parameter, spread), deviations) in self.spreads.iter().zip(deviations) {
+                let of = |(effect, _): &&mut (Arc<dyn Effect>, _)| effect.info().id == *id;
+                if let Some((effect, values)) = one.effects.iter_mut().find(of) {
+                    let about = &effect.info().parameters[*parameter];
+                    values[*parameter] = spread.at(values[*parameter], deviations, about);
+                }
+            }
+            (weight, one)
+        };
+        deviations(self.spreads.len()).into_iter().map(at).collect()
+    }
+
+    fn index_of(&self, id: &str) -> Result<usize, EffectError> {
+        let found = self.effects.iter().position(|(effect, _)| effect.info().id == id);
+        found.ok_or_else(|| {
+            let ids: Vec<_> = self.effects.iter().map(|(effect, _)| effect.info().id).collect();
+            EffectError::UnknownEffect { id: id.to_owned(), known: ids.join(", ") }
+        })
+    }
+
     /// The same model with other values for an effect that it has.
     ///
     /// # Errors
     /// `UnknownEffect` if it has no such effect; those of its values.
     pub fn set(&mut self, id: &str, values: &[f64]) -> Result<(), EffectError> {
-        let ids: Vec<_> = self.effects.iter().map(|(effect, _)| effect.info().id).collect();
-        let found = self.effects.iter_mut().find(|(effect, _)| effect.info().id == id);
-        let (effect, old) = found.ok_or_else(|| EffectError::UnknownEffect {
-            id: id.to_owned(),
-            known: ids.join(", "),
-        })?;
+        let index = self.index_of(id)?;
+        let (effect, old) = &mut self.effects[index];
         effect.info().check(values)?;
         old.copy_from_slice(values);
         Ok(())
@@ -81,13 +135,24 @@ impl PushPhysics {
         settings.iter().try_fold(Self::new(rig), |model, setting| {
             let effect = by_id_with(&setting.id, own)?;
             let values = setting.values(effect.info())?;
-            model.with(effect, &values)
+            let mut spreads = setting.per_push.iter();
+            spreads.try_fold(model.with(effect, &values)?, |model, (parameter, spread)| {
+                model.with_spread(&setting.id, parameter, *spread)
+            })
         })
     }
 
     /// What a file says of the effects, in the order in which they act.
     pub fn settings(&self) -> Vec<Setting> {
-        self.effects.iter().map(|(effect, values)| Setting::new(effect.info(), values)).collect()
+        let setting = |(effect, values): &(Arc<dyn Effect>, Vec<f64>)| {
+            let about = effect.info();
+            let own = self.spreads.iter().filter(|(id, ..)| *id == about.id);
+            let named = |(_, parameter, spread): &(_, usize, Spread)| {
+                (about.parameters[*parameter].name.to_owned(), *spread)
+            };
+            Setting { per_push: own.map(named).collect(), ..Setting::new(about, values) }
+        };
+        self.effects.iter().map(setting).collect()
     }
 
     /// The effects with their values, in the order in which they act.

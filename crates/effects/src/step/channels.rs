@@ -45,6 +45,12 @@ impl Channels {
         [dx, dy, dtheta, force_normal, force_tangential, gap_start, gap_end]
     }
 
+    /// From all numbers in that order.
+    pub(crate) fn from_array(numbers: [f64; 7]) -> Self {
+        let [dx, dy, dtheta, force_normal, force_tangential, gap_start, gap_end] = numbers;
+        Self { dx, dy, dtheta, force_normal, force_tangential, gap_start, gap_end }
+    }
+
     /// The same, if every number is finite.
     pub(crate) fn checked(self) -> Result<Self, EffectError> {
         let mut named = Self::NAMES.into_iter().zip(self.to_array());

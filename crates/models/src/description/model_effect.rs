@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use effects::Setting;
+use effects::{Setting, Spread};
 
 use crate::Estimate;
 
@@ -13,20 +13,26 @@ pub struct ModelEffect {
     pub id: String,
     /// Every parameter by its name, in its SI unit.
     pub parameters: BTreeMap<String, Estimate>,
+    /// Of those that differ from push to push.
+    pub per_push: BTreeMap<String, Spread>,
 }
 
 impl ModelEffect {
     /// The values alone.
     pub fn setting(&self) -> Setting {
         let values = self.parameters.iter().map(|(name, known)| (name.clone(), known.value));
-        Setting { id: self.id.clone(), parameters: values.collect() }
+        Setting {
+            id: self.id.clone(),
+            parameters: values.collect(),
+            per_push: self.per_push.clone(),
+        }
     }
 }
 
 impl From<Setting> for ModelEffect {
     /// Values taken as exact, without a source.
-    fn from(Setting { id, parameters }: Setting) -> Self {
+    fn from(Setting { id, parameters, per_push }: Setting) -> Self {
         let exact = |(name, value)| (name, Estimate::exact(value, ""));
-        Self { id, parameters: parameters.into_iter().map(exact).collect() }
+        Self { id, parameters: parameters.into_iter().map(exact).collect(), per_push }
     }
 }

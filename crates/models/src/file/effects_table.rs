@@ -49,18 +49,18 @@ impl Source<'_> {
         raw: &Spanned<RawEffect>,
         own: &[Arc<dyn Effect>],
     ) -> Result<ModelEffect, ModelError> {
-        let RawEffect { id, parameters } = raw.get_ref();
+        let RawEffect { id, parameters: raw_parameters } = raw.get_ref();
         let known = || own.iter().chain(all()).map(|effect| effect.info());
         let Some(about) = known().find(|about| about.id == id.get_ref()) else {
             let ids: Vec<_> = known().map(|about| about.id).collect();
             return Err(self.unknown(id, "effects.id", &ids));
         };
-        if let Some(parameter) = about.missing(|name| parameters.contains_key(name)) {
+        if let Some(parameter) = about.missing(|name| raw_parameters.contains_key(name)) {
             let problem = format!("is missing; {} needs {}", about.id, described(about));
             let key = format!("effects.parameters.{}", parameter.name);
             return Err(self.invalid(raw.span().start, &key, problem));
         }
-        let estimates = parameters.iter().map(|(name, value)| {
+        let estimates = raw_parameters.iter().map(|(name, value)| {
             let key = format!("effects.parameters.{name}");
             match about.parameters.iter().find(|parameter| parameter.name == name) {
                 Some(parameter) => Ok((name.clone(), self.parameter(value, parameter, &key)?)),
@@ -76,7 +76,11 @@ impl Source<'_> {
             let nothing = || Estimate::exact(0.0, "");
             parameters.entry(parameter.name.to_owned()).or_insert_with(nothing);
         }
-        let effect = ModelEffect { id: id.get_ref().clone(), parameters };
+        let per_push = raw_parameters
+            .iter()
+            .filter_map(|(name, raw)| Some((name.clone(), raw.get_ref().per_push?)));
+        let per_push = per_push.collect();
+        let effect = ModelEffect { id: id.get_ref().clone(), parameters, per_push };
         let checked = effect.setting().values(about).and_then(|values| about.check(&values));
         checked.map_err(|error| self.invalid(raw.span().start, "effects", error.to_string()))?;
         Ok(effect)
@@ -88,7 +92,7 @@ impl Source<'_> {
         parameter: &Parameter,
         key: &str,
     ) -> Result<Estimate, ModelError> {
-        let RawParameter { value, se, unit, source } = raw.get_ref();
+        let RawParameter { value, se, unit, source, per_push } = raw.get_ref();
         let refuse = |name: &str, problem: String| {
             Err(self.invalid(raw.span().start, &format!("{key}.{name}"), problem))
         };
@@ -102,6 +106,9 @@ impl Source<'_> {
         }
         if !(0.0..=LARGEST_SE).contains(se) {
             return refuse("se", format!("must be from 0 to {LARGEST_SE:e}, got {se:?}"));
+        }
+        if let Some(Err(error)) = per_push.map(|spread| spread.check(parameter)) {
+            return refuse("per_push", error.to_string());
         }
         match unit {
             Some(unit) if unit != parameter.unit => {

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use effects::by_id;
+use effects::{Spread, by_id};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 use serde_spanned::Spanned;
@@ -70,6 +70,9 @@ pub(super) struct RawParameter {
     pub se: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
+    /// How it differs from push to push.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub per_push: Option<Spread>,
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub source: String,
 }
@@ -136,7 +139,8 @@ impl RawEffect {
         };
         let parameter = |(name, estimate): (&String, &Estimate)| {
             let Estimate { value, se, source } = estimate.clone();
-            (name.clone(), new(RawParameter { value, se, unit: unit(name), source }))
+            let per_push = effect.per_push.get(name).copied();
+            (name.clone(), new(RawParameter { value, se, unit: unit(name), per_push, source }))
         };
         let nothing =
             |(_, estimate): &(&String, &Estimate)| estimate.value == 0.0 && estimate.se == 0.0;

@@ -11,8 +11,9 @@ use crate::{
 
 /// An analytical model with effects, asked about whole steps ([`StepInput::of`]).
 ///
-/// Its covariance is that of the base (scatter, and what the errors of μp and c leave open) and what
-/// the standard errors of the effects' parameters leave open, by secants.
+/// Its covariance is that of the base (scatter, and what the errors of μp and c leave open), what the
+/// standard errors of the effects' parameters leave open, by secants, and what those leave open that
+/// differ from push to push.
 #[derive(Clone, Debug)]
 pub(crate) struct PhysicsModel(pub(crate) Physics);
 
@@ -56,10 +57,12 @@ impl PushModel for PhysicsModel {
         noise: Noise,
     ) -> Result<Vec<StepPrediction>, ModelError> {
         let bare = self.0.base.covariances(steps, noise)?;
-        let open = self.effect_covariances(&steps.iter().collect::<Vec<_>>())?;
-        let said = self.outputs(steps)?.into_iter().zip(bare).zip(open);
-        let said =
-            said.map(|((mean, bare), open)| StepPrediction { mean, covariance: bare + open });
+        let whole: Vec<&StepInput> = steps.iter().collect();
+        let (open, over_pushes) = (self.effect_covariances(&whole)?, self.0.over_pushes(&whole)?);
+        let covariances = bare.into_iter().zip(open).zip(over_pushes);
+        let covariances = covariances.map(|((bare, open), over_pushes)| bare + open + over_pushes);
+        let said = self.outputs(steps)?.into_iter().zip(covariances);
+        let said = said.map(|(mean, covariance)| StepPrediction { mean, covariance });
         Ok(said.collect())
     }
 

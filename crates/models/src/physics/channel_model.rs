@@ -7,7 +7,7 @@ use effects::{
     Channels, Effect, EffectError, Object, PressureRadius, PushPhysics, Rig, Setting, StepInput,
     Surface, Track, TrueOutline,
 };
-use nalgebra::Vector2;
+use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Pose, Twist};
 
 use crate::{Analytical, Base, CharacteristicLength, Description, ModelError, SurfaceKind};
@@ -62,7 +62,7 @@ impl ChannelModel {
         }
     }
 
-    /// All channels of each step, in their order.
+    /// All channels of each step, in their order; expected where parameters differ from push to push.
     ///
     /// # Errors
     /// As [`ChannelModel::physics`], and what the mechanics refuse.
@@ -70,8 +70,38 @@ impl ChannelModel {
         &self,
         steps: impl IntoIterator<Item = &'a StepInput>,
     ) -> Result<Vec<Channels>, ModelError> {
+        self.of_each(steps, PushPhysics::predict)
+    }
+
+    /// The motion of each step, (Δx, Δy, Δθ) in m, m and rad: expected, and its covariance by the
+    /// parameters that differ from push to push.
+    ///
+    /// # Errors
+    /// As [`ChannelModel::predict`].
+    pub fn motion_over_pushes<'a>(
+        &self,
+        steps: impl IntoIterator<Item = &'a StepInput>,
+    ) -> Result<Vec<(Vector3<f64>, Matrix3<f64>)>, ModelError> {
+        let motion = |channels: &Channels| Vector3::new(channels.dx, channels.dy, channels.dtheta);
+        self.of_each(steps, |physics, step| {
+            let varied = physics.predict_varied(step)?;
+            let mean: Vector3<f64> =
+                varied.iter().map(|(weight, channels)| *weight * motion(channels)).sum();
+            let square = |(weight, channels): &(f64, Channels)| {
+                let off = motion(channels) - mean;
+                *weight * off * off.transpose()
+            };
+            Ok((mean, varied.iter().map(square).sum()))
+        })
+    }
+
+    fn of_each<'a, T>(
+        &self,
+        steps: impl IntoIterator<Item = &'a StepInput>,
+        of: impl Fn(&PushPhysics, &StepInput) -> Result<T, EffectError>,
+    ) -> Result<Vec<T>, ModelError> {
         let mut known: Vec<(Arc<Object>, PushPhysics)> = Vec::new();
-        let mut predict = |step: &StepInput| {
+        let mut one = |step: &StepInput| {
             let found = known.iter().position(|(object, _)| Arc::ptr_eq(object, &step.object));
             let index = match found {
                 Some(index) => index,
@@ -80,9 +110,9 @@ impl ChannelModel {
                     known.len() - 1
                 }
             };
-            Ok(known[index].1.predict(step)?)
+            Ok(of(&known[index].1, step)?)
         };
-        steps.into_iter().map(&mut predict).collect()
+        steps.into_iter().map(&mut one).collect()
     }
 
     /// Outline and pusher as the effects have them at the start of a push in the middle of a set.

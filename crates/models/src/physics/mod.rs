@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use dataset::SupportSpec;
 use effects::{Effect, EffectInfo, Rig, Role, TrueOutline, by_id_with};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use crate::{
     Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelEffect,
@@ -102,6 +102,20 @@ impl Physics {
         let wholes = steps.iter().map(whole).collect::<Result<Vec<_>, _>>()?;
         let found = self.channels()?.predict(&wholes)?;
         Ok(found.iter().map(|found| Vector3::new(found.dx, found.dy, found.dtheta)).collect())
+    }
+
+    /// What the parameters that differ from push to push leave open of each step's motion.
+    pub(crate) fn over_pushes(
+        &self,
+        steps: &[&StepInput],
+    ) -> Result<Vec<Matrix3<f64>>, ModelError> {
+        if self.effects.iter().all(|effect| effect.per_push.is_empty()) {
+            return Ok(vec![Matrix3::zeros(); steps.len()]);
+        }
+        let whole = |step: &&StepInput| step.whole().cloned().ok_or_else(|| self.needs_more());
+        let wholes = steps.iter().map(whole).collect::<Result<Vec<_>, _>>()?;
+        let found = self.channels()?.motion_over_pushes(&wholes)?;
+        Ok(found.into_iter().map(|(_, covariance)| covariance).collect())
     }
 
     /// Outline and pusher as the effects have them.

@@ -3,7 +3,8 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use diagnosis::{EffectFit, Fit, Interval, NuisanceFit, ParameterFit};
+use diagnosis::{EffectFit, Fit, Interval, NuisanceFit, ParameterFit, SpreadFit};
+use effects::Spread;
 use models::Cluster;
 use serde::Serialize;
 
@@ -29,9 +30,30 @@ pub(crate) struct Fitted {
     coordinates: Vec<String>,
     covariance: Vec<Vec<f64>>,
     iterations: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    per_push: Option<PerPush>,
+}
+
+/// By how much an effect differs from push to push.
+#[derive(Serialize)]
+struct PerPush {
+    parameters: Vec<&'static str>,
+    #[serde(flatten)]
+    spread: Spread,
+    /// Of the log density of a cluster, in nats.
+    gain: f64,
+    gain_se: f64,
 }
 
 impl Fitted {
+    /// The same, with what was found of the differences from push to push.
+    pub(crate) fn with_spread(self, found: &SpreadFit) -> Self {
+        let SpreadFit { parameters, spread, gain: [gain, gain_se], .. } = found;
+        let (parameters, spread) = (parameters.clone(), *spread);
+        let per_push = PerPush { parameters, spread, gain: *gain, gain_se: *gain_se };
+        Self { per_push: Some(per_push), ..self }
+    }
+
     pub(super) fn new(fit: Fit, set: &str, model: &Path, n_kept: usize) -> Self {
         let Fit { n_pushes, n_steps, cluster, n_clusters, whitened_rms, iterations, .. } = fit;
         let rows = fit.covariance.row_iter().map(|row| row.iter().copied().collect());
@@ -49,6 +71,7 @@ impl Fitted {
             nuisances: fit.nuisances,
             coordinates: fit.coordinates,
             iterations,
+            per_push: None,
         }
     }
 }
@@ -68,6 +91,14 @@ impl fmt::Display for Fitted {
             if let Some(alike) = nearest {
                 writeln!(f, "  most like it: {} (correlation {:.2})", alike.id, alike.correlation)?;
             }
+        }
+        if let Some(PerPush { parameters, spread, gain, gain_se }) = &self.per_push {
+            let size = match spread {
+                Spread::Sd(sd) => format!("by {sd:.2e} (standard deviation)"),
+                Spread::RelativeSd(sd) => format!("by a factor of e^{sd:.2} (standard deviation)"),
+            };
+            writeln!(f, "  {} from push to push {size}", parameters.join(" and "))?;
+            writeln!(f, "  log density gained: {gain:.3} ± {gain_se:.3} nats a cluster")?;
         }
         let [before, after] = self.whitened_rms;
         writeln!(f, "error over noise on these pushes: {before:.2} before, {after:.2} after")?;

@@ -5,6 +5,7 @@ mod ends;
 mod learned;
 mod page;
 mod source;
+mod supports;
 
 use std::path::{Path, PathBuf};
 
@@ -32,6 +33,8 @@ enum Part {
     Table,
     /// Every model that learns, on the same
     Learned,
+    /// Physics alone on the same: feet, caught tips, scatter
+    Supports,
     /// The analytical model on the raw pushes
     Raw,
     /// The ends of long pushes
@@ -73,6 +76,11 @@ impl Part {
                 page::one_step_text(&table, &corner)
             }
             Self::Learned => learned::Learned::of(&table)?.text(),
+            Self::Supports => {
+                let found = supports::Supports::of(&table)?;
+                write(&args.output.join("real-data-feet.svg"), &found.picture()?)?;
+                found.text()
+            }
             Self::Raw => page::raw_text(&source::raw_pushes(&args.data.join("mit-push-raw"))?),
             Self::Ends => {
                 ends::text(&ends::ends(&args.data.join("mit-push-endpoints/plywood.csv"))?)

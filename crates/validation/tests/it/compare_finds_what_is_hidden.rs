@@ -40,7 +40,8 @@ fn with_anisotropy(base: &Description) -> Description {
         ("ratio".to_owned(), value(RATIO)),
         ("direction".to_owned(), value(DIRECTION_DEG.to_radians())),
     ]);
-    let effect = ModelEffect { id: "table-anisotropy".into(), parameters };
+    let per_push = Default::default();
+    let effect = ModelEffect { id: "table-anisotropy".into(), parameters, per_push };
     Description { effects: vec![effect], ..base.clone() }
 }
 

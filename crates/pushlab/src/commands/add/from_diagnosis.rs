@@ -1,5 +1,7 @@
 //! Effects of a diagnosis as a model carries them.
 
+use std::collections::BTreeMap;
+
 use anyhow::{Result, bail, ensure};
 use diagnosis::{Diagnosis, EffectFinding, ParameterFinding, Status};
 use effects::{Setting, by_id};
@@ -55,7 +57,8 @@ pub(crate) fn diagnosed_effect(found: &Diagnosis, id: &str) -> Result<ModelEffec
     );
     let about = by_id(id)?.info();
     let values = parameters.iter().filter_map(|one| Some((one.name.clone(), one.estimate?)));
-    let setting = Setting { id: id.to_owned(), parameters: values.collect() };
+    let setting =
+        Setting { id: id.to_owned(), parameters: values.collect(), per_push: BTreeMap::new() };
     let Ok(values) = setting.values(about) else {
         bail!(
             "the diagnosis does not tell the values of {id}; `pushlab add {id} --fit SET` fits them"
@@ -67,7 +70,8 @@ pub(crate) fn diagnosed_effect(found: &Diagnosis, id: &str) -> Result<ModelEffec
         let value = one.estimate.unwrap_or_default();
         (one.name.clone(), Estimate { value, se: se(one), source: source.clone() })
     };
-    Ok(ModelEffect { id: id.to_owned(), parameters: parameters.iter().map(estimate).collect() })
+    let (id, per_push) = (id.to_owned(), BTreeMap::new());
+    Ok(ModelEffect { id, parameters: parameters.iter().map(estimate).collect(), per_push })
 }
 
 /// The standard error, or the half-width of the interval over the normal quantile.

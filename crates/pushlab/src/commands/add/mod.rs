@@ -48,6 +48,10 @@ pub(crate) struct Args {
     fit: Option<PathBuf>,
     #[command(flatten)]
     known: Known,
+    /// Fit, too, by how much the effect's parameters differ from push to push; EFFECT may be one that
+    /// the model carries
+    #[arg(long, requires = "fit")]
+    per_push: bool,
     /// Answer of `pushlab diagnose` that names the effects and their values
     #[arg(long, value_name = "DIAGNOSIS", group = "values", value_parser = file_ending::json,
           conflicts_with_all = ["set", "fit"])]
@@ -72,6 +76,7 @@ Examples:
   pushlab add table-anisotropy --set ratio=1.3 --set direction=0.6 -o better.toml
   pushlab add table-anisotropy --fit pushes --model model.toml -o better.toml
   pushlab add support-points --fit table.csv --preset mit-table --model model.toml -o better.toml
+  pushlab add pusher-friction --fit pushes --per-push --model model.toml -o better.toml
   pushlab add --from diagnosis.json --model model.toml -o better.toml
 then:
   pushlab compare pushes --model better.toml --against model.toml";
@@ -111,6 +116,9 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         return from_file(args, (from, model, origin), destination, terminal);
     }
     let about = by_id(args.effect())?.info();
+    if let (true, Some(source)) = (args.per_push, &source) {
+        return per_push(args, (source, model, origin), destination, terminal);
+    }
     refuse_twice(&model, about.id)?;
     let name = format!("{} + {}", model.name, about.id);
     let Some(source) = &source else {
@@ -121,6 +129,28 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     model.description.effects.push(ModelEffect::from(Setting::new(about, &off)));
     let fit = fitting.fit(&model, &[about.id])?.distinct()?;
     let fitted = fitting.write(fit, name, destination)?;
+    terminal.finish(&origin, &fitted, &fitted)
+}
+
+/// An effect with the differences from push to push, and its values fitted with them.
+fn per_push(
+    args: &Args,
+    (source, mut model, mut origin): (&StepSource, ModelFile, Origin),
+    destination: OutputFile,
+    terminal: &Terminal,
+) -> Result<()> {
+    let about = by_id(args.effect())?.info();
+    let fitting = Fitting::read(source, &model, args.seed, &mut origin, terminal)?;
+    if !model.description.effects.iter().any(|effect| effect.id == about.id) {
+        let off = fitting.off(&model, about)?;
+        model.description.effects.push(ModelEffect::from(Setting::new(about, &off)));
+        model.description = fitting.fit_values(&model, &[about.id])?.description;
+    }
+    let found = fitting.per_push(&model, about.id)?;
+    model.description = found.description.clone();
+    let fit = fitting.fit_values(&model, &[about.id])?.determined()?;
+    let name = format!("{} + {} per push", model.name, about.id);
+    let fitted = fitting.write(fit, name, destination)?.with_spread(&found);
     terminal.finish(&origin, &fitted, &fitted)
 }
 
@@ -204,7 +234,7 @@ fn by_hand(
         }
     }
     let about = by_id(args.effect())?.info();
-    let setting = Setting { id: about.id.to_owned(), parameters };
+    let setting = Setting { id: about.id.to_owned(), parameters, per_push: BTreeMap::new() };
     about.check(&setting.values(about)?)?;
     let mut effect = ModelEffect::from(setting);
     for estimate in effect.parameters.values_mut() {
@@ -227,6 +257,7 @@ impl Args {
             .option("set", set)
             .paths("fit", &self.fit)
             .option("seed", self.fit.as_ref().map(|_| self.seed))
+            .words(self.per_push.then(|| "--per-push".to_owned()))
             .words(self.known.words())
             .paths("from", &self.from)
             .paths("model", [&self.model])
