@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use effects::Spread;
 use models::{
     Analytical, Base, CharacteristicLength, Cluster, Estimate, ModelEffect, ModelFile, OUTPUTS,
     Split, Unexplained,
@@ -137,7 +138,48 @@ fn of_effect(effect: &ModelEffect) -> Vec<Parameter> {
         unit: unit(name).unwrap_or("1"),
         source: estimate.source.clone(),
     };
-    effect.parameters.iter().map(parameter).collect()
+    // Points and cells that bear nothing are not told.
+    let is_something = |one: &(&String, &Estimate)| {
+        one.1.value != 0.0 || one.1.se != 0.0 || effect.id != SUPPORT_POINTS
+    };
+    let mut parameters: Vec<Parameter> =
+        effect.parameters.iter().filter(is_something).map(parameter).collect();
+    parameters.extend(of_points(effect));
+    for (name, spread) in &effect.per_push {
+        let (words, sd, unit) = match spread {
+            Spread::Sd(sd) => ("sd per push", sd, unit(name).unwrap_or("1")),
+            Spread::RelativeSd(sd) => ("relative sd per push", sd, "1"),
+        };
+        let (name, source) = (format!("{} {name}, {words}", effect.id), String::new());
+        parameters.push(Parameter { name, value: Some(*sd), se: 0.0, unit, source });
+    }
+    parameters
+}
+
+const SUPPORT_POINTS: &str = "support-points";
+
+/// What follows from points that bear the whole weight: their center and their mean distance from it.
+fn of_points(effect: &ModelEffect) -> Vec<Parameter> {
+    let about = effects::by_id(&effect.id).map(|effect| effect.info()).ok();
+    let values = about.and_then(|about| effect.setting().values(about).ok()).unwrap_or_default();
+    let points = values.chunks_exact(3);
+    let whole: f64 = points.clone().map(|point| point[2]).sum();
+    if effect.id != SUPPORT_POINTS || (whole - 1.0).abs() > 1e-6 {
+        return Vec::new();
+    }
+    let mean = |of: &dyn Fn(&[f64]) -> f64| points.clone().map(|p| p[2] / whole * of(p)).sum();
+    let (x, y): (f64, f64) = (mean(&|point| point[0]), mean(&|point| point[1]));
+    let distance: f64 = mean(&|point| (point[0] - x).hypot(point[1] - y));
+    let named =
+        [("center of friction x", x), ("center of friction y", y), ("mean distance c", distance)];
+    let told = named.map(|(name, value)| Parameter {
+        name: format!("{SUPPORT_POINTS} {name}"),
+        value: Some(value),
+        se: 0.0,
+        unit: "m",
+        source: "follows from the points".to_owned(),
+    });
+    told.into()
 }
 
 impl fmt::Display for Parameters {
