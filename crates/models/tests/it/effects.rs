@@ -4,7 +4,7 @@ use dataset::{
     ContactForce, Flags, ObjectChoice, ObjectSpec, Phase, Provenance, StepForce, StepRow,
     SupportSpec, Table,
 };
-use effects::{Effect, EffectInfo, Object, PushPhysics, Rig, Setting, Surface, Track, all};
+use effects::{Effect, EffectInfo, Object, PushPhysics, Rig, Setting, Spread, Surface, Track, all};
 use models::{
     Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ExclusionReason,
     ModelEffect, ModelError, ModelFile, ProcessKind, PushModel, StepInput, StepSelection,
@@ -12,6 +12,7 @@ use models::{
 };
 use nalgebra::{Matrix3, Vector2};
 use planar::{Pose, Shape, Twist};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 const RADIUS: f64 = 0.00475;
@@ -181,6 +182,77 @@ fn a_file_with_effects_comes_back_as_it_was() {
     assert_eq!(ModelFile::read(&path).unwrap(), written);
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(text.contains("[effects.parameters.direction]") && text.contains("unit = \"rad\""));
+}
+
+#[test]
+fn points_that_bear_nothing_are_left_out_and_spreads_are_kept() {
+    let points = "[[effects]]\nid = \"support-points\"\n[effects.parameters]\n";
+    let three = "x1 = { value = 0.03 }\ny1 = { value = 0.0 }\nshare1 = { value = 1.0 }\n";
+    let file = read(&format!("{BASE}{points}{three}")).unwrap();
+    assert_eq!(file.description.effects[0].parameters.len(), 18);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.toml");
+    let mut file = ModelFile { split: None, ..file };
+    let friction = Setting::new(effects::by_id("pusher-friction").unwrap().info(), &[0.25]);
+    let mut friction = ModelEffect::from(friction);
+    friction.per_push.insert("friction".into(), Spread::RelativeSd(0.3));
+    file.description.effects.push(friction);
+    file.write(&path).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(!text.contains("share2") && text.contains("relative_sd = 0.3"), "{text}");
+    assert_eq!(ModelFile::read(&path).unwrap(), file);
+    // A place without a share, and a share without a place.
+    for lacking in ["share1", "y1"] {
+        let lines: Vec<&str> = three.lines().filter(|line| !line.starts_with(lacking)).collect();
+        let error = read(&format!("{BASE}{points}{}", lines.join("\n"))).unwrap_err().to_string();
+        assert!(error.contains(&format!("parameters.{lacking}")), "{error}");
+    }
+    let spread = |words: &str| {
+        let text = format!(
+            "{BASE}[[effects]]\nid = \"pusher-friction\"\n\
+             parameters = {{ friction = {{ value = 0.25, per_push = {words} }} }}\n"
+        );
+        read(&text)
+    };
+    assert!(spread("{ sd = 0.05 }").is_ok());
+    for (words, part) in
+        [("{ relative_sd = 2.5 }", "2.5"), ("{ sd = -0.1 }", "-0.1"), ("{ width = 0.1 }", "width")]
+    {
+        let error = spread(words).unwrap_err().to_string();
+        assert!(error.contains(part), "{error}");
+    }
+}
+
+#[test]
+fn a_motion_over_pushes_is_that_of_many_drawn_ones() {
+    let (steps, rig) = (asked(), Rig::new(Surface::Ellipsoid, 0.25, 0.25).unwrap());
+    let about = effects::by_id("pusher-friction").unwrap().info();
+    let mut effect = ModelEffect::from(Setting::new(about, &[0.25]));
+    effect.per_push.insert("friction".into(), Spread::RelativeSd(0.3));
+    let model = ChannelModel::new(&with(vec![effect]), TABLE, &[]).unwrap();
+    let found = model.motion_over_pushes(steps.iter().map(|(_, step)| step)).unwrap();
+    let expected = model.predict(steps.iter().map(|(_, step)| step)).unwrap();
+    // A fine midpoint rule over the normal number.
+    let places: Vec<f64> = (0..4000).map(|k| -6.0 + 12.0 * (f64::from(k) + 0.5) / 4000.0).collect();
+    let weight = |z: f64| (-0.5 * z * z).exp() / TAU.sqrt() * 12.0 / 4000.0;
+    for (((_, step), (mean, covariance)), channels) in steps.iter().zip(&found).zip(&expected) {
+        assert_eq!([mean.x, mean.y, mean.z], [channels.dx, channels.dy, channels.dtheta]);
+        let (mut sum, mut square, mut whole) = (0.0, 0.0, 0.0);
+        for z in places.iter().step_by(20) {
+            let friction = 0.25 * (0.3 * z).exp();
+            let physics = PushPhysics::new(rig.clone());
+            let physics = physics.with(effects::PusherFriction, &[friction]).unwrap();
+            let dy = physics.predict(step).unwrap().dy;
+            sum += weight(*z) * dy;
+            square += weight(*z) * dy * dy;
+            whole += weight(*z);
+        }
+        let (exact, variance) = (sum / whole, square / whole - (sum / whole).powi(2));
+        // Five places see a kink of sticking and sliding no better.
+        let sd = variance.max(0.0).sqrt();
+        assert!((mean.y - exact).abs() < 0.25 * sd + 1e-9, "{} {exact} {sd}", mean.y);
+        assert!((covariance.m22.sqrt() - sd).abs() < 0.35 * sd + 1e-9, "{covariance} {sd}");
+    }
 }
 
 #[test]
