@@ -117,7 +117,8 @@ impl<'a> Forward<'a> {
         while duration - self.time > 1e-9 * longest {
             let length = longest.min(duration - self.time);
             let shortest = (SHORTEST * longest).min(length);
-            let length = self.until_turn(length).max(shortest);
+            let kink = self.kink_within(length);
+            let length = self.until_turn(kink.unwrap_or(length)).max(shortest);
             if self.touching {
                 self.touching = self.press(length, shortest)?;
                 let_go = !self.touching;
@@ -125,6 +126,9 @@ impl<'a> Forward<'a> {
                 self.trail.clear();
                 self.go_free(length, let_go)?;
                 let_go = false;
+            }
+            if kink == Some(length) {
+                self.trail.clear();
             }
         }
         self.time = duration;
@@ -155,6 +159,12 @@ impl<'a> Forward<'a> {
         }
         let (name, unit) = ("the pusher's path over the longest sub-step", "(count)");
         Err(EffectError::InvalidValue { name, expected: "at most 100000", value: n, unit })
+    }
+
+    /// In how many s, of less than `length`, the pusher's velocity jumps; none if it does not.
+    fn kink_within(&self, length: f64) -> Option<f64> {
+        let seen = self.time - self.measurement.latency;
+        Some(self.step.track.kink_after(seen)? - seen).filter(|kink| *kink < length)
     }
 
     /// At most `length`, in s, up to where the pusher turns towards the contact or back from it.
@@ -193,6 +203,9 @@ impl<'a> Forward<'a> {
             self.close(lost);
             self.touching = lost <= TOUCH;
         } else {
+            if self.step.since_contact == 0.0 {
+                self.close(self.now.contact.gap + self.outline.approach_gap());
+            }
             self.touching = self.now.contact.gap <= TOUCH && approach > 0.0;
         }
         if self.has_inertia {

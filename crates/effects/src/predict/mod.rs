@@ -20,8 +20,9 @@ impl PushPhysics {
     /// All channels of one step, expected where parameters differ from push to push.
     ///
     /// The push is integrated along the pusher's path by the midpoint rule, in as many sub-steps of
-    /// equal time as the path has millimeters (four or more) and cut where the pusher turns back:
-    /// within 4 µm of the exact push over 4 mm. With inertia the motion follows an L-stable
+    /// equal time as the path has millimeters (four or more) and cut where the pusher turns back, its
+    /// velocity jumps or it touches: within 4 µm of the exact push over 4 mm, and within 50 µm over a
+    /// whole push of 50 mm that begins before the touch, passes a vertex or slides off. With inertia the motion follows an L-stable
     /// Runge–Kutta rule of order two in six sub-steps or more.
     ///
     /// # Errors

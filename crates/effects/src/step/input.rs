@@ -35,7 +35,8 @@ pub struct StepInput {
     pub track: Track,
     /// Whether the pusher is known to touch the object at the start.
     ///
-    /// If so the measured gap is an error of measurement: the object is set against the pusher.
+    /// If so the measured gap is an error of measurement: the object is set against the pusher. If
+    /// not, it rests until the way over the step meets it: a whole push may be one step.
     pub touching: bool,
     /// Time from the push's first contact to the start, in s; 0 where contact begins.
     pub since_contact: f64,

@@ -39,6 +39,9 @@ const GAUSS: [(f64, f64); 8] = [
     (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
 ];
 
+/// Two times that are closer are one, as a share of the duration.
+const ROUNDING: f64 = 1e-9;
+
 /// Shortest duration of a step, in s.
 const SHORTEST: f64 = 1e-200;
 
@@ -135,6 +138,14 @@ impl Track {
             }
         };
         (position + (time - inside) * velocity, velocity)
+    }
+
+    /// When the velocity jumps next after a time, in s; none on a smooth way.
+    pub(crate) fn kink_after(&self, time: f64) -> Option<f64> {
+        let Kind::Polyline(line) = &self.kind else { return None };
+        // A kink that has been reached but for rounding is passed.
+        let from = time + ROUNDING * self.duration;
+        (0..line.n_pieces() - 1).map(|piece| line.piece_end(piece)).find(|end| *end > from)
     }
 
     /// Whether every number is finite and the duration long enough to be divided.

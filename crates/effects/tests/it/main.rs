@@ -9,3 +9,4 @@ mod known_answers;
 mod laws;
 mod separation;
 mod supports;
+mod whole_push;
