@@ -221,6 +221,16 @@ pub enum DatasetError {
         /// The most frequent reason with its first place, and what to do.
         what: String,
     },
+    /// One shape is asked for of recordings that do not hold several.
+    #[error(
+        "{path}: the files of this set do not tell pushes of {shape} from others; give a set of end points, or name the object in the manifest"
+    )]
+    ShapeOfFiles {
+        /// The set's folder.
+        path: PathBuf,
+        /// The shape asked for.
+        shape: String,
+    },
     /// A recording cannot be written in a format.
     #[error("cannot write {path} as {format}: {what}")]
     Unwritable {

@@ -26,6 +26,7 @@ mod ingest;
 mod pages;
 
 pub use error::DatasetError;
+pub use formats::end_points::{is_end_points, read_end_points};
 pub use formats::format::{Inspection, LogFormat, StreamInfo};
 pub use formats::list::{all_formats, format_by_id};
 pub use input::limits::{Limit, ReadLimits};
@@ -35,6 +36,7 @@ pub use recording::settings::{
     ColumnMap, Quantity, StreamSettings, Streams, TimeSource, WrenchFrame,
 };
 pub use recording::transform::{AxisSigns, Transform};
+pub use recording::whole_push::{EndPoints, WholePush, WholePushes};
 pub use recording::{PoseStream, Recording, WrenchStream};
 pub use remark::{Remark, RemarkKind, StreamRole};
 
@@ -61,9 +63,9 @@ pub use manifest::{MANIFEST_NAME, Manifest, PusherSpec, RecordingsSpec, SupportS
 pub use suspicions::{CHECKS, Check, SUSPECTED_RECORDINGS, Suspicion, suspicions};
 pub use table::column::{Column, columns};
 pub use table::coverage::{Coverage, Histogram};
-pub use table::endpoints::{EndPoint, WrenchTwist, read_endpoints, read_wrench_twists};
 pub use table::flags::Flags;
 pub use table::step::{ContactForce, Phase, StepForce, StepRow};
+pub use table::wrench_twist::{WrenchTwist, read_wrench_twists};
 pub use table::writer::TableWriter;
 pub use table::{Provenance, Table};
 pub use writers::list::all_writers;

@@ -97,7 +97,8 @@ impl Inputs {
         for recording in set.recordings() {
             let folder = recording.parent().unwrap_or(recording);
             if folder.canonicalize().ok() == own {
-                self.recordings.push(recording.clone());
+                // Not every file of that kind is read as end points.
+                self.recordings.extend((!set.is_of_end_points()).then(|| recording.clone()));
                 self.paths.push(recording.clone());
             } else if self.paths.last().is_none_or(|last| last != folder) {
                 // A file beside them would be taken for one of them.

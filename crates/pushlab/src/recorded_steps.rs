@@ -102,7 +102,12 @@ pub(crate) fn recorded_inputs(
             inputs.push(input);
         }
     }
-    let read = report.recordings.iter().filter(|recording| !recording.sha256.is_empty());
-    inputs.extend(read.map(|recording| Input::known(&recording.path, recording.sha256.clone())));
+    let mut read: Vec<_> =
+        report.recordings.iter().filter(|recording| !recording.sha256.is_empty()).collect();
+    // One file may hold several.
+    read.dedup_by(|a, b| a.path == b.path);
+    inputs.extend(
+        read.iter().map(|recording| Input::known(&recording.path, recording.sha256.clone())),
+    );
     Ok(inputs)
 }

@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use clap::builder::PossibleValuesParser;
 use dataset::{
-    DatasetError, IngestSettings, MANIFEST_NAME, Manifest, Preset, PusherSpec, RecordingSet,
-    Suspicion, Table, TableMapping,
+    DatasetError, IngestSettings, MANIFEST_NAME, Manifest, ObjectSpec, Preset, PusherSpec,
+    RecordingSet, Suspicion, Table, TableMapping, is_end_points,
 };
 use diagnosis::{Observations, steady_ingest, step_suspicions};
+use planar::MIT_NAMES;
 
 use crate::command_line::preset_parser;
 use crate::destination::Inputs;
@@ -36,6 +38,10 @@ pub(crate) struct Known {
     /// What is known of public data, for recordings or a table of others
     #[arg(long, value_name = "NAME", value_parser = preset_parser())]
     preset: Option<Preset>,
+    /// Of public data about several shapes, the pushes of this one alone
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(MIT_NAMES),
+          requires = "preset")]
+    shape: Option<String>,
     /// How the columns of a table of others become ours
     #[arg(long, value_name = "FILE", conflicts_with = "preset")]
     mapping: Option<PathBuf>,
@@ -51,6 +57,7 @@ impl Known {
         };
         option("manifest", self.manifest.as_deref().map(path));
         option("preset", self.preset.map(|preset| preset.name().to_owned()));
+        option("shape", self.shape.clone());
         option("mapping", self.mapping.as_deref().map(path));
         words
     }
@@ -67,6 +74,7 @@ impl Known {
         Self {
             manifest: after("manifest").map(PathBuf::from),
             preset: after("preset").and_then(|name| Preset::by_name(&name)),
+            shape: after("shape"),
             mapping: after("mapping").map(PathBuf::from),
         }
     }
@@ -114,7 +122,8 @@ impl StepSource {
     pub(crate) fn read(&self, reading: Reading, terminal: &Terminal) -> Result<Steps> {
         let set = &self.set;
         let is_folder = readable(set)?.is_dir();
-        if is_folder && self.known.preset != Some(Preset::MitTable) {
+        let is_table = self.known.preset == Some(Preset::MitTable);
+        if !is_table && (is_folder || is_end_points(set)) {
             return self.recorded(reading, terminal);
         }
         if matches!(reading, Reading::Plain(Some(_))) {
@@ -129,8 +138,7 @@ impl StepSource {
             (None, Some(Preset::MitTable)) => {
                 Steps::mapped(table, &TableMapping::mit_table()?, None)?
             }
-            (None, Some(_)) => bail!(WrongUsage("this preset is for recordings, not for a table")),
-            (None, None) => Steps::tabled(table, self.known.manifest.as_deref())?,
+            (None, known) => Steps::tabled(table, self.known.manifest.as_deref(), known)?,
         };
         let found = step_suspicions(&steps.observations, pusher.friction)?;
         steps.suspicions = reading.heed(found, terminal)?;
@@ -173,10 +181,12 @@ impl StepSource {
         if self.known.manifest.is_some() || self.known.mapping.is_some() {
             bail!(WrongUsage("--manifest and --mapping are for tables; a set has its own"));
         }
-        let set = match self.known.preset {
-            Some(preset) => RecordingSet::open_with_preset(&self.set, preset)?,
-            None => RecordingSet::open(&self.set)?,
-        };
+        let set = open_set(&self.set, self.known.preset, self.known.shape.as_deref())?;
+        if set.is_of_end_points() && matches!(reading, Reading::Plain(Some(_))) {
+            bail!(WrongUsage(
+                "--step is for recordings; a push of which the ends are known is one"
+            ));
+        }
         let suspicions = reading.heed(suspected(&set), terminal)?;
         let settings = match reading {
             Reading::Steady => steady_ingest(),
@@ -193,6 +203,30 @@ impl StepSource {
             Reading::Plain(_) => Observations::of(&table, set.manifest())?,
         };
         Ok(Steps { observations, inputs, n_pushes: Some(n_pushes), suspicions })
+    }
+}
+
+/// A set by its manifest or a preset, about one shape where that is named.
+///
+/// # Errors
+/// As [`RecordingSet::open`]; for end points without a manifest, what to give.
+pub(crate) fn open_set(
+    path: &Path,
+    preset: Option<Preset>,
+    shape: Option<&str>,
+) -> Result<RecordingSet> {
+    let set = match preset {
+        Some(preset) => RecordingSet::open_with_preset(path, preset)?,
+        None if is_end_points(path) => bail!(
+            "{} has poses before and after pushes, and does not tell what was pushed: give --preset, \
+             or the folder of a {MANIFEST_NAME} with format = \"endpoints\" in [recordings]",
+            path.display()
+        ),
+        None => RecordingSet::open(path)?,
+    };
+    match shape {
+        Some(shape) => Ok(set.about(ObjectSpec::mit(shape)?)?),
+        None => Ok(set),
     }
 }
 
@@ -215,10 +249,14 @@ impl Steps {
     }
 
     /// A table of `pushlab ingest`, or one whose mapping lies beside it, and the pusher.
-    fn tabled(path: &Path, manifest: Option<&Path>) -> Result<(Self, PusherSpec)> {
+    fn tabled(
+        path: &Path,
+        manifest: Option<&Path>,
+        preset: Option<Preset>,
+    ) -> Result<(Self, PusherSpec)> {
         let beside = path.with_file_name(MANIFEST_NAME);
         let table = match Table::read(path) {
-            Err(DatasetError::ColumnMissing { .. }) if manifest.is_none() => {
+            Err(DatasetError::ColumnMissing { .. }) if manifest.is_none() && preset.is_none() => {
                 let mapping = TableMapping::read(&beside).with_context(|| {
                     format!(
                         "{} is not a table of `pushlab ingest`; give --preset mit-table, or \
@@ -230,6 +268,11 @@ impl Steps {
             }
             table => table?,
         };
+        if let Some(known) = preset.and_then(Preset::manifest) {
+            let manifest = known?;
+            let observations = Observations::of(&table, &manifest)?;
+            return Ok((Self::of_table(observations, vec![Input::file(path)?]), manifest.pusher));
+        }
         let manifest_path = manifest.unwrap_or(&beside);
         let manifest = Manifest::read(manifest_path).with_context(|| {
             format!(

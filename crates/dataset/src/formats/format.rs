@@ -8,6 +8,7 @@ use super::find::find_files;
 use crate::input::limits::ReadLimits;
 use crate::recording::Recording;
 use crate::recording::settings::Streams;
+use crate::recording::whole_push::EndPoints;
 use crate::{
     error::DatasetError,
     remark::{Remark, StreamRole},
@@ -57,6 +58,19 @@ pub trait LogFormat: Sync {
         streams: &Streams,
         limits: &ReadLimits,
     ) -> Result<Recording, DatasetError>;
+
+    /// The pushes of a recording that holds the object's poses before and after each of them alone;
+    /// none of one that holds its motion.
+    ///
+    /// # Errors
+    /// As [`LogFormat::read`].
+    fn end_points(
+        &self,
+        _path: &Path,
+        _limits: &ReadLimits,
+    ) -> Result<Option<EndPoints>, DatasetError> {
+        Ok(None)
+    }
 
     /// What one recording contains, for people who set up a manifest.
     ///
@@ -124,5 +138,4 @@ pub struct StreamInfo {
 }
 
 /// What recordings of some format look like.
-pub(crate) const ANY_FORMAT: &str =
-    "MCAP, CSV folders, MIT JSON or HDF5, or ROS 1 bags (features of this build)";
+pub(crate) const ANY_FORMAT: &str = "MCAP, CSV folders, MIT JSON or HDF5, ROS 1 bags (features of this build), or end points as CSV";

@@ -4,7 +4,7 @@
 use crate::formats::BagFormat;
 #[cfg(feature = "hdf5")]
 use crate::formats::MitHdf5Format;
-use crate::formats::{CsvFormat, McapFormat, MitJsonFormat};
+use crate::formats::{CsvFormat, EndPointsFormat, McapFormat, MitJsonFormat};
 use crate::{LogFormat, error::DatasetError};
 
 /// Every log format of this build.
@@ -18,6 +18,7 @@ pub fn all_formats() -> &'static [&'static dyn LogFormat] {
         &MitHdf5Format,
         #[cfg(feature = "bag")]
         &BagFormat,
+        &EndPointsFormat,
     ]
 }
 

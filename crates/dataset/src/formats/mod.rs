@@ -4,6 +4,7 @@ pub(crate) mod assemble;
 pub(crate) mod channel;
 pub(crate) mod container;
 pub(crate) mod decode;
+pub(crate) mod end_points;
 pub(crate) mod format;
 pub(crate) mod layout;
 pub(crate) mod list;
@@ -23,10 +24,12 @@ mod mcap_record;
 mod mit_hdf5;
 mod mit_json;
 mod mit_rows;
+mod timed_rows;
 
 #[cfg(feature = "bag")]
 pub(crate) use bag::BagFormat;
 pub(crate) use csv_folder::CsvFormat;
+pub(crate) use end_points::EndPointsFormat;
 pub(crate) use mcap_log::McapFormat;
 #[cfg(feature = "hdf5")]
 pub(crate) use mit_hdf5::MitHdf5Format;

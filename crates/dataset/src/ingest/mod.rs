@@ -14,6 +14,7 @@ pub(crate) mod steps;
 pub(crate) mod table_mapping;
 pub(crate) mod text;
 pub(crate) mod track;
+pub(crate) mod whole_push;
 
 use std::{collections::BTreeMap, path::Path};
 
@@ -23,6 +24,7 @@ use crate::ingest::force_zero::ForceZero;
 use crate::ingest::process::{Setup, process, unreadable};
 use crate::ingest::report::{IngestReport, RecordingReport, Spread, Summary};
 use crate::ingest::settings::IngestSettings;
+use crate::ingest::whole_push::whole_pushes;
 use crate::input::caught::caught;
 use crate::manifest::recording_set::RecordingSet;
 use crate::table::step::StepRow;
@@ -78,9 +80,8 @@ pub fn ingest_each(
     };
     let mut collected = Collected::default();
     for chunk in set.recordings().chunks(RECORDINGS_PER_THREAD * rayon::current_num_threads()) {
-        let done: Vec<_> =
-            chunk.par_iter().map(|path| one_recording(set, path, settings)).collect();
-        for (rows, recording) in done {
+        let done: Vec<_> = chunk.par_iter().map(|path| one_file(set, path, settings)).collect();
+        for (rows, recording) in done.into_iter().flatten() {
             collected.add(&mut report.summary, &rows, &recording, set);
             sink(&recording, rows)?;
             report.recordings.push(recording);
@@ -106,9 +107,29 @@ pub fn provenance(set: &RecordingSet, report: &IngestReport) -> Provenance {
     provenance.push("settings", &settings);
     for recording in report.recordings.iter().filter(|recording| !recording.sha256.is_empty()) {
         let path = recording.path.strip_prefix(set.dir()).unwrap_or(&recording.path);
-        provenance.push("source", &format!("sha256 {} {}", recording.sha256, path.display()));
+        let (hash, path) = (&recording.sha256, path.display());
+        // One file may hold several.
+        let of = match recording.name == set.name_of(&recording.path) {
+            true => String::new(),
+            false => format!(" ({})", recording.name),
+        };
+        provenance.push("source", &format!("sha256 {hash} {path}{of}"));
     }
     provenance
+}
+
+/// The recordings of one file: of end points it may hold several.
+fn one_file(
+    set: &RecordingSet,
+    path: &Path,
+    settings: &IngestSettings,
+) -> Vec<(Vec<StepRow>, RecordingReport)> {
+    let found = caught(path, || set.format().end_points(path, &set.manifest().limits));
+    match found {
+        Ok(Some(found)) => whole_pushes(set, path, found, settings),
+        Ok(None) => vec![one_recording(set, path, settings)],
+        Err(error) => vec![(Vec::new(), unreadable(&set.name_of(path), path, error))],
+    }
 }
 
 fn one_recording(

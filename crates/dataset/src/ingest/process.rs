@@ -34,19 +34,8 @@ pub(crate) struct Setup<'a> {
 
 /// The report of a recording that gave nothing.
 pub(crate) fn unreadable(name: &str, path: &Path, error: impl ToString) -> RecordingReport {
-    RecordingReport {
-        name: name.to_owned(),
-        path: path.into(),
-        sha256: String::new(),
-        session: None,
-        excluded: Some(Exclusion::Unreadable { error: error.to_string() }),
-        remarks: Vec::new(),
-        streams: Vec::new(),
-        force_zero: ForceZero::NoForce,
-        unconfirmed_contacts: 0,
-        resting_noise: None,
-        pushes: Vec::new(),
-    }
+    let excluded = Some(Exclusion::Unreadable { error: error.to_string() });
+    RecordingReport { excluded, ..RecordingReport::unread(name, path) }
 }
 
 /// The rows of a recording and its report.

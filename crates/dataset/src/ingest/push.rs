@@ -71,6 +71,29 @@ pub enum Exclusion {
         /// Largest allowed, in rad.
         limit_rad: f64,
     },
+    /// The file is about another object.
+    OtherShape {
+        /// Its shape.
+        shape: String,
+        /// That of the manifest.
+        object: String,
+        /// How many pushes it has.
+        pushes: usize,
+    },
+    /// Of a push of which the object's ends are known, the pusher's way is not.
+    NoWay {
+        /// Points of the way.
+        points: usize,
+    },
+    /// From before the push to after it the object turns or moves as no contact makes it.
+    TrackingFlip {
+        /// How far it turns, in rad.
+        turn_rad: f64,
+        /// How far its center moves, in m.
+        moved_m: f64,
+        /// How far the pusher goes between its first and its last touch, in m.
+        way_m: f64,
+    },
     /// No step could be evaluated: the contact is too short, or each step ends in a gap.
     NoStep {
         /// Length of the contact, in s.

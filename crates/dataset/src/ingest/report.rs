@@ -1,6 +1,9 @@
 //! What became of every recording and push, and what the set covers.
 
-use std::{collections::BTreeMap, path::PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 use serde::Serialize;
 
@@ -124,6 +127,25 @@ pub struct RecordingReport {
     pub resting_noise: Option<RestingNoise>,
     /// Its pushes.
     pub pushes: Vec<PushReport>,
+}
+
+impl RecordingReport {
+    /// Of a recording before anything of it is read.
+    pub(crate) fn unread(name: &str, path: &Path) -> Self {
+        Self {
+            name: name.to_owned(),
+            path: path.into(),
+            sha256: String::new(),
+            session: None,
+            excluded: None,
+            remarks: Vec::new(),
+            streams: Vec::new(),
+            force_zero: ForceZero::NoForce,
+            unconfirmed_contacts: 0,
+            resting_noise: None,
+            pushes: Vec::new(),
+        }
+    }
 }
 
 /// Noise of samples at rest.

@@ -292,6 +292,9 @@ impl Exclusion {
             Self::GapInContact { .. } => "gap in contact",
             Self::Teleport { .. } => "impossible jump",
             Self::Tilted { .. } => "tilted",
+            Self::OtherShape { .. } => "other shape",
+            Self::NoWay { .. } => "no way of the pusher",
+            Self::TrackingFlip { .. } => "tracking flip",
             Self::NoStep { .. } => "no step",
         }
     }
@@ -325,6 +328,22 @@ impl fmt::Display for Exclusion {
                 "the object is tilted by {:.1}° (limit {:.1}°)",
                 tilt_rad.to_degrees(),
                 limit_rad.to_degrees()
+            ),
+            Self::OtherShape { shape, object, pushes } => {
+                write!(f, "{pushes} pushes of {shape}, the set is about {object}")
+            }
+            Self::NoWay { points } => write!(
+                f,
+                "the pusher's way has {points} points and does not move; give it in tip.csv, or in \
+                 the columns tip_x0_m to tip_y1_m"
+            ),
+            Self::TrackingFlip { turn_rad, moved_m, way_m } => write!(
+                f,
+                "the object turns by {:.1}° and moves by {:.1} mm while the pusher goes {:.1} mm \
+                 from its first to its last touch, which no contact does",
+                turn_rad.to_degrees(),
+                1e3 * moved_m,
+                1e3 * way_m
             ),
             Self::NoStep { contact_s, lost_in_gaps } => write!(
                 f,

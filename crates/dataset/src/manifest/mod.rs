@@ -233,7 +233,7 @@ topic = "/robot/tip_pose"
         assert_eq!(
             error("\"mcap\"", "\"rosbag9\""),
             "set/dataset.toml:17: recordings.format = rosbag9 is not allowed, expected one of \
-             mcap, csv, mit-json, mit-hdf5, ros1-bag"
+             mcap, csv, mit-json, mit-hdf5, ros1-bag, endpoints"
         );
         assert_eq!(
             error("\"square\"", "\"sqare\""),

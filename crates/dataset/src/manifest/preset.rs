@@ -15,14 +15,21 @@ pub enum Preset {
     MitRig2015,
     /// The step table of the MIT square at 20 mm/s and 0.2 s.
     MitTable,
-    /// The end points, and the wrench–twist pairs, of the MIT pushes.
+    /// The end points of the MIT pushes: the object's poses before and after each.
     MitEndpoints,
+    /// Pushes of a triangle on known supports, with the object's poses before and after each.
+    CmuKnownSupports,
 }
 
 impl Preset {
     /// Every preset.
-    pub const ALL: [Self; 4] =
-        [Self::MitPush, Self::MitRig2015, Self::MitTable, Self::MitEndpoints];
+    pub const ALL: [Self; 5] = [
+        Self::MitPush,
+        Self::MitRig2015,
+        Self::MitTable,
+        Self::MitEndpoints,
+        Self::CmuKnownSupports,
+    ];
 
     /// Its name on the command line.
     #[must_use]
@@ -32,6 +39,7 @@ impl Preset {
             Self::MitRig2015 => "mit-rig-2015",
             Self::MitTable => "mit-table",
             Self::MitEndpoints => "mit-endpoints",
+            Self::CmuKnownSupports => "cmu-known-supports",
         }
     }
 
@@ -49,6 +57,7 @@ impl Preset {
             Self::MitRig2015 => include_str!("presets/mit-rig-2015.toml"),
             Self::MitTable => include_str!("presets/mit-table.toml"),
             Self::MitEndpoints => include_str!("presets/mit-endpoints.toml"),
+            Self::CmuKnownSupports => include_str!("presets/cmu-known-supports.toml"),
         }
     }
 
@@ -59,10 +68,8 @@ impl Preset {
     pub fn manifest(self) -> Option<Result<Manifest, DatasetError>> {
         let path = format!("preset {}", self.name());
         match self {
-            Self::MitPush | Self::MitRig2015 => {
-                Some(Manifest::parse(self.text(), Path::new(&path)))
-            }
-            Self::MitTable | Self::MitEndpoints => None,
+            Self::MitTable => None,
+            _ => Some(Manifest::parse(self.text(), Path::new(&path))),
         }
     }
 

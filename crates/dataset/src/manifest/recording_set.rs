@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::formats::end_points::END_POINTS;
 use crate::formats::format::{ANY_FORMAT, LogFormat};
 use crate::formats::list::{all_formats, format_by_id};
+use crate::manifest::object::{ObjectChoice, ObjectSpec};
 use crate::manifest::preset::Preset;
 use crate::manifest::session::{Session, Sessions, read_sessions};
 use crate::manifest::unread::unread_formats;
@@ -68,16 +70,40 @@ impl RecordingSet {
         }
     }
 
-    /// Opens a folder of recordings by a preset, whatever manifest it may have.
+    /// Opens a folder of recordings, or one file of end points, by a preset, whatever manifest there may
+    /// be.
     ///
     /// # Errors
     /// As [`RecordingSet::open`]; `NoManifest` for a preset of tables.
-    pub fn open_with_preset(dir: &Path, preset: Preset) -> Result<Self, DatasetError> {
-        let manifest = preset.manifest().ok_or_else(|| DatasetError::NoManifest {
-            path: dir.into(),
+    pub fn open_with_preset(path: &Path, preset: Preset) -> Result<Self, DatasetError> {
+        let mut manifest = preset.manifest().ok_or_else(|| DatasetError::NoManifest {
+            path: path.into(),
             presets: format!("{} is for tables", preset.name()),
         })??;
-        Self::with_manifest(dir.to_path_buf(), manifest, Some(preset), None)
+        let mut dir = path.to_path_buf();
+        if let Some(name) = path.file_name().filter(|_| path.is_file()) {
+            manifest.recordings.path = name.to_string_lossy().into_owned();
+            dir.pop();
+        }
+        Self::with_manifest(dir, manifest, Some(preset), None)
+    }
+
+    /// The same set about one object, where a file has pushes of several.
+    ///
+    /// # Errors
+    /// `ShapeOfFiles` where the set's files do not tell them apart.
+    pub fn about(mut self, object: ObjectSpec) -> Result<Self, DatasetError> {
+        if !self.is_of_end_points() {
+            return Err(DatasetError::ShapeOfFiles { path: self.dir, shape: object.name });
+        }
+        self.manifest.object = ObjectChoice::Fixed(Box::new(object));
+        Ok(self)
+    }
+
+    /// Whether its pushes are known by the object's poses before and after alone.
+    #[must_use]
+    pub fn is_of_end_points(&self) -> bool {
+        self.format.id() == END_POINTS
     }
 
     fn with_manifest(

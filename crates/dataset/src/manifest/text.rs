@@ -98,7 +98,7 @@ impl<'a> Source<'a> {
     }
 
     pub(crate) fn format(&self, format: Spanned<String>) -> Result<String, DatasetError> {
-        const FORMATS: [&str; 5] = ["mcap", "csv", "mit-json", "mit-hdf5", "ros1-bag"];
+        const FORMATS: [&str; 6] = ["mcap", "csv", "mit-json", "mit-hdf5", "ros1-bag", "endpoints"];
         if FORMATS.contains(&format.get_ref().as_str()) {
             return Ok(format.into_inner());
         }

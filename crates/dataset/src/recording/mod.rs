@@ -5,6 +5,7 @@ pub(crate) mod lateness;
 pub(crate) mod name;
 pub(crate) mod settings;
 pub(crate) mod transform;
+pub(crate) mod whole_push;
 
 use std::path::{Path, PathBuf};
 

@@ -72,7 +72,8 @@ mod tests {
 
     #[test]
     fn every_format_of_this_crate_tells_its_endings() {
-        for format in all_formats() {
+        // Files of end points are known by what is in them, and hold recordings of other names.
+        for format in all_formats().iter().filter(|format| format.id() != "endpoints") {
             let endings = format.endings();
             assert!(endings.iter().all(|ending| ENDINGS.contains(ending)), "{}", format.id());
             let dir = tempfile::tempdir().unwrap();

@@ -2,6 +2,8 @@
 
 use std::{path::Path, sync::Arc};
 
+use nalgebra::Vector2;
+
 use crate::error::DatasetError;
 use crate::table::step::{ContactForce, StepForce, StepRow};
 
@@ -109,15 +111,23 @@ impl Column {
     }
 }
 
-/// Where a table has each of our columns.
+/// Where a table has each of our columns; that of ways may be missing.
 ///
 /// # Errors
 /// `ColumnMissing` with those that are there; `ColumnTwice` for one that is there more than once.
 pub(crate) fn column_places<'a>(
     path: &Path,
     found: impl Iterator<Item = &'a str> + Clone,
-) -> Result<Vec<usize>, DatasetError> {
-    columns().iter().map(|column| column_place(path, column.name, found.clone())).collect()
+) -> Result<Vec<(&'static Column, usize)>, DatasetError> {
+    let has_way = found.clone().any(|name| name == WAY);
+    let place =
+        |column: &'static Column| Ok((column, column_place(path, column.name, found.clone())?));
+    written_columns(has_way).map(place).collect()
+}
+
+/// The columns of a file with whole pushes, or without.
+pub(crate) fn written_columns(has_way: bool) -> impl Iterator<Item = &'static Column> {
+    columns().iter().filter(move |column| has_way || column.name != WAY)
 }
 
 /// Where a table has one column.
@@ -152,7 +162,10 @@ pub(crate) enum Access {
     OptionalReal(fn(&StepRow) -> Option<f64>, fn(&mut StepRow, f64)),
 }
 
-/// Every column, in the order in which files have them.
+/// The column of pushers' ways, which tables of whole pushes have alone.
+const WAY: &str = "pusher_way";
+
+/// Every column, in the order in which files have them; `pusher_way` is in tables of whole pushes alone.
 #[must_use]
 pub fn columns() -> &'static [Column] {
     &COLUMNS
@@ -205,7 +218,7 @@ macro_rules! force {
 const NONE: ContactForce = ContactForce { normal: 0.0, tangential: 0.0 };
 const NO_FORCE: StepForce = StepForce { mean: NONE, start: NONE, end: NONE };
 
-static COLUMNS: [Column; 50] = [
+static COLUMNS: [Column; 51] = [
     text!(
         "recording",
         "name of the recording",
@@ -281,4 +294,32 @@ static COLUMNS: [Column; 50] = [
         row.flags = text.parse()?;
         Ok(())
     }),
+    text!(
+        "pusher_way",
+        "in whole pushes, where a straight way at constant speed is not enough: `t x y` of the \
+         pusher between start and end, s from the start and m, world, joined by `;`",
+        |row| Some(way_text(&row.pusher_way)),
+        |row, text| {
+            row.pusher_way = way(text).ok_or("`t x y` joined by `;`, in s and m, t increasing")?;
+            Ok(())
+        }
+    ),
 ];
+
+fn way_text(way: &[(f64, Vector2<f64>)]) -> String {
+    let points = way.iter().map(|(t, point)| format!("{t} {} {}", point.x, point.y));
+    points.collect::<Vec<_>>().join(";")
+}
+
+/// The points of a text; none if it is not of finite numbers, with times that increase from 0.
+fn way(text: &str) -> Option<Vec<(f64, Vector2<f64>)>> {
+    let point = |text: &str| {
+        let numbers: Option<Vec<f64>> = text.split(' ').map(|word| word.parse().ok()).collect();
+        let [t, x, y] = numbers?[..] else { return None };
+        (t + x + y).is_finite().then(|| (t, Vector2::new(x, y)))
+    };
+    let points = text.split(';').filter(|point| !point.is_empty()).map(point);
+    let points: Vec<_> = points.collect::<Option<_>>()?;
+    let times = std::iter::once(0.0).chain(points.iter().map(|(t, _)| *t));
+    times.is_sorted_by(|earlier, later| earlier < later).then_some(points)
+}

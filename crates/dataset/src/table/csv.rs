@@ -13,7 +13,7 @@ use tempfile::NamedTempFile;
 use crate::error::DatasetError;
 use crate::input::limits::{Limit, ReadLimits};
 use crate::input::map::FileBytes;
-use crate::table::column::{Access, Column, column_places, columns};
+use crate::table::column::{Access, Column, column_places, written_columns};
 use crate::table::step::StepRow;
 use crate::table::{Provenance, Table};
 
@@ -23,6 +23,8 @@ pub(crate) struct RowsFile {
     /// Of the table, for messages.
     path: PathBuf,
     writer: csv::Writer<NamedTempFile>,
+    /// Those of the first row, once it is there.
+    columns: Vec<&'static Column>,
 }
 
 /// Bytes of rows between two writes.
@@ -32,22 +34,33 @@ impl RowsFile {
     pub(crate) fn begin(output: &OutputFile) -> Result<Self, DatasetError> {
         let mut builder = csv::WriterBuilder::new();
         let writer = builder.buffer_capacity(BUFFER).from_writer(output.begin()?);
-        let mut rows = Self { path: output.path().into(), writer };
-        rows.record(columns().iter().map(|column| column.name))?;
-        Ok(rows)
+        Ok(Self { path: output.path().into(), writer, columns: Vec::new() })
     }
 
     pub(crate) fn write(&mut self, row: &StepRow) -> Result<(), DatasetError> {
-        self.record(columns().iter().map(|column| cell(column, row)))
+        if self.columns.is_empty() {
+            self.head(row.is_whole_push())?;
+        }
+        let cells: Vec<_> = self.columns.iter().map(|column| cell(column, row)).collect();
+        self.record(cells.into_iter())
+    }
+
+    fn head(&mut self, has_way: bool) -> Result<(), DatasetError> {
+        self.columns = written_columns(has_way).collect();
+        let names: Vec<_> = self.columns.iter().map(|column| column.name).collect();
+        self.record(names.into_iter())
     }
 
     /// Writes the provenance and then everything from the file of the rows into `part`.
     pub(crate) fn finish(
-        self,
+        mut self,
         provenance: &Provenance,
         mut part: NamedTempFile,
     ) -> Result<NamedTempFile, DatasetError> {
-        let Self { path, writer } = self;
+        if self.columns.is_empty() {
+            self.head(false)?;
+        }
+        let Self { path, writer, .. } = self;
         let copy = || -> io::Result<NamedTempFile> {
             let mut rows = writer.into_inner().map_err(csv::IntoInnerError::into_error)?;
             rows.rewind()?;
@@ -94,7 +107,7 @@ pub(crate) fn read(path: &Path) -> Result<Table, DatasetError> {
         let n_rows = rows.len() as u64 + 1;
         limits.check(path, Limit::Samples, || "rows of the table".into(), n_rows)?;
         let mut row = StepRow::default();
-        for (column, &place) in columns().iter().zip(&places) {
+        for &(column, place) in &places {
             let text = record.get(place).unwrap_or_default();
             column.set_text(&mut row, text).map_err(|expected| {
                 parse(line, format!("{} is `{text}`, expected {expected}", column.name))

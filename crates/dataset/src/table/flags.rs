@@ -38,9 +38,12 @@ impl Flags {
     pub const MOVING_AWAY: Self = Self(1 << 11);
     /// The pusher rests: its direction is not defined.
     pub const PUSHER_AT_REST: Self = Self(1 << 12);
+    /// The step is a whole push, from before the first touch: of the object no more is known than where
+    /// it was before and after. With `starts_in_contact` the pusher touches from the start on.
+    pub const WHOLE_PUSH: Self = Self(1 << 13);
 
     /// Every flag with its name.
-    pub const ALL: [(Self, &'static str); 13] = [
+    pub const ALL: [(Self, &'static str); 14] = [
         (Self::STARTS_IN_CONTACT, "starts_in_contact"),
         (Self::VERTEX, "vertex"),
         (Self::NEAR_VERTEX, "near_vertex"),
@@ -54,6 +57,7 @@ impl Flags {
         (Self::PENETRATION, "penetration"),
         (Self::MOVING_AWAY, "moving_away"),
         (Self::PUSHER_AT_REST, "pusher_at_rest"),
+        (Self::WHOLE_PUSH, "whole_push"),
     ];
 
     /// Whether all flags of `other` are set.

@@ -3,7 +3,6 @@
 pub(crate) mod column;
 pub(crate) mod coverage;
 pub(crate) mod csv;
-pub(crate) mod endpoints;
 pub(crate) mod file;
 pub(crate) mod flags;
 pub(crate) mod kind;
@@ -14,6 +13,7 @@ pub(crate) mod parquet_pages;
 #[cfg(feature = "parquet")]
 pub(crate) mod parquet_read;
 pub(crate) mod step;
+pub(crate) mod wrench_twist;
 pub(crate) mod writer;
 
 use crate::table::step::StepRow;

@@ -21,7 +21,7 @@ use tempfile::NamedTempFile;
 
 use crate::error::DatasetError;
 use crate::table::Provenance;
-use crate::table::column::{Access, Column, columns};
+use crate::table::column::{Access, Column, written_columns};
 use crate::table::step::StepRow;
 
 /// Rows that share a row group: as many are in memory while writing.
@@ -32,16 +32,14 @@ pub(crate) struct GroupWriter {
     /// Of the table, for messages.
     path: PathBuf,
     part: NamedTempFile,
-    writer: SerializedFileWriter<File>,
+    /// With its columns, which the first rows decide.
+    writer: Option<(SerializedFileWriter<File>, Vec<&'static Column>)>,
     rows: Vec<StepRow>,
 }
 
 impl GroupWriter {
     pub(crate) fn create(path: &Path, part: NamedTempFile) -> Result<Self, DatasetError> {
-        let file = part.as_file().try_clone();
-        let file = file.map_err(|error| DatasetError::io("write", path, error))?;
-        let writer = file_writer(file).map_err(|error| unusable(path, error))?;
-        Ok(Self { path: path.into(), part, writer, rows: Vec::new() })
+        Ok(Self { path: path.into(), part, writer: None, rows: Vec::new() })
     }
 
     pub(crate) fn write(&mut self, row: StepRow) -> Result<(), DatasetError> {
@@ -53,24 +51,42 @@ impl GroupWriter {
         if !self.rows.is_empty() {
             self.write_group()?;
         }
+        let (mut writer, _) = self.begun()?;
         for (key, value) in &provenance.entries {
-            self.writer.append_key_value_metadata(KeyValue::new(key.clone(), value.clone()));
+            writer.append_key_value_metadata(KeyValue::new(key.clone(), value.clone()));
         }
-        self.writer.close().map_err(|error| unusable(&self.path, error))?;
+        writer.close().map_err(|error| unusable(&self.path, error))?;
         Ok(self.part)
     }
 
     fn write_group(&mut self) -> Result<(), DatasetError> {
+        let (mut writer, columns) = self.begun()?;
         let mut write = || {
-            let mut group = self.writer.next_row_group()?;
-            for column in columns() {
+            let mut group = writer.next_row_group()?;
+            for column in &columns {
                 write_column(&mut group, column, &self.rows)?;
             }
             group.close()
         };
         write().map_err(|error| unusable(&self.path, error))?;
+        self.writer = Some((writer, columns));
         self.rows.clear();
         Ok(())
+    }
+
+    /// The file with its columns, to be put back for more rows.
+    fn begun(
+        &mut self,
+    ) -> Result<(SerializedFileWriter<File>, Vec<&'static Column>), DatasetError> {
+        if let Some(begun) = self.writer.take() {
+            return Ok(begun);
+        }
+        let file = self.part.as_file().try_clone();
+        let file = file.map_err(|error| DatasetError::io("write", &self.path, error))?;
+        let has_way = self.rows.first().is_some_and(StepRow::is_whole_push);
+        let columns: Vec<_> = written_columns(has_way).collect();
+        let writer = file_writer(file, &columns).map_err(|error| unusable(&self.path, error))?;
+        Ok((writer, columns))
     }
 }
 
@@ -78,12 +94,15 @@ fn unusable(path: &Path, error: impl ToString) -> DatasetError {
     DatasetError::Parquet { path: path.into(), what: error.to_string() }
 }
 
-fn file_writer(file: File) -> Result<SerializedFileWriter<File>, ParquetError> {
+fn file_writer(
+    file: File,
+    columns: &[&Column],
+) -> Result<SerializedFileWriter<File>, ParquetError> {
     let properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
         .set_key_value_metadata(Some(Vec::new()))
         .build();
-    let fields = columns().iter().map(field).collect::<Result<Vec<_>, _>>()?;
+    let fields = columns.iter().map(|column| field(column)).collect::<Result<Vec<_>, _>>()?;
     let schema = Type::group_type_builder("steps").with_fields(fields).build()?;
     SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))
 }

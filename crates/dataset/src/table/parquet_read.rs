@@ -19,7 +19,7 @@ use crate::error::DatasetError;
 use crate::input::caught::caught;
 use crate::input::limits::{Limit, ReadLimits};
 use crate::input::map::FileBytes;
-use crate::table::column::{Access, Column, column_places, columns};
+use crate::table::column::{Access, Column, column_places};
 use crate::table::csv::NameCache;
 use crate::table::parquet_pages::{Chunk, check_pages};
 use crate::table::step::StepRow;
@@ -42,7 +42,7 @@ fn read_bytes(path: &Path, bytes: Bytes, limits: &ReadLimits) -> Result<Table, D
     let names: Vec<_> = leaves.iter().map(|leaf| leaf.path().string()).collect();
     limits.check(path, Limit::Columns, || "columns of the table".into(), names.len() as u64)?;
     let places = column_places(path, names.iter().map(String::as_str))?;
-    for (column, &place) in columns().iter().zip(&places) {
+    for &(column, place) in &places {
         check_type(column, &leaves[place]).map_err(refused)?;
     }
     let n_rows = check_groups(metadata, &bytes, &places).map_err(refused)?;
@@ -53,7 +53,7 @@ fn read_bytes(path: &Path, bytes: Bytes, limits: &ReadLimits) -> Result<Table, D
     for number in 0..metadata.num_row_groups() {
         let group = reader.get_row_group(number).map_err(unusable)?;
         let end = begin + group.metadata().num_rows() as usize;
-        for (column, &place) in columns().iter().zip(&places) {
+        for &(column, place) in &places {
             let part = &mut rows[begin..end];
             read_column(&*group, place, column, part, &mut names).map_err(|fault| match fault {
                 Fault::Library(error) => unusable(error),
@@ -99,7 +99,7 @@ fn check_type(column: &Column, leaf: &ColumnDescriptor) -> Result<(), String> {
 fn check_groups(
     metadata: &ParquetMetaData,
     bytes: &[u8],
-    places: &[usize],
+    places: &[(&'static Column, usize)],
 ) -> Result<usize, String> {
     let mut n_rows = 0_usize;
     for group in metadata.row_groups() {
@@ -109,7 +109,7 @@ fn check_groups(
         if n_rows > bytes.len() {
             return Err(format!("{n_rows} rows in a file of {} bytes", bytes.len()));
         }
-        for &place in places {
+        for &(_, place) in places {
             let name = metadata.file_metadata().schema_descr().column(place).name().to_owned();
             check_chunk(group, place, bytes).map_err(|what| format!("column {name}: {what}"))?;
         }

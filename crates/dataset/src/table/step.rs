@@ -50,6 +50,10 @@ pub struct StepRow {
     pub pusher_start: Vector2<f64>,
     /// Pusher's center in W at the end, in m.
     pub pusher_end: Vector2<f64>,
+    /// Where the pusher's center is between start and end of a whole push: times from the start, in s,
+    /// and places in W, in m, with straight ways at constant speed from one to the next. None where
+    /// the mean acceleration says enough.
+    pub pusher_way: Vec<(f64, Vector2<f64>)>,
     /// Mean velocity of the pusher in W, in m/s.
     pub pusher_velocity: Vector2<f64>,
     /// Mean acceleration of the pusher in W, 4 (r₀ − 2 r½ + r₁)/dt², in m/s².
@@ -86,6 +90,14 @@ pub struct StepRow {
     pub end_angle_sd: f64,
     /// What is special about this row.
     pub flags: Flags,
+}
+
+impl StepRow {
+    /// Whether the step is a whole push, of which the object's ends alone are known.
+    #[must_use]
+    pub fn is_whole_push(&self) -> bool {
+        self.flags.contains(Flags::WHOLE_PUSH)
+    }
 }
 
 /// Force on the object over one step, normal and tangential to the contact, in N.
@@ -164,6 +176,7 @@ impl Default for StepRow {
             object_twist: Twist { linear: zero, angular: 0.0 },
             pusher_start: zero,
             pusher_end: zero,
+            pusher_way: Vec::new(),
             pusher_velocity: zero,
             pusher_acceleration: zero,
             path_curvature: 0.0,

@@ -17,6 +17,8 @@ use crate::table::step::StepRow;
 pub struct TableWriter {
     output: OutputFile,
     rows: Rows,
+    /// Whether there are whole pushes, once the first row is there.
+    is_of_whole_pushes: Option<bool>,
 }
 
 enum Rows {
@@ -50,14 +52,21 @@ impl TableWriter {
             Kind::Csv => Rows::Csv(Box::new(RowsFile::begin(&output)?)),
             Kind::Parquet => parquet_rows(&output)?,
         };
-        Ok(Self { output, rows })
+        Ok(Self { output, rows, is_of_whole_pushes: None })
     }
 
     /// Appends a row.
     ///
     /// # Errors
-    /// `Io` or `Parquet` if the file cannot be written.
+    /// `Io` or `Parquet` if the file cannot be written; `Unwritable` for whole pushes and other steps
+    /// in one table.
     pub fn write(&mut self, row: &StepRow) -> Result<(), DatasetError> {
+        let is_whole = row.is_whole_push();
+        if *self.is_of_whole_pushes.get_or_insert(is_whole) != is_whole {
+            let what = "whole pushes and other steps are not for one table; write one of each";
+            let (path, what) = (self.output.path().into(), what.to_owned());
+            return Err(DatasetError::Unwritable { path, format: "table", what });
+        }
         match &mut self.rows {
             Rows::Csv(rows) => rows.write(row),
             #[cfg(feature = "parquet")]

@@ -13,3 +13,4 @@ mod manual;
 mod misread;
 mod own_format;
 mod steps;
+mod whole_pushes;

@@ -115,9 +115,6 @@ impl Observations {
             all.unknown.extend([Covariate::Orientation, Covariate::Direction]);
             all.unknown.extend([Covariate::TableX, Covariate::TableY]);
         }
-        if !mapping.gives("t_s") {
-            all.unknown.push(Covariate::Time);
-        }
         Ok(all)
     }
 
@@ -142,8 +139,11 @@ impl Observations {
         let EffectInfo { object, pusher_radius, support } = *about;
         let found = selection.channel_steps(table, object, pusher_radius)?;
         let ChannelSteps { steps, rows, mut excluded } = found;
+        // A whole push begins and ends at rest, and is wanted whole.
         let (wanted, unwanted): (Vec<_>, Vec<_>) =
-            steps.into_iter().zip(rows).partition(|(step, _)| is_wanted(&step.input.track));
+            steps.into_iter().zip(rows).partition(|(step, row)| {
+                table.rows[*row].is_whole_push() || is_wanted(&step.input.track)
+            });
         if !unwanted.is_empty() {
             let resting = excluded.rows.entry(ExclusionReason::PusherAtRest).or_default();
             resting.extend(unwanted.into_iter().map(|(_, row)| row));
@@ -176,7 +176,7 @@ impl Observations {
             support,
             set: set_digest(table),
             name: table.provenance.get("set").unwrap_or_default().to_owned(),
-            unknown: Vec::new(),
+            unknown: unknown(&rows),
             excluded,
         };
         observations.checked()
@@ -354,6 +354,12 @@ impl Observations {
     pub fn excluded(&self) -> &Excluded {
         &self.excluded
     }
+}
+
+/// What rows do not tell: where all are at one time, it was not known.
+fn unknown(rows: &[&StepRow]) -> Vec<Covariate> {
+    let is_timeless = rows.windows(2).all(|pair| pair[0].t == pair[1].t);
+    if is_timeless { vec![Covariate::Time] } else { Vec::new() }
 }
 
 /// Whether the pusher moves on during all of a step: at its ends it is no slower than half its

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::Result;
-use dataset::{read_endpoints, read_wrench_twists};
+use dataset::{ReadLimits, read_end_points, read_wrench_twists};
 
 use super::super::reader::{Reader, Verdict};
 
@@ -33,6 +33,7 @@ impl Reader for EndPoints {
             return Verdict::Wrong(format!("scratch is not usable: {error}"));
         }
         let twists = read_wrench_twists(&path).is_ok();
-        if read_endpoints(&path).is_ok() || twists { Verdict::Accepted } else { Verdict::Refused }
+        let ends = read_end_points(&path, &ReadLimits::default()).is_ok();
+        if ends || twists { Verdict::Accepted } else { Verdict::Refused }
     }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use dataset::{Flags, ObjectChoice, ObjectSpec, Phase, StepRow, Table};
 use effects::{Object, StepInput, Track};
+use mechanics::Polyline;
 
 use crate::steps::table_steps::object_of;
 use crate::{Excluded, ModelError, StepSelection};
@@ -64,13 +65,8 @@ impl StepSelection {
                 pusher_radius,
                 pose_wb: row.object_pose,
                 twist_wb: row.object_twist,
-                track: Track::accelerated(
-                    row.pusher_start,
-                    row.pusher_end,
-                    row.pusher_acceleration,
-                    row.dt,
-                ),
-                touching: row.phase == Phase::Contact && !row.flags.contains(Flags::CONTACT_LOST),
+                track: track(row)?,
+                touching: is_touching(row),
                 since_contact: row.since_contact,
                 progress: places[&push_of(row)],
                 session: row.session.as_ref().map_or(0, |session| sessions[session]),
@@ -81,12 +77,33 @@ impl StepSelection {
     }
 }
 
+/// The pusher's way over a row.
+fn track(row: &StepRow) -> Result<Track, ModelError> {
+    let (start, end) = (row.pusher_start, row.pusher_end);
+    if row.pusher_way.is_empty() {
+        return Ok(Track::accelerated(start, end, row.pusher_acceleration, row.dt));
+    }
+    let inner = row.pusher_way.iter().copied();
+    let points: Vec<_> = [(0.0, start)].into_iter().chain(inner).chain([(row.dt, end)]).collect();
+    Ok(Track::polyline(Arc::new(Polyline::new(&points)?)))
+}
+
+/// Whether the pusher is known to touch from the start on: a whole push may begin before that.
+fn is_touching(row: &StepRow) -> bool {
+    if row.is_whole_push() {
+        return row.flags.contains(Flags::STARTS_IN_CONTACT);
+    }
+    row.phase == Phase::Contact && !row.flags.contains(Flags::CONTACT_LOST)
+}
+
 fn object(spec: ObjectSpec) -> Result<Object, ModelError> {
     let ObjectSpec { shape, mass, moment_of_inertia, center_of_mass, .. } = spec;
     Ok(Object::new(Arc::new(shape), mass, moment_of_inertia, center_of_mass)?)
 }
 
 fn observed(row: &StepRow) -> Result<[Option<f64>; 7], ModelError> {
+    // The gap of a whole push is given at its start, and follows from the motion at its end.
+    let gap = |gap: f64| (!row.is_whole_push()).then_some(gap);
     let force = row.force.filter(|_| !row.flags.contains(Flags::UNTARED)).map(|force| force.mean);
     let values = [
         ("dx", Some(row.dx), "m"),
@@ -94,8 +111,8 @@ fn observed(row: &StepRow) -> Result<[Option<f64>; 7], ModelError> {
         ("dtheta", Some(row.dtheta), "rad"),
         ("normal force", force.map(|force| force.normal), "N"),
         ("tangential force", force.map(|force| force.tangential), "N"),
-        ("gap at the start", Some(row.gap_start), "m"),
-        ("gap at the end", Some(row.gap_end), "m"),
+        ("gap at the start", gap(row.gap_start), "m"),
+        ("gap at the end", gap(row.gap_end), "m"),
     ];
     match values.iter().find(|(_, value, _)| value.is_some_and(|value| !value.is_finite())) {
         Some(&(name, value, unit)) => {

@@ -98,7 +98,6 @@ fn next_steps(args: &Args, result: &Initialized<'_>) -> String {
         (Some(Preset::MitTable), _) => {
             writeln!(out, "then: pushlab ingest {set}/TABLE.csv -o steps.csv")
         }
-        (Some(Preset::MitEndpoints), _) => Ok(()),
         (None, Some(known)) => {
             let name = known.name();
             writeln!(

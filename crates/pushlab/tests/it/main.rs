@@ -23,4 +23,5 @@ mod standard_output;
 mod suggested;
 mod trained;
 mod usage;
+mod whole_pushes;
 mod written;

@@ -2,8 +2,8 @@
 
 use std::{collections::BTreeMap, path::Path};
 
-use anyhow::{Context, Result};
-use dataset::{EndPoint, read_endpoints};
+use anyhow::{Context, Result, bail};
+use dataset::{ReadLimits, WholePush, read_end_points};
 use mechanics::{
     Ellipsoid, LimitSurface, Patch, PathSettings, Pusher, Slider, StraightPath, push_along,
 };
@@ -48,9 +48,10 @@ struct Errors {
 
 /// Predicts the end points in the file with surfaces of each kind; the last two from `fits`.
 pub(super) fn run(path: &Path, fits: &[ObjectFits]) -> Result<Section> {
-    let mut by_shape: BTreeMap<String, Vec<EndPoint>> = BTreeMap::new();
-    for push in read_endpoints(path)? {
-        by_shape.entry(push.shape.clone()).or_default().push(push);
+    let mut by_shape: BTreeMap<String, Vec<WholePush>> = BTreeMap::new();
+    for set in read_end_points(path, &ReadLimits::default())?.sets {
+        let shape = set.shape.with_context(|| format!("{}: no column shape", path.display()))?;
+        by_shape.entry(shape).or_default().extend(set.pushes);
     }
     let mut errors: BTreeMap<&str, Vec<Errors>> = BTreeMap::new();
     for (name, pushes) in &by_shape {
@@ -75,10 +76,10 @@ pub(super) fn run(path: &Path, fits: &[ObjectFits]) -> Result<Section> {
 fn mean_errors(
     shape: &Shape,
     surface: &dyn LimitSurface,
-    pushes: &[EndPoint],
+    pushes: &[WholePush],
     stride: usize,
 ) -> Result<Errors> {
-    let chosen: Vec<&EndPoint> = pushes.iter().step_by(stride).collect();
+    let chosen: Vec<&WholePush> = pushes.iter().step_by(stride).collect();
     let each = chosen.par_iter().map(|push| error(shape, surface, push));
     let each: Vec<(f64, f64)> = each.collect::<Result<_>>()?;
     let n = each.len() as f64;
@@ -87,13 +88,14 @@ fn mean_errors(
 }
 
 /// Distance in m and angle in rad between the predicted and the measured end.
-fn error(shape: &Shape, surface: &dyn LimitSurface, push: &EndPoint) -> Result<(f64, f64)> {
+fn error(shape: &Shape, surface: &dyn LimitSurface, push: &WholePush) -> Result<(f64, f64)> {
     // All surfaces are in the frame of the tracked body.
     let slider = Slider { shape, surface, pose_bs: Pose::default() };
-    let travel: Vector2<f64> = push.tip_end - push.tip_start;
+    let [(_, tip_start), .., (_, tip_end)] = push.tip[..] else { bail!("no way of the pusher") };
+    let travel: Vector2<f64> = tip_end - tip_start;
     // Quasi-static motion does not know time: the pusher moves at 1 m/s.
     let path = StraightPath {
-        start_w: push.tip_start,
+        start_w: tip_start,
         velocity_w: travel.try_normalize(0.0).context("the pusher does not move")?,
         duration: travel.norm(),
     };

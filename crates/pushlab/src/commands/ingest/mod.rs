@@ -8,10 +8,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::ValueEnum;
+use clap::builder::PossibleValuesParser;
 use dataset::{
     Curve, EndCondition, IngestSettings, Preset, Provenance, RecordingSet, TableMapping,
     TableWriter, ingest_each, provenance,
 };
+
+use planar::MIT_NAMES;
 
 use self::ingested::Ingested;
 use self::source::Source;
@@ -50,6 +53,10 @@ pub(crate) struct Args {
     /// Take what is known of a public data set, whatever dataset.toml says
     #[arg(long, value_name = "NAME", value_parser = preset_parser())]
     preset: Option<Preset>,
+    /// Of public data about several shapes, the pushes of this one alone
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(MIT_NAMES),
+          requires = "preset")]
+    shape: Option<String>,
     /// How the columns of a foreign step table become ours (see `init . --preset mit-table -o -`)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["preset", "step", "curve"])]
     mapping: Option<PathBuf>,
@@ -65,7 +72,8 @@ const EXAMPLES: &str = "\
 Examples:
   pushlab ingest pushes -o steps.csv
   pushlab ingest pushes -o steps.parquet --step 4mm --report report.txt
-  pushlab ingest mit-push-table/table.csv --preset mit-table -o steps.csv";
+  pushlab ingest mit-push-table/table.csv --preset mit-table -o steps.csv
+  pushlab ingest plywood.csv --preset mit-endpoints --shape hex -o hex.csv";
 
 #[derive(Clone, Copy, ValueEnum)]
 enum CurveName {
@@ -145,6 +153,11 @@ impl Args {
         mut writer: Option<&mut TableWriter>,
         terminal: &Terminal,
     ) -> Result<(Provenance, Origin, Ingested)> {
+        if set.is_of_end_points() && (self.step.is_some() || self.curve.is_some()) {
+            bail!(WrongUsage(
+                "a push of which the ends are known is one step: leave out --step and --curve"
+            ));
+        }
         warn(&suspected(set), terminal);
         let mut settings = IngestSettings::default();
         if let Some(StepSize(step)) = self.step {
@@ -180,6 +193,7 @@ impl Args {
             .option("step", self.step)
             .option("curve", curve.map(|curve| curve.get_name().to_owned()))
             .option("preset", self.preset.map(Preset::name))
+            .option("shape", self.shape.clone())
             .paths("mapping", &self.mapping)
     }
 }

@@ -4,11 +4,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use dataset::{MANIFEST_NAME, Preset, RecordingSet, TableMapping, all_formats, find_recordings};
+use dataset::{
+    MANIFEST_NAME, Preset, RecordingSet, TableMapping, all_formats, find_recordings, is_end_points,
+};
 
 use super::Args;
 use crate::origin::readable;
-use crate::wrong_usage::WrongUsage;
+use crate::step_source::open_set;
 
 /// The input as it was recognized.
 pub(super) enum Source {
@@ -36,11 +38,12 @@ impl Source {
         match (&args.mapping, args.preset) {
             (Some(mapping), _) => Self::table(set, TableMapping::read(mapping)?, Some(mapping)),
             (None, Some(Preset::MitTable)) => Self::table(set, TableMapping::mit_table()?, None),
-            (None, Some(Preset::MitEndpoints)) => bail!(WrongUsage(
-                "end points have no steps; read them with dataset::read_endpoints from Rust"
-            )),
             (None, Some(preset)) => {
-                Ok(Self::Recordings(Box::new(RecordingSet::open_with_preset(set, preset)?)))
+                let set = open_set(set, Some(preset), args.shape.as_deref())?;
+                Ok(Self::Recordings(Box::new(set)))
+            }
+            (None, None) if is_end_points(set) => {
+                Ok(Self::Recordings(Box::new(open_set(set, None, None)?)))
             }
             (None, None) => Self::recognize(set),
         }

@@ -87,7 +87,7 @@ impl Nominal {
                 let TableMapping { name, pusher, .. } = TableMapping::mit_table()?;
                 (name, pusher)
             }
-            Preset::MitPush | Preset::MitRig2015 | Preset::MitEndpoints => {
+            _ => {
                 let missing = WrongUsage("this preset has no nominal values; name another");
                 let Manifest { name, pusher, .. } = preset.manifest().ok_or(missing)??;
                 (name, pusher)

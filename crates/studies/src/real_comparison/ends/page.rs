@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use diagnosis::{Diagnosis, EffectFinding, ParameterFinding, Status, Verdict};
 
+use super::folds::FREE;
 use super::{Ends, Error};
 
 /// Hints that are told of an object.
@@ -16,9 +17,12 @@ pub(in crate::real_comparison) fn text(ends: &[Ends]) -> String {
         page += &row(one);
     }
     page += &means(ends);
-    let n_missed: usize = ends.iter().map(|one| one.n_missed).sum();
-    let _ =
-        write!(page, "\nLeft out besides: {n_missed} pushes whose way never meets the outline.\n");
+    page += FITS;
+    for one in ends {
+        let errors = one.fitted.iter().map(|fitted| (fitted.error, fitted.n_failed));
+        page += &fits_row(&one.shape, &errors.collect::<Vec<_>>());
+    }
+    page += &fits_means(ends);
     page += TAIL;
     for one in ends {
         let text = match &one.found {
@@ -34,22 +38,29 @@ const HEAD: &str = "
 ## The ends of long pushes of every shape
 
 Pushes of 50 mm at 10 mm/s of eleven objects on plywood, of which the poses before and after and the
-ends of the pusher's way are known: a row each, a step of 50 mm from the touch (before it the object
-rests) to the end, integrated in sub-steps of 1 mm. Compared is the motion alone: the gap at the end
-follows from it, and the one at the start is none by construction. Where the pusher has slid off before
-the end (it is more than 2 mm from the outline there) the end tells little of friction; such pushes are
-not diagnosed, and their errors are in the last columns alone. Neither sessions nor the order of the
-pushes nor repeats are known: every push is a cluster of its own, and the noise is an estimate from
-neighbours. Of each object's pushes every second or third is taken, so that no more than 150 are.
-Each object is diagnosed by itself, with μp = 0.25 and uniform pressure to begin with.
+ends of the pusher's way are known, as `pushlab ingest --preset mit-endpoints` reads them: a row each,
+simulated as a whole from the start of the way, before the touch, to its end; the pusher may slide off or
+meet a vertex. All pushes are counted but those in which the tracking flips: the object turns further than
+any contact turns it. Compared is the motion alone. Neither sessions nor the order of the pushes nor repeats
+are known: every push is a cluster of its own, and the noise is an estimate from neighbors. Of each
+object's pushes every second or third is taken for the diagnosis, so that no more than 150 are. Each object
+is diagnosed by itself, with μp = 0.25 and uniform pressure to begin with.
 
 Mean distance and mean angle between the predicted and the measured end, before and after what held-out
-pushes confirm is added (where that closes less than half of the gap it is no more than a hint), on
-held-out pushes: the quarter that the diagnosis holds out, and, under “all”, those together
-with the pushes whose pusher slid off, each kind with the share that it has of all pushes.
+pushes confirm is added (where that closes less than half of the gap it is no more than a hint), on the
+quarter of the pushes that the diagnosis holds out.
 
-| object | pushes, slid off | verdict | named | before | after | before, all | after, all |
-|---|---|---|---|---|---|---|---|
+| object | pushes, flips | verdict | named | before | after |
+|---|---|---|---|---|---|
+";
+
+const FITS: &str = "
+Plain fits (`pushlab fit`) to four fifths of the pushes of an object, and the error on the others, over all
+five folds and all pushes: nothing fitted, the pusher's friction μp, with the radius c of the pressure, and
+with the center of friction.
+
+| object | nominal | μp | μp, c | μp, c, center |
+|---|---|---|---|---|
 ";
 
 const TAIL: &str = "
@@ -66,13 +77,33 @@ fn row(one: &Ends) -> String {
         Ok(found) => (verdict(found.verdict), named(found)),
         Err(_) => ("no answer", "–".to_owned()),
     };
-    let [before, after] = one.errors;
-    let errors = [before.kept, after.kept, before.all, after.all].map(size);
-    let Ends { shape, n_used, n_kept, n_lost, .. } = one;
+    let [before, after] = one.errors.map(size);
+    let Ends { shape, n_used, n_pushes, n_flips, .. } = one;
     format!(
-        "| {shape} | {n_used} of {n_kept}, {n_lost} | {verdict} | {named} | {} |\n",
-        errors.join(" | ")
+        "| {shape} | {n_used} of {n_pushes}, {n_flips} | {verdict} | {named} | {before} | {after} |\n"
     )
+}
+
+fn fits_row(name: &str, errors: &[(Error, usize)]) -> String {
+    let cell = |(error, n_failed): &(Error, usize)| match n_failed {
+        0 => size(*error),
+        n => format!("{} ({n} fits failed)", size(*error)),
+    };
+    let cells: Vec<_> = errors.iter().map(cell).collect();
+    format!("| {name} | {} |\n", cells.join(" | "))
+}
+
+/// Means over the objects, each counted once.
+fn fits_means(ends: &[Ends]) -> String {
+    let of = |k: usize| {
+        let mut sum = Error::default();
+        for one in ends {
+            sum.position += one.fitted[k].error.position;
+            sum.angle += one.fitted[k].error.angle;
+        }
+        (sum.over(ends.len()), 0)
+    };
+    fits_row("mean of the objects", &(0..FREE.len()).map(of).collect::<Vec<_>>())
 }
 
 fn verdict(verdict: Verdict) -> &'static str {
@@ -102,24 +133,18 @@ fn named(found: &Diagnosis) -> String {
 
 /// The mean of the objects' errors, each object counted once.
 fn means(ends: &[Ends]) -> String {
-    let mean = |of: &dyn Fn(&Ends) -> Error| {
-        let n = ends.len() as f64;
-        let sum = |of: &dyn Fn(&Ends) -> f64| ends.iter().map(of).sum::<f64>() / n;
-        size(Error { position: sum(&|one| of(one).position), angle: sum(&|one| of(one).angle) })
+    let mean = |k: usize| {
+        let mut sum = Error::default();
+        for one in ends {
+            sum.position += one.errors[k].position;
+            sum.angle += one.errors[k].angle;
+        }
+        size(sum.over(ends.len()))
     };
-    let n_used: usize = ends.iter().map(|one| one.n_used).sum();
-    let n_kept: usize = ends.iter().map(|one| one.n_kept).sum();
-    let n_lost: usize = ends.iter().map(|one| one.n_lost).sum();
-    let errors = [
-        mean(&|one| one.errors[0].kept),
-        mean(&|one| one.errors[1].kept),
-        mean(&|one| one.errors[0].all),
-        mean(&|one| one.errors[1].all),
-    ];
-    format!(
-        "| mean of the objects | {n_used} of {n_kept}, {n_lost} | | | {} |\n",
-        errors.join(" | ")
-    )
+    let count = |of: fn(&Ends) -> usize| ends.iter().map(of).sum::<usize>();
+    let (used, all) = (count(|one| one.n_used), count(|one| one.n_pushes));
+    let flips = count(|one| one.n_flips);
+    format!("| mean of the objects | {used} of {all}, {flips} | | | {} | {} |\n", mean(0), mean(1))
 }
 
 fn size(error: Error) -> String {

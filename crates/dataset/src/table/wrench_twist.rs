@@ -1,35 +1,14 @@
-//! The MIT pushes' end points and wrench–twist pairs as typed rows.
+//! The MIT pushes' wrench–twist pairs as typed rows.
 
 use std::path::Path;
 
 use nalgebra::Vector2;
-use planar::{PlanarError, Pose, Shape, Twist, Wrench, mit_object};
+use planar::{PlanarError, Shape, Twist, Wrench, mit_object};
 use serde::{Deserialize, de::DeserializeOwned};
 
 use crate::error::DatasetError;
 use crate::input::limits::ReadLimits;
 use crate::input::map::FileBytes;
-
-/// Start and end of one push, world frame.
-#[derive(Clone, Debug, PartialEq)]
-pub struct EndPoint {
-    /// What the object lay on.
-    pub surface: String,
-    /// The object's name in the MIT set.
-    pub shape: String,
-    /// Nominal speed of the pusher, in m/s.
-    pub speed: f64,
-    /// Number of the push among those of its shape and speed.
-    pub push: u32,
-    /// Pose of the body frame before the push.
-    pub object_start: Pose,
-    /// Pose of the body frame after the push.
-    pub object_end: Pose,
-    /// Pusher's center before the push, in m.
-    pub tip_start: Vector2<f64>,
-    /// Pusher's center after the push, in m.
-    pub tip_end: Vector2<f64>,
-}
 
 /// A measured pair of applied wrench and twist, in the object's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,31 +32,11 @@ pub struct WrenchTwist {
     pub twist: Twist,
 }
 
-/// Reads the end points of pushes (`plywood.csv`).
+/// Reads measured wrench–twist pairs (`wrench_twist_plywood.csv`).
 ///
 /// # Errors
 /// `Io`, `Parse` with the line for a missing column, a value that does not fit, one that is not
 /// finite, or an unknown shape; `TableTooShort` for fewer than two rows.
-pub fn read_endpoints(path: &Path) -> Result<Vec<EndPoint>, DatasetError> {
-    read_rows(path, |row: EndPointRow| {
-        mit_object(&row.shape)?;
-        Ok(EndPoint {
-            surface: row.surface,
-            shape: row.shape,
-            speed: row.v_mm_s * 1e-3,
-            push: row.push,
-            object_start: Pose::new(row.obj_x0, row.obj_y0, row.obj_th0),
-            object_end: Pose::new(row.obj_x1, row.obj_y1, row.obj_th1),
-            tip_start: Vector2::new(row.tip_x0, row.tip_y0),
-            tip_end: Vector2::new(row.tip_x1, row.tip_y1),
-        })
-    })
-}
-
-/// Reads measured wrench–twist pairs (`wrench_twist_plywood.csv`).
-///
-/// # Errors
-/// As [`read_endpoints`].
 pub fn read_wrench_twists(path: &Path) -> Result<Vec<WrenchTwist>, DatasetError> {
     read_rows(path, |row: WrenchTwistRow| {
         let rho = mean_vertex_distance(&mit_object(&row.shape)?.shape);
@@ -144,37 +103,6 @@ trait Finite {
 }
 
 #[derive(Deserialize)]
-struct EndPointRow {
-    surface: String,
-    shape: String,
-    v_mm_s: f64,
-    push: u32,
-    obj_x0: f64,
-    obj_y0: f64,
-    obj_th0: f64,
-    obj_x1: f64,
-    obj_y1: f64,
-    obj_th1: f64,
-    tip_x0: f64,
-    tip_y0: f64,
-    tip_x1: f64,
-    tip_y1: f64,
-}
-
-impl Finite for EndPointRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "surface", "shape", "v_mm_s", "push", "obj_x0", "obj_y0", "obj_th0", "obj_x1", "obj_y1",
-        "obj_th1", "tip_x0", "tip_y0", "tip_x1", "tip_y1",
-    ];
-
-    fn is_finite(&self) -> bool {
-        let start = [self.obj_x0, self.obj_y0, self.obj_th0, self.tip_x0, self.tip_y0];
-        let end = [self.obj_x1, self.obj_y1, self.obj_th1, self.tip_x1, self.tip_y1];
-        self.v_mm_s.is_finite() && start.iter().chain(&end).all(|value| value.is_finite())
-    }
-}
-
-#[derive(Deserialize)]
 struct WrenchTwistRow {
     surface: String,
     shape: String,
@@ -202,7 +130,7 @@ impl Finite for WrenchTwistRow {
 mod tests {
     use std::path::PathBuf;
 
-    use super::{read_endpoints, read_wrench_twists};
+    use super::read_wrench_twists;
 
     fn write(text: &str) -> (tempfile::TempDir, PathBuf) {
         let dir = tempfile::tempdir().unwrap();
@@ -211,25 +139,12 @@ mod tests {
         (dir, path)
     }
 
-    const HEADER: &str = "surface,shape,v_mm_s,push,obj_x0,obj_y0,obj_th0,obj_x1,obj_y1,obj_th1,\
-                          tip_x0,tip_y0,tip_x1,tip_y1\n";
-
-    #[test]
-    fn end_points_are_typed() {
-        let row = "plywood,hex,20,3,0.1,0.2,0.3,0.11,0.21,0.4,-0.1,0,0.5,0.6\n";
-        let (_dir, path) = write(&format!("{HEADER}{row}{row}"));
-        let rows = read_endpoints(&path).unwrap();
-        assert_eq!(rows.len(), 2);
-        assert_eq!(rows[1].speed, 0.02);
-        assert_eq!(rows[1].object_end.angle, 0.4);
-        assert_eq!(rows[1].tip_end.y, 0.6);
-    }
+    const HEADER: &str = "surface,shape,v_mm_s,fx,fy,tau_over_rho,vx,vy,omega_times_rho\n";
 
     #[test]
     fn torque_and_yaw_rate_are_scaled_so_that_power_is_kept() {
-        let header = "surface,shape,v_mm_s,fx,fy,tau_over_rho,vx,vy,omega_times_rho\n";
         let row = "plywood,rect1,20,1,2,0.5,0.01,0.02,0.004\n";
-        let (_dir, path) = write(&format!("{header}{row}{row}"));
+        let (_dir, path) = write(&format!("{HEADER}{row}{row}"));
         let pair = &read_wrench_twists(&path).unwrap()[0];
         let rho = 0.09 / 2f64.sqrt();
         assert!((pair.characteristic_length - rho).abs() < 1e-15);
@@ -242,16 +157,16 @@ mod tests {
     fn bad_rows_are_named() {
         let error = |text: &str| {
             let (dir, path) = write(text);
-            let message = read_endpoints(&path).unwrap_err().to_string();
+            let message = read_wrench_twists(&path).unwrap_err().to_string();
             message.replace(dir.path().to_str().unwrap(), "SET")
         };
-        let good = "plywood,hex,20,3,0.1,0.2,0.3,0.11,0.21,0.4,-0.1,0,0.5,0.6\n";
+        let good = "plywood,hex,20,1,2,0.5,0.01,0.02,0.004\n";
         let message = error(&format!("{HEADER}{good}{}", good.replace("hex", "hexagon")));
         assert!(message.starts_with("SET/rows.csv:3: unknown object `hexagon`"), "{message}");
-        let message = error(&format!("{HEADER}{good}{}", good.replace("0.21", "NaN")));
+        let message = error(&format!("{HEADER}{good}{}", good.replace("0.02", "NaN")));
         assert_eq!(message, "SET/rows.csv:3: a value is not finite; remove the row or repair it");
-        let message = error(&HEADER.replace("tip_x1", "tipx1"));
-        assert!(message.starts_with("SET/rows.csv: no column `tip_x1`; the table has: surface"));
+        let message = error(&HEADER.replace("fy", "f_y"));
+        assert!(message.starts_with("SET/rows.csv: no column `fy`; the table has: surface"));
         let message = error(&format!("{HEADER}{good}"));
         assert!(message.contains("the table has 1 row(s); at least 2"), "{message}");
     }
