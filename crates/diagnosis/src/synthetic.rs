@@ -76,7 +76,15 @@ pub(crate) fn made(
             };
             steps.push(ChannelObservation { input, observed });
             let pose_sd = [[0.0; 2]; 2];
-            places.push(Place { step: step as u32, edge, p, beta, speed, pose_sd });
+            places.push(Place {
+                step: step as u32,
+                edge,
+                p,
+                beta,
+                speed,
+                pose_sd,
+                is_whole: false,
+            });
             push_of.push(push);
             values.push(predicted.map(Some));
         }

@@ -22,6 +22,7 @@ use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::ingest::force_zero::ForceZero;
 use crate::ingest::process::{Setup, process, unreadable};
+use crate::ingest::push::Exclusion;
 use crate::ingest::report::{IngestReport, RecordingReport, Spread, Summary};
 use crate::ingest::settings::IngestSettings;
 use crate::ingest::whole_push::whole_pushes;
@@ -194,7 +195,13 @@ impl Collected {
         };
         let excluded = recording.pushes.iter().filter_map(|push| push.excluded.as_ref());
         for reason in recording.excluded.iter().chain(excluded) {
-            count(&mut summary.excluded, reason.name());
+            match reason {
+                // Told at once for all of them.
+                Exclusion::OtherShape { pushes, .. } => {
+                    *summary.excluded.entry(reason.name().to_owned()).or_default() += pushes;
+                }
+                _ => count(&mut summary.excluded, reason.name()),
+            }
         }
         for stream in &recording.streams {
             self.rates.entry(stream.stream).or_default().extend(stream.rate_hz);

@@ -208,7 +208,7 @@ fn a_file_of_several_shapes_is_a_recording_each_or_about_one() {
     let set = of(&path).about(ObjectSpec::mit("rect1").unwrap()).unwrap();
     let (table, report) = ingest(&set, &IngestSettings::default()).unwrap();
     assert_eq!(table.rows.len(), 3);
-    assert_eq!(report.summary.excluded["other shape"], 1);
+    assert_eq!(report.summary.excluded["other shape"], 2);
     let text = report.to_text();
     assert!(text.contains("excluded: 2 pushes of rect2, the set is about rect1"), "{text}");
     let source = table.provenance.get("source").unwrap();

@@ -65,6 +65,8 @@ pub(crate) struct Place {
     pub(crate) speed: f64,
     /// Of the object's pose at both ends, from the samples' noise: position (m) and yaw (rad).
     pub(crate) pose_sd: [[f64; 2]; 2],
+    /// Whether the step is a whole push, of which the ends alone are known.
+    pub(crate) is_whole: bool,
 }
 
 /// What steps are about.
@@ -164,7 +166,7 @@ impl Observations {
             let StepRow { step, edge, p, beta, speed, .. } = **row;
             let start_sd = [row.start_position_sd, row.start_angle_sd];
             let pose_sd = [start_sd, [row.end_position_sd, row.end_angle_sd]];
-            Place { step, edge, p, beta, speed, pose_sd }
+            Place { step, edge, p, beta, speed, pose_sd, is_whole: row.is_whole_push() }
         };
         let observations = Self {
             places: rows.iter().map(place).collect(),

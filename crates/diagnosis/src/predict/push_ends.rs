@@ -49,9 +49,11 @@ pub struct PushEnd {
 /// Gap from which contact counts as lost, in m.
 const LOST: f64 = 1e-3;
 
-/// The errors at the end of roll-outs of more than one step; none if there is no such push.
+/// The errors at the end of roll-outs of more than one step, and of whole pushes that are one; none if
+/// there is no such push.
 pub fn push_ends(rollouts: &[Rollout]) -> Option<PushEnds> {
-    let long = rollouts.iter().filter(|rollout| rollout.times.len() > 2);
+    let is_long = |rollout: &&Rollout| rollout.times.len() > 2 || rollout.is_whole;
+    let long = rollouts.iter().filter(is_long);
     let pushes: Vec<PushEnd> = long.map(push_end).collect();
     if pushes.is_empty() {
         return None;
@@ -73,7 +75,8 @@ fn push_end(rollout: &Rollout) -> PushEnd {
         way: rollout.pusher_w.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum(),
         position_error,
         angle_error,
-        lost_contact: rollout.gaps.iter().any(|gap| *gap > LOST),
+        // Of a whole push it is not known whether it does so in truth.
+        lost_contact: !rollout.is_whole && rollout.gaps.iter().any(|gap| *gap > LOST),
     }
 }
 

@@ -31,6 +31,8 @@ pub struct Rollout {
     pub gaps: Vec<f64>,
     /// Index of its first step.
     pub(crate) first: usize,
+    /// Whether the push is one step, of which the ends alone are known.
+    pub(crate) is_whole: bool,
 }
 
 impl Rollout {
@@ -122,6 +124,7 @@ fn measured(observations: &Observations, run: &[usize]) -> Rollout {
         predicted_wb: vec![first.pose_wb],
         gaps: Vec::new(),
         first: run[0],
+        is_whole: observations.places[run[0]].is_whole,
     };
     for index in run {
         let step = &observations.steps[*index];
@@ -142,6 +145,9 @@ fn beginnings(
     /// Straight pieces of a step.
     const PIECES: u32 = 4;
     let first = &observations.steps[run[0]].input;
+    if observations.places[run[0]].is_whole {
+        return Ok(vec![first.clone()]);
+    }
     let mut way = vec![(0.0, first.track.start())];
     let mut beginnings = Vec::new();
     for index in run {

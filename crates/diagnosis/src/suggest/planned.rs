@@ -32,7 +32,15 @@ impl Planned {
                 let observed = std::array::from_fn(observed);
                 steps.push(ChannelObservation { input: input.clone(), observed });
                 let (step, edge) = (index as u32, *edge as u32);
-                places.push(Place { step, edge, p: *p, beta: *beta, speed: *speed, pose_sd });
+                places.push(Place {
+                    step,
+                    edge,
+                    p: *p,
+                    beta: *beta,
+                    speed: *speed,
+                    pose_sd,
+                    is_whole: false,
+                });
                 push_of.push(push);
             }
         }

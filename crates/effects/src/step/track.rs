@@ -19,11 +19,12 @@ pub struct Track {
 #[derive(Clone, Debug)]
 enum Kind {
     /// The cubic with these velocities at its ends, in m/s.
-    Cubic {
-        start_velocity: Vector2<f64>,
-        end_velocity: Vector2<f64>,
+    Cubic { start_velocity: Vector2<f64>, end_velocity: Vector2<f64> },
+    Polyline {
+        line: Arc<Polyline>,
+        /// Whether the velocity truly jumps at its points.
+        is_kinked: bool,
     },
-    Polyline(Arc<Polyline>),
 }
 
 /// Gauss–Legendre points and weights on 0 to 1: the speed of a constant acceleration along a line is
@@ -73,12 +74,22 @@ impl Track {
         Self { duration, start: start.0, end: end.0, kind }
     }
 
-    /// Straight pieces between timed points.
+    /// Straight pieces between timed points of a smooth way.
     pub fn polyline(polyline: Arc<Polyline>) -> Self {
-        let last = polyline.n_pieces() - 1;
-        let duration = polyline.piece_end(last);
-        let (start, end) = (polyline.position(0, 0.0), polyline.position(last, duration));
-        Self { duration, start, end, kind: Kind::Polyline(polyline) }
+        Self::through(polyline, false)
+    }
+
+    /// Straight pieces between timed points at which the velocity jumps: a step is integrated from
+    /// one to the next.
+    pub fn kinked(polyline: Arc<Polyline>) -> Self {
+        Self::through(polyline, true)
+    }
+
+    fn through(line: Arc<Polyline>, is_kinked: bool) -> Self {
+        let last = line.n_pieces() - 1;
+        let duration = line.piece_end(last);
+        let (start, end) = (line.position(0, 0.0), line.position(last, duration));
+        Self { duration, start, end, kind: Kind::Polyline { line, is_kinked } }
     }
 
     /// Length of the step, in s.
@@ -114,7 +125,7 @@ impl Track {
                 let shares = GAUSS.map(|(share, weight)| weight * speed(at(share)));
                 self.duration * shares.iter().sum::<f64>()
             }
-            Kind::Polyline(line) => {
+            Kind::Polyline { line, .. } => {
                 let starts = [0.0].into_iter().chain((0..).map(|piece| line.piece_end(piece)));
                 let piece = |(piece, start): (usize, f64)| {
                     (line.piece_end(piece) - start) * speed(line.velocity(piece, start))
@@ -131,7 +142,7 @@ impl Track {
             Kind::Cubic { start_velocity, end_velocity } => {
                 self.hermite(start_velocity, end_velocity, inside)
             }
-            Kind::Polyline(line) => {
+            Kind::Polyline { line, .. } => {
                 let piece = (0..line.n_pieces() - 1).find(|&piece| inside < line.piece_end(piece));
                 let piece = piece.unwrap_or(line.n_pieces() - 1);
                 (line.position(piece, inside), line.velocity(piece, inside))
@@ -142,7 +153,7 @@ impl Track {
 
     /// When the velocity jumps next after a time, in s; none on a smooth way.
     pub(crate) fn kink_after(&self, time: f64) -> Option<f64> {
-        let Kind::Polyline(line) = &self.kind else { return None };
+        let Kind::Polyline { line, is_kinked: true } = &self.kind else { return None };
         // A kink that has been reached but for rounding is passed.
         let from = time + ROUNDING * self.duration;
         (0..line.n_pieces() - 1).map(|piece| line.piece_end(piece)).find(|end| *end > from)
@@ -153,7 +164,7 @@ impl Track {
         let ends = self.start + self.end;
         let rates = match &self.kind {
             Kind::Cubic { start_velocity, end_velocity } => start_velocity + end_velocity,
-            Kind::Polyline(_) => Vector2::zeros(),
+            Kind::Polyline { .. } => Vector2::zeros(),
         };
         self.duration >= SHORTEST
             && (self.duration + ends.x + ends.y + rates.x + rates.y).is_finite()

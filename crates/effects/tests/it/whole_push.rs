@@ -122,7 +122,7 @@ fn a_bent_way_is_followed_from_kink_to_kink() {
     ];
     let line = Polyline::new(&points).unwrap();
     let exact = exact(&shape, &line);
-    let found = errors(&step(&shape, Track::polyline(Arc::new(line))), &exact);
+    let found = errors(&step(&shape, Track::kinked(Arc::new(line))), &exact);
     assert!(exact.pose_wb.angle.abs() > 0.1, "{exact:?}");
     assert!(found[0] < 1e-5 && found[1] < 1e-4, "{found:?}");
 }

@@ -85,7 +85,7 @@ fn track(row: &StepRow) -> Result<Track, ModelError> {
     }
     let inner = row.pusher_way.iter().copied();
     let points: Vec<_> = [(0.0, start)].into_iter().chain(inner).chain([(row.dt, end)]).collect();
-    Ok(Track::polyline(Arc::new(Polyline::new(&points)?)))
+    Ok(Track::kinked(Arc::new(Polyline::new(&points)?)))
 }
 
 /// Whether the pusher is known to touch from the start on: a whole push may begin before that.

@@ -131,6 +131,6 @@ fn what_ends_cannot_be_asked_is_refused_with_what_to_give() {
     refused(&["compare", "ends", "--step", "4mm"], 2, "a push of which the ends are known is one");
     refused(&["ingest", "ends/pushes.csv"], 1, "give --preset, or the folder of a dataset.toml");
     refused(&["ingest", "set", "--shape", "hex"], 2, "--preset");
-    set.edit("ends/pushes.csv", "6\n", "6mm\n");
-    refused(&["ingest", "ends"], 1, "pushes.csv");
+    set.edit("ends/pushes.csv", ",0.02\n", ",2cm/s\n");
+    refused(&["ingest", "ends"], 1, "pushes.csv:2: speed_m_s is `2cm/s`, expected a finite number");
 }
