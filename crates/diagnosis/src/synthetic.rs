@@ -75,16 +75,8 @@ pub(crate) fn made(
                 session: 0,
             };
             steps.push(ChannelObservation { input, observed });
-            let pose_sd = [[0.0; 2]; 2];
-            places.push(Place {
-                step: step as u32,
-                edge,
-                p,
-                beta,
-                speed,
-                pose_sd,
-                is_whole: false,
-            });
+            let (step, pose_sd, is_whole) = (step as u32, [[0.0; 2]; 2], false);
+            places.push(Place { step, edge, p, beta, speed, pose_sd, is_whole });
             push_of.push(push);
             values.push(predicted.map(Some));
         }

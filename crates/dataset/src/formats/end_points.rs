@@ -9,7 +9,7 @@ use planar::Pose;
 
 use super::find::{find_recordings, is_file_ending};
 use super::format::{Inspection, LogFormat, StreamInfo};
-use super::timed_rows::{TimedRow, csv_error, timed_rows};
+use super::timed_rows::{TimedRow, column_missing, csv_error, timed_rows};
 use crate::error::DatasetError;
 use crate::input::limits::{Limit, ReadLimits};
 use crate::input::map::{FileBytes, open_regular, sha256};
@@ -234,11 +234,7 @@ impl Columns {
         let either =
             |(own, other): (&'static str, &'static str)| place(own).or_else(|| place(other));
         let needed = |pair: (&'static str, &'static str)| {
-            either(pair).ok_or_else(|| DatasetError::ColumnMissing {
-                path: path.into(),
-                column: pair.0.to_owned(),
-                found: header.iter().collect::<Vec<_>>().join(", "),
-            })
+            either(pair).ok_or_else(|| column_missing(path, pair.0, header))
         };
         let mut poses = [(0, ""); 6];
         for (place, pair) in poses.iter_mut().zip(POSES) {

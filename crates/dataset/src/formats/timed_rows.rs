@@ -6,7 +6,6 @@ use nalgebra::Vector2;
 
 use crate::error::DatasetError;
 use crate::input::limits::{Limit, ReadLimits};
-use crate::table::column::column_place;
 
 /// One sample.
 pub(super) struct TimedRow {
@@ -22,6 +21,19 @@ pub(super) struct TimedRow {
 pub(super) fn csv_error(path: &Path, error: &csv::Error) -> DatasetError {
     let line = error.position().map_or(1, csv::Position::line);
     DatasetError::Parse { path: path.into(), line, what: error.to_string() }
+}
+
+/// The error for a column that is not there.
+pub(super) fn column_missing(
+    path: &Path,
+    column: &str,
+    header: &csv::StringRecord,
+) -> DatasetError {
+    DatasetError::ColumnMissing {
+        path: path.into(),
+        column: column.to_owned(),
+        found: header.iter().collect::<Vec<_>>().join(", "),
+    }
 }
 
 /// The rows of a file.
@@ -43,7 +55,8 @@ pub(super) fn timed_rows(
     let names = ["push", "t_s", x, y];
     let mut places = [0; 4];
     for (place, name) in places.iter_mut().zip(names) {
-        *place = column_place(path, name, header.iter())?;
+        let found = header.iter().position(|found| found == name);
+        *place = found.ok_or_else(|| column_missing(path, name, &header))?;
     }
     let mut rows = Vec::new();
     let mut record = csv::StringRecord::new();

@@ -16,7 +16,7 @@ use crate::{Channels, ContactLaw, EffectError, MeasurementModel, PushPhysics, St
 pub(crate) struct Forward<'a> {
     pub(crate) physics: &'a PushPhysics,
     pub(crate) step: &'a StepInput,
-    measurement: MeasurementModel,
+    pub(crate) measurement: MeasurementModel,
     outline: Outline<'a>,
     /// Where the object rests, if not on its area alone.
     pub(crate) spots: Option<&'a Spots>,
@@ -56,7 +56,7 @@ const LEAST_SUBSTEPS: f64 = 4.0;
 const LEAST_DYNAMIC_SUBSTEPS: f64 = 6.0;
 const MOST_SUBSTEPS: f64 = 1e5;
 /// Share of a sub-step within which a change of the contact is found.
-const SHORTEST: f64 = 1e-6;
+pub(crate) const SHORTEST: f64 = 1e-6;
 
 impl<'a> Forward<'a> {
     pub(crate) fn new(
@@ -159,27 +159,6 @@ impl<'a> Forward<'a> {
         }
         let (name, unit) = ("the pusher's path over the longest sub-step", "(count)");
         Err(EffectError::InvalidValue { name, expected: "at most 100000", value: n, unit })
-    }
-
-    /// In how many s, of less than `length`, the pusher's velocity jumps; none if it does not.
-    fn kink_within(&self, length: f64) -> Option<f64> {
-        let seen = self.time - self.measurement.latency;
-        Some(self.step.track.kink_after(seen)? - seen).filter(|kink| *kink < length)
-    }
-
-    /// At most `length`, in s, up to where the pusher turns towards the contact or back from it.
-    fn until_turn(&self, length: f64) -> f64 {
-        let normal_w = self.pose_wo.rotate(&self.now.contact.normal);
-        let leaves = |after: f64| normal_w.dot(&self.pusher(self.time + after).1) <= 0.0;
-        let (is_leaving, mut low, mut high) = (leaves(0.0), 0.0, length);
-        if is_leaving == leaves(length) {
-            return length;
-        }
-        while high - low > SHORTEST * length {
-            let middle = 0.5 * (low + high);
-            if leaves(middle) == is_leaving { low = middle } else { high = middle }
-        }
-        high
     }
 
     /// Sets the object where it truly is at the start.
@@ -339,7 +318,7 @@ impl<'a> Forward<'a> {
     }
 
     /// Where the pusher is, in m, and its velocity, in m/s, at a time of the object's stream.
-    fn pusher(&self, time: f64) -> (Vector2<f64>, Vector2<f64>) {
+    pub(crate) fn pusher(&self, time: f64) -> (Vector2<f64>, Vector2<f64>) {
         self.step.track.at(time - self.measurement.latency)
     }
 

@@ -11,6 +11,7 @@ pub(crate) mod inertia;
 pub(crate) mod instant;
 pub(crate) mod lean;
 pub(crate) mod push_physics;
+pub(crate) mod substep_end;
 pub(crate) mod touch_time;
 
 use crate::predict::forward::Forward;

@@ -163,3 +163,44 @@ fn sessions(table: &Table) -> HashMap<Arc<str>, u32> {
     }
     numbers
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use dataset::{Flags, ObjectChoice, ObjectSpec, Provenance, StepRow, Table};
+    use nalgebra::Vector2;
+
+    use crate::StepSelection;
+
+    #[test]
+    fn a_whole_push_begins_before_the_touch_and_keeps_its_way_and_no_gap() {
+        let bend = Vector2::new(-0.03, 0.01);
+        let row = StepRow {
+            recording: Arc::from("ends"),
+            shape: Arc::from("rect1"),
+            dt: 2.0,
+            pusher_start: Vector2::new(-0.052, 0.0),
+            pusher_end: Vector2::new(-0.02, 0.0),
+            pusher_way: vec![(1.5, bend)],
+            pusher_velocity: Vector2::new(0.016, 0.0),
+            gap_start: 2e-3,
+            flags: Flags::WHOLE_PUSH,
+            ..StepRow::default()
+        };
+        let pressed = Flags::WHOLE_PUSH | Flags::STARTS_IN_CONTACT;
+        let rows = vec![row.clone(), StepRow { flags: pressed, push: 1, ..row.clone() }];
+        let late = StepRow { pusher_way: vec![(2.5, bend)], push: 2, ..row };
+        let square = ObjectChoice::Fixed(Box::new(ObjectSpec::mit("rect1").unwrap()));
+        let steps = |rows: Vec<StepRow>| {
+            let table = Table { rows, provenance: Provenance::default() };
+            StepSelection::default().channel_steps(&table, &square, 0.00475)
+        };
+        let found = steps(rows.clone()).unwrap().steps;
+        assert_eq!([0, 1].map(|k: usize| found[k].input.touching), [false, true]);
+        assert_eq!(found[0].input.track.at(1.5).0, bend);
+        assert_eq!(found[0].observed[5..], [None, None]);
+        let error = steps([rows, vec![late]].concat()).unwrap_err().to_string();
+        assert!(error.contains("row 2") || error.contains("later than the one before"), "{error}");
+    }
+}

@@ -1,7 +1,7 @@
 //! Plain fits, and their errors on pushes that they have not seen.
 
-use anyhow::Result;
-use diagnosis::{DiagnosisError, FitSettings, NoiseModel, Observations, fit_with_noise};
+use anyhow::{Result, bail};
+use diagnosis::{FitSettings, NoiseModel, Observations, fit_with_noise};
 use models::Description;
 
 use super::{Error, errors};
@@ -35,9 +35,18 @@ pub(super) fn fitted(all: &Observations, nominal: &Description) -> Result<Vec<Fi
             all.part(&names.map(|(_, name)| name.clone()).collect::<Vec<_>>())
         };
         let (train, aside) = (part(false)?, part(true)?);
+        let settings =
+            FitSettings { intervals: false, resemblances: false, ..FitSettings::default() };
+        let noise = NoiseModel::learn(nominal, &settings.own, &train);
+        let fit = |free: &[&str]| match (&noise, free) {
+            (_, []) => Ok(nominal.clone()),
+            (Ok(noise), _) => {
+                Ok(fit_with_noise(&train, nominal, free, noise, &settings)?.description)
+            }
+            (Err(error), _) => bail!("{error}"),
+        };
         for (free, (sum, n, n_failed)) in FREE.iter().zip(&mut sums) {
-            let found =
-                if free.is_empty() { Ok(nominal.clone()) } else { fit(&train, nominal, free) };
+            let found = fit(free);
             // That a fit fails is an outcome, too.
             *n_failed += usize::from(found.is_err());
             for error in errors(found.as_ref().unwrap_or(nominal), &aside)? {
@@ -48,14 +57,4 @@ pub(super) fn fitted(all: &Observations, nominal: &Description) -> Result<Vec<Fi
         }
     }
     Ok(sums.map(|(sum, n, n_failed)| Fitted { error: sum.over(n), n_failed }).into())
-}
-
-fn fit(
-    train: &Observations,
-    nominal: &Description,
-    free: &[&str],
-) -> Result<Description, DiagnosisError> {
-    let settings = FitSettings { intervals: false, resemblances: false, ..FitSettings::default() };
-    let noise = NoiseModel::learn(nominal, &settings.own, train)?;
-    Ok(fit_with_noise(train, nominal, free, &noise, &settings)?.description)
 }
