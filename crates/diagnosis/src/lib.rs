@@ -40,6 +40,7 @@ pub use data::covariate::Covariate;
 pub use data::coverage::Coverage;
 pub use data::observations::{Observations, PushName};
 pub use data::repeats::RepeatTolerance;
+pub use data::runs::Runs;
 pub use data::split::split;
 pub use data::steady_ingest::steady_ingest;
 pub use data::step_suspicions::step_suspicions;

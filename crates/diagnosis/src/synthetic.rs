@@ -94,6 +94,7 @@ pub(crate) fn made(
         name: "synthetic".to_owned(),
         unknown: Vec::new(),
         excluded: Excluded::default(),
+        runs: None,
     };
     let predictions = Predictions { variances: vec![[None; 7]; values.len()], values };
     (observations, predictions, floor())

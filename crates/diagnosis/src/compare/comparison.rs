@@ -14,7 +14,7 @@ use crate::compare::structure::Structure;
 use crate::compare::worst::worst_pushes;
 use crate::{
     ChannelError, Concentration, Covariate, DiagnosisError, Finding, IntervalCalibration,
-    MapSettings, NoiseFloor, Observations, Predictions, ResidualMap, WorstPush,
+    MapSettings, NoiseFloor, Observations, Predictions, ResidualMap, Runs, WorstPush,
 };
 
 /// How wrong a model is, where, and how wrong it may be at best; in SI units.
@@ -30,6 +30,9 @@ pub struct Comparison {
     pub excluded: String,
     /// What the standard errors, intervals and tests take for independent.
     pub cluster: Cluster,
+    /// Which rows are taken for steps of one push, where rows have no ids.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub runs: Option<Runs>,
     /// What these data or this model cannot tell, in words.
     pub not_asked: Vec<String>,
     /// Errors of each number of a step.
@@ -69,6 +72,7 @@ pub fn compare(
         n_excluded: observations.excluded().n_rows(),
         excluded: observations.excluded().to_string(),
         cluster: observations.cluster,
+        runs: observations.runs,
         not_asked: not_asked(observations, &channels),
         calibration: calibrations(observations, predictions)?,
         worst: worst_pushes(&residuals, observations, &channels, N_WORST),
@@ -116,7 +120,9 @@ fn not_asked(observations: &Observations, channels: &[ChannelError]) -> Vec<Stri
     say("not measured or not predicted", missing.join(", "));
     say("not known of a step", unknown);
     say("the same in every step", constant);
-    if observations.n_steps() == observations.pushes().len() {
+    if observations.runs.is_some() {
+        said.push("no roll-outs: which step of a run follows which is not known".to_owned());
+    } else if observations.n_steps() == observations.pushes().len() {
         said.push("no roll-outs: every push is one step".to_owned());
     }
     said

@@ -4,10 +4,14 @@
 pub(crate) mod clusters;
 pub(crate) mod covariate;
 pub(crate) mod coverage;
+pub(crate) mod local_residuals;
 pub(crate) mod motion_steps;
+pub(crate) mod nominal_motion;
 pub(crate) mod observations;
 pub(crate) mod observed_clusters;
 pub(crate) mod repeats;
+pub(crate) mod runs;
+pub(crate) mod runs_of_rows;
 pub(crate) mod second_set;
 pub(crate) mod split;
 pub(crate) mod steady_ingest;

@@ -15,7 +15,7 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::data::clusters::{clusters, numbered};
-use crate::{Covariate, DiagnosisError};
+use crate::{Covariate, DiagnosisError, Runs};
 
 /// Observed steps, the push of each, and the nominal table.
 #[derive(Clone, Debug)]
@@ -37,6 +37,8 @@ pub struct Observations {
     /// What was not measured.
     pub(crate) unknown: Vec<Covariate>,
     pub(crate) excluded: Excluded,
+    /// Where pushes are runs of rows.
+    pub(crate) runs: Option<Runs>,
 }
 
 /// A push by its recording and its number there.
@@ -103,11 +105,22 @@ impl Observations {
     /// The steps of a table of others, read through its mapping.
     ///
     /// What the mapping does not give was not measured: without poses the contact gap, the object's
-    /// place and orientation and the direction in the world, without times the order.
+    /// place and orientation and the direction in the world, without times the order. Rows without
+    /// poses that share their errors count as steps of one push, see [`Observations::runs`].
     ///
     /// # Errors
     /// As [`Observations::of`].
     pub fn of_mapped(table: &Table, mapping: &TableMapping) -> Result<Self, DiagnosisError> {
+        let all = Self::of_rows(table, mapping)?;
+        // Poses would tell which steps follow each other.
+        if mapping.gives("object_x_m") { Ok(all) } else { all.in_runs(mapping.pusher.friction) }
+    }
+
+    /// The same, each row without ids a push of its own, whatever it shares with others.
+    ///
+    /// # Errors
+    /// As [`Observations::of`].
+    pub fn of_rows(table: &Table, mapping: &TableMapping) -> Result<Self, DiagnosisError> {
         let object = ObjectChoice::Fixed(Box::new(mapping.object.clone()));
         let (pusher_radius, support) = (mapping.pusher.radius, mapping.support);
         let about = EffectInfo { object: &object, pusher_radius, support };
@@ -180,6 +193,7 @@ impl Observations {
             name: table.provenance.get("set").unwrap_or_default().to_owned(),
             unknown: unknown(&rows),
             excluded,
+            runs: None,
         };
         observations.checked()
     }
@@ -212,6 +226,7 @@ impl Observations {
             name: self.name.clone(),
             unknown: self.unknown.clone(),
             excluded: self.excluded.clone(),
+            runs: self.runs,
         };
         part.checked()
     }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use nalgebra::Vector2;
 use planar::wrap_angle;
 
-use crate::Observations;
+use crate::{Covariate, Observations};
 
 /// Repeats beyond the first of their cells that a floor needs: fewer leave it open within a factor
 /// of two.
@@ -39,8 +39,12 @@ struct Start {
     speed: f64,
 }
 
-/// The cell of repeats of each push; pushes alone have a cell of their own.
+/// The cell of repeats of each push; pushes alone have a cell of their own, and all have where it is
+/// not known where the object stood: pushes that look alike need not be repeats.
 pub(crate) fn cells(observations: &Observations, tolerance: &RepeatTolerance) -> Vec<usize> {
+    if !observations.knows(Covariate::TableX) {
+        return (0..observations.pushes.len()).collect();
+    }
     let mut starts: Vec<Option<Start>> = observations.pushes.iter().map(|_| None).collect();
     for (index, push) in observations.push_of.iter().enumerate() {
         starts[*push].get_or_insert_with(|| start(observations, index));

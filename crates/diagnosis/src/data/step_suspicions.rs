@@ -1,8 +1,8 @@
 //! Motions of steps whose signs or units the mechanics contradict.
 
 use dataset::Suspicion;
-use models::{Analytical, Base, ChannelModel, Description, ModelError};
 
+use crate::data::nominal_motion::{Beside, NominalMotion};
 use crate::{DiagnosisError, Observations};
 
 /// Steps that are looked at, evenly over all.
@@ -57,31 +57,16 @@ fn found(what: impl Into<String>, evidence: String, fix: &str) -> Suspicion {
     Suspicion { what: what.into(), evidence, fix: fix.to_owned(), is_certain: true }
 }
 
-/// Observed and predicted Δx, Δy (m) and Δθ (rad) of steps.
-struct ObservedPredicted(Vec<[(f64, f64); 3]>);
+/// Steps that are looked at.
+struct ObservedPredicted(Vec<Beside>);
 
 impl ObservedPredicted {
     fn of(observations: &Observations, pusher_friction: f64) -> Result<Self, DiagnosisError> {
-        let nominal = Description {
-            base: Base::Analytical(Analytical::nominal(pusher_friction)?),
-            effects: Vec::new(),
-            weights: None,
-        };
-        let model = ChannelModel::new(&nominal, observations.support, &[])?;
+        let model = NominalMotion::new(pusher_friction, observations.support)?;
         let stride = observations.steps.len().div_ceil(MOST_STEPS).max(1);
         let mut beside = Vec::new();
         for step in observations.steps.iter().step_by(stride) {
-            let predicted = match model.predict([&step.input]) {
-                Ok(channels) => channels,
-                // A single step that the mechanics refuse says nothing of the others.
-                Err(ModelError::Effects(_)) => continue,
-                Err(error) => return Err(error.into()),
-            };
-            let predicted = predicted.first().map(effects::Channels::to_array);
-            let [Some(x), Some(y), Some(theta)] = [0, 1, 2].map(|k| step.observed[k]) else {
-                continue;
-            };
-            beside.extend(predicted.map(|at| [(x, at[0]), (y, at[1]), (theta, at[2])]));
+            beside.extend(model.beside(step)?);
         }
         Ok(Self(beside))
     }

@@ -4,7 +4,7 @@ use dataset::Suspicion;
 use models::{Cluster, Split};
 use serde::{Deserialize, Serialize};
 
-use crate::{FloorSource, NoiseModel, Observations};
+use crate::{FloorSource, NoiseModel, Observations, Runs};
 
 /// What a diagnosis found; written and read as `diagnosis.json` (docs/diagnosis.schema.json).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -202,7 +202,7 @@ pub struct NoiseOrigin {
 }
 
 /// What was used of a set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DataUsed {
     /// Pushes with steps that were used.
@@ -216,6 +216,9 @@ pub struct DataUsed {
     pub pushes_confirming: usize,
     /// Steps used.
     pub steps: usize,
+    /// Which rows are taken for steps of one push, where rows have no ids.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub runs: Option<Runs>,
     /// What is taken for independent among the pushes fitted to; none in answers of releases that
     /// did not tell.
     #[serde(default, skip_serializing_if = "Option::is_none")]

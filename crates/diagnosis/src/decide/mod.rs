@@ -140,6 +140,7 @@ pub fn diagnose(
             pushes_fitted: fitted.pushes().len(),
             pushes_confirming: aside.pushes().len(),
             steps: observations.n_steps() + second.map_or(0, Observations::n_steps),
+            runs: observations.runs,
             clusters_fitted: Some(Clusters::of(fitted)),
             clusters_confirming: Some(Clusters::of(aside)),
             clusters_missing: Some(found.first_screen.calibration.clusters_missing),

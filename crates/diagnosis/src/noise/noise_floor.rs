@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::data::repeats::{FEWEST_REPEATS, cells};
 use crate::noise::floor_growth::{Deviation, Growth};
 use crate::statistics::quantile::{NORMAL_975, chi_square_per_freedom};
-use crate::{Covariate, DiagnosisError, Observations, Predictions, RepeatTolerance};
+use crate::{DiagnosisError, Observations, Predictions, RepeatTolerance};
 
 /// The least error that a model can have, for each number of a step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -95,9 +95,7 @@ pub fn noise_floor(
     let groups: Vec<usize> = (0..cells.len()).filter(|push| n_members(*push) > 1).collect();
     let n_members = groups.iter().map(|cell| n_members(*cell)).sum::<usize>();
     let (n_cells, n_repeats) = (groups.len(), n_members - groups.len());
-    // Where an object stood is not known: pushes that look alike need not be repeats.
-    let is_placed = observations.knows(Covariate::TableX);
-    let (source, numbers) = if is_placed && n_repeats >= FEWEST_REPEATS {
+    let (source, numbers) = if n_repeats >= FEWEST_REPEATS {
         let of = |number| of_repeats(&residuals, observations, &cells, number);
         (FloorSource::Repeats, std::array::from_fn(of))
     } else {
@@ -105,7 +103,6 @@ pub fn noise_floor(
         let of = |number| of_neighbours(&residuals, observations, &pairs, number);
         (FloorSource::Neighbours, std::array::from_fn(of))
     };
-    let (n_repeats, n_cells) = if is_placed { (n_repeats, n_cells) } else { (0, 0) };
     Ok(NoiseFloor { source, n_repeats, n_cells, numbers })
 }
 

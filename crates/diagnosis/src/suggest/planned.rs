@@ -57,6 +57,7 @@ impl Planned {
             name: String::new(),
             unknown: observations.unknown.clone(),
             excluded: Excluded::default(),
+            runs: None,
         })
     }
 }

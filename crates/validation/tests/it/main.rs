@@ -6,4 +6,5 @@ mod compare_finds_what_is_hidden;
 mod fits_recover_what_is_hidden;
 mod plant_meets_mechanics;
 mod recordings_that_contradict_mechanics;
+mod rows_without_ids;
 mod screen_names_what_is_hidden;

@@ -9,10 +9,12 @@ use diagnosis::{
 use models::Cluster;
 
 use super::{Against, Compared};
-use crate::people::people;
+use crate::people::{lines, people};
 use crate::terminal::TITLE;
 use crate::unexplained::shares;
 
+/// Width of a line of running text.
+const WIDTH: usize = 96;
 /// Pushes that a screen has room for.
 const MOST_LINES: usize = 6;
 /// Findings that a screen has room for.
@@ -26,6 +28,9 @@ impl fmt::Display for Compared {
         write!(f, "{}", self.part)?;
         if found.n_excluded > 0 {
             writeln!(f, "  rows excluded: {}", found.excluded)?;
+        }
+        for line in found.runs.iter().flat_map(|runs| lines(&runs.to_string(), WIDTH)) {
+            writeln!(f, "  {line}")?;
         }
         for what in &found.not_asked {
             writeln!(f, "  {what}")?;
