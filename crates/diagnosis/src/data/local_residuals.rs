@@ -16,6 +16,8 @@ pub(crate) struct Point {
 const REACH: f64 = 3.0;
 /// Rows for each coefficient of a fit.
 const ROWS_A_COEFFICIENT: usize = 3;
+/// Variance of a fit over that of a row, above which nothing is said.
+const MOST_OF_FIT: f64 = 0.7;
 /// Residuals count at most so many of their typical sizes.
 const LARGEST: f64 = 4.0;
 /// Standard deviations of a normal number in its median size.
@@ -73,7 +75,7 @@ impl Residual {
 }
 
 /// Each row's values less a weighted fit to the rows around a hole about it, over their typical
-/// size; none where too few rows are there.
+/// size; none where too few rows are there, or too unevenly.
 ///
 /// What rows within the hole share stays in the residuals, what is smooth beyond it does not. Of one
 /// or two inputs the fit is quadratic, else linear. O(N M) for M rows in a strip of six holes.
@@ -100,6 +102,10 @@ pub(crate) fn local_residuals(
     };
     let residual = |row: usize| {
         let weights = weights(&points[row], points, &around(row), reach)?;
+        let of_fit = weights.iter().map(|(_, weight)| weight * weight).sum::<f64>();
+        if of_fit > MOST_OF_FIT {
+            return None;
+        }
         let fitted =
             |k: usize| weights.iter().map(|(b, weight)| weight * values[*b][k]).sum::<f64>();
         let values = [0, 1, 2].map(|k| values[row][k] - fitted(k));
