@@ -29,8 +29,8 @@ impl fmt::Display for Compared {
         if found.n_excluded > 0 {
             writeln!(f, "  rows excluded: {}", found.excluded)?;
         }
-        for line in found.runs.iter().flat_map(|runs| lines(&runs.to_string(), WIDTH)) {
-            writeln!(f, "  {line}")?;
+        if let Some(runs) = &found.runs {
+            lines(&runs.to_string(), WIDTH).iter().try_for_each(|line| writeln!(f, "  {line}"))?;
         }
         for what in &found.not_asked {
             writeln!(f, "  {what}")?;

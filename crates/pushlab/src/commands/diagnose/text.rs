@@ -26,8 +26,8 @@ impl fmt::Display for Answer<'_> {
         let data = &found.data;
         let (steps, pushes) = (data.steps, data.pushes_used);
         writeln!(f, "{TITLE}{}{TITLE:#} on {steps} steps of {pushes} pushes", self.model)?;
-        for line in data.runs.iter().flat_map(|runs| lines(&runs.to_string(), WIDTH)) {
-            writeln!(f, "  {line}")?;
+        if let Some(runs) = &data.runs {
+            lines(&runs.to_string(), WIDTH).iter().try_for_each(|line| writeln!(f, "  {line}"))?;
         }
         let used = |n: usize, all: usize| match n < all {
             true => format!("{n} (of {all}, evenly over edges and speeds)"),
