@@ -14,8 +14,9 @@ use crate::noise::noise_floor::{distance, features};
 use crate::predict::error_shapes::{ErrorShapes, Kind, SOURCES, Source, push_directions};
 use crate::predict::secants::Linearisation;
 use crate::predict::tangent::Tangent;
+use crate::statistics::blocks::Block;
 use crate::statistics::quantile::NORMAL_975;
-use crate::statistics::variances::{Block, Variances, variances};
+use crate::statistics::variances::{Variances, variances};
 use crate::{DiagnosisError, FloorSource, Observations, RepeatTolerance, Whitening};
 
 /// Sources of error and their sizes: what the streams' noise leaves at the ends of steps, small
@@ -32,6 +33,13 @@ pub struct NoiseModel {
     pub n_pushes: usize,
     /// The sources of error.
     pub sources: Vec<ErrorSource>,
+    /// Names of those whose size did not converge: they are left out, or stay as large as is usual.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub dropped: Vec<&'static str>,
+    /// Groups or pairs that say nothing, for a number of theirs has no source of error or is beyond
+    /// reckoning.
+    #[serde(skip_serializing_if = "is_none")]
+    pub n_unused: usize,
     /// Iterations that the likelihood took.
     pub iterations: usize,
     /// Twice the gain in log likelihood that one more would have brought.
@@ -55,6 +63,11 @@ pub struct ErrorSource {
     pub high95: f64,
 }
 
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks so")]
+fn is_none(n: &usize) -> bool {
+    *n == 0
+}
+
 /// Closer than for a floor: what a model misses must cancel, and it may be large.
 const REPEATS: RepeatTolerance = RepeatTolerance { distance: 1e-3, angle: 0.02, speed: 0.05 };
 /// Pairs of neighbours that are used at most.
@@ -69,7 +82,7 @@ impl NoiseModel {
     /// could explain of their difference: an estimate.
     ///
     /// # Errors
-    /// `Model` for what the model refuses, such as a learnt one; `NotConverged`.
+    /// `Model` for what the model refuses, such as a learnt one.
     pub fn learn(
         model: &Description,
         own: &[Arc<dyn Effect>],
@@ -97,13 +110,15 @@ impl NoiseModel {
             (FloorSource::Neighbours, groups, blocks)
         };
         let prior: Vec<_> = SOURCES.iter().map(Source::prior).collect();
-        let found = variances(&blocks, &prior)?;
+        let found = variances(&blocks, &prior);
         let n_pushes = groups.iter().map(Vec::len).sum();
         let Variances { iterations, decrement, .. } = found;
         let sources = (0..SOURCES.len()).map(|k| ErrorSource::new(&SOURCES[k], &found, k));
         let n_cells = groups.len();
         let sources = sources.collect();
-        Ok(Self { source, n_cells, n_pushes, sources, iterations, decrement })
+        let dropped = found.dropped.iter().map(|k| SOURCES[*k].name).collect();
+        let n_unused = found.n_unused;
+        Ok(Self { source, n_cells, n_pushes, sources, dropped, n_unused, iterations, decrement })
     }
 
     /// The covariance of every push, linearised about a model.
@@ -276,4 +291,29 @@ fn mean_shapes(members: &[ErrorShapes]) -> Vec<DMatrix<f64>> {
         sum
     };
     (0..SOURCES.len()).into_par_iter().map(shape).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::NoiseModel;
+    use crate::synthetic::recorded;
+
+    #[test]
+    fn pushes_of_which_no_two_are_alike_keep_what_is_usual() {
+        let (all, model) = recorded(11);
+        let on_edge = |edge: u32| {
+            let step = all.places.iter().position(|place| place.edge == edge)?;
+            Some(all.pushes[all.push_of[step]].to_string())
+        };
+        let names: Vec<String> = (0..4).filter_map(on_edge).collect();
+        let mut few = all.part(&names).unwrap();
+        // A push that goes on around a vertex is on one edge here.
+        for (step, push) in few.push_of.iter().enumerate() {
+            few.places[step].edge = *push as u32;
+        }
+        let noise = NoiseModel::learn(&model, &[], &few).unwrap();
+        assert_eq!((noise.n_cells, noise.dropped.len()), (0, 0));
+        assert!(noise.sources.iter().all(|source| source.low95 < source.high95), "{noise:?}");
+        noise.whitening(&model, &[], &few).unwrap();
+    }
 }

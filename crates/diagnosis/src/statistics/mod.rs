@@ -1,5 +1,6 @@
 //! Numbers and their clusters go in, quantiles, variances and probabilities come out; no pushes.
 
+pub(crate) mod blocks;
 pub(crate) mod box_search;
 pub(crate) mod map_test;
 pub(crate) mod mixture;

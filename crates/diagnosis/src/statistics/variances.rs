@@ -3,18 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
-use crate::DiagnosisError;
-
-/// Independent vectors y ~ N(X b, Σ θₖ Kₖ) with a common covariance.
-#[derive(Clone, Debug)]
-pub(crate) struct Block {
-    /// A column each.
-    pub(crate) vectors: DMatrix<f64>,
-    /// Kₖ for each source of error.
-    pub(crate) shapes: Vec<DMatrix<f64>>,
-    /// X, whose coefficients b ~ N(0, 1) all blocks share; without columns, or for one vector.
-    pub(crate) fixed: DMatrix<f64>,
-}
+use crate::statistics::blocks::{Block, Derivatives, Fixed, Solved};
 
 /// What is known of a variance beforehand: ln θ is normal.
 #[derive(Clone, Copy, Debug)]
@@ -30,8 +19,13 @@ pub(crate) struct LogNormal {
 pub(crate) struct Variances {
     /// θ.
     pub(crate) values: Vec<f64>,
-    /// Standard errors of ln θ.
+    /// Standard errors of ln θ; of what did not converge those of the prior.
     pub(crate) log_se: Vec<f64>,
+    /// Sources that did not converge: left out, or where nothing else shows in a number as large as was
+    /// believed.
+    pub(crate) dropped: Vec<usize>,
+    /// Blocks that say nothing, for a number of theirs has no source of error or is beyond reckoning.
+    pub(crate) n_unused: usize,
     pub(crate) iterations: usize,
     /// Twice the gain in log likelihood that a further step would expect.
     pub(crate) decrement: f64,
@@ -49,61 +43,134 @@ const LONGEST_STEP: f64 = 1.5;
 /// The variances that make the blocks likeliest, times what is known beforehand.
 ///
 /// Newton's method in ln θ with the average of observed and expected information, damped until the
-/// likelihood grows.
-///
-/// # Errors
-/// `NotConverged`.
+/// likelihood grows. Where it does not settle, the source that is farthest from settling is dropped and
+/// the others are searched for again; without blocks all keep what was believed.
 ///
 /// # Source
 /// Gilmour, Thompson & Cullis (1995), Average information REML, Biometrics 51(4).
-pub(crate) fn variances(
-    blocks: &[Block],
-    prior: &[LogNormal],
-) -> Result<Variances, DiagnosisError> {
-    let mut log: Vec<f64> = prior.iter().map(|prior| prior.median.ln()).collect();
-    let mut damping = 1e-3;
-    let failed = |iterations: usize, decrement: f64| DiagnosisError::NotConverged {
-        what: "the variances of the noise",
-        iterations,
-        decrement,
+pub(crate) fn variances(blocks: &[Block], prior: &[LogNormal]) -> Variances {
+    let believed: Vec<f64> = prior.iter().map(|prior| prior.median).collect();
+    let is_used = |block: &&Block| {
+        Solved::of(block, &believed).is_some_and(|solved| solved.square.is_finite())
     };
-    let mut here = Point::at(blocks, prior, &log).ok_or(failed(0, f64::INFINITY))?;
-    let mut left = f64::INFINITY;
-    for iterations in 0..MAX_ITERATIONS {
-        let inverse = here.information.clone().cholesky();
-        let inverse = inverse.ok_or(failed(iterations, f64::INFINITY))?.inverse();
-        let decrement = here.slope.dot(&(&inverse * &here.slope));
-        left = decrement;
-        let next = match decrement < DECREMENT {
-            true => None,
-            false => here.climb(blocks, prior, &log, &mut damping),
-        };
-        let Some((next_log, next)) = next else {
-            let log_se = inverse.diagonal().iter().map(|variance| variance.sqrt()).collect();
-            let values = log.iter().map(|log| log.exp()).collect();
-            // Where no step gains anything the slope is as flat as it gets.
-            let is_flat = decrement < 1e2 * DECREMENT;
-            let found = Variances { values, log_se, iterations, decrement };
-            return if is_flat { Ok(found) } else { Err(failed(iterations, decrement)) };
-        };
-        (log, here) = (next_log, next);
+    let used: Vec<&Block> = blocks.iter().filter(is_used).collect();
+    let n_unused = blocks.len() - used.len();
+    let mut problem = Problem { blocks: used, prior, held: vec![None; prior.len()] };
+    let mut iterations = 0;
+    while problem.held.iter().any(Option::is_none) && !problem.blocks.is_empty() {
+        match problem.climbed(&mut iterations) {
+            Ok(top) => return Variances { n_unused, iterations, ..problem.variances(&top) },
+            Err(unsettled) => problem.drop(unsettled, &believed),
+        }
     }
-    Err(failed(MAX_ITERATIONS, left))
+    Variances {
+        values: problem
+            .held
+            .iter()
+            .zip(&believed)
+            .map(|(held, own)| held.unwrap_or(*own))
+            .collect(),
+        log_se: prior.iter().map(|prior| prior.log_sd).collect(),
+        dropped: problem.dropped(),
+        n_unused,
+        iterations,
+        decrement: 0.0,
+    }
 }
 
-/// The logarithm of the likelihood at a point, with its slope and information in ln θ.
-struct Point {
-    value: f64,
-    slope: DVector<f64>,
-    information: DMatrix<f64>,
+/// Blocks, and what is searched for.
+struct Problem<'a> {
+    blocks: Vec<&'a Block>,
+    prior: &'a [LogNormal],
+    /// θ of the sources that are not searched for.
+    held: Vec<Option<f64>>,
 }
 
-impl Point {
-    /// None where the covariance is not positive definite.
-    fn at(blocks: &[Block], prior: &[LogNormal], log: &[f64]) -> Option<Self> {
-        let theta: Vec<f64> = log.iter().map(|log| log.exp()).collect();
+/// A place where the likelihood is as large as it gets.
+struct Top {
+    log: Vec<f64>,
+    inverse: DMatrix<f64>,
+    decrement: f64,
+}
+
+impl Problem<'_> {
+    /// The top, or the source that is farthest from it.
+    fn climbed(&self, iterations: &mut usize) -> Result<Top, usize> {
+        let mut log: Vec<f64> = self.prior.iter().map(|prior| prior.median.ln()).collect();
+        let mut damping = 1e-3;
+        let mut here = self.at(&log).ok_or_else(|| self.first_free())?;
+        for _ in 0..MAX_ITERATIONS {
+            let inverse = here.information.clone().cholesky();
+            let inverse = inverse.ok_or_else(|| self.farthest(&here))?.inverse();
+            let decrement = here.slope.dot(&(&inverse * &here.slope));
+            let next = match decrement < DECREMENT {
+                true => None,
+                false => self.climb(&here, &log, &mut damping),
+            };
+            let Some((next_log, next)) = next else {
+                // Where no step gains anything the slope is as flat as it gets.
+                let is_flat = decrement < 1e2 * DECREMENT;
+                return if is_flat {
+                    Ok(Top { log, inverse, decrement })
+                } else {
+                    Err(self.farthest(&here))
+                };
+            };
+            (log, here) = (next_log, next);
+            *iterations += 1;
+        }
+        Err(self.farthest(&here))
+    }
+
+    /// Of the sources searched for the one with the largest slope in its own standard errors.
+    fn farthest(&self, here: &Point) -> usize {
+        let far = |k: &usize| {
+            let far = here.slope[*k].powi(2) / here.information[(*k, *k)].abs();
+            if far.is_nan() { f64::INFINITY } else { far }
+        };
+        let free = (0..self.held.len()).filter(|k| self.held[*k].is_none());
+        free.max_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or_default()
+    }
+
+    fn first_free(&self) -> usize {
+        self.held.iter().position(Option::is_none).unwrap_or_default()
+    }
+
+    /// Leaves a source out, or holds it where it was believed if some numbers have no other one.
+    fn drop(&mut self, source: usize, believed: &[f64]) {
+        let mut without = believed.to_vec();
+        self.held.iter().zip(&mut without).for_each(|(held, own)| *own = held.unwrap_or(*own));
+        without[source] = 0.0;
+        let can_do_without = self.blocks.iter().all(|block| Solved::of(block, &without).is_some());
+        self.held[source] = Some(if can_do_without { 0.0 } else { believed[source] });
+    }
+
+    fn dropped(&self) -> Vec<usize> {
+        (0..self.held.len()).filter(|k| self.held[*k].is_some()).collect()
+    }
+
+    fn variances(&self, top: &Top) -> Variances {
+        let value = |k: usize| self.held[k].unwrap_or_else(|| top.log[k].exp());
+        let log_se = |k: usize| match self.held[k] {
+            Some(_) => self.prior[k].log_sd,
+            None => top.inverse[(k, k)].sqrt(),
+        };
+        Variances {
+            values: (0..self.held.len()).map(value).collect(),
+            log_se: (0..self.held.len()).map(log_se).collect(),
+            dropped: self.dropped(),
+            n_unused: 0,
+            iterations: 0,
+            decrement: top.decrement,
+        }
+    }
+
+    /// None where the covariance is not positive definite, or a number too large.
+    fn at(&self, log: &[f64]) -> Option<Point> {
+        let theta: Vec<f64> =
+            log.iter().zip(&self.held).map(|(log, held)| held.unwrap_or(log.exp())).collect();
         let solved: Option<Vec<Solved<'_>>> =
-            blocks.par_iter().map(|block| Solved::of(block, &theta)).collect();
+            self.blocks.par_iter().map(|block| Solved::of(block, &theta)).collect();
         let solved = solved?;
         let fixed = Fixed::of(&solved)?;
         let derivatives: Vec<Derivatives> =
@@ -126,36 +193,37 @@ impl Point {
                 information[(k, l)] *= theta[k] * theta[l];
             }
         }
-        for (k, prior) in prior.iter().enumerate() {
+        for (k, prior) in self.prior.iter().enumerate() {
+            if self.held[k].is_some() {
+                slope[k] = 0.0;
+                information.row_mut(k).fill(0.0);
+                information.column_mut(k).fill(0.0);
+                information[(k, k)] = 1.0;
+                continue;
+            }
             let (miss, precision) = (log[k] - prior.median.ln(), prior.log_sd.powi(-2));
             value -= 0.5 * precision * miss * miss;
             slope[k] -= precision * miss;
             information[(k, k)] += precision;
         }
-        Some(Self { value, slope, information })
+        value.is_finite().then_some(Point { value, slope, information })
     }
 
     /// A damped step that raises the likelihood; none if not even a tiny one does.
-    fn climb(
-        &self,
-        blocks: &[Block],
-        prior: &[LogNormal],
-        log: &[f64],
-        damping: &mut f64,
-    ) -> Option<(Vec<f64>, Self)> {
+    fn climb(&self, here: &Point, log: &[f64], damping: &mut f64) -> Option<(Vec<f64>, Point)> {
         while *damping < 1e9 {
-            let mut damped = self.information.clone();
+            let mut damped = here.information.clone();
             for k in 0..log.len() {
                 damped[(k, k)] *= 1.0 + *damping;
             }
-            let step = damped.cholesky()?.solve(&self.slope);
+            let step = damped.cholesky()?.solve(&here.slope);
             let scale = (LONGEST_STEP / step.amax()).min(1.0);
             let next: Vec<f64> =
                 log.iter().zip(step.iter()).map(|(log, step)| log + scale * step).collect();
             let step = scale * step;
-            let promise = self.slope.dot(&step) - 0.5 * step.dot(&(&self.information * &step));
-            if let Some(point) = Self::at(blocks, prior, &next).filter(|p| p.value > self.value) {
-                let kept = (point.value - self.value) / promise;
+            let promise = here.slope.dot(&step) - 0.5 * step.dot(&(&here.information * &step));
+            if let Some(point) = self.at(&next).filter(|point| point.value > here.value) {
+                let kept = (point.value - here.value) / promise;
                 // Where sources trade off, the average information is too small: undamped steps go
                 // back and forth across the ridge.
                 if kept > WELL_KEPT {
@@ -171,107 +239,17 @@ impl Point {
     }
 }
 
-/// A block with the inverse W of its covariance.
-struct Solved<'a> {
-    block: &'a Block,
-    inverse: DMatrix<f64>,
-    /// W y and W X.
-    vectors: DMatrix<f64>,
-    fixed: DMatrix<f64>,
-    /// ln det of the covariance, once a vector.
-    log_determinant: f64,
-    /// Σ yᵀ W y.
-    square: f64,
-}
-
-/// The common coefficients b, given the variances.
-struct Fixed {
-    coefficients: DVector<f64>,
-    /// (1 + Σ Xᵀ W X)⁻¹.
-    inverse: DMatrix<f64>,
-    log_determinant: f64,
-    /// What they explain of Σ yᵀ W y.
-    fitted: f64,
-}
-
-/// One block's part of slope and information, with respect to θ.
-struct Derivatives {
+/// The logarithm of the likelihood at a point, with its slope and information in ln θ.
+struct Point {
+    value: f64,
     slope: DVector<f64>,
     information: DMatrix<f64>,
-    /// Xᵀ W Kₖ P y.
-    of_fixed: DMatrix<f64>,
-}
-
-impl<'a> Solved<'a> {
-    fn of(block: &'a Block, theta: &[f64]) -> Option<Self> {
-        let n = block.vectors.nrows();
-        let mut covariance = DMatrix::zeros(n, n);
-        for (theta, shape) in theta.iter().zip(&block.shapes) {
-            covariance.zip_apply(shape, |sum: &mut f64, shape| *sum += theta * shape);
-        }
-        let factor = covariance.cholesky()?;
-        let roots = factor.l_dirty().diagonal();
-        let n_vectors = block.vectors.ncols() as f64;
-        let log_determinant = 2.0 * n_vectors * roots.iter().map(|root| root.ln()).sum::<f64>();
-        let inverse = factor.inverse();
-        let (vectors, fixed) = (&inverse * &block.vectors, &inverse * &block.fixed);
-        let square = block.vectors.dot(&vectors);
-        Some(Self { block, inverse, vectors, fixed, log_determinant, square })
-    }
-
-    fn derivatives(&self, fixed: &Fixed) -> Derivatives {
-        let shapes = &self.block.shapes;
-        let (n, n_vectors) = (shapes.len(), self.vectors.ncols() as f64);
-        let has_fixed = !fixed.coefficients.is_empty();
-        let mut left = self.vectors.clone();
-        if has_fixed {
-            left.set_column(0, &(left.column(0) - &self.fixed * &fixed.coefficients));
-        }
-        let pulled: Vec<DMatrix<f64>> = shapes.iter().map(|shape| shape * &left).collect();
-        let solved: Vec<DMatrix<f64>> =
-            pulled.iter().map(|pulled| &self.inverse * pulled).collect();
-        let slope = DVector::from_fn(n, |k, _| {
-            let mut trace = n_vectors * self.inverse.dot(&shapes[k]);
-            if has_fixed {
-                let spread = self.fixed.transpose() * (&shapes[k] * &self.fixed);
-                trace -= fixed.inverse.dot(&spread);
-            }
-            left.dot(&pulled[k]) - trace
-        });
-        let information = DMatrix::from_fn(n, n, |k, l| pulled[k].dot(&solved[l]));
-        let mut of_fixed = DMatrix::zeros(fixed.coefficients.len(), n);
-        if has_fixed {
-            for (k, pulled) in pulled.iter().enumerate() {
-                of_fixed.set_column(k, &(self.fixed.transpose() * pulled.column(0)));
-            }
-        }
-        Derivatives { slope, information, of_fixed }
-    }
-}
-
-impl Fixed {
-    fn of(solved: &[Solved<'_>]) -> Option<Self> {
-        let n = solved.first()?.fixed.ncols();
-        let mut precision = DMatrix::identity(n, n);
-        let mut right = DVector::zeros(n);
-        if n > 0 {
-            for block in solved {
-                precision += block.block.fixed.transpose() * &block.fixed;
-                right += block.fixed.transpose() * block.block.vectors.column(0);
-            }
-        }
-        let factor = precision.cholesky()?;
-        let log_determinant =
-            2.0 * factor.l_dirty().diagonal().iter().map(|root| root.ln()).sum::<f64>();
-        let coefficients = factor.solve(&right);
-        let fitted = coefficients.dot(&right);
-        Some(Self { coefficients, inverse: factor.inverse(), log_determinant, fitted })
-    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Block, LogNormal, Point, variances};
+    use super::{LogNormal, Problem, variances};
+    use crate::statistics::blocks::Block;
     use nalgebra::{DMatrix, DVector};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
@@ -307,7 +285,7 @@ mod tests {
     fn variances_of_many_blocks_are_found_within_their_errors() {
         for n_fixed in [0, 2] {
             let truth = [0.04, 0.5];
-            let found = variances(&blocks(400, truth, n_fixed), &vague()).unwrap();
+            let found = variances(&blocks(400, truth, n_fixed), &vague());
             for ((value, se), truth) in found.values.iter().zip(&found.log_se).zip(truth) {
                 assert!((value / truth).ln().abs() < 3.0 * se, "{value} {se} {truth}");
             }
@@ -321,12 +299,15 @@ mod tests {
         for n_fixed in [0, 2] {
             let blocks = blocks(6, [0.3, 0.2], n_fixed);
             let log = [-0.7, -1.9];
-            let here = Point::at(&blocks, &vague(), &log).unwrap();
+            let prior = vague();
+            let problem =
+                Problem { blocks: blocks.iter().collect(), prior: &prior, held: vec![None; 2] };
+            let here = problem.at(&log).unwrap();
             for k in 0..2 {
                 let value = |step: f64| {
                     let mut log = log;
                     log[k] += step;
-                    Point::at(&blocks, &vague(), &log).unwrap().value
+                    problem.at(&log).unwrap().value
                 };
                 let slope = (value(1e-5) - value(-1e-5)) / 2e-5;
                 assert!((slope - here.slope[k]).abs() < 1e-6 * (1.0 + slope.abs()), "{k} {slope}");
@@ -344,7 +325,7 @@ mod tests {
             block.shapes.push(other);
         }
         let prior = [vague()[0], vague()[1], LogNormal { median: 10.0, log_sd: 2.0 }];
-        let found = variances(&blocks, &prior).unwrap();
+        let found = variances(&blocks, &prior);
         assert!(found.iterations < 40, "{found:?}");
         assert!((found.values[1] + found.values[2] - 0.5).abs() < 0.2, "{found:?}");
     }
@@ -354,7 +335,54 @@ mod tests {
         let mut blocks = blocks(40, [0.04, 0.5], 0);
         blocks.iter_mut().for_each(|block| block.shapes[0].fill(0.0));
         let prior = [LogNormal { median: 7.0, log_sd: 1.0 }, vague()[1]];
-        let found = variances(&blocks, &prior).unwrap();
+        let found = variances(&blocks, &prior);
         assert!((found.values[0] / 7.0 - 1.0).abs() < 1e-6 && (found.log_se[0] - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn without_any_block_all_keep_what_was_believed() {
+        let found = variances(&[], &vague());
+        assert_eq!((found.values, found.log_se), (vec![1.0, 0.1], vec![5.0; 2]));
+        assert!(found.dropped.is_empty());
+    }
+
+    #[test]
+    fn a_block_with_a_number_of_no_source_or_beyond_reckoning_is_passed_over() {
+        let spoil: [fn(&mut Block); 2] = [
+            |block| {
+                for shape in &mut block.shapes {
+                    shape.row_mut(3).fill(0.0);
+                    shape.column_mut(3).fill(0.0);
+                }
+            },
+            |block| block.vectors[4] = 1e200,
+        ];
+        for spoil in spoil {
+            let mut all = blocks(400, [0.04, 0.5], 0);
+            spoil(&mut all[7]);
+            let found = variances(&all, &vague());
+            assert_eq!((found.n_unused, found.dropped.len()), (1, 0));
+            let kept: Vec<Block> =
+                all.into_iter().enumerate().filter(|(k, _)| *k != 7).map(|(_, b)| b).collect();
+            assert_eq!(found.values, variances(&kept, &vague()).values);
+        }
+    }
+
+    /// Its shape is no covariance: there is no place where its slope is zero.
+    #[test]
+    fn a_source_that_does_not_settle_is_dropped_and_the_others_are_found() {
+        for n_fixed in [0, 2] {
+            let mut all = blocks(200, [0.04, 0.5], n_fixed);
+            for block in &mut all {
+                let mut shape = DMatrix::zeros(9, 9);
+                (shape[(0, 0)], shape[(1, 1)]) = (1.0, -1.0);
+                (block.vectors[0], block.vectors[1]) = (40.0, 0.0);
+                block.shapes.push(shape);
+            }
+            let prior = [vague()[0], vague()[1], LogNormal { median: 1e-3, log_sd: 1e3 }];
+            let found = variances(&all, &prior);
+            assert!(found.values.iter().chain(&found.log_se).all(|value| value.is_finite()));
+            assert!(found.dropped.contains(&2) && found.values[1] > 0.0, "{found:?}");
+        }
     }
 }

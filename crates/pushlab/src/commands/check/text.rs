@@ -69,7 +69,14 @@ impl Checked {
         writeln!(f, "  of a step or its ends")?;
         noise.sources.iter().filter(|own| !own.of_push).try_for_each(|own| write_source(f, own))?;
         writeln!(f, "  from push to push")?;
-        noise.sources.iter().filter(|own| own.of_push).try_for_each(|own| write_source(f, own))
+        noise.sources.iter().filter(|own| own.of_push).try_for_each(|own| write_source(f, own))?;
+        if noise.n_unused > 0 {
+            writeln!(f, "  {} of the groups or pairs say nothing", noise.n_unused)?;
+        }
+        match noise.dropped[..] {
+            [] => Ok(()),
+            _ => writeln!(f, "  could not be sized: {}", noise.dropped.join(", ")),
+        }
     }
 
     fn write_effects(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
