@@ -216,6 +216,7 @@ fn floor() -> NoiseFloor {
         source: FloorSource::Repeats,
         n_repeats: 9,
         n_cells: 3,
+        widened: Vec::new(),
         numbers: FLOORS.map(floor),
     }
 }

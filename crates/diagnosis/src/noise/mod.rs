@@ -4,4 +4,5 @@
 pub(crate) mod floor_growth;
 pub(crate) mod noise_floor;
 pub(crate) mod noise_model;
+pub(crate) mod predicted_floor;
 pub(crate) mod whitening;

@@ -19,6 +19,10 @@ pub struct NoiseFloor {
     pub n_repeats: usize,
     /// Groups of repeats.
     pub n_cells: usize,
+    /// Names of the numbers whose floor is what sources of error predict of all steps, for repeats at few
+    /// places scatter less.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub widened: Vec<&'static str>,
     /// In the order of [`effects::Channels`].
     pub numbers: [Option<Floor>; 7],
 }
@@ -103,7 +107,7 @@ pub fn noise_floor(
         let of = |number| of_neighbours(&residuals, observations, &pairs, number);
         (FloorSource::Neighbours, std::array::from_fn(of))
     };
-    Ok(NoiseFloor { source, n_repeats, n_cells, numbers })
+    Ok(NoiseFloor { source, n_repeats, n_cells, widened: Vec::new(), numbers })
 }
 
 /// Squares about the mean of steps that repeat each other, summed a push.

@@ -15,6 +15,7 @@ use models::{Base, Description, ModelFile, Unexplained};
 use serde::Serialize;
 
 pub(super) use self::part::Part;
+pub(super) use self::text::widened;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
 use crate::step_size::StepSize;
@@ -24,7 +25,8 @@ use crate::terminal::Terminal;
 /// Tell how wrong a model is on recordings, where, and how wrong it may be at best
 ///
 /// Each step is predicted from its measured start along the pusher's measured way. The floor is how
-/// far repeated pushes differ from each other; without repeats it is estimated from neighbours. Where
+/// far repeated pushes differ from each other, and where few places are repeated what that tells of
+/// others; without repeats it is estimated from neighbours. Where
 /// a model was fitted to a part of these recordings, only the held-out pushes count.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
@@ -96,7 +98,8 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let observations = part.observations(observations)?;
     let predict = |file: &ModelFile| Predictions::of(&file.description, &[], &observations);
     let predictions = predict(&model)?;
-    let floor = noise_floor(&observations, &predictions, &RepeatTolerance::default())?;
+    let floor = noise_floor(&observations, &predictions, &RepeatTolerance::default())?
+        .for_all_places(&model.description, &[], &observations)?;
     let comparison = compare(&observations, &predictions, &floor, &MapSettings::default())?;
     let rollouts = roll_out(&model.description, &[], &observations)?;
     let roll_outs = push_ends(&rollouts);

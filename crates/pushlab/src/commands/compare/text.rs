@@ -3,8 +3,8 @@
 use std::fmt;
 
 use diagnosis::{
-    ChannelChange, ChannelError, Comparison, Floor, FloorSource, IntervalCalibration, PushEnds,
-    Spread,
+    ChannelChange, ChannelError, Comparison, Floor, FloorSource, IntervalCalibration, NoiseFloor,
+    PushEnds, Spread,
 };
 use models::Cluster;
 
@@ -45,7 +45,7 @@ impl fmt::Display for Compared {
         match floor.source {
             FloorSource::Repeats => {
                 let (repeats, cells) = (floor.n_repeats, floor.n_cells);
-                writeln!(f, "  floor: {repeats} repeats of {cells} pushes")?;
+                writeln!(f, "  floor: {repeats} repeats of {cells} pushes{}", widened(floor))?;
             }
             FloorSource::Neighbours => {
                 writeln!(f, "  floor: an estimate from neighbours, for there are no repeats")?;
@@ -82,6 +82,17 @@ fn write_error(f: &mut fmt::Formatter<'_>, error: &ChannelError) -> fmt::Result 
     match nmse {
         Some(nmse) => writeln!(f, "  NMSE {nmse:.4}"),
         None => writeln!(f),
+    }
+}
+
+/// What repeats at few places do not tell, behind how many there are.
+pub(in crate::commands) fn widened(floor: &NoiseFloor) -> String {
+    match floor.widened[..] {
+        [] => String::new(),
+        _ => format!(
+            "; for {} what they tell of its causes, over all steps",
+            floor.widened.join(", ")
+        ),
     }
 }
 

@@ -9,6 +9,7 @@ use effects::Channels;
 
 use super::measure::{Measure, title};
 use super::{Report, Tried, tag};
+use crate::commands::compare::widened;
 
 /// Normal quantile of a 95 % interval.
 const NORMAL_975: f64 = 1.96;
@@ -51,8 +52,10 @@ pub(super) fn floor_source(report: &Report) -> String {
     let floor = &report.floor;
     match floor.source {
         FloorSource::Repeats => format!(
-            "The noise floor is how far pushes differ from their repeats: {} repeats of {} pushes.",
-            floor.n_repeats, floor.n_cells
+            "The noise floor is how far pushes differ from their repeats: {} repeats of {} pushes{}.",
+            floor.n_repeats,
+            floor.n_cells,
+            widened(floor)
         ),
         _ => "The noise floor is an estimate from neighbouring steps, for there are too few \
               repeats: it is too high where a model misses something between neighbours."

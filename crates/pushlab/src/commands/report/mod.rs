@@ -157,11 +157,10 @@ impl Report {
                 let floor = match &floor {
                     Some(floor) => floor,
                     // One floor for all, by the first model.
-                    None => floor.insert(noise_floor(
-                        &observations,
-                        &predictions,
-                        &RepeatTolerance::default(),
-                    )?),
+                    None => floor.insert(
+                        noise_floor(&observations, &predictions, &RepeatTolerance::default())?
+                            .for_all_places(&file.description, &[], &observations)?,
+                    ),
                 };
                 let settings = MapSettings::default();
                 let rollouts = roll_out(&file.description, &[], &observations)?;
