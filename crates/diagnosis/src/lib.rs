@@ -43,6 +43,7 @@ pub use data::repeats::RepeatTolerance;
 pub use data::runs::Runs;
 pub use data::split::split;
 pub use data::steady_ingest::steady_ingest;
+pub use data::step_checks::{Doubt, DoubtfulSteps};
 pub use data::step_suspicions::step_suspicions;
 pub use data::tolerances::Tolerances;
 pub use decide::{

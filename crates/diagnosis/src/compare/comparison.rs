@@ -13,8 +13,9 @@ use crate::compare::residual_map::residual_maps;
 use crate::compare::structure::Structure;
 use crate::compare::worst::worst_pushes;
 use crate::{
-    ChannelError, Concentration, Covariate, DiagnosisError, Finding, IntervalCalibration,
-    MapSettings, NoiseFloor, Observations, Predictions, ResidualMap, Runs, WorstPush,
+    ChannelError, Concentration, Covariate, DiagnosisError, DoubtfulSteps, Finding,
+    IntervalCalibration, MapSettings, NoiseFloor, Observations, Predictions, ResidualMap, Runs,
+    WorstPush,
 };
 
 /// How wrong a model is, where, and how wrong it may be at best; in SI units.
@@ -45,6 +46,9 @@ pub struct Comparison {
     pub worst: Vec<WorstPush>,
     /// Where the model fails, in words: the regions that hold most of the error first.
     pub findings: Vec<Finding>,
+    /// Steps whose motion is hardly one of a push, by kind.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub doubtful: Vec<DoubtfulSteps>,
     /// Where squared error gathers, whether or not it has a sign.
     pub concentrations: Vec<Concentration>,
     /// Mean residuals over covariates and pairs of them, the surest structure first.
@@ -74,6 +78,7 @@ pub fn compare(
         cluster: observations.cluster,
         runs: observations.runs,
         not_asked: not_asked(observations, &channels),
+        doubtful: observations.doubtful(&residuals),
         calibration: calibrations(observations, predictions)?,
         worst: worst_pushes(&residuals, observations, &channels, N_WORST),
         channels,

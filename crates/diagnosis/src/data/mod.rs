@@ -4,6 +4,7 @@
 pub(crate) mod clusters;
 pub(crate) mod covariate;
 pub(crate) mod coverage;
+pub(crate) mod kept_steps;
 pub(crate) mod local_residuals;
 pub(crate) mod motion_steps;
 pub(crate) mod nominal_motion;
@@ -15,6 +16,7 @@ pub(crate) mod runs_of_rows;
 pub(crate) mod second_set;
 pub(crate) mod split;
 pub(crate) mod steady_ingest;
+pub(crate) mod step_checks;
 pub(crate) mod step_suspicions;
 pub(crate) mod thinning;
 pub(crate) mod tolerances;

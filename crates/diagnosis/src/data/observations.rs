@@ -8,13 +8,13 @@ use dataset::{
 };
 use effects::{Channel, Channels, Track};
 use models::{
-    ChannelModel, ChannelObservation, ChannelSteps, Cluster, Description, Excluded,
-    ExclusionReason, Split, StepSelection,
+    ChannelModel, ChannelObservation, Cluster, Description, Excluded, Split, StepSelection,
 };
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::data::clusters::{clusters, numbered};
+use crate::data::kept_steps::kept;
 use crate::{Covariate, DiagnosisError, Runs};
 
 /// Observed steps, the push of each, and the nominal table.
@@ -153,17 +153,7 @@ impl Observations {
     ) -> Result<Self, DiagnosisError> {
         let EffectInfo { object, pusher_radius, support } = *about;
         let found = selection.channel_steps(table, object, pusher_radius)?;
-        let ChannelSteps { steps, rows, mut excluded } = found;
-        // A whole push begins and ends at rest, and is wanted whole.
-        let (wanted, unwanted): (Vec<_>, Vec<_>) =
-            steps.into_iter().zip(rows).partition(|(step, row)| {
-                table.rows[*row].is_whole_push() || is_wanted(&step.input.track)
-            });
-        if !unwanted.is_empty() {
-            let resting = excluded.rows.entry(ExclusionReason::PusherAtRest).or_default();
-            resting.extend(unwanted.into_iter().map(|(_, row)| row));
-        }
-        let (steps, rows): (Vec<_>, Vec<usize>) = wanted.into_iter().unzip();
+        let (steps, rows, excluded) = kept(found, table, is_wanted);
         let rows: Vec<&StepRow> = rows.iter().map(|row| &table.rows[*row]).collect();
         let (mut pushes, mut known) = (Vec::new(), HashMap::new());
         let mut push = |row: &&StepRow| {

@@ -19,6 +19,8 @@ pub enum ExclusionReason {
     AfterContact,
     /// The pusher rests: its direction is not defined.
     PusherAtRest,
+    /// The object's pose jumps as no contact moves it, in this row or earlier in its push.
+    PoseJump,
     /// A flag of the selection, by its name in the table.
     Flag(&'static str),
 }
@@ -46,6 +48,7 @@ impl fmt::Display for ExclusionReason {
         f.write_str(match self {
             Self::AfterContact => "after contact",
             Self::PusherAtRest => "pusher at rest",
+            Self::PoseJump => "after a jump of the pose that no contact makes",
             Self::Flag(name) => name,
         })
     }

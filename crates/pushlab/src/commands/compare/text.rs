@@ -52,6 +52,11 @@ impl fmt::Display for Compared {
             }
         }
         write_growth(f, found)?;
+        for doubtful in &found.doubtful {
+            let [steps, error] = [doubtful.step_share, doubtful.error_share].map(|n| 100.0 * n);
+            let (n, what) = (doubtful.n_steps, doubtful.what.name());
+            writeln!(f, "  {n} steps ({steps:.1} %) {what}: {error:.0} % of the squared error")?;
+        }
         if found.cluster == Cluster::Session {
             writeln!(f, "  ± and tests take whole measuring sessions for independent")?;
         }
