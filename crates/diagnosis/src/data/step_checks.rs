@@ -31,7 +31,7 @@ pub struct DoubtfulSteps {
 pub enum Doubt {
     /// The object does not move, though it is pushed.
     NoMotion,
-    /// Along the contact's normal the object's velocity is off by more than 0.15 of the pusher's.
+    /// Along the contact's normal the object's velocity is off by more than 0.15 of the pusher's along it.
     OffNormal,
     /// The contact slides much faster than the pusher moves.
     FastSlide,
@@ -57,7 +57,9 @@ impl Doubt {
     pub fn name(self) -> &'static str {
         match self {
             Self::NoMotion => "do not move the object",
-            Self::OffNormal => "leave or enter the pusher by more than 0.15 of its way",
+            Self::OffNormal => {
+                "leave or enter the pusher by more than 0.15 of its way along the normal"
+            }
             Self::FastSlide => "slide much faster than the pusher moves",
         }
     }
@@ -114,7 +116,7 @@ impl Observations {
         let edge = perpendicular(&normal);
         if of_contact.norm() + room < LEAST_MOTION * way {
             Some(Doubt::NoMotion)
-        } else if slip.dot(&normal).abs() > OFF_NORMAL * way + room {
+        } else if slip.dot(&normal).abs() > OFF_NORMAL * way * along.dot(&normal).abs() + room {
             Some(Doubt::OffNormal)
         } else if slip.dot(&edge).abs() > FASTEST_SLIDE * way + room {
             Some(Doubt::FastSlide)
