@@ -52,6 +52,9 @@ const POSES_OFF: [f64; 2] = [5e-3, 0.1];
 /// push is at most its way over twice that.
 const LEAST_LEVER: f64 = 0.1;
 
+/// Share of the pushes that a tracking may lose.
+const MOST_JUMPING: f64 = 0.1;
+
 impl Doubt {
     /// In words, of several steps.
     pub fn name(self) -> &'static str {
@@ -75,18 +78,24 @@ pub(crate) fn is_jump(step: &ChannelObservation) -> bool {
     dx.hypot(dy) > LARGEST_WAYS * way + POSES_OFF[0] || dtheta.abs() > way / lever + POSES_OFF[1]
 }
 
-/// Which of some steps, each with its push in the order of time, follow a jump or are one.
+/// Which of some steps, each with its push in the order of time, follow a jump or are one; none where a
+/// good part of the pushes would jump, for then a unit is wrong.
 pub(crate) fn after_jumps<'a>(
     steps: impl Iterator<Item = (usize, &'a ChannelObservation)>,
 ) -> Vec<bool> {
-    let mut lost = HashSet::new();
+    let (mut lost, mut pushes) = (HashSet::new(), HashSet::new());
     let is_after = |(push, step): (usize, &ChannelObservation)| {
+        pushes.insert(push);
         if is_jump(step) {
             lost.insert(push);
         }
         lost.contains(&push)
     };
-    steps.map(is_after).collect()
+    let mut found: Vec<bool> = steps.map(is_after).collect();
+    if lost.len() as f64 > MOST_JUMPING * pushes.len() as f64 {
+        found.fill(false);
+    }
+    found
 }
 
 fn way(input: &StepInput) -> f64 {
@@ -167,10 +176,15 @@ mod tests {
         assert!(marked(&all).iter().all(|is_after| !is_after));
         let flip = (1..all.n_steps()).find(|step| all.goes_on(*step)).unwrap();
         all.steps[flip].observed[2] = Some(113.0_f64.to_radians());
-        let marked = marked(&all);
-        for (step, is_after) in marked.into_iter().enumerate() {
+        let found = marked(&all);
+        for (step, is_after) in found.into_iter().enumerate() {
             assert_eq!(is_after, all.push_of[step] == all.push_of[flip] && step >= flip, "{step}");
         }
+        // In degrees nearly all turn too far: that is told by others.
+        for step in &mut all.steps {
+            step.observed[2] = step.observed[2].map(|turn| 57.3 * turn);
+        }
+        assert!(marked(&all).iter().all(|is_after| !is_after));
     }
 
     #[test]
