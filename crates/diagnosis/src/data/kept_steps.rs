@@ -5,7 +5,7 @@ use effects::Track;
 use models::{ChannelObservation, ChannelSteps, Excluded, ExclusionReason};
 
 use crate::data::clusters::numbered;
-use crate::data::step_checks::after_jumps;
+use crate::data::pose_jumps::after_jumps;
 
 /// What is observed in a row, and its number.
 type Known = (ChannelObservation, usize);

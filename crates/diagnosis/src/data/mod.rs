@@ -10,6 +10,7 @@ pub(crate) mod motion_steps;
 pub(crate) mod nominal_motion;
 pub(crate) mod observations;
 pub(crate) mod observed_clusters;
+pub(crate) mod pose_jumps;
 pub(crate) mod repeats;
 pub(crate) mod runs;
 pub(crate) mod runs_of_rows;
