@@ -29,9 +29,8 @@ pub(crate) fn kept(
     };
     let steps: Vec<Known> = steps.into_iter().zip(rows).collect();
     // A whole push begins and ends at rest, and is wanted whole.
-    let moves = |(step, row): &Known| {
-        table.rows[*row].is_whole_push() || is_wanted(&step.input.track)
-    };
+    let moves =
+        |(step, row): &Known| table.rows[*row].is_whole_push() || is_wanted(&step.input.track);
     let moves = steps.iter().map(moves).collect();
     let steps = keep(steps, moves, ExclusionReason::PusherAtRest);
     let push = |row: usize| (&table.rows[row].recording, table.rows[row].push);

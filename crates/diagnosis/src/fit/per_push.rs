@@ -253,18 +253,18 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
         let n = observations.pushes.len();
         let frictions: Vec<f64> = (0..n).map(|_| 0.25 * (sd * normal(&mut rng)).exp()).collect();
-        for push in 0..n {
+        for (push, friction) in frictions.into_iter().enumerate() {
             let mut one = model.clone();
-            *one.effects.last_mut().unwrap() = with(frictions[push]);
+            *one.effects.last_mut().unwrap() = with(friction);
             let steps: Vec<usize> = (0..observations.steps.len())
                 .filter(|k| observations.push_of[*k] == push)
                 .collect();
             let predicted = Predictions::of(&one, &[], &observations).unwrap();
             for step in steps {
-                for number in 0..3 {
-                    let made = predicted.steps()[step][number];
-                    let noise = 0.3 * NOISE[number] * normal(&mut rng);
-                    observations.steps[step].observed[number] = made.map(|at| at + noise);
+                let motion = observations.steps[step].observed.iter_mut().take(3).zip(NOISE);
+                for ((observed, sd), made) in motion.zip(predicted.steps()[step]) {
+                    let noise = 0.3 * sd * normal(&mut rng);
+                    *observed = made.map(|at| at + noise);
                 }
             }
         }

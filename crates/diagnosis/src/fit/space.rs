@@ -50,17 +50,7 @@ impl<'a> Space<'a> {
             ChannelModel::new(&bare, observations.support, &[])?.physics(&first)?.rig().clone();
         let mut ids: Vec<&str> = asked.to_vec();
         ids.extend(model.effects.iter().map(|effect| effect.id.as_str()));
-        let known = all().iter().chain(&settings.own).map(|effect| effect.info());
-        // Where it is said where the weight rests, its mean distance follows.
-        let says_where = |id: &&str| {
-            let effect = by_id_with(id, &settings.own);
-            effect.is_ok_and(|effect| effect.info().stages.contains(&Stage::Pressure))
-        };
-        let follows = |about: &EffectInfo| about.id == PressureRadius.info().id;
-        let has_spots = ids.iter().any(says_where);
-        let is_open = |about: &&EffectInfo| about.nuisance != Nuisance::No;
-        let nuisances = known.filter(is_open).filter(|about| !(has_spots && follows(about)));
-        ids.extend(nuisances.map(|about| about.id));
+        ids.extend(nuisances(&ids, settings));
         let (mut members, mut seen) = (Vec::new(), Vec::new());
         for id in ids {
             let effect = by_id_with(id, &settings.own).map_err(models::ModelError::from)?;
@@ -194,6 +184,20 @@ impl<'a> Space<'a> {
             .collect::<Result<_, effects::EffectError>>()
             .map_err(models::ModelError::from)?)
     }
+}
+
+/// The ids of what nobody knows exactly, beside effects with other ids: where it is said where the weight
+/// rests, its mean distance follows.
+fn nuisances(ids: &[&str], settings: &FitSettings) -> Vec<&'static str> {
+    let says_where = |id: &&str| {
+        let effect = by_id_with(id, &settings.own);
+        effect.is_ok_and(|effect| effect.info().stages.contains(&Stage::Pressure))
+    };
+    let has_spots = ids.iter().any(says_where);
+    let follows = |about: &EffectInfo| has_spots && about.id == PressureRadius.info().id;
+    let known = all().iter().chain(&settings.own).map(|effect| effect.info());
+    let is_open = |about: &&EffectInfo| about.nuisance != Nuisance::No && !follows(about);
+    known.filter(is_open).map(|about| about.id).collect()
 }
 
 /// A member that says where the object rests, from what is known or else from where the motions say

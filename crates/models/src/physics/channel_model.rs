@@ -12,6 +12,9 @@ use planar::{Pose, Twist};
 
 use crate::{Analytical, Base, CharacteristicLength, Description, ModelError, SurfaceKind};
 
+/// The expected motion of a step and its covariance over pushes.
+pub type MotionOverPushes = (Vector3<f64>, Matrix3<f64>);
+
 /// An analytical model with its effects on a table: motion, contact force and contact gap.
 ///
 /// The limit surface is that of the base model; a given characteristic length acts as the effect
@@ -81,7 +84,7 @@ impl ChannelModel {
     pub fn motion_over_pushes<'a>(
         &self,
         steps: impl IntoIterator<Item = &'a StepInput>,
-    ) -> Result<Vec<(Vector3<f64>, Matrix3<f64>)>, ModelError> {
+    ) -> Result<Vec<MotionOverPushes>, ModelError> {
         let motion = |channels: &Channels| Vector3::new(channels.dx, channels.dy, channels.dtheta);
         self.of_each(steps, |physics, step| {
             let varied = physics.predict_varied(step)?;

@@ -195,7 +195,7 @@ impl Table {
     fn read(path: &Path) -> Result<Self> {
         let mapping = TableMapping::mit_table()?;
         let table = mapping.read_table(path)?;
-        let observations = Observations::of_mapped(&table, &mapping)?;
+        let observations = Observations::of_rows(&table, &mapping)?;
         let objects = ObjectChoice::Fixed(Box::new(mapping.object.clone()));
         let found =
             StepSelection::default().channel_steps(&table, &objects, mapping.pusher.radius)?;
