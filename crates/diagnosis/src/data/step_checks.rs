@@ -67,6 +67,10 @@ impl Observations {
         let step = &self.steps[index];
         let [Some(dx), Some(dy), Some(dtheta), ..] = step.observed else { return None };
         let input = &step.input;
+        // A whole push bends on its way.
+        if !input.touching {
+            return None;
+        }
         let (along, way) = (input.direction_w(), way(input));
         let center_b = input.pose_wb.inverse_transform_point(&input.track.start());
         let contact = input.object.shape().contact(&center_b, input.pusher_radius);

@@ -159,7 +159,7 @@ fn fitted(fitted: Option<&Fitted>) -> String {
         })
         .collect();
     format!(
-        "\nFitted to every second push, μp = {value:.3} ± {se:.3} and c = {c:.2} ± {c_se:.2} mm. The error \
+        "\nFitted to every second row, μp = {value:.3} ± {se:.3} and c = {c:.2} ± {c_se:.2} mm. The error \
          on\nthe other half: {}.\n",
         shown.join(", ")
     )

@@ -43,9 +43,9 @@ pub(super) fn one_step_table(path: &Path) -> Result<Compared> {
     let nominal = Analytical::nominal(mapping.pusher.friction)?;
     let (train, test) = halves(&steps_of(&table, &mapping)?);
     let fit = nominal.fit(&train)?.model;
-    let names: Vec<String> =
-        test.iter().map(|index| observations.pushes()[*index].to_string()).collect();
-    let held_out = observations.part(&names)?;
+    let rows = Observations::of_rows(&table, &mapping)?;
+    let names: Vec<String> = test.iter().map(|index| rows.pushes()[*index].to_string()).collect();
+    let held_out = rows.part(&names)?;
     let CharacteristicLength::Given(length) = fit.length().clone() else {
         anyhow::bail!("the fit has left c as it was");
     };
