@@ -101,6 +101,14 @@ pub enum DiagnosisError {
         /// What stands in the way.
         because: &'static str,
     },
+    /// An effect of which no fit tells how it differs from push to push.
+    #[error("how {effect} differs from push to push is not fitted: {why}")]
+    NotPerPush {
+        /// Id of the effect.
+        effect: &'static str,
+        /// Why, and what to do.
+        why: &'static str,
+    },
     /// A search did not end.
     #[error(
         "{what} did not converge: after {iterations} iterations the likelihood still rises by \

@@ -46,7 +46,8 @@ const HALVINGS: usize = 2;
 /// Steps count as independent, whatever they share; the gain's standard error is over whole clusters.
 ///
 /// # Errors
-/// `Model` for an effect that the model lacks and for what a prediction refuses.
+/// `NotPerPush` for an effect that the model lacks, or whose parameters are no plain numbers or vectors;
+/// `Model` for what a prediction refuses.
 pub fn fit_per_push(
     observations: &Observations,
     model: &Description,
@@ -55,9 +56,17 @@ pub fn fit_per_push(
 ) -> Result<SpreadFit, DiagnosisError> {
     let effect = by_id_with(effect, &settings.own).map_err(models::ModelError::from)?;
     let about = effect.info();
-    let is_moved =
-        |parameter: &&Parameter| !matches!(parameter.role, Role::Switch | Role::Threshold);
-    let parameters: Vec<&Parameter> = about.parameters.iter().filter(is_moved).collect();
+    let refuse = |why| Err(DiagnosisError::NotPerPush { effect: about.id, why });
+    let is_plain = |parameter: &Parameter| {
+        matches!(parameter.role, Role::Even | Role::Odd | Role::Share | Role::X(_) | Role::Y(_))
+    };
+    if !about.parameters.iter().all(is_plain) {
+        return refuse("its parameters are no plain numbers; choose an effect that has such alone");
+    }
+    if !model.effects.iter().any(|carried| carried.id == about.id) {
+        return refuse("the model does not carry it; add it first");
+    }
+    let parameters: Vec<&Parameter> = about.parameters.iter().collect();
     let tried = |size: f64| -> Result<Tried, DiagnosisError> {
         let spread = of_size(&parameters, size);
         let mut model = model.clone();
@@ -273,6 +282,21 @@ mod tests {
         let Spread::RelativeSd(sd) = fit.spread else { panic!("{:?}", fit.spread) };
         assert_eq!(fit.parameters, ["friction"]);
         (sd, fit.gain)
+    }
+
+    #[test]
+    fn what_no_fit_tells_is_refused() {
+        let (observations, mut model) = recorded(1);
+        let refused = |model: &models::Description, id: &str| {
+            let error = fit_per_push(&observations, model, id, &FitSettings::default());
+            error.unwrap_err().to_string()
+        };
+        assert!(refused(&model, "pusher-friction").contains("add it first"));
+        let about = by_id("inertia").unwrap().info();
+        model.effects.push(effects::Setting::new(about, &[1.0]).into());
+        for id in ["inertia", "support-points", "table-anisotropy", "vertex-contact"] {
+            assert!(refused(&model, id).contains("no plain numbers"), "{id}");
+        }
     }
 
     #[test]

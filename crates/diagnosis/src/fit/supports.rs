@@ -2,7 +2,7 @@
 
 use effects::{Effect, Object, Parameter, Role, Spot};
 use models::ChannelObservation;
-use nalgebra::{DMatrix, Matrix2, Vector2, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2, Vector3};
 use planar::{Pose, perpendicular};
 
 use crate::Observations;
@@ -77,7 +77,7 @@ impl PushedMotions {
                 slopes
             })
             .collect();
-        let mut shares = best_mixture(&DMatrix::identity(spots.len(), spots.len()));
+        let mut shares = DVector::repeat(spots.len(), 1.0 / spots.len() as f64);
         for _ in 0..ROUNDS {
             // Moments in errors of the motion.
             let sizes: Vec<f64> = slopes
@@ -133,9 +133,6 @@ impl PushedMotion {
     fn of(step: &ChannelObservation) -> Option<Self> {
         let [Some(along), Some(across), Some(turn), ..] = step.observed else { return None };
         let input = &step.input;
-        if !input.touching {
-            return None;
-        }
         let direction = input.direction_w();
         let moved_w = along * direction + across * perpendicular(&direction);
         let middle = Pose {
@@ -145,6 +142,10 @@ impl PushedMotion {
         let pusher = input.track.at(0.5 * input.track.duration()).0;
         let center = middle.inverse_transform_point(&pusher);
         let contact = input.object.shape().contact(&center, input.pusher_radius);
+        // A whole push may begin before the touch; half-way it is under way.
+        if !(input.touching || contact.gap.abs() < input.pusher_radius) {
+            return None;
+        }
         let moved = middle.inverse_rotate(&moved_w);
         let motion = Vector3::new(moved.x, moved.y, turn);
         (motion != Vector3::zeros()).then_some(Self { point: contact.point, motion })

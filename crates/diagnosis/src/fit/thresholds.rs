@@ -39,8 +39,8 @@ impl Problem<'_> {
         Ok(x)
     }
 
-    /// The values of a limit under which the sum, at the others' values, is as good as the best; none
-    /// where that goes on to the largest that were tried.
+    /// From the value of a limit to those under which the sum, at the others' values, is as good as the
+    /// best; none where that goes on to the largest that were tried.
     ///
     /// # Errors
     /// What a prediction refuses.
@@ -57,8 +57,8 @@ impl Problem<'_> {
         let (first, last) = (tried.iter().position(is_good), tried.iter().rposition(is_good));
         let (Some(first), Some(last)) = (first, last) else { return Ok(None) };
         let after = tried.get(last + 1);
-        let low95 = tried[first.saturating_sub(1)].0;
-        Ok(after.map(|(high95, _)| Interval { low95, high95: *high95 }))
+        let low95 = tried[first.saturating_sub(1)].0.min(x[k]);
+        Ok(after.map(|(high95, _)| Interval { low95, high95: high95.max(x[k]) }))
     }
 
     fn tried(&self, x: &[f64], k: usize, parameter: &Parameter) -> Result<Tried, DiagnosisError> {
