@@ -143,8 +143,9 @@ impl Supports {
             text,
             "\nThe center of friction differs from push to push by {} mm in each direction (standard \
              deviation, by fold).\n\n![Feet of five folds under the square](real-data-feet.svg)\n\n\
-             The points of each fold, their area by the share that they bear: their places are not \
-             unique, for other points have nearly the same limit surface.\n",
+             The points of each fold, their area by the share that they bear. Folds share most of their rows: \
+             that they agree does not make the places unique, for other points have nearly the same limit \
+             surface.\n",
             spreads.join(", ")
         );
         text
