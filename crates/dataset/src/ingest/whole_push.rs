@@ -60,13 +60,6 @@ struct Rig<'a> {
     settings: &'a IngestSettings,
 }
 
-/// The pusher's way from the start of a push, with its clock.
-struct Way {
-    points: Vec<(f64, Vector2<f64>)>,
-    /// Whether the force says that the pusher presses from the start on.
-    presses: bool,
-}
-
 /// How closely a touch is found, in m.
 const TOUCH: f64 = 1e-6;
 /// A way this near to its simpler form is that, in m.
@@ -105,24 +98,16 @@ impl Rig<'_> {
         }
     }
 
-    /// The way from the moment at which the force says that the object begins to move, or all of it.
-    fn way(&self, push: &WholePush) -> Result<Way, Exclusion> {
-        let onset = onset(&push.force, self.settings.contact.least_force);
-        let mut points = push.tip.clone();
-        if let Some(onset) = onset {
-            let first = points.partition_point(|(t, _)| *t <= onset);
-            if let Some(begin) = first.checked_sub(1).filter(|_| first < points.len()) {
-                points[begin] = (onset, between(points[begin], points[first], onset));
-                points.drain(..begin);
-            }
-        }
+    /// The pusher's way, of few points.
+    fn way(&self, push: &WholePush) -> Result<Vec<(f64, Vector2<f64>)>, Exclusion> {
+        let points = &push.tip;
         let duration =
             points.last().zip(points.first()).map_or(0.0, |(last, first)| last.0 - first.0);
         let way: f64 = points.windows(2).map(|pair| (pair[1].1 - pair[0].1).norm()).sum();
         if !(duration >= 1e-9 && way > 0.0) {
-            return Err(Exclusion::NoWay { points: push.tip.len() });
+            return Err(Exclusion::NoWay { points: points.len() });
         }
-        Ok(Way { points: simpler(&points), presses: onset.is_some() })
+        Ok(simpler(points))
     }
 
     fn contact(&self, pose: &Pose, center_w: &Vector2<f64>) -> Contact {
@@ -134,14 +119,14 @@ impl Rig<'_> {
     ///
     /// While a pusher goes on by L it turns an object by L/(2 c) at most, with c of its limit surface;
     /// twice that with c of uniform pressure is no push of any pressure that feet have.
-    fn fault(&self, push: &WholePush, way: &Way) -> Option<Exclusion> {
+    fn fault(&self, push: &WholePush, way: &[(f64, Vector2<f64>)]) -> Option<Exclusion> {
         let (start, end) = (&push.object_start, &push.object_end);
         let turn_rad = wrap_angle(end.angle - start.angle);
         let center = self.outline.shape.centroid();
         let moved_m = (end.transform_point(&center) - start.transform_point(&center)).norm();
         let near = |pose: &Pose, point: &Vector2<f64>| self.contact(pose, point).gap < NEAR;
-        let points = finely(&way.points);
-        let first = points.iter().position(|point| way.presses || near(start, point));
+        let points = finely(way);
+        let first = points.iter().position(|point| near(start, point));
         let last = points.iter().rposition(|point| near(end, point));
         let way_m: f64 = match (first, last) {
             (Some(first), Some(last)) if first < last => {
@@ -155,8 +140,13 @@ impl Rig<'_> {
         (is_flip || is_jump).then_some(Exclusion::TrackingFlip { turn_rad, moved_m, way_m })
     }
 
-    fn row(&self, push: &WholePush, way: &Way, recording: &RecordingReport) -> StepRow {
-        let (start, end) = (way.points[0], way.points[way.points.len() - 1]);
+    fn row(
+        &self,
+        push: &WholePush,
+        way: &[(f64, Vector2<f64>)],
+        recording: &RecordingReport,
+    ) -> StepRow {
+        let (start, end) = (way[0], way[way.len() - 1]);
         let (pose, dt) = (&push.object_start, end.0 - start.0);
         let velocity = (end.1 - start.1) / dt;
         let speed = velocity.norm();
@@ -170,10 +160,11 @@ impl Rig<'_> {
             if at_rest { 0.0 } else { cross(&edge_normal, &along).atan2(edge_normal.dot(&along)) };
         let moved = push.object_end.position - pose.position;
         let last = self.contact(&push.object_end, &end.1);
+        let gap_start = self.contact(pose, &start.1).gap;
         let mut flags = Flags::WHOLE_PUSH;
-        flags.set_if(Flags::STARTS_IN_CONTACT, way.presses);
+        flags.set_if(Flags::STARTS_IN_CONTACT, gap_start <= TOUCH);
         flags.set_if(Flags::PUSHER_AT_REST, at_rest);
-        let inner = &way.points[1..way.points.len() - 1];
+        let inner = &way[1..way.len() - 1];
         StepRow {
             recording: Arc::from(recording.name.as_str()),
             session: push.session.as_deref().or(recording.session.as_deref()).map(Arc::from),
@@ -196,8 +187,8 @@ impl Rig<'_> {
             dx: along.dot(&moved),
             dy: perpendicular(&along).dot(&moved),
             dtheta: wrap_angle(push.object_end.angle - pose.angle),
-            force: self.force(push, touch.0, [start.0, end.0]),
-            gap_start: self.contact(pose, &start.1).gap,
+            force: self.force(push, touch.0, end.0),
+            gap_start,
             gap_end: last.gap,
             slip: self.outline.way(&contact, &last),
             flags,
@@ -208,11 +199,8 @@ impl Rig<'_> {
     /// Time and place of the first touch of the resting object, or of the start where there is none.
     ///
     /// No point of the outline is nearer than the gap, so that a way as long as the gap meets none.
-    fn first_touch(&self, pose: &Pose, way: &Way) -> (f64, Vector2<f64>) {
-        if way.presses {
-            return way.points[0];
-        }
-        for pair in way.points.windows(2) {
+    fn first_touch(&self, pose: &Pose, way: &[(f64, Vector2<f64>)]) -> (f64, Vector2<f64>) {
+        for pair in way.windows(2) {
             let length = (pair[1].1 - pair[0].1).norm();
             let mut gone = 0.0;
             while gone < length {
@@ -225,12 +213,13 @@ impl Rig<'_> {
                 gone += gap;
             }
         }
-        way.points[0]
+        way[0]
     }
 
-    /// The mean force over the way, in the frame of the contact with an object that moves evenly from
-    /// its first touch on.
-    fn force(&self, push: &WholePush, touch: f64, [from, to]: [f64; 2]) -> Option<StepForce> {
+    /// The mean force from its onset on, in the frame of the contact with an object that moves evenly
+    /// from its first touch on.
+    fn force(&self, push: &WholePush, touch: f64, to: f64) -> Option<StepForce> {
+        let from = onset(&push.force, self.settings.contact.least_force).unwrap_or(touch);
         let forces: Vec<ContactForce> = push
             .force
             .iter()
