@@ -290,6 +290,7 @@ mod tests {
         let found = |p: f64| EffectFit {
             id: "pusher-friction",
             parameters: Vec::new(),
+            follows: Vec::new(),
             p,
             resemblances: Vec::new(),
             undetermined: None,

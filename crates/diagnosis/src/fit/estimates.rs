@@ -1,12 +1,13 @@
 //! From a minimum to estimates that people read.
 
-use effects::{Channels, Off, Parameter, Role, Setting};
-use models::{Analytical, Base, CharacteristicLength, Description, ModelEffect};
+use effects::{Channels, Off, Role, Setting};
+use models::{Description, ModelEffect};
 use nalgebra::{DMatrix, DVector};
 
 use super::descent::Minimum;
+use super::fitted_model::put;
 use super::interval::{Interval, Target, interval};
-use super::member::{Member, Part};
+use super::member::{CHART_STEP, Member, Part};
 use super::problem::Problem;
 use super::resemblance::{Resemblance, resemblances};
 use super::sandwich::Sandwich;
@@ -119,7 +120,7 @@ impl Ending<'_> {
     fn values(&self, index: usize) -> (Vec<f64>, [DMatrix<f64>; 2]) {
         let member = &self.problem.space.members[index];
         let (x, columns) = self.own(index);
-        let slopes = value_slopes(member, &x);
+        let slopes = member.value_slopes(&x);
         let of = |matrix| &slopes * self.block(&columns, matrix) * slopes.transpose();
         let Sandwich { covariance, of_curvature } = &self.sandwich;
         (member.values(&x), [of(covariance), of(of_curvature)])
@@ -142,7 +143,7 @@ impl Ending<'_> {
             let interval = match parameter.role {
                 Role::Threshold => self.limits(index, k)?,
                 Role::X(_) | Role::Y(_) | Role::Part | Role::Cell if member.is_mixture() => {
-                    self.of_cluster_scatter(parameter, value, se)
+                    self.of_cluster_scatter(parameter.range, value, se)
                 }
                 _ if has_intervals && se > 0.0 => self.interval(index, k, &covariances)?,
                 _ => None,
@@ -158,7 +159,8 @@ impl Ending<'_> {
         let undetermined = unseen
             .or_else(|| alike(&resemblances))
             .or_else(|| open(member, &parameters, has_intervals));
-        Ok(EffectFit { id: member.id(), parameters, p, resemblances, undetermined })
+        let follows = self.follows(index);
+        Ok(EffectFit { id: member.id(), parameters, follows, p, resemblances, undetermined })
     }
 
     /// The values of a limit that are as good as the best.
@@ -168,12 +170,40 @@ impl Ending<'_> {
         self.problem.limits(&self.minimum().at.x, k, parameter)
     }
 
-    /// The interval by a standard error, within the range of a parameter; none without one.
-    fn of_cluster_scatter(&self, parameter: &Parameter, value: f64, se: f64) -> Option<Interval> {
+    /// The interval by a standard error, within a range; none without one.
+    fn of_cluster_scatter(&self, (low, high): (f64, f64), value: f64, se: f64) -> Option<Interval> {
         let reach = student_975(self.clusters.len() as f64 - 1.0) * se;
-        let (low, high) = parameter.range;
         let (low95, high95) = ((value - reach).max(low), (value + reach).min(high));
         (se > 0.0).then_some(Interval { low95, high95 })
+    }
+
+    /// What follows from where the object rests.
+    fn follows(&self, index: usize) -> Vec<ParameterFit> {
+        let member = &self.problem.space.members[index];
+        let (x, columns) = self.own(index);
+        let Some(told) = member.support(&x) else { return Vec::new() };
+        let mut slopes = DMatrix::zeros(told.len(), x.len());
+        for (k, coordinate) in member.coordinates.iter().enumerate() {
+            let mut moved = x.clone();
+            moved[k] -= CHART_STEP * coordinate.secant;
+            for (row, (moved, at)) in member.support(&moved).iter().flatten().zip(&told).enumerate()
+            {
+                slopes[(row, k)] = (at - moved) / (CHART_STEP * coordinate.secant);
+            }
+        }
+        let covariance =
+            &slopes * self.block(&columns, &self.sandwich.covariance) * slopes.transpose();
+        let names = [
+            ("center of friction x", f64::NEG_INFINITY),
+            ("center of friction y", f64::NEG_INFINITY),
+            ("mean distance c", 0.0),
+        ];
+        let one = |(k, ((name, least), value)): (usize, ((&'static str, f64), f64))| {
+            let se = covariance[(k, k)].sqrt();
+            let interval = self.of_cluster_scatter((least, f64::INFINITY), value, se);
+            ParameterFit { name, unit: "m", off: None, value, se, interval }
+        };
+        names.into_iter().zip(told).enumerate().map(one).collect()
     }
 
     fn interval(
@@ -292,32 +322,6 @@ impl Ending<'_> {
     }
 }
 
-/// Puts an effect in the place of the one with its id, of the base's own number, or at the end.
-fn put(model: &mut Description, effect: ModelEffect) -> Result<(), DiagnosisError> {
-    if let Some(known) = model.effects.iter_mut().find(|known| known.id == effect.id) {
-        *known = ModelEffect { per_push: std::mem::take(&mut known.per_push), ..effect };
-        return Ok(());
-    }
-    if let Base::Analytical(base) = &model.base {
-        let (friction, length) = match effect.id.as_str() {
-            "pusher-friction" => {
-                (effect.parameters.values().next().cloned(), base.length().clone())
-            }
-            "pressure-radius" => (None, CharacteristicLength::UniformPressure),
-            _ => (None, base.length().clone()),
-        };
-        let is_base = friction.is_some();
-        let friction = friction.unwrap_or_else(|| base.pusher_friction().clone());
-        let changed = Analytical::new(friction, length, *base.scatter())?;
-        model.base = Base::Analytical(changed.with_surface(base.surface())?);
-        if is_base {
-            return Ok(());
-        }
-    }
-    model.effects.push(effect);
-    Ok(())
-}
-
 /// Probability, were the mean gain of a cluster 0, of gains as large as those of some pushes.
 fn p_of_mean(of_push: &[f64], clusters: &[Vec<usize>]) -> f64 {
     let sum = |pushes: &Vec<usize>| pushes.iter().map(|push| of_push[*push]).sum::<f64>();
@@ -327,33 +331,6 @@ fn p_of_mean(of_push: &[f64], clusters: &[Vec<usize>]) -> f64 {
     let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (n - 1.0);
     student_tail(mean / (variance / n).sqrt().max(f64::MIN_POSITIVE), n - 1.0)
 }
-
-/// −∂z of values by the numbers in which an effect is moved.
-fn value_slopes(member: &Member, x: &[f64]) -> DMatrix<f64> {
-    let values = member.values(x);
-    let mut slopes = DMatrix::zeros(values.len(), x.len());
-    for (k, coordinate) in member.coordinates.iter().enumerate() {
-        let size = NUDGE * coordinate.secant;
-        // Values stay within their ranges: at the upper end a step leads back.
-        let step = if x[k] + size > coordinate.range.1 { -size } else { size };
-        let mut moved = x.to_vec();
-        moved[k] += step;
-        let moved = member.values(&moved);
-        for (row, (parameter, (moved, value))) in
-            member.parameters().iter().zip(moved.iter().zip(&values)).enumerate()
-        {
-            let change = match parameter.role {
-                Role::Direction(_) => 0.5 * planar::wrap_angle(2.0 * (moved - value)),
-                _ => moved - value,
-            };
-            slopes[(row, k)] = change / step;
-        }
-    }
-    slopes
-}
-
-/// Step of differences between charts, in secants.
-const NUDGE: f64 = 1e-4;
 
 /// Whether a coordinate tells how large the effect is: not so a direction or a reference.
 fn is_size(member: &Member, k: usize) -> bool {

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use effects::{Coordinate, Effect, Object, Parameter, Rig, Role};
-use nalgebra::Vector2;
+use effects::{Coordinate, Effect, Object, Parameter, Rig, Role, SupportSummary};
+use nalgebra::{DMatrix, Vector2};
 
 /// Why an effect is moved, and what becomes of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -158,6 +158,40 @@ impl Member {
         self.parts().next().is_some()
     }
 
+    /// How values follow the numbers in which the effect is moved.
+    pub(super) fn value_slopes(&self, x: &[f64]) -> DMatrix<f64> {
+        let values = self.values(x);
+        let mut slopes = DMatrix::zeros(values.len(), x.len());
+        for (k, coordinate) in self.coordinates.iter().enumerate() {
+            let size = CHART_STEP * coordinate.secant;
+            // Values stay within their ranges: at the upper end a step leads back.
+            let step = if x[k] + size > coordinate.range.1 { -size } else { size };
+            let mut moved = x.to_vec();
+            moved[k] += step;
+            let pairs = self.values(&moved).into_iter().zip(&values);
+            for (row, (parameter, (moved, value))) in
+                self.parameters().iter().zip(pairs).enumerate()
+            {
+                let change = match parameter.role {
+                    Role::Direction(_) => 0.5 * planar::wrap_angle(2.0 * (moved - value)),
+                    _ => moved - value,
+                };
+                slopes[(row, k)] = change / step;
+            }
+        }
+        slopes
+    }
+
+    /// Center of friction and mean distance of the pressure from it, in m, of a place of its numbers; none
+    /// of an effect that does not say where the object rests.
+    pub(super) fn support(&self, x: &[f64]) -> Option<[f64; 3]> {
+        let object = self.object.as_ref().filter(|_| self.is_mixture())?;
+        let mut spots = Vec::new();
+        self.effect.spots(&self.values(x), object, &mut spots);
+        let SupportSummary { center_of_friction_o, mean_distance } = object.support_summary(&spots);
+        Some([center_of_friction_o.x, center_of_friction_o.y, mean_distance])
+    }
+
     /// Whether it is one that is written.
     pub(super) fn is_moved_mixture(&self) -> bool {
         self.part != Part::Nuisance && self.is_mixture()
@@ -271,6 +305,8 @@ fn is_part(parameter: &Parameter) -> bool {
 const ROOM: f64 = 2.0;
 const ROUNDING: f64 = 1e-9;
 
+/// Step of differences between charts, in secants.
+pub(super) const CHART_STEP: f64 = 1e-4;
 /// A difference of this many standard errors tells how coordinates follow values.
 const NUDGE: f64 = 1e-3;
 

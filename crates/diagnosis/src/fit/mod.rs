@@ -3,9 +3,11 @@
 
 mod descent;
 mod estimates;
+mod fitted_model;
 mod interval;
 mod left_out;
 mod member;
+mod motion_errors;
 mod per_push;
 mod problem;
 mod refit;
@@ -25,7 +27,8 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 pub use self::interval::Interval;
-pub use self::per_push::{MotionErrors, SpreadFit, fit_per_push};
+pub use self::motion_errors::MotionErrors;
+pub use self::per_push::{SpreadFit, fit_per_push};
 pub(crate) use self::refit::{Refit, Trial};
 pub use self::resemblance::Resemblance;
 
@@ -101,6 +104,9 @@ pub struct EffectFit {
     pub id: &'static str,
     /// Its parameters, as people read them.
     pub parameters: Vec<ParameterFit>,
+    /// What follows from them: of an effect that says where the object rests, the center of friction
+    /// and the mean distance c of the pressure from it ([`effects::SupportSummary`]).
+    pub follows: Vec<ParameterFit>,
     /// Probability, were the effect not there, of an estimate as far from "off".
     pub p: f64,
     /// What it could be taken for in these data.

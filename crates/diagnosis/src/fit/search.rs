@@ -83,22 +83,21 @@ impl Problem<'_> {
         let is_final = exactness == Exactness::Estimates;
         let on_the_way = if is_final { Exactness::Sum } else { exactness };
         let mut start = Start { at: self.stand(x)?, slopes, exactness: on_the_way };
-        for _ in 1..MOST_ROUNDS {
+        let mut rounds = 1;
+        loop {
             self.robust = Robust::at(&rows, &start.at.z);
             start.at.value = self.robust.value(&start.at.z);
             let found = self.descend(start)?;
             let next = Robust::at(&rows, &found.at.z);
             start = Start { at: found.at.clone(), slopes: Some(found.whole.clone()), exactness };
-            if (next.scale() / self.robust.scale() - 1.0).abs() < SETTLED {
+            let is_settled = (next.scale() / self.robust.scale() - 1.0).abs() < SETTLED;
+            // Weights that go back and forth between two minima stay as they are.
+            if is_settled || rounds == MOST_ROUNDS {
                 return if is_final { self.descend(start) } else { Ok(found) };
             }
             start.exactness = on_the_way;
+            rounds += 1;
         }
-        Err(DiagnosisError::NotConverged {
-            what: "the fit",
-            iterations: MOST_ROUNDS,
-            decrement: f64::INFINITY,
-        })
     }
 
     /// The place with the switches of what was asked for set.

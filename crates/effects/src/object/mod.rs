@@ -5,6 +5,7 @@ pub(crate) mod patch_table;
 pub(crate) mod points;
 pub(crate) mod pressure;
 pub(crate) mod spots;
+pub(crate) mod support_summary;
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 

@@ -85,16 +85,30 @@ impl ChannelModel {
         &self,
         steps: impl IntoIterator<Item = &'a StepInput>,
     ) -> Result<Vec<MotionOverPushes>, ModelError> {
+        let over_pushes = |values: Vec<(f64, Vector3<f64>)>| {
+            let mean: Vector3<f64> = values.iter().map(|(weight, motion)| *weight * motion).sum();
+            let square = |(weight, motion): &(f64, Vector3<f64>)| {
+                let off = motion - mean;
+                *weight * off * off.transpose()
+            };
+            (mean, values.iter().map(square).sum())
+        };
+        Ok(self.motions_of_pushes(steps)?.into_iter().map(over_pushes).collect())
+    }
+
+    /// The motion of each step, (Δx, Δy, Δθ) in m, m and rad, for certain values of the parameters that
+    /// differ from push to push, with weights that are together 1; the same values for every step.
+    ///
+    /// # Errors
+    /// As [`ChannelModel::predict`].
+    pub fn motions_of_pushes<'a>(
+        &self,
+        steps: impl IntoIterator<Item = &'a StepInput>,
+    ) -> Result<Vec<Vec<(f64, Vector3<f64>)>>, ModelError> {
         let motion = |channels: &Channels| Vector3::new(channels.dx, channels.dy, channels.dtheta);
         self.of_each(steps, |physics, step| {
             let varied = physics.predict_varied(step)?;
-            let mean: Vector3<f64> =
-                varied.iter().map(|(weight, channels)| *weight * motion(channels)).sum();
-            let square = |(weight, channels): &(f64, Channels)| {
-                let off = motion(channels) - mean;
-                *weight * off * off.transpose()
-            };
-            Ok((mean, varied.iter().map(square).sum()))
+            Ok(varied.iter().map(|(weight, channels)| (*weight, motion(channels))).collect())
         })
     }
 

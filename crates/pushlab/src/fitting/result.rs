@@ -82,10 +82,11 @@ impl fmt::Display for Fitted {
         writeln!(f, "{TITLE}wrote {}{TITLE:#}", self.model.display())?;
         write!(f, "  fit to {n_pushes} pushes ({n_steps} steps) of {set}; ")?;
         writeln!(f, "{n_kept} others are kept to confirm it")?;
-        for EffectFit { id, parameters, resemblances, .. } in &self.effects {
+        for EffectFit { id, parameters, follows, resemblances, .. } in &self.effects {
             writeln!(f, "{TITLE}{id}{TITLE:#}")?;
             let mut told = parameters.iter().filter(|parameter| !is_nothing(parameter));
             told.try_for_each(|parameter| write_parameter(f, parameter))?;
+            follows.iter().try_for_each(|parameter| write_parameter(f, parameter))?;
             let nearest =
                 resemblances.iter().max_by(|a, b| a.correlation.total_cmp(&b.correlation));
             if let Some(alike) = nearest {

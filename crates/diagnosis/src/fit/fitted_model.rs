@@ -1,0 +1,31 @@
+//! A model with what was fitted in its place.
+
+use models::{Analytical, Base, CharacteristicLength, Description, ModelEffect};
+
+use crate::DiagnosisError;
+
+/// Puts an effect in the place of the one with its id, of the base's own number, or at the end.
+pub(super) fn put(model: &mut Description, effect: ModelEffect) -> Result<(), DiagnosisError> {
+    if let Some(known) = model.effects.iter_mut().find(|known| known.id == effect.id) {
+        *known = ModelEffect { per_push: std::mem::take(&mut known.per_push), ..effect };
+        return Ok(());
+    }
+    if let Base::Analytical(base) = &model.base {
+        let (friction, length) = match effect.id.as_str() {
+            "pusher-friction" => {
+                (effect.parameters.values().next().cloned(), base.length().clone())
+            }
+            "pressure-radius" => (None, CharacteristicLength::UniformPressure),
+            _ => (None, base.length().clone()),
+        };
+        let is_base = friction.is_some();
+        let friction = friction.unwrap_or_else(|| base.pusher_friction().clone());
+        let changed = Analytical::new(friction, length, *base.scatter())?;
+        model.base = Base::Analytical(changed.with_surface(base.surface())?);
+        if is_base {
+            return Ok(());
+        }
+    }
+    model.effects.push(effect);
+    Ok(())
+}

@@ -1,0 +1,286 @@
+//! How far steps are from a model: what a push shares, and what each step has alone.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use effects::Effect;
+use models::{ChannelModel, Description};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
+
+use crate::{DiagnosisError, Observations, Whitening};
+
+/// How far steps are from their predictions, beside what differs from push to push by the model: an
+/// error that all steps of a push share, and one that each has alone, with the tails of Student's t.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionErrors {
+    /// Scale of the error of (Δx, Δy, Δθ) that each step has alone, squared: in m² and rad².
+    pub rest: Matrix3<f64>,
+    /// The same of the error that the steps of a push share.
+    pub shared: Matrix3<f64>,
+    /// Degrees of freedom of a push's errors; none for normal errors.
+    pub tails: Option<f64>,
+}
+
+/// What predictions miss of a push's motions, three numbers a step.
+pub(super) struct Missed {
+    /// The steps, by their number in the set.
+    steps: Vec<usize>,
+    miss: DVector<f64>,
+    /// What the values that differ from push to push change, each by the root of its weight: its
+    /// square is the covariance over pushes.
+    varied: DMatrix<f64>,
+}
+
+const ROUNDS: usize = 60;
+/// Of errors, in m² and rad²: that of no miss at all.
+const LEAST: f64 = 1e-18;
+/// Of the first guess, what steps of a push share.
+const SHARE: f64 = 0.3;
+
+impl MotionErrors {
+    /// Those under which the motions of all pushes are likeliest.
+    ///
+    /// # Errors
+    /// `Model` for what a prediction refuses.
+    ///
+    /// # Source
+    /// Expectation–maximisation: Lange, Little & Taylor (1989), Robust statistical modeling using the t
+    /// distribution, Journal of the American Statistical Association 84.
+    pub fn learn(
+        observations: &Observations,
+        model: &Description,
+        own: &[Arc<dyn Effect>],
+        tails: Option<f64>,
+    ) -> Result<Self, DiagnosisError> {
+        Ok(Self::of_missed(&missed(observations, model, own)?, tails))
+    }
+
+    /// The log density of each push's motions together, in nats of m, m and rad; 0 where none is
+    /// observed.
+    ///
+    /// # Errors
+    /// As [`MotionErrors::learn`].
+    pub fn log_densities(
+        &self,
+        observations: &Observations,
+        model: &Description,
+        own: &[Arc<dyn Effect>],
+    ) -> Result<Vec<f64>, DiagnosisError> {
+        Ok(self.of_each(&missed(observations, model, own)?))
+    }
+
+    /// The covariance of motions about a model's, to fit it with.
+    ///
+    /// # Errors
+    /// As [`MotionErrors::learn`]; `NotACovariance`.
+    pub fn whitening(
+        &self,
+        observations: &Observations,
+        model: &Description,
+        own: &[Arc<dyn Effect>],
+    ) -> Result<Whitening, DiagnosisError> {
+        let all = missed(observations, model, own)?;
+        let covariance = |missed: &Missed| {
+            let entries = missed.steps.iter().flat_map(|step| (0..3).map(|number| (*step, number)));
+            (entries.collect(), self.covariance(missed))
+        };
+        Whitening::new(all.iter().map(covariance))
+    }
+
+    pub(super) fn of_missed(all: &[Missed], tails: Option<f64>) -> Self {
+        let n_steps = all.iter().map(Missed::n_steps).sum::<usize>().max(1) as f64;
+        let n_pushes = all.iter().filter(|missed| missed.n_steps() > 0).count().max(1) as f64;
+        let square: Matrix3<f64> =
+            all.iter().flat_map(Missed::of_steps).map(|miss| miss * miss.transpose()).sum();
+        let whole = square / n_steps + LEAST * Matrix3::identity();
+        let mut found = Self { rest: (1.0 - SHARE) * whole, shared: SHARE * whole, tails };
+        for _ in 0..ROUNDS {
+            let expected: Vec<[Matrix3<f64>; 2]> =
+                all.par_iter().filter_map(|missed| found.expected(missed)).collect();
+            let [mut rest, mut shared] = [Matrix3::zeros(); 2];
+            for of_push in expected {
+                rest += of_push[0];
+                shared += of_push[1];
+            }
+            let mean = |sum: Matrix3<f64>, n: f64| {
+                0.5 / n * (sum + sum.transpose()) + LEAST * Matrix3::identity()
+            };
+            (found.rest, found.shared) = (mean(rest, n_steps), mean(shared, n_pushes));
+        }
+        found
+    }
+
+    /// The covariance of a push's errors.
+    fn covariance(&self, missed: &Missed) -> DMatrix<f64> {
+        let mut covariance = &missed.varied * missed.varied.transpose();
+        for one in 0..missed.n_steps() {
+            for other in 0..missed.n_steps() {
+                let mut block = covariance.fixed_view_mut::<3, 3>(3 * one, 3 * other);
+                block += self.shared;
+                if one == other {
+                    block += self.rest;
+                }
+            }
+        }
+        covariance
+    }
+
+    /// Expected squares of a push's errors: the sum of those that steps have alone, and of what they
+    /// share.
+    fn expected(&self, missed: &Missed) -> Option<[Matrix3<f64>; 2]> {
+        let n = missed.n_steps();
+        if n == 0 {
+            return None;
+        }
+        let inverse = self.covariance(missed).cholesky()?.inverse();
+        let pulled = &inverse * &missed.miss;
+        let square = missed.miss.dot(&pulled);
+        let weight = self.tails.map_or(1.0, |tails| (tails + 3.0 * n as f64) / (tails + square));
+        let (mut rest, mut all) = (Matrix3::zeros(), Matrix3::zeros());
+        let mut pull = Vector3::zeros();
+        for one in 0..n {
+            let of_step = pulled.fixed_rows::<3>(3 * one);
+            let own = self.rest * of_step;
+            let known = self.rest * inverse.fixed_view::<3, 3>(3 * one, 3 * one) * self.rest;
+            rest += weight * own * own.transpose() + self.rest - known;
+            pull += of_step;
+            for other in 0..n {
+                all += inverse.fixed_view::<3, 3>(3 * one, 3 * other);
+            }
+        }
+        let common = self.shared * pull;
+        let known = self.shared * all * self.shared;
+        Some([rest, weight * common * common.transpose() + self.shared - known])
+    }
+
+    pub(super) fn of_each(&self, all: &[Missed]) -> Vec<f64> {
+        all.par_iter().map(|missed| self.of_push(missed).unwrap_or_default()).collect()
+    }
+
+    fn of_push(&self, missed: &Missed) -> Option<f64> {
+        let n = missed.miss.len() as f64;
+        let factor = self.covariance(missed).cholesky()?;
+        let square = missed.miss.dot(&factor.solve(&missed.miss));
+        let spread = 0.5 * factor.ln_determinant();
+        Some(match self.tails {
+            None => -0.5 * n * TAU.ln() - spread - 0.5 * square,
+            Some(tails) => {
+                let norm = libm::lgamma(0.5 * (tails + n)) - libm::lgamma(0.5 * tails);
+                let norm = norm - 0.5 * n * (tails * PI).ln();
+                norm - spread - 0.5 * (tails + n) * (1.0 + square / tails).ln()
+            }
+        })
+    }
+}
+
+impl Missed {
+    fn n_steps(&self) -> usize {
+        self.steps.len()
+    }
+
+    fn of_steps(&self) -> impl Iterator<Item = Vector3<f64>> + '_ {
+        (0..self.n_steps()).map(|step| self.miss.fixed_rows::<3>(3 * step).into_owned())
+    }
+}
+
+/// What a model misses of each push.
+///
+/// # Errors
+/// `Model` for what a prediction refuses.
+pub(super) fn missed(
+    observations: &Observations,
+    model: &Description,
+    own: &[Arc<dyn Effect>],
+) -> Result<Vec<Missed>, DiagnosisError> {
+    let channels = ChannelModel::new(model, observations.support, own)?;
+    let mut steps_of = vec![Vec::new(); observations.pushes.len()];
+    for (step, push) in observations.push_of.iter().enumerate() {
+        let [dx, dy, dtheta, ..] = observations.steps[step].observed;
+        if let (Some(dx), Some(dy), Some(dtheta)) = (dx, dy, dtheta) {
+            steps_of[*push].push((step, Vector3::new(dx, dy, dtheta)));
+        }
+    }
+    let of_push = |steps: &Vec<(usize, Vector3<f64>)>| {
+        let inputs = steps.iter().map(|(step, _)| &observations.steps[*step].input);
+        let varied = channels.motions_of_pushes(inputs)?;
+        let n_values = varied.iter().map(Vec::len).max().unwrap_or_default();
+        let mut missed = Missed {
+            steps: steps.iter().map(|(step, _)| *step).collect(),
+            miss: DVector::zeros(3 * steps.len()),
+            varied: DMatrix::zeros(3 * steps.len(), n_values),
+        };
+        for (row, ((_, observed), values)) in steps.iter().zip(&varied).enumerate() {
+            let mean: Vector3<f64> = values.iter().map(|(weight, motion)| *weight * motion).sum();
+            missed.miss.fixed_rows_mut::<3>(3 * row).copy_from(&(observed - mean));
+            for (column, (weight, motion)) in values.iter().enumerate() {
+                let change = weight.sqrt() * (motion - mean);
+                missed.varied.fixed_view_mut::<3, 1>(3 * row, column).copy_from(&change);
+            }
+        }
+        Ok(missed)
+    };
+    steps_of.par_iter().map(of_push).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    use super::{Missed, MotionErrors};
+    use crate::synthetic::normal;
+
+    /// Errors of pushes of several steps, of standard deviations that steps have alone and that they share.
+    fn pushes(n_pushes: usize, n_steps: usize, alone: [f64; 3], shared: [f64; 3]) -> Vec<Missed> {
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        let mut error = |sd: [f64; 3]| Vector3::from(sd.map(|sd| sd * normal(&mut rng)));
+        let mut push = || {
+            let common = error(shared);
+            let steps: Vec<f64> =
+                (0..n_steps).flat_map(|_| <[f64; 3]>::from(common + error(alone))).collect();
+            let (miss, varied) = (DVector::from_vec(steps), DMatrix::zeros(3 * n_steps, 1));
+            Missed { steps: (0..n_steps).collect(), miss, varied }
+        };
+        (0..n_pushes).map(|_| push()).collect()
+    }
+
+    #[test]
+    fn what_a_push_shares_is_told_from_what_a_step_has_alone() {
+        let (alone, shared) = ([1e-4, 2e-4, 3e-3], [2e-4, 1e-4, 6e-3]);
+        let found = MotionErrors::of_missed(&pushes(600, 4, alone, shared), None);
+        for (found, truth) in [(found.rest, alone), (found.shared, shared)] {
+            for k in 0..3 {
+                assert!((found[(k, k)].sqrt() / truth[k] - 1.0).abs() < 0.08, "{found} {truth:?}");
+            }
+        }
+        // What has nothing in common is not said to.
+        let found = MotionErrors::of_missed(&pushes(600, 4, alone, [0.0; 3]), None);
+        assert!((0..3).all(|k| found.shared[(k, k)] < 0.05 * found.rest[(k, k)]), "{found:?}");
+    }
+
+    #[test]
+    fn densities_of_steps_that_share_nothing_add_up() {
+        let whole = &pushes(1, 3, [1e-4, 2e-4, 3e-3], [1e-4; 3])[0];
+        let rest = Matrix3::from_diagonal(&Vector3::new(1e-8, 4e-8, 9e-6));
+        let errors = |shared| MotionErrors { rest, shared, tails: None };
+        let alone = errors(Matrix3::zeros());
+        let step = |k: usize| Missed {
+            steps: vec![k],
+            miss: whole.miss.rows(3 * k, 3).into_owned(),
+            varied: DMatrix::zeros(3, 1),
+        };
+        let sum: f64 = (0..3).map(|k| alone.of_push(&step(k)).unwrap()).sum();
+        assert!((alone.of_push(whole).unwrap() - sum).abs() < 1e-9);
+        // What differs by one number is an error that is shared.
+        let varied = DMatrix::from_fn(9, 1, |row, _| if row % 3 == 0 { 2e-4 } else { 0.0 });
+        let differs = Missed { varied, miss: whole.miss.clone(), steps: whole.steps.clone() };
+        let common = errors(Matrix3::from_diagonal(&Vector3::new(4e-8, 0.0, 0.0)));
+        let [one, other] = [alone.of_push(&differs), common.of_push(whole)].map(Option::unwrap);
+        assert!((one - other).abs() < 1e-9, "{one} {other}");
+        // Many degrees of freedom are a normal distribution.
+        let t = MotionErrors { tails: Some(1e7), ..common };
+        assert!((t.of_push(whole).unwrap() - other).abs() < 1e-4);
+    }
+}
