@@ -2,8 +2,11 @@
 
 mod corner;
 mod ends;
+mod known_supports;
 mod learned;
 mod page;
+mod plain_fit;
+mod shapes;
 mod source;
 mod supports;
 
@@ -37,7 +40,11 @@ enum Part {
     Supports,
     /// The analytical model on the raw pushes
     Raw,
-    /// The ends of long pushes
+    /// Physics alone on long pushes of which the ends are known: feet, gaps
+    Shapes,
+    /// Physics alone on an object that stands on known feet
+    KnownSupports,
+    /// What is missing in the long pushes
     Ends,
 }
 
@@ -82,6 +89,17 @@ impl Part {
                 found.text()
             }
             Self::Raw => page::raw_text(&source::raw_pushes(&args.data.join("mit-push-raw"))?),
+            Self::Shapes => {
+                let found = shapes::shapes(&args.data.join("mit-push-endpoints/plywood.csv"))?;
+                write(&args.output.join("real-data-shapes.svg"), &shapes::picture(&found)?)?;
+                shapes::text(&found)
+            }
+            Self::KnownSupports => {
+                let found = known_supports::known_supports(&args.data.join("cmu-known-supports"))?;
+                let picture = known_supports::picture(&found)?;
+                write(&args.output.join("real-data-known-supports.svg"), &picture)?;
+                known_supports::text(&found)
+            }
             Self::Ends => {
                 ends::text(&ends::ends(&args.data.join("mit-push-endpoints/plywood.csv"))?)
             }

@@ -4,21 +4,22 @@ use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
-use dataset::{ObjectChoice, TableMapping};
-use diagnosis::{
-    FitSettings, MotionErrors, NoiseModel, Observations, fit_per_push, fit_with_noise,
-};
-use effects::{Effect, FrictionCenterOffset, Setting, SupportPoints, by_id};
+use dataset::{ObjectChoice, StepRow, TableMapping};
+use diagnosis::{FitSettings, MotionErrors, Observations, fit_per_push};
+use effects::{Effect, FrictionCenterOffset, Setting};
 use models::{
     Analytical, ChannelModel, ChannelObservation, Description, ModelEffect, PushModel,
     StepSelection,
 };
 use report::{Color, Ellipse, Figure, Panel, Points, Polygon};
 
-/// Folds of a table of rows without ids: `runs.csv` beside it, a fold for each row.
+use super::plain_fit::{feet, fitted};
+
+/// Which rows of a table without ids are steps of one push: `runs.csv` beside it, a line for each row.
 #[derive(serde::Deserialize)]
 struct Run {
     row: usize,
+    run: u32,
     fold: usize,
 }
 
@@ -55,6 +56,7 @@ struct Table {
     mapping: TableMapping,
     observations: Observations,
     steps: Vec<ChannelObservation>,
+    /// Of each row's push.
     names: Vec<String>,
 }
 
@@ -67,15 +69,8 @@ impl Supports {
         let runs = table.with_file_name("runs.csv");
         let mut reader = csv::Reader::from_path(&runs)
             .with_context(|| format!("cannot read {}", runs.display()))?;
-        let folds: Vec<Run> = reader.deserialize().collect::<Result<_, _>>()?;
-        let table = Table::read(table)?;
-        ensure!(
-            folds.len() == table.steps.len()
-                && folds.iter().enumerate().all(|(k, run)| run.row == k),
-            "{}: a row for each of the table's {} is needed, in order",
-            runs.display(),
-            table.steps.len()
-        );
+        let mut folds: Vec<Run> = reader.deserialize().collect::<Result<_, _>>()?;
+        let table = Table::read(table, &runs, &mut folds)?;
         let outline = table.steps[0].input.object.shape().outline(4);
         let mut found = Self {
             n: table.steps.len(),
@@ -185,27 +180,42 @@ pushlab add vertex-contact --fit mit-push-table/table.csv --preset mit-table --m
 pushlab add friction-center-offset --per-push --fit mit-push-table/table.csv --preset mit-table --model caught.toml -o wanders.toml
 ```
 
-Squared error over variance, and mean log density of a channel (in m, m and rad, nats), with normal errors
-and with Student's t of four degrees beside what differs from push to push.
+Squared error over variance, and mean log density of a channel (in m, m and rad, nats): of all steps of a run
+together, which share what differs from push to push and an error of their own, with normal errors and with
+Student's t of four degrees.
 
 | model | error²/variance | Δx | Δy | Δθ | density, normal | density, t |
 |---|---|---|---|---|---|---|
 ";
 
 impl Table {
-    fn read(path: &Path) -> Result<Self> {
+    /// The table with the steps of each run together, and `runs` in its order.
+    fn read(path: &Path, of: &Path, runs: &mut [Run]) -> Result<Self> {
         let mapping = TableMapping::mit_table()?;
-        let table = mapping.read_table(path)?;
+        let mut table = mapping.read_table(path)?;
+        let n = table.rows.len();
+        ensure!(
+            runs.len() == n && runs.iter().enumerate().all(|(k, run)| run.row == k),
+            "{}: a row for each of the table's {n} is needed, in order",
+            of.display()
+        );
+        runs.sort_by_key(|run| (run.run, run.row));
+        let row = |run: &Run| StepRow { push: run.run, ..table.rows[run.row].clone() };
+        table.rows = runs.iter().map(row).collect();
         let observations = Observations::of_rows(&table, &mapping)?;
         let objects = ObjectChoice::Fixed(Box::new(mapping.object.clone()));
         let found =
             StepSelection::default().channel_steps(&table, &objects, mapping.pusher.radius)?;
-        let names = observations.pushes().iter().map(ToString::to_string).collect();
+        ensure!(found.steps.len() == n, "{}: not every row is a step", path.display());
+        let name = |row: &StepRow| format!("{}#{}", row.recording, row.push);
+        let names = table.rows.iter().map(name).collect();
         Ok(Self { mapping, observations, steps: found.steps, names })
     }
 
+    /// The pushes of some rows.
     fn part(&self, rows: &[usize]) -> Result<Observations> {
-        let names: Vec<String> = rows.iter().map(|row| self.names[*row].clone()).collect();
+        let mut names: Vec<String> = rows.iter().map(|row| self.names[*row].clone()).collect();
+        names.dedup();
         Ok(self.observations.part(&names)?)
     }
 
@@ -230,40 +240,4 @@ impl Table {
         }
         Ok(sums)
     }
-}
-
-/// The model with some effects fitted, which are added at \"off\" where it lacks them.
-fn fitted(
-    observations: &Observations,
-    mut model: Description,
-    free: &[&str],
-) -> Result<Description> {
-    // The points stand for the length.
-    if free.contains(&SupportPoints.info().id) {
-        model.effects.retain(|effect| effect.id != "pressure-radius");
-    }
-    for id in free.iter().filter(|id| **id != "pusher-friction") {
-        if !model.effects.iter().any(|effect| effect.id == **id) {
-            let about = by_id(id)?.info();
-            let off = observations.off(&model, about)?;
-            model.effects.push(ModelEffect::from(Setting::new(about, &off)));
-        }
-    }
-    let settings = FitSettings {
-        priors: false,
-        intervals: false,
-        resemblances: false,
-        ..FitSettings::default()
-    };
-    let noise = NoiseModel::learn(&model, &[], observations)?;
-    Ok(fit_with_noise(observations, &model, free, &noise, &settings)?.description)
-}
-
-/// The points of a model that has them.
-fn feet(model: &Description) -> Option<Vec<[f64; 3]>> {
-    let about = SupportPoints.info();
-    let effect = model.effects.iter().find(|effect| effect.id == about.id)?;
-    let values = effect.setting().values(about).ok()?;
-    let points = values.chunks_exact(3).map(|point| [point[0], point[1], point[2]]);
-    Some(points.filter(|point| point[2] > 0.0).collect())
 }

@@ -1,8 +1,8 @@
 //! Long pushes of every object, of which the ends are known: what is missing, and the error with it.
 
-mod folds;
 mod page;
 
+use std::fmt;
 use std::path::Path;
 use std::time::Instant;
 
@@ -15,7 +15,6 @@ use models::{Analytical, Description, PushModel};
 use planar::{MIT_NAMES, wrap_angle};
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
-use self::folds::{Fitted, fitted};
 pub(super) use self::page::text;
 
 /// Pushes of an object that are diagnosed at most, evenly from the file.
@@ -33,21 +32,19 @@ pub(super) struct Ends {
     found: std::result::Result<Diagnosis, DiagnosisError>,
     /// Of the nominal model and of that with what is confirmed, on held-out pushes.
     errors: [Error; 2],
-    /// Errors of plain fits on held-out pushes, in the order of [`folds::FREE`].
-    fitted: Vec<Fitted>,
 }
 
-/// A mean error: m and rad.
+/// A mean error of the end, in m and rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Error {
-    position: f64,
-    angle: f64,
+pub(super) struct Error {
+    pub(super) position: f64,
+    pub(super) angle: f64,
 }
 
 /// Pushes of one object, a row each.
-struct Pushes {
-    manifest: Manifest,
-    table: Table,
+pub(super) struct Pushes {
+    pub(super) manifest: Manifest,
+    pub(super) table: Table,
     n_flips: usize,
 }
 
@@ -60,7 +57,7 @@ pub(super) fn ends(path: &Path) -> Result<Vec<Ends>> {
 }
 
 /// The pushes of an object, as `pushlab ingest --preset mit-endpoints --shape` reads them.
-fn pushes(path: &Path, shape: &str) -> Result<Pushes> {
+pub(super) fn pushes(path: &Path, shape: &str) -> Result<Pushes> {
     let set = RecordingSet::open_with_preset(path, Preset::MitEndpoints)?;
     let set = set.about(ObjectSpec::mit(shape)?)?;
     let (table, report) = ingest(&set, &IngestSettings::default())?;
@@ -72,9 +69,6 @@ fn of(path: &Path, shape: &str) -> Result<Ends> {
     let Pushes { manifest, table, n_flips } = pushes(path, shape)?;
     let started = Instant::now();
     let nominal = Analytical::nominal(manifest.pusher.friction)?.describe()?;
-    let fitted = fitted(&Observations::of(&table, &manifest)?, &nominal)?;
-    let seconds = started.elapsed().as_secs();
-    println!("{shape}: {} pushes fitted in five folds in {seconds} s", table.len());
     let stride = table.rows.len().div_ceil(MOST).max(1);
     let rows = table.rows.iter().step_by(stride).cloned().collect();
     let thinned = Table { rows, provenance: table.provenance.clone() };
@@ -98,7 +92,6 @@ fn of(path: &Path, shape: &str) -> Result<Ends> {
         n_used: n,
         n_flips,
         errors,
-        fitted,
         found: answer.map(|answer| answer.diagnosis),
     })
 }
@@ -114,7 +107,7 @@ fn mean_error(model: &Description, observations: &Observations) -> Result<Error>
 }
 
 /// Of each push.
-fn errors(model: &Description, observations: &Observations) -> Result<Vec<Error>> {
+pub(super) fn errors(model: &Description, observations: &Observations) -> Result<Vec<Error>> {
     let predictions = Predictions::of(model, &[], observations)?;
     let pairs = predictions.steps().iter().zip(observations.steps());
     let error = |(predicted, step): (&[Option<f64>; 7], &models::ChannelObservation)| {
@@ -130,8 +123,14 @@ fn errors(model: &Description, observations: &Observations) -> Result<Vec<Error>
 
 impl Error {
     /// The mean of so many that were summed.
-    fn over(self, n: usize) -> Self {
+    pub(super) fn over(self, n: usize) -> Self {
         let n = n as f64;
         Self { position: self.position / n, angle: self.angle / n }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.2} mm, {:.2}°", 1e3 * self.position, self.angle.to_degrees())
     }
 }

@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 
 use diagnosis::{Diagnosis, EffectFinding, ParameterFinding, Status, Verdict};
 
-use super::folds::FREE;
 use super::{Ends, Error};
 
 /// Hints that are told of an object.
@@ -17,12 +16,6 @@ pub(in crate::real_comparison) fn text(ends: &[Ends]) -> String {
         page += &row(one);
     }
     page += &means(ends);
-    page += FITS;
-    for one in ends {
-        let errors = one.fitted.iter().map(|fitted| (fitted.error, fitted.n_failed));
-        page += &fits_row(&one.shape, &errors.collect::<Vec<_>>());
-    }
-    page += &fits_means(ends);
     page += TAIL;
     for one in ends {
         let text = match &one.found {
@@ -35,13 +28,9 @@ pub(in crate::real_comparison) fn text(ends: &[Ends]) -> String {
 }
 
 const HEAD: &str = "
-## The ends of long pushes of every shape
+## What is missing in long pushes of every shape
 
-Pushes of 50 mm at 10 mm/s of eleven objects on plywood, of which the poses before and after and the
-ends of the pusher's way are known, as `pushlab ingest --preset mit-endpoints` reads them: a row each,
-simulated as a whole from the start of the way, before the touch, to its end; the pusher may slide off or
-meet a vertex. All pushes are counted but those in which the tracking flips: the object turns further than
-any contact turns it. Compared is the motion alone. Neither sessions nor the order of the pushes nor repeats
+What `pushlab diagnose` says of the pushes of the section before. Compared is the motion alone. Neither sessions nor the order of the pushes nor repeats
 are known: every push is a cluster of its own, and the noise is an estimate from neighbors. Of each
 object's pushes every second or third is taken for the diagnosis, so that no more than 150 are. Each object
 is diagnosed by itself, with μp = 0.25 and uniform pressure to begin with.
@@ -54,20 +43,7 @@ quarter of the pushes that the diagnosis holds out.
 |---|---|---|---|---|---|
 ";
 
-const FITS: &str = "
-Plain fits (`pushlab fit`) to four fifths of the pushes of an object, and the error on the others, over all
-five folds and all pushes: nothing fitted, the pusher's friction μp, with the radius c of the pressure, and
-with the center of friction.
-
-| object | nominal | μp | μp, c | μp, c, center |
-|---|---|---|---|---|
-";
-
 const TAIL: &str = "
-A published toolbox reaches 3.73 mm and 4.12° with a fitted ellipsoid and 3.36 mm and 3.54° with a fitted
-quartic, averages over the shapes of all of these pushes, with surfaces that were fitted to separate
-measurements of force and motion.
-
 What the diagnosis says of each object, in its own words (“per step” is per push here), and the hints that
 it does not claim:
 ";
@@ -77,33 +53,11 @@ fn row(one: &Ends) -> String {
         Ok(found) => (verdict(found.verdict), named(found)),
         Err(_) => ("no answer", "–".to_owned()),
     };
-    let [before, after] = one.errors.map(size);
+    let [before, after] = one.errors.map(|error| error.to_string());
     let Ends { shape, n_used, n_pushes, n_flips, .. } = one;
     format!(
         "| {shape} | {n_used} of {n_pushes}, {n_flips} | {verdict} | {named} | {before} | {after} |\n"
     )
-}
-
-fn fits_row(name: &str, errors: &[(Error, usize)]) -> String {
-    let cell = |(error, n_failed): &(Error, usize)| match n_failed {
-        0 => size(*error),
-        n => format!("{} ({n} fits failed)", size(*error)),
-    };
-    let cells: Vec<_> = errors.iter().map(cell).collect();
-    format!("| {name} | {} |\n", cells.join(" | "))
-}
-
-/// Means over the objects, each counted once.
-fn fits_means(ends: &[Ends]) -> String {
-    let of = |k: usize| {
-        let mut sum = Error::default();
-        for one in ends {
-            sum.position += one.fitted[k].error.position;
-            sum.angle += one.fitted[k].error.angle;
-        }
-        (sum.over(ends.len()), 0)
-    };
-    fits_row("mean of the objects", &(0..FREE.len()).map(of).collect::<Vec<_>>())
 }
 
 fn verdict(verdict: Verdict) -> &'static str {
@@ -139,16 +93,12 @@ fn means(ends: &[Ends]) -> String {
             sum.position += one.errors[k].position;
             sum.angle += one.errors[k].angle;
         }
-        size(sum.over(ends.len()))
+        sum.over(ends.len()).to_string()
     };
     let count = |of: fn(&Ends) -> usize| ends.iter().map(of).sum::<usize>();
     let (used, all) = (count(|one| one.n_used), count(|one| one.n_pushes));
     let flips = count(|one| one.n_flips);
     format!("| mean of the objects | {used} of {all}, {flips} | | | {} | {} |\n", mean(0), mean(1))
-}
-
-fn size(error: Error) -> String {
-    format!("{:.2} mm, {:.2}°", 1e3 * error.position, error.angle.to_degrees())
 }
 
 /// What is claimed with its values, and hints with what speaks against each.

@@ -1,18 +1,20 @@
 //! Plain fits, and their errors on pushes that they have not seen.
 
-use anyhow::{Result, bail};
-use diagnosis::{FitSettings, NoiseModel, Observations, fit_with_noise};
+use anyhow::Result;
+use diagnosis::Observations;
 use models::Description;
 
-use super::{Error, errors};
+use crate::real_comparison::ends::{Error, errors};
+use crate::real_comparison::plain_fit::fitted;
 
-const N_FOLDS: usize = 5;
-/// What is fitted; nothing for the nominal model.
-pub(super) const FREE: [&[&str]; 4] = [
-    &[],
-    &["pusher-friction"],
-    &["pusher-friction", "pressure-radius"],
-    &["pusher-friction", "pressure-radius", "friction-center-offset"],
+const N_FOLDS: usize = 2;
+/// What is fitted, each with the start that an earlier one of them gives; nothing for the nominal model.
+pub(super) const FREE: [(&[&str], usize); 5] = [
+    (&[], 0),
+    (&["pusher-friction"], 0),
+    (&["pusher-friction", "pressure-radius"], 0),
+    (&["pusher-friction", "support-points"], 1),
+    (&["pusher-friction", "support-points", "approach-gap"], 3),
 ];
 
 /// The mean error of a fit on all pushes, each by a fit to those of the other folds.
@@ -22,39 +24,43 @@ pub(super) struct Fitted {
     pub(super) n_failed: usize,
 }
 
-/// Every fit, in the order of [`FREE`]; pushes are dealt to the folds in turn.
+/// Every fit, in the order of [`FREE`], and the last model of each fold; pushes are dealt to the folds in
+/// turn.
 ///
 /// # Errors
 /// A model that cannot predict the pushes.
-pub(super) fn fitted(all: &Observations, nominal: &Description) -> Result<Vec<Fitted>> {
+pub(super) fn of_folds(
+    all: &Observations,
+    nominal: &Description,
+) -> Result<(Vec<Fitted>, Vec<Description>)> {
     let names: Vec<String> = all.pushes().iter().map(ToString::to_string).collect();
     let mut sums = [(Error::default(), 0, 0); FREE.len()];
+    let mut last = Vec::new();
     for fold in 0..N_FOLDS {
         let part = |is_in: bool| {
             let names = names.iter().enumerate().filter(|(k, _)| (k % N_FOLDS == fold) == is_in);
             all.part(&names.map(|(_, name)| name.clone()).collect::<Vec<_>>())
         };
         let (train, aside) = (part(false)?, part(true)?);
-        let settings =
-            FitSettings { intervals: false, resemblances: false, ..FitSettings::default() };
-        let noise = NoiseModel::learn(nominal, &settings.own, &train);
-        let fit = |free: &[&str]| match (&noise, free) {
-            (_, []) => Ok(nominal.clone()),
-            (Ok(noise), _) => {
-                Ok(fit_with_noise(&train, nominal, free, noise, &settings)?.description)
-            }
-            (Err(error), _) => bail!("{error}"),
-        };
-        for (free, (sum, n, n_failed)) in FREE.iter().zip(&mut sums) {
-            let found = fit(free);
+        let mut models: Vec<Description> = Vec::new();
+        for ((free, from), (sum, n, n_failed)) in FREE.iter().zip(&mut sums) {
+            let start = models.get(*from).unwrap_or(nominal);
+            let found = match free {
+                [] => Ok(nominal.clone()),
+                _ => fitted(&train, start.clone(), free),
+            };
             // That a fit fails is an outcome, too.
             *n_failed += usize::from(found.is_err());
-            for error in errors(found.as_ref().unwrap_or(nominal), &aside)? {
+            let found = found.unwrap_or_else(|_| start.clone());
+            for error in errors(&found, &aside)? {
                 sum.position += error.position;
                 sum.angle += error.angle;
                 *n += 1;
             }
+            models.push(found);
         }
+        last.extend(models.pop());
     }
-    Ok(sums.map(|(sum, n, n_failed)| Fitted { error: sum.over(n), n_failed }).into())
+    let fitted = sums.map(|(sum, n, n_failed)| Fitted { error: sum.over(n), n_failed }).into_iter();
+    Ok((fitted.collect(), last))
 }
