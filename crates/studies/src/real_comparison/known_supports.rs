@@ -181,8 +181,8 @@ pub(super) fn text(known: &[Known]) -> String {
         "\nThe center is within 5 mm of the true one in {near} of {n}, c within 10 % in {alike} of {n}; the \
          95 % intervals hold the truth in {} (x), {} (y) and {} (c) of {n}.\n\n\
          ![True feet and those found](real-data-known-supports.svg)\n\n\
-         Crosses are true feet; circles those found, their area by the share of the weight, and dots the \
-         centers of friction.",
+         Orange are the true feet and their center; blue the points found, their area by the share of \
+         the weight that they bear, and the center of friction that follows.",
         holds(0),
         holds(1),
         holds(2),
