@@ -84,7 +84,7 @@ pub fn mean_in_blocks(
     (centers, weights): (MatRef<'_, f64>, &[f64]),
     start: impl Fn(MatRef<'_, f64>, &mut [f64]) + Sync,
 ) -> Result<Vec<f64>, GpError> {
-    check_inputs("inputs", x_star, kernel.n_inputs())?;
+    check_inputs("inputs", x_star, centers.ncols())?;
     let mut mean = vec![0.0; x_star.nrows()];
     mean.par_chunks_mut(MEANS).enumerate().for_each(|(block, mean)| {
         let rows = x_star.subrows(block * MEANS, mean.len());

@@ -10,7 +10,9 @@ use crate::checks::{
     check_count, check_distinct_rows, check_inputs, check_outputs, check_positive,
 };
 use crate::cholesky::Cholesky;
-use crate::kernel::{column_mut, column_of, fill_cross, fill_lower_gram, mirror_lower};
+use crate::kernel::{
+    check_kernel_and_inputs, column_mut, column_of, fill_cross, fill_lower_gram, mirror_lower,
+};
 use crate::likelihood::{COVARIANCE, Evaluator, Likelihood};
 use crate::mean::{Deviation, Residual, Trend};
 use crate::noise::Noise;
@@ -106,7 +108,7 @@ impl Gp {
         noise: Noise<'_>,
         mean: Mean,
     ) -> Result<Self, GpError> {
-        check_inputs("inputs", x, kernel.n_inputs())?;
+        check_kernel_and_inputs(&*kernel, x)?;
         check_outputs("outputs", y, x.nrows())?;
         noise.check()?;
         mean.check()?;
@@ -265,7 +267,7 @@ impl Gp {
 
 impl Posterior for Gp {
     fn n_inputs(&self) -> usize {
-        self.kernel.n_inputs()
+        self.x.ncols()
     }
 
     fn predict_mean(&self, x_star: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {

@@ -18,7 +18,7 @@ impl Gp {
     /// `ShapeMismatch`, `NotFinite`, `Negative`; `NotPositiveDefinite` if it repeats another row and
     /// has no noise. The process is left as it was.
     pub fn add_row(&mut self, x: &[f64], y: f64, row_noise: f64) -> Result<(), GpError> {
-        let (n, d) = (self.y.len(), self.kernel().n_inputs());
+        let (n, d) = (self.y.len(), self.x.ncols());
         check_inputs("inputs", MatRef::from_row_major_slice(x, 1, x.len()), d)?;
         check_outputs("outputs", &[y], 1)?;
         check_not_negative("noise variance of the row", row_noise)?;

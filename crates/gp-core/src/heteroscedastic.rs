@@ -5,7 +5,8 @@ use std::sync::Arc;
 use faer::MatRef;
 use serde::{Deserialize, Serialize};
 
-use crate::checks::{check_count, check_inputs, check_outputs, check_positive};
+use crate::checks::{check_count, check_outputs, check_positive};
+use crate::kernel::check_kernel_and_inputs;
 use crate::model::matrix;
 use crate::noise::Noise;
 use crate::noise_bound::{NoiseBound, NoisePoint};
@@ -157,11 +158,10 @@ impl HeteroscedasticGp {
             let supported = HeteroscedasticGpModel::VERSION;
             return Err(GpError::UnsupportedVersion { found: model.version, supported });
         }
-        let (kernel, noise_kernel) = (model.kernel.build()?, model.noise_kernel.build()?);
-        let d = kernel.n_inputs();
-        check_count("inputs of the noise kernel", d, noise_kernel.n_inputs())?;
-        let x = matrix(&model.inputs, d)?;
-        check_inputs("inputs", x.as_ref(), d)?;
+        let (kernel, noise_kernel) = (model.kernel.build(), model.noise_kernel.build());
+        let x = matrix(&model.inputs)?;
+        check_kernel_and_inputs(&*kernel, x.as_ref())?;
+        noise_kernel.check(x.ncols())?;
         check_outputs("outputs", &model.outputs, x.nrows())?;
         model.mean.check_constant()?;
         check_outputs("log_noise_mean", &[model.log_noise_mean], 1)?;

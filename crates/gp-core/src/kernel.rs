@@ -3,15 +3,23 @@
 mod active_inputs;
 mod build;
 mod constant;
+mod cosine;
 mod linear;
+mod matern12;
 mod matern32;
 mod matern52;
+mod operators;
+mod parameter;
+mod per_input;
 mod periodic;
+mod polynomial;
 mod product;
 mod radial;
+mod rational_quadratic;
 mod spec;
 mod squared_exponential;
 mod sum;
+mod white;
 
 use std::fmt::Debug;
 
@@ -20,18 +28,25 @@ use rayon::prelude::{IndexedParallelIterator, ParallelIterator};
 
 pub use self::active_inputs::ActiveInputs;
 pub use self::constant::Constant;
+pub use self::cosine::Cosine;
 pub use self::linear::Linear;
+pub use self::matern12::{Matern12, Matern12Profile};
 pub use self::matern32::{Matern32, Matern32Profile};
 pub use self::matern52::{Matern52, Matern52Profile};
+pub use self::parameter::{Parameter, Role};
+pub use self::per_input::PerInput;
 pub use self::periodic::Periodic;
+pub use self::polynomial::Polynomial;
 pub use self::product::Product;
 use self::radial::FARTHEST;
 pub use self::radial::{Profile, Radial};
+pub use self::rational_quadratic::RationalQuadratic;
 pub use self::spec::KernelSpec;
 pub use self::squared_exponential::{SquaredExponential, SquaredExponentialProfile};
 pub use self::sum::Sum;
+pub use self::white::White;
 use crate::GpError;
-use crate::checks::check_inputs;
+use crate::checks::{check_count, check_finite, check_inputs, check_positive};
 use crate::vector::add_multiple;
 
 /// A covariance function k(a, b) of two inputs with D coordinates, and its derivatives.
@@ -41,26 +56,54 @@ use crate::vector::add_multiple;
 /// Pairwise methods are enough; `column` and `column_gradient` are there to be made faster.
 #[auto_impl::auto_impl(Box)]
 pub trait Kernel: Debug + Send + Sync {
-    /// The number of input coordinates D.
-    fn n_inputs(&self) -> usize;
-
     /// k(a, b).
     fn value(&self, a: &[f64], b: &[f64]) -> f64;
 
     /// The parameters with names, values and roles, in a fixed order.
     fn parameters(&self) -> Vec<Parameter>;
 
-    /// The same kernel with other parameter values, in the order of `parameters`.
-    ///
-    /// # Errors
-    /// `ShapeMismatch` for a wrong count, `NotPositive` for a value that is not positive and finite.
-    fn with_parameters(&self, values: &[f64]) -> Result<Box<dyn Kernel>, GpError>;
+    /// The same kernel with other parameter values, in the order of `parameters`, of which there are as
+    /// many; called by `with_parameters`, which checks them.
+    fn with_values(&self, values: &[f64]) -> Box<dyn Kernel>;
 
     /// Writes ∂k(a, b)/∂ ln θ into `gradient`, one entry a parameter.
     fn parameter_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]);
 
     /// Writes ∂k(a, b)/∂a into `gradient`, one entry a coordinate.
     fn input_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]);
+
+    /// Checks that inputs may have `n_inputs` coordinates; any number, if it is not overridden.
+    ///
+    /// # Errors
+    /// `ShapeMismatch`, `OutOfRange` or `Empty` if they may not.
+    fn check_n_inputs(&self, _n_inputs: usize) -> Result<(), GpError> {
+        Ok(())
+    }
+
+    /// The same kernel with other parameter values, in the order of `parameters`.
+    ///
+    /// # Errors
+    /// `ShapeMismatch` for a wrong count, `NotPositive` for a value that is not positive and finite.
+    fn with_parameters(&self, values: &[f64]) -> Result<Box<dyn Kernel>, GpError> {
+        let parameters = self.parameters();
+        check_count("kernel parameters", parameters.len(), values.len())?;
+        for (parameter, value) in parameters.iter().zip(values) {
+            check_positive(&parameter.name, *value)?;
+        }
+        Ok(self.with_values(values))
+    }
+
+    /// Checks that all parameters are positive and finite, and that inputs may have `n_inputs`
+    /// coordinates: kernels are put together unchecked, and checked where they meet data.
+    ///
+    /// # Errors
+    /// `NotPositive`; as `check_n_inputs`.
+    fn check(&self, n_inputs: usize) -> Result<(), GpError> {
+        for parameter in self.parameters() {
+            check_positive(&parameter.name, parameter.value)?;
+        }
+        self.check_n_inputs(n_inputs)
+    }
 
     /// The kernel as plain data for saving; `None` for kernels that this crate does not know.
     fn spec(&self) -> Option<KernelSpec> {
@@ -123,48 +166,12 @@ pub trait Kernel: Debug + Send + Sync {
     }
 }
 
-/// A kernel parameter: positive, in the user's units.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Parameter {
-    /// Its name, e.g. `lengthscale 0`.
-    pub name: String,
-    /// Its value.
-    pub value: f64,
-    /// What it scales with.
-    pub role: Role,
-}
-
-/// What a parameter scales with; the optimiser takes starts and walls from it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Role {
-    /// A length in the unit of one input.
-    Lengthscale {
-        /// The input's column.
-        input: usize,
-    },
-    /// A period in the unit of one input.
-    Period {
-        /// The input's column.
-        input: usize,
-    },
-    /// A variance in the squared unit of the output.
-    Variance,
-    /// A variance in the squared unit of the output over that of one input.
-    SlopeVariance {
-        /// The input's column.
-        input: usize,
-    },
-    /// A number without unit.
-    Shape,
-}
-
 /// The Gram matrix K(X, X), exactly symmetric, N×N.
 ///
 /// # Errors
 /// `Empty`, `ShapeMismatch` or `NotFinite` if `x` is not a finite N×D matrix.
 pub fn gram(kernel: &dyn Kernel, x: MatRef<'_, f64>) -> Result<Mat<f64>, GpError> {
-    check_inputs("inputs", x, kernel.n_inputs())?;
+    check_kernel_and_inputs(kernel, x)?;
     let mut matrix = Mat::zeros(x.nrows(), x.nrows());
     fill_lower_gram(kernel, x, &mut matrix);
     mirror_lower(&mut matrix);
@@ -180,11 +187,23 @@ pub fn cross(
     a: MatRef<'_, f64>,
     b: MatRef<'_, f64>,
 ) -> Result<Mat<f64>, GpError> {
-    check_inputs("inputs", a, kernel.n_inputs())?;
-    check_inputs("inputs", b, kernel.n_inputs())?;
+    check_kernel_and_inputs(kernel, a)?;
+    check_inputs("inputs", b, a.ncols())?;
     let mut matrix = Mat::zeros(a.nrows(), b.nrows());
     fill_cross(kernel, a, b, matrix.as_mut());
     Ok(matrix)
+}
+
+/// Checks inputs, N×D, and that the kernel takes them.
+///
+/// # Errors
+/// `Empty` or `NotFinite` for inputs that are no finite matrix; as [`Kernel::check`].
+pub fn check_kernel_and_inputs(kernel: &dyn Kernel, x: MatRef<'_, f64>) -> Result<(), GpError> {
+    if x.nrows() == 0 || x.ncols() == 0 {
+        return Err(GpError::Empty { what: "inputs" });
+    }
+    kernel.check(x.ncols())?;
+    check_finite("inputs", x)
 }
 
 /// Writes the lower triangle of K(X, X), diagonal included; the rest is left as it is.

@@ -7,7 +7,8 @@ use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use serde::{Deserialize, Serialize};
 
 use crate::bfgs::{Limits, Minimum, StopReason, best_of, minimize};
-use crate::checks::{check_count, check_inputs, check_outputs, check_positive};
+use crate::checks::{check_count, check_outputs, check_positive};
+use crate::kernel::check_kernel_and_inputs;
 use crate::likelihood::Likelihood;
 use crate::noise::{Noise, check_row_noise};
 use crate::search_space::SearchSpace;
@@ -132,7 +133,7 @@ impl Gp {
         let noise = Noise { common: noise_variance, of_rows: row_noise };
         let gp = Self::condition(learnt, x.as_ref(), y, noise, options.mean)?;
         let mut names: Vec<String> = kernel.parameters().into_iter().map(|p| p.name).collect();
-        names.push("noise variance".to_owned());
+        names.push("noise_variance".to_owned());
         let at_bound =
             space.at_bound(&minimum.point).into_iter().map(|i| names[i].clone()).collect();
         let report = |(i, end): (usize, &Result<Minimum, GpError>)| match end {
@@ -202,7 +203,7 @@ pub fn check_learnable(
     y: &[f64],
     options: &LearnOptions,
 ) -> Result<(), GpError> {
-    check_inputs("inputs", x, kernel.n_inputs())?;
+    check_kernel_and_inputs(kernel, x)?;
     check_outputs("outputs", y, x.nrows())?;
     check_positive("n_starts", options.n_starts as f64)?;
     check_positive("gradient_tolerance", options.gradient_tolerance)?;

@@ -6,7 +6,7 @@ use faer::MatRef;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 
 use crate::bfgs::{Limits, Minimum, best_of, minimize};
-use crate::checks::{check_count, check_outputs, check_range};
+use crate::checks::{check_outputs, check_range};
 use crate::noise_bound::{NoiseBound, NoisePoint, NoiseSlopes};
 use crate::{
     Gp, GpError, HeteroscedasticGp, Kernel, LearnOptions, SearchSpace, StopReason, check_learnable,
@@ -39,7 +39,7 @@ impl HeteroscedasticGp {
     /// and from two lengthscales of the noise; walls and scales are as there.
     ///
     /// # Errors
-    /// As [`Gp::learn`]; `ShapeMismatch` if the kernels have different numbers of inputs.
+    /// As [`Gp::learn`]; and of the noise kernel as of the other.
     ///
     /// # Source
     /// Lázaro-Gredilla & Titsias, Variational heteroscedastic Gaussian process regression (2011).
@@ -52,7 +52,7 @@ impl HeteroscedasticGp {
     ) -> Result<(Self, HeteroscedasticReport), GpError> {
         check_learnable(&kernel, x, y, options)?;
         options.mean.check_constant()?;
-        check_count("inputs of the noise kernel", kernel.n_inputs(), noise_kernel.n_inputs())?;
+        noise_kernel.check(x.ncols())?;
         let values: Vec<f64> = kernel.parameters().iter().map(|p| p.value).collect();
         let (gp, _) = Gp::learn(kernel.with_parameters(&values)?, x, y, options)?;
         // The log noise has the unit of nats whatever the outputs are.

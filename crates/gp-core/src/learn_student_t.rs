@@ -53,7 +53,7 @@ impl StudentTGp {
         let (learnt, tails) = search.place_of(&best.point)?;
         let gp = Self::condition(Arc::from(learnt), x, y, tails, options.mean)?;
         let mut names: Vec<String> = kernel.parameters().into_iter().map(|p| p.name).collect();
-        names.extend(["scale variance", "degrees of freedom"].map(String::from));
+        names.extend(["scale_variance", "degrees_of_freedom"].map(String::from));
         let at_bound = space.at_bound(&best.point).into_iter().map(|i| names[i].clone()).collect();
         let report = StudentTReport {
             parameters: space.parameters(&best.point),

@@ -50,9 +50,10 @@ pub use heteroscedastic::{HeteroscedasticGp, HeteroscedasticGpModel};
 pub use hyper_prior::HyperPrior;
 pub use joint_gaussian::JointGaussian;
 pub use kernel::{
-    ActiveInputs, Constant, Kernel, KernelSpec, Linear, Matern32, Matern32Profile, Matern52,
-    Matern52Profile, Parameter, Periodic, Product, Profile, Radial, Role, SquaredExponential,
-    SquaredExponentialProfile, Sum, cross, gram,
+    ActiveInputs, Constant, Cosine, Kernel, KernelSpec, Linear, Matern12, Matern12Profile,
+    Matern32, Matern32Profile, Matern52, Matern52Profile, Parameter, PerInput, Periodic,
+    Polynomial, Product, Profile, Radial, RationalQuadratic, Role, SquaredExponential,
+    SquaredExponentialProfile, Sum, White, cross, gram,
 };
 pub use learn::{LearnOptions, LearnReport, StartReport, check_learnable};
 pub use learn_noise::HeteroscedasticReport;

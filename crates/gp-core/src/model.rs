@@ -67,8 +67,8 @@ impl Gp {
             let supported = GpModel::VERSION;
             return Err(GpError::UnsupportedVersion { found: model.version, supported });
         }
-        let kernel: Arc<dyn Kernel> = Arc::from(model.kernel.build()?);
-        let x = matrix(&model.inputs, kernel.n_inputs())?;
+        let kernel: Arc<dyn Kernel> = Arc::from(model.kernel.build());
+        let x = matrix(&model.inputs)?;
         if !model.row_noise.is_empty() {
             check_count("row noise", model.outputs.len(), model.row_noise.len())?;
         }
@@ -80,8 +80,9 @@ impl Gp {
 /// Rows of inputs as a matrix.
 ///
 /// # Errors
-/// `ShapeMismatch` for a row that has not `n_inputs` values.
-pub(crate) fn matrix(rows: &[Vec<f64>], n_inputs: usize) -> Result<Mat<f64>, GpError> {
+/// `ShapeMismatch` for a row with another number of values than the first.
+pub(crate) fn matrix(rows: &[Vec<f64>]) -> Result<Mat<f64>, GpError> {
+    let n_inputs = rows.first().map_or(0, Vec::len);
     for row in rows {
         check_count("columns of the inputs", n_inputs, row.len())?;
     }

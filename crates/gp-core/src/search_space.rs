@@ -20,24 +20,30 @@ pub struct SearchSpace {
 impl SearchSpace {
     /// The space for a kernel and data with outputs that are not all equal.
     pub fn new(kernel: &dyn Kernel, x: MatRef<'_, f64>, y: &[f64], prior: HyperPrior) -> Self {
-        let log_spread = |input: usize| {
+        let spread_of = |input: usize| {
             let values: Vec<f64> = x.col(input).iter().copied().collect();
             0.5 * log_variance(&values).unwrap_or(0.0)
         };
+        let all: Vec<f64> = (0..x.ncols()).map(spread_of).collect();
+        // One parameter of several inputs scales with the geometric mean of their spreads.
+        let log_spread = |inputs: &[usize]| match inputs {
+            [] => all.iter().sum::<f64>() / all.len() as f64,
+            some => some.iter().map(|&input| all[input]).sum::<f64>() / some.len() as f64,
+        };
         let output = log_variance(y).unwrap_or(0.0);
-        let center = 0.5 * (kernel.n_inputs() as f64).ln();
+        let center = 0.5 * (x.ncols() as f64).ln();
         let (mut log_scales, mut ranges) = (Vec::new(), Vec::new());
         for parameter in kernel.parameters() {
             let log_value = parameter.value.ln();
             let (log_scale, range) = match parameter.role {
-                Role::Lengthscale { input } => (log_spread(input), Range::lengthscale(center)),
-                Role::Period { input } => {
-                    let log_scale = log_spread(input);
+                Role::Lengthscale { inputs } => (log_spread(&inputs), Range::lengthscale(center)),
+                Role::Period { inputs } => {
+                    let log_scale = log_spread(&inputs);
                     (log_scale, Range::around(log_value - log_scale))
                 }
                 Role::Variance => (output, Range::signal()),
-                Role::SlopeVariance { input } => {
-                    (output - 2.0 * log_spread(input), Range::signal())
+                Role::SlopeVariance { inputs } => {
+                    (output - 2.0 * log_spread(&inputs), Range::signal())
                 }
                 Role::Shape => (0.0, Range::around(log_value)),
             };

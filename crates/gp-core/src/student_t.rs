@@ -7,6 +7,7 @@ use faer::MatRef;
 use serde::{Deserialize, Serialize};
 
 use crate::checks::{check_count, check_inputs, check_outputs, check_positive, check_range};
+use crate::kernel::check_kernel_and_inputs;
 use crate::model::matrix;
 use crate::noise::Noise;
 use crate::student_t_bound::{StudentTBound, Tails};
@@ -79,7 +80,7 @@ impl StudentTGp {
         degrees_of_freedom: f64,
         mean: Mean,
     ) -> Result<Self, GpError> {
-        check_inputs("inputs", x, kernel.n_inputs())?;
+        check_kernel_and_inputs(&kernel, x)?;
         check_outputs("outputs", y, x.nrows())?;
         mean.check()?;
         let tails = Tails { scale_variance, degrees: degrees_of_freedom };
@@ -190,8 +191,8 @@ impl StudentTGp {
         for noise in &model.row_noise {
             check_positive("noise variance of a row", *noise)?;
         }
-        let kernel = model.kernel.build()?;
-        let x = matrix(&model.inputs, kernel.n_inputs())?;
+        let kernel = model.kernel.build();
+        let x = matrix(&model.inputs)?;
         let noise = Noise { common: 0.0, of_rows: &model.row_noise };
         let gp = Gp::condition(Arc::from(kernel), x.as_ref(), &model.outputs, noise, model.mean)?;
         Ok(Self { gp, tails, bound: model.bound })

@@ -178,7 +178,7 @@ fn maximize_own(
         (0..options.n_starts).into_par_iter().map(run).collect();
     let (_, best) = best_of(&ends)?;
     let mut names: Vec<String> = kernel.parameters().into_iter().map(|p| p.name).collect();
-    names.push("noise variance".to_owned());
+    names.push("noise_variance".to_owned());
     report.parameters = space.parameters(&best.point);
     report.iterations = best.iterations;
     report.evaluations = best.evaluations;

@@ -204,7 +204,7 @@ impl Search<'_> {
 
     fn at_bound(&self, point: &[f64]) -> Vec<String> {
         let mut names: Vec<String> = self.kernel.parameters().into_iter().map(|p| p.name).collect();
-        names.push("noise variance".to_owned());
+        names.push("noise_variance".to_owned());
         let at_bound = self.space.at_bound(&point[..names.len()]);
         at_bound.into_iter().map(|i| names[i].clone()).collect()
     }
@@ -272,7 +272,7 @@ fn check_options(
     options.settings.check()?;
     check_positive("progress_tolerance", options.progress_tolerance)?;
     match &options.pseudo_inputs {
-        PseudoInputs::Given(z) => check_inputs("pseudo-inputs", z.as_ref(), kernel.n_inputs()),
+        PseudoInputs::Given(z) => check_inputs("pseudo-inputs", z.as_ref(), x.ncols()),
         _ => Ok(()),
     }
 }

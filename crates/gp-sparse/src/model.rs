@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use faer::Mat;
-use gp_core::checks::{check_count, check_inputs, check_outputs, check_positive};
+use gp_core::checks::{check_count, check_outputs, check_positive};
 use gp_core::cholesky::factorize;
-use gp_core::kernel::fill_lower_gram;
+use gp_core::kernel::{check_kernel_and_inputs, fill_lower_gram};
 use gp_core::triangle::inverse;
 use gp_core::{GpError, KernelSpec};
 use serde::{Deserialize, Serialize};
@@ -87,13 +87,14 @@ impl SparseGp {
             1 | SparseGpModel::VERSION => {}
             _ => return Err(GpError::UnsupportedVersion { found, supported }),
         }
-        let kernel = model.kernel.build()?;
-        let (m, d) = (model.pseudo_inputs.len(), kernel.n_inputs());
+        let kernel = model.kernel.build();
+        let m = model.pseudo_inputs.len();
+        let d = model.pseudo_inputs.first().map_or(0, Vec::len);
         for row in &model.pseudo_inputs {
             check_count("columns of the pseudo-inputs", d, row.len())?;
         }
         let z = Mat::from_fn(m, d, |a, j| model.pseudo_inputs[a][j]);
-        check_inputs("pseudo-inputs", z.as_ref(), d)?;
+        check_kernel_and_inputs(&*kernel, z.as_ref())?;
         model.settings.check()?;
         check_positive("noise variance", model.noise_variance)?;
         check_outputs("mean and objective", &[model.mean, model.objective], 2)?;

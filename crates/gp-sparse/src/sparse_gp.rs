@@ -6,7 +6,9 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use gp_core::blocks::{PredictBlock, mean_in_blocks, predict_blocks_into, predict_in_blocks};
 use gp_core::checks::{check_inputs, check_outputs, check_positive};
-use gp_core::kernel::{column_of, fill_cross, fill_lower_gram, mirror_lower};
+use gp_core::kernel::{
+    check_kernel_and_inputs, column_of, fill_cross, fill_lower_gram, mirror_lower,
+};
 use gp_core::triangle::{add_outer, inverse, multiply_rows_transposed};
 use gp_core::vector::{add_multiple, add_square};
 use gp_core::{GpError, JointGaussian, Kernel, Posterior, Workspace};
@@ -93,7 +95,7 @@ impl SparseGp {
     ) -> Result<Self, GpError> {
         let kernel: Arc<dyn Kernel> = Arc::new(kernel);
         check_data(&*kernel, x, y)?;
-        check_inputs("pseudo-inputs", z, kernel.n_inputs())?;
+        check_inputs("pseudo-inputs", z, x.ncols())?;
         check_positive("noise variance", noise_variance)?;
         settings.check()?;
         Self::condition(kernel, x, y, &rows_of(z), noise_variance, settings)
@@ -108,7 +110,7 @@ impl SparseGp {
         noise_variance: f64,
         settings: SparseSettings,
     ) -> Result<Self, GpError> {
-        let d = kernel.n_inputs();
+        let d = x.ncols();
         let m = z.len() / d;
         let n_parameters = kernel.parameters().len();
         let mut objective = Objective::new(x, y, m, n_parameters, settings);
@@ -196,7 +198,7 @@ impl SparseGp {
 
 impl Posterior for SparseGp {
     fn n_inputs(&self) -> usize {
-        self.kernel.n_inputs()
+        self.z.ncols()
     }
 
     fn predict_mean(&self, x_star: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {
@@ -291,7 +293,7 @@ pub(crate) fn check_data(
     x: MatRef<'_, f64>,
     y: &[f64],
 ) -> Result<(), GpError> {
-    check_inputs("inputs", x, kernel.n_inputs())?;
+    check_kernel_and_inputs(kernel, x)?;
     check_outputs("outputs", y, x.nrows())
 }
 

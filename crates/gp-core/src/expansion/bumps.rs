@@ -22,10 +22,12 @@ impl SquaredExponentialBasis {
     /// The columns of a kernel at the rows of `centers`, N×D.
     ///
     /// # Errors
-    /// `NoClosedForm` for any kernel but the squared exponential of all inputs.
+    /// As [`Kernel::check`]; `NoClosedForm` for any kernel but the squared exponential of all inputs.
     pub fn new(kernel: &dyn Kernel, centers: MatRef<'_, f64>) -> Result<Self, GpError> {
+        kernel.check(centers.ncols())?;
         match kernel.spec() {
             Some(KernelSpec::SquaredExponential { lengthscales, signal_variance }) => {
+                let lengthscales = (0..centers.ncols()).map(|d| lengthscales.of(d)).collect();
                 Ok(Self { lengthscales, signal_variance, centers: centers.to_owned() })
             }
             _ => Err(GpError::NoClosedForm { kernel: format!("{kernel:?}") }),

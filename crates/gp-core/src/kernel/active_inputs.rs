@@ -6,7 +6,7 @@ use faer::{Mat, MatRef};
 
 use super::{Kernel, KernelSpec, Parameter, Role};
 use crate::GpError;
-use crate::checks::check_count;
+use crate::checks::check_range;
 
 /// k(a, b) = k₁(a_S, b_S), S a choice of the inputs: sums and products of such are functions with
 /// structure, such as f(a) + g(b).
@@ -14,30 +14,12 @@ use crate::checks::check_count;
 pub struct ActiveInputs {
     kernel: Arc<dyn Kernel>,
     columns: Vec<usize>,
-    n_inputs: usize,
 }
 
 impl ActiveInputs {
-    /// A kernel over the inputs `columns` out of `n_inputs`, in the order given.
-    ///
-    /// # Errors
-    /// `ShapeMismatch` if there are not as many columns as the kernel has inputs; `OutOfRange` for a
-    /// column that is not there.
-    pub fn new(
-        kernel: impl Kernel + 'static,
-        columns: &[usize],
-        n_inputs: usize,
-    ) -> Result<Self, GpError> {
-        check_count("active inputs", kernel.n_inputs(), columns.len())?;
-        match columns.iter().find(|&&column| column >= n_inputs) {
-            Some(&column) => Err(GpError::OutOfRange {
-                name: "active input".to_owned(),
-                value: column as f64,
-                lowest: 0.0,
-                highest: n_inputs as f64 - 1.0,
-            }),
-            None => Ok(Self { kernel: Arc::new(kernel), columns: columns.to_vec(), n_inputs }),
-        }
+    /// A kernel over the inputs `columns`, from zero, in the order given; also `kernel.active(columns)`.
+    pub fn new(kernel: impl Kernel + 'static, columns: &[usize]) -> Self {
+        Self { kernel: Arc::new(kernel), columns: columns.to_vec() }
     }
 
     fn choose(&self, a: &[f64]) -> Vec<f64> {
@@ -63,8 +45,14 @@ impl ActiveInputs {
 }
 
 impl Kernel for ActiveInputs {
-    fn n_inputs(&self) -> usize {
-        self.n_inputs
+    fn check_n_inputs(&self, n_inputs: usize) -> Result<(), GpError> {
+        if self.columns.is_empty() {
+            return Err(GpError::Empty { what: "active inputs" });
+        }
+        for &column in &self.columns {
+            check_range("active input", column as f64, 0.0, n_inputs as f64 - 1.0)?;
+        }
+        self.kernel.check_n_inputs(self.columns.len())
     }
 
     fn value(&self, a: &[f64], b: &[f64]) -> f64 {
@@ -72,21 +60,28 @@ impl Kernel for ActiveInputs {
     }
 
     fn parameters(&self) -> Vec<Parameter> {
-        let renumbered = |parameter: Parameter| {
-            let role = match parameter.role {
-                Role::Lengthscale { input } => Role::Lengthscale { input: self.columns[input] },
-                Role::Period { input } => Role::Period { input: self.columns[input] },
-                Role::SlopeVariance { input } => Role::SlopeVariance { input: self.columns[input] },
-                other => other,
-            };
-            Parameter { role, ..parameter }
-        };
-        self.kernel.parameters().into_iter().map(renumbered).collect()
+        let mut parameters = self.kernel.parameters();
+        for parameter in &mut parameters {
+            if let Role::Lengthscale { inputs }
+            | Role::Period { inputs }
+            | Role::SlopeVariance { inputs } = &mut parameter.role
+            {
+                match inputs.is_empty() {
+                    true => inputs.clone_from(&self.columns),
+                    // A kernel of another number of inputs is refused before it is learnt.
+                    false => {
+                        let column = |&input: &usize| self.columns.get(input).copied();
+                        *inputs = inputs.iter().filter_map(column).collect();
+                    }
+                }
+            }
+        }
+        parameters
     }
 
-    fn with_parameters(&self, values: &[f64]) -> Result<Box<dyn Kernel>, GpError> {
-        let kernel = Arc::from(self.kernel.with_parameters(values)?);
-        Ok(Box::new(Self { kernel, ..self.clone() }))
+    fn with_values(&self, values: &[f64]) -> Box<dyn Kernel> {
+        let kernel = Arc::from(self.kernel.with_values(values));
+        Box::new(Self { kernel, columns: self.columns.clone() })
     }
 
     fn parameter_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
@@ -104,7 +99,6 @@ impl Kernel for ActiveInputs {
         Some(KernelSpec::ActiveInputs {
             kernel: Box::new(self.kernel.spec()?),
             columns: self.columns.clone(),
-            n_inputs: self.n_inputs,
         })
     }
 

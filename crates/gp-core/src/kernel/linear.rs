@@ -1,72 +1,75 @@
 //! The linear kernel.
 
-use super::{Kernel, KernelSpec, Parameter, Role};
+use super::{Kernel, KernelSpec, Parameter, PerInput, Role};
 use crate::GpError;
-use crate::checks::{check_count, check_positive};
 
 /// k(a, b) = Σ_d v_d a_d b_d: straight lines through the origin with slopes of variance v_d.
 ///
 /// Add a `Constant` for lines with an offset. It is not stationary: the variance grows as the square
 /// of the distance from the origin.
-/// Parameters in order: the slope variances v_d, in squared units of output over input d.
+/// Parameters: `linear.slope_variance`, in squared units of output over input d.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linear {
-    slope_variances: Vec<f64>,
+    slope_variances: PerInput,
 }
 
 impl Linear {
-    /// A kernel with one slope variance an input.
-    ///
-    /// # Errors
-    /// `Empty` without variances; `NotPositive` for one that is not positive and finite.
-    pub fn new(slope_variances: &[f64]) -> Result<Self, GpError> {
-        if slope_variances.is_empty() {
-            return Err(GpError::Empty { what: "slope variances" });
-        }
-        for (d, &variance) in slope_variances.iter().enumerate() {
-            check_positive(&format!("slope variance {d}"), variance)?;
-        }
-        Ok(Self { slope_variances: slope_variances.to_vec() })
+    /// A kernel with the same slope variance for all inputs.
+    pub fn isotropic(slope_variance: f64) -> Self {
+        PerInput::Shared(slope_variance).into()
     }
 
-    /// The slope variances v_d.
+    /// A kernel with one slope variance an input.
+    pub fn ard(slope_variances: &[f64]) -> Self {
+        PerInput::from(slope_variances).into()
+    }
+
+    /// The slope variances v_d: one, or one an input.
     pub fn slope_variances(&self) -> &[f64] {
-        &self.slope_variances
+        self.slope_variances.as_slice()
+    }
+
+    pub(super) fn scaled(mut self, factor: f64) -> Self {
+        let values: Vec<f64> = self.slope_variances().iter().map(|v| factor * v).collect();
+        self.slope_variances = self.slope_variances.with_values(&values);
+        self
+    }
+}
+
+impl From<PerInput> for Linear {
+    fn from(slope_variances: PerInput) -> Self {
+        Self { slope_variances }
     }
 }
 
 impl Kernel for Linear {
-    fn n_inputs(&self) -> usize {
-        self.slope_variances.len()
+    fn check_n_inputs(&self, n_inputs: usize) -> Result<(), GpError> {
+        self.slope_variances.check(n_inputs)
     }
 
     fn value(&self, a: &[f64], b: &[f64]) -> f64 {
-        self.slope_variances.iter().zip(a).zip(b).map(|((v, a), b)| v * a * b).sum()
+        a.iter().zip(b).enumerate().map(|(d, (a, b))| self.slope_variances.of(d) * a * b).sum()
     }
 
     fn parameters(&self) -> Vec<Parameter> {
-        let parameter = |(input, &value): (usize, &f64)| Parameter {
-            name: format!("slope variance {input}"),
-            value,
-            role: Role::SlopeVariance { input },
-        };
-        self.slope_variances.iter().enumerate().map(parameter).collect()
+        let role = |inputs| Role::SlopeVariance { inputs };
+        self.slope_variances.parameters("linear.slope_variance", role)
     }
 
-    fn with_parameters(&self, values: &[f64]) -> Result<Box<dyn Kernel>, GpError> {
-        check_count("kernel parameters", self.slope_variances.len(), values.len())?;
-        Ok(Box::new(Self::new(values)?))
+    fn with_values(&self, values: &[f64]) -> Box<dyn Kernel> {
+        Box::new(Self::from(self.slope_variances.with_values(values)))
     }
 
     fn parameter_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
-        for (d, slope) in gradient.iter_mut().enumerate() {
-            *slope = self.slope_variances[d] * a[d] * b[d];
+        gradient.fill(0.0);
+        for (d, (a, b)) in a.iter().zip(b).enumerate() {
+            gradient[self.slope_variances.slot(d)] += self.slope_variances.of(d) * a * b;
         }
     }
 
     fn input_gradient(&self, _a: &[f64], b: &[f64], gradient: &mut [f64]) {
         for (d, slope) in gradient.iter_mut().enumerate() {
-            *slope = self.slope_variances[d] * b[d];
+            *slope = self.slope_variances.of(d) * b[d];
         }
     }
 

@@ -12,6 +12,7 @@ pub struct Matern32Profile;
 
 impl Profile for Matern32Profile {
     const NAME: &'static str = "Matern32";
+    const ID: &'static str = "matern32";
 
     #[inline(always)]
     fn value(squared_distance: f64) -> f64 {
@@ -27,7 +28,7 @@ impl Profile for Matern32Profile {
 
     fn spec(kernel: &Matern32) -> Option<KernelSpec> {
         Some(KernelSpec::Matern32 {
-            lengthscales: kernel.lengthscales().to_vec(),
+            lengthscales: kernel.per_input().clone(),
             signal_variance: kernel.signal_variance(),
         })
     }

@@ -12,6 +12,7 @@ pub struct Matern52Profile;
 
 impl Profile for Matern52Profile {
     const NAME: &'static str = "Matern52";
+    const ID: &'static str = "matern52";
 
     #[inline(always)]
     fn value(squared_distance: f64) -> f64 {
@@ -29,7 +30,7 @@ impl Profile for Matern52Profile {
 
     fn spec(kernel: &Matern52) -> Option<KernelSpec> {
         Some(KernelSpec::Matern52 {
-            lengthscales: kernel.lengthscales().to_vec(),
+            lengthscales: kernel.per_input().clone(),
             signal_variance: kernel.signal_variance(),
         })
     }

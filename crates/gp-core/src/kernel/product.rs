@@ -6,12 +6,12 @@ use faer::MatRef;
 
 use super::{Kernel, KernelSpec, Parameter, Role};
 use crate::GpError;
-use crate::checks::check_count;
 
 /// k(a, b) = k₁(a, b) k₂(a, b); products of products give any number of factors.
 ///
-/// Parameters in order: those of the first factor, then those of the second. A variance of the
-/// second factor counts as a number without unit, since the first one carries the output's unit.
+/// Parameters: those of the first factor, then those of the second (see [`Parameter`] for names). A
+/// variance of the second factor counts as a number without unit where the first one has a variance,
+/// which carries the output's unit.
 #[derive(Clone, Debug)]
 pub struct Product {
     first: Arc<dyn Kernel>,
@@ -20,17 +20,10 @@ pub struct Product {
 }
 
 impl Product {
-    /// The product of two kernels.
-    ///
-    /// # Errors
-    /// `ShapeMismatch` if the factors have different numbers of inputs.
-    pub fn new(
-        first: impl Kernel + 'static,
-        second: impl Kernel + 'static,
-    ) -> Result<Self, GpError> {
-        check_count("inputs of the second factor", first.n_inputs(), second.n_inputs())?;
+    /// The product of two kernels; also `first * second`.
+    pub fn new(first: impl Kernel + 'static, second: impl Kernel + 'static) -> Self {
         let n_first = first.parameters().len();
-        Ok(Self { first: Arc::new(first), second: Arc::new(second), n_first })
+        Self { first: Arc::new(first), second: Arc::new(second), n_first }
     }
 
     /// The two factors.
@@ -40,8 +33,9 @@ impl Product {
 }
 
 impl Kernel for Product {
-    fn n_inputs(&self) -> usize {
-        self.first.n_inputs()
+    fn check_n_inputs(&self, n_inputs: usize) -> Result<(), GpError> {
+        self.first.check_n_inputs(n_inputs)?;
+        self.second.check_n_inputs(n_inputs)
     }
 
     fn value(&self, a: &[f64], b: &[f64]) -> f64 {
@@ -49,30 +43,19 @@ impl Kernel for Product {
     }
 
     fn parameters(&self) -> Vec<Parameter> {
-        let named = |factor: &'static str| {
-            move |parameter: Parameter| Parameter {
-                name: format!("{factor} factor's {}", parameter.name),
-                ..parameter
-            }
-        };
-        let unitless = |parameter: Parameter| match parameter.role {
-            Role::Variance | Role::SlopeVariance { .. } => {
-                Parameter { role: Role::Shape, ..parameter }
-            }
-            _ => parameter,
-        };
-        let first = self.first.parameters().into_iter().map(named("first"));
-        let second = self.second.parameters().into_iter().map(named("second")).map(unitless);
-        first.chain(second).collect()
+        let (first, mut second) = (self.first.parameters(), self.second.parameters());
+        if first.iter().any(|parameter| parameter.role.is_variance()) {
+            let variances = second.iter_mut().filter(|parameter| parameter.role.is_variance());
+            variances.for_each(|parameter| parameter.role = Role::Shape);
+        }
+        Parameter::of_both(first, second)
     }
 
-    fn with_parameters(&self, values: &[f64]) -> Result<Box<dyn Kernel>, GpError> {
-        let n_parameters = self.n_first + self.second.parameters().len();
-        check_count("kernel parameters", n_parameters, values.len())?;
+    fn with_values(&self, values: &[f64]) -> Box<dyn Kernel> {
         let (of_first, of_second) = values.split_at(self.n_first);
-        let first = Arc::from(self.first.with_parameters(of_first)?);
-        let second = Arc::from(self.second.with_parameters(of_second)?);
-        Ok(Box::new(Self { first, second, n_first: self.n_first }))
+        let first = Arc::from(self.first.with_values(of_first));
+        let second = Arc::from(self.second.with_values(of_second));
+        Box::new(Self { first, second, n_first: self.n_first })
     }
 
     fn parameter_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {

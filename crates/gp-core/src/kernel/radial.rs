@@ -1,28 +1,32 @@
-//! Kernels that depend on the scaled distance of two inputs only, with one lengthscale an input.
+//! Kernels that depend on the scaled distance of two inputs only.
 
 use std::fmt;
 use std::marker::PhantomData;
 
 use faer::MatRef;
 
-use super::{Kernel, KernelSpec, Parameter, Role};
+use super::{Kernel, KernelSpec, Parameter, PerInput, Role};
 use crate::GpError;
-use crate::checks::{check_count, check_positive};
+use crate::checks::check_positive;
 use crate::vector::{dot, vectorized, weighted_sums};
 
 /// k(a, b) = s² g(r²) with r² = Σ_d ((a_d − b_d)/l_d)² and g given by a `Profile`.
 ///
-/// Parameters in order: the lengthscales l_d, in the unit of input d, and the signal variance s².
+/// Parameters: `<ID>.lengthscale`, in the unit of input d, and `<ID>.signal_variance`, with the ID of
+/// the profile, such as `matern52`.
 pub struct Radial<P> {
-    lengthscales: Vec<f64>,
+    lengthscales: PerInput,
     signal_variance: f64,
     profile: PhantomData<P>,
 }
 
 /// The shape g of a radial kernel as a function of the squared scaled distance, with g(0) = 1.
 pub trait Profile: Send + Sync + Sized + 'static {
-    /// The kernel's name, for people.
+    /// The kernel's name as a type.
     const NAME: &'static str;
+
+    /// Its name in hyperparameters and files.
+    const ID: &'static str;
 
     /// Whether the slope depends on the distance other than through the value.
     const NEEDS_DISTANCE: bool = true;
@@ -38,6 +42,11 @@ pub trait Profile: Send + Sync + Sized + 'static {
 }
 
 impl<P: Profile> Radial<P> {
+    /// A kernel with the same lengthscale for all inputs, however many, and signal variance 1.
+    pub fn isotropic(lengthscale: f64) -> Self {
+        Self::of(PerInput::Shared(lengthscale), 1.0)
+    }
+
     /// A kernel with one lengthscale an input and signal variance s² = k(x, x).
     ///
     /// # Errors
@@ -50,10 +59,11 @@ impl<P: Profile> Radial<P> {
             check_positive(&format!("lengthscale {d}"), lengthscale)?;
         }
         check_positive("signal variance", signal_variance)?;
-        Ok(Self { lengthscales: lengthscales.to_vec(), signal_variance, profile: PhantomData })
+        Ok(Self::of(lengthscales.into(), signal_variance))
     }
 
-    /// A kernel with all parameters 1: the family, where the values are to be learnt.
+    /// A kernel with one lengthscale an input and all parameters 1: the family, where the values are
+    /// to be learnt.
     ///
     /// # Errors
     /// `Empty` if `n_inputs` is 0.
@@ -61,69 +71,70 @@ impl<P: Profile> Radial<P> {
         Self::new(&vec![1.0; n_inputs], 1.0)
     }
 
-    /// The lengthscales, each in the unit of its input.
-    pub fn lengthscales(&self) -> &[f64] {
+    pub(super) fn of(lengthscales: PerInput, signal_variance: f64) -> Self {
+        Self { lengthscales, signal_variance, profile: PhantomData }
+    }
+
+    pub(super) fn scaled(mut self, factor: f64) -> Self {
+        self.signal_variance *= factor;
+        self
+    }
+
+    pub(super) fn per_input(&self) -> &PerInput {
         &self.lengthscales
+    }
+
+    /// The lengthscales, each in the unit of its input: one, or one an input.
+    pub fn lengthscales(&self) -> &[f64] {
+        self.lengthscales.as_slice()
     }
 
     /// The prior variance of the function, in the squared unit of the output.
     pub fn signal_variance(&self) -> f64 {
         self.signal_variance
     }
-
-    fn squared_distance(&self, a: &[f64], b: &[f64]) -> f64 {
-        a.iter().zip(b).zip(&self.lengthscales).fold(0.0, |sum, ((a, b), lengthscale)| {
-            let scaled = (a - b) * lengthscale.recip();
-            sum + scaled * scaled
-        })
-    }
 }
 
 impl<P: Profile> Kernel for Radial<P> {
-    fn n_inputs(&self) -> usize {
-        self.lengthscales.len()
+    fn check_n_inputs(&self, n_inputs: usize) -> Result<(), GpError> {
+        self.lengthscales.check(n_inputs)
     }
 
     fn value(&self, a: &[f64], b: &[f64]) -> f64 {
-        self.signal_variance * P::value(self.squared_distance(a, b))
+        self.signal_variance * P::value(self.lengthscales.squared_distance(a, b))
     }
 
     fn parameters(&self) -> Vec<Parameter> {
-        let lengthscale = |(input, &value): (usize, &f64)| Parameter {
-            name: format!("lengthscale {input}"),
-            value,
-            role: Role::Lengthscale { input },
-        };
-        let variance = Parameter {
-            name: "signal variance".to_owned(),
-            value: self.signal_variance,
-            role: Role::Variance,
-        };
-        self.lengthscales.iter().enumerate().map(lengthscale).chain([variance]).collect()
+        let name = |parameter: &str| format!("{}.{parameter}", P::ID);
+        let role = |inputs| Role::Lengthscale { inputs };
+        let mut all = self.lengthscales.parameters(&name("lengthscale"), role);
+        all.push(Parameter::new(name("signal_variance"), self.signal_variance, Role::Variance));
+        all
     }
 
-    fn with_parameters(&self, values: &[f64]) -> Result<Box<dyn Kernel>, GpError> {
-        check_count("kernel parameters", self.lengthscales.len() + 1, values.len())?;
-        let (lengthscales, variance) = values.split_at(self.lengthscales.len());
-        Ok(Box::new(Self::new(lengthscales, variance[0])?))
+    fn with_values(&self, values: &[f64]) -> Box<dyn Kernel> {
+        let (lengthscales, variance) = values.split_at(self.lengthscales.n_parameters());
+        Box::new(Self::of(self.lengthscales.with_values(lengthscales), variance[0]))
     }
 
     fn parameter_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
-        let squared_distance = self.squared_distance(a, b);
+        let squared_distance = self.lengthscales.squared_distance(a, b);
         let shape = P::value(squared_distance);
         let factor = -2.0 * self.signal_variance * P::slope(squared_distance, shape);
-        for (d, lengthscale) in self.lengthscales.iter().enumerate() {
-            gradient[d] = factor * ((a[d] - b[d]) / lengthscale).powi(2);
+        gradient.fill(0.0);
+        for (d, (a, b)) in a.iter().zip(b).enumerate() {
+            let scaled = (a - b) / self.lengthscales.of(d);
+            gradient[self.lengthscales.slot(d)] += factor * scaled.powi(2);
         }
-        gradient[self.lengthscales.len()] = self.signal_variance * shape;
+        gradient[self.lengthscales.n_parameters()] = self.signal_variance * shape;
     }
 
     fn input_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
-        let squared_distance = self.squared_distance(a, b);
+        let squared_distance = self.lengthscales.squared_distance(a, b);
         let slope = P::slope(squared_distance, P::value(squared_distance));
-        for (d, lengthscale) in self.lengthscales.iter().enumerate() {
-            let scaled = (a[d] - b[d]) / (lengthscale * lengthscale);
-            gradient[d] = 2.0 * self.signal_variance * slope * scaled;
+        for (d, of_input) in gradient.iter_mut().enumerate() {
+            let scaled = (a[d] - b[d]) / self.lengthscales.of(d).powi(2);
+            *of_input = 2.0 * self.signal_variance * slope * scaled;
         }
     }
 
@@ -132,9 +143,9 @@ impl<P: Profile> Kernel for Radial<P> {
     }
 
     fn column(&self, x: MatRef<'_, f64>, b: &[f64], values: &mut [f64]) {
-        let last = self.lengthscales.len() - 1;
+        let last = x.ncols() - 1;
         self.squared_distances(x, b, last, values);
-        let (inverse, signal_variance) = (self.lengthscales[last].recip(), self.signal_variance);
+        let (inverse, signal_variance) = (self.lengthscales.of(last).recip(), self.signal_variance);
         with_column(x, last, |x| {
             profile_values::<P>(values, x, b[last], inverse, signal_variance);
         });
@@ -155,19 +166,19 @@ impl<P: Profile> Kernel for Radial<P> {
             let n = BLOCK.min(values.len() - start);
             let (rows, factors) = (x.subrows(start, n), &mut factors[..n]);
             if P::NEEDS_DISTANCE {
-                self.squared_distances(rows, b, self.lengthscales.len(), factors);
+                self.squared_distances(rows, b, x.ncols(), factors);
             }
             let (values, weights) = (&values[start..start + n], &weights[start..start + n]);
             profile_slopes::<P>(factors, values, weights, signal_variance);
             if let Some((of_variance, _)) = of_parameters.split_last_mut() {
                 *of_variance += dot(values, weights);
             }
-            for (d, lengthscale) in self.lengthscales.iter().enumerate() {
-                let inverse = lengthscale.recip();
+            for d in 0..x.ncols() {
+                let inverse = self.lengthscales.of(d).recip();
                 let sums = |x: &[f64]| weighted_sums(x, factors, b[d], inverse);
                 let (first, second) = with_column(rows, d, sums);
                 if !of_parameters.is_empty() {
-                    of_parameters[d] -= second;
+                    of_parameters[self.lengthscales.slot(d)] -= second;
                 }
                 if !of_input.is_empty() {
                     of_input[d] -= inverse * first;
@@ -196,8 +207,8 @@ impl<P: Profile> Radial<P> {
         squares: &mut [f64],
     ) {
         squares.fill(0.0);
-        for (d, lengthscale) in self.lengthscales[..n_inputs].iter().enumerate() {
-            let (center, inverse) = (b[d], lengthscale.recip());
+        for d in 0..n_inputs {
+            let (center, inverse) = (b[d], self.lengthscales.of(d).recip());
             with_column(x, d, |x| add_squares(squares, x, center, inverse));
         }
     }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::PerInput;
+
 /// A kernel with its parameter values, as it is written to a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
@@ -9,31 +11,64 @@ use serde::{Deserialize, Serialize};
 pub enum KernelSpec {
     /// `SquaredExponential`.
     SquaredExponential {
-        /// One an input, in the input's unit.
-        lengthscales: Vec<f64>,
+        /// One, or one an input, in the input's unit.
+        lengthscales: PerInput,
+        /// In the squared unit of the output.
+        signal_variance: f64,
+    },
+    /// `Matern12`.
+    Matern12 {
+        /// One, or one an input, in the input's unit.
+        lengthscales: PerInput,
         /// In the squared unit of the output.
         signal_variance: f64,
     },
     /// `Matern32`.
     Matern32 {
-        /// One an input, in the input's unit.
-        lengthscales: Vec<f64>,
+        /// One, or one an input, in the input's unit.
+        lengthscales: PerInput,
         /// In the squared unit of the output.
         signal_variance: f64,
     },
     /// `Matern52`.
     Matern52 {
-        /// One an input, in the input's unit.
-        lengthscales: Vec<f64>,
+        /// One, or one an input, in the input's unit.
+        lengthscales: PerInput,
+        /// In the squared unit of the output.
+        signal_variance: f64,
+    },
+    /// `RationalQuadratic`.
+    RationalQuadratic {
+        /// One, or one an input, in the input's unit.
+        lengthscales: PerInput,
+        /// Without unit.
+        alpha: f64,
+        /// In the squared unit of the output.
+        signal_variance: f64,
+    },
+    /// `Polynomial`.
+    Polynomial {
+        /// The highest power.
+        degree: u32,
+        /// One, or one an input, in the input's unit.
+        lengthscales: PerInput,
         /// In the squared unit of the output.
         signal_variance: f64,
     },
     /// `Periodic`.
     Periodic {
-        /// One an input, in the input's unit.
-        periods: Vec<f64>,
-        /// One an input, without unit.
-        widths: Vec<f64>,
+        /// One, or one an input, in the input's unit.
+        periods: PerInput,
+        /// One, or one an input, without unit.
+        #[serde(alias = "widths")]
+        lengthscales: PerInput,
+    },
+    /// `Cosine`.
+    Cosine {
+        /// One, or one an input, in the input's unit.
+        periods: PerInput,
+        /// In the squared unit of the output.
+        signal_variance: f64,
     },
     /// `Product`.
     Product {
@@ -51,13 +86,16 @@ pub enum KernelSpec {
     },
     /// `Linear`.
     Linear {
-        /// One an input, in squared units of output over input.
-        slope_variances: Vec<f64>,
+        /// One, or one an input, in squared units of output over input.
+        slope_variances: PerInput,
     },
     /// `Constant`.
     Constant {
-        /// The number of inputs, none of which matters.
-        n_inputs: usize,
+        /// In the squared unit of the output.
+        variance: f64,
+    },
+    /// `White`.
+    White {
         /// In the squared unit of the output.
         variance: f64,
     },
@@ -67,7 +105,5 @@ pub enum KernelSpec {
         kernel: Box<KernelSpec>,
         /// The chosen inputs, from zero.
         columns: Vec<usize>,
-        /// The number of all inputs.
-        n_inputs: usize,
     },
 }

@@ -14,6 +14,7 @@ pub struct SquaredExponentialProfile;
 
 impl Profile for SquaredExponentialProfile {
     const NAME: &'static str = "SquaredExponential";
+    const ID: &'static str = "squared_exponential";
     const NEEDS_DISTANCE: bool = false;
 
     #[inline(always)]
@@ -28,7 +29,7 @@ impl Profile for SquaredExponentialProfile {
 
     fn spec(kernel: &SquaredExponential) -> Option<KernelSpec> {
         Some(KernelSpec::SquaredExponential {
-            lengthscales: kernel.lengthscales().to_vec(),
+            lengthscales: kernel.per_input().clone(),
             signal_variance: kernel.signal_variance(),
         })
     }

@@ -6,11 +6,10 @@ use faer::MatRef;
 
 use super::{Kernel, KernelSpec, Parameter};
 use crate::GpError;
-use crate::checks::check_count;
 
 /// k(a, b) = k₁(a, b) + k₂(a, b): a function that is the sum of two; sums of sums give any number.
 ///
-/// Parameters in order: those of the first term, then those of the second.
+/// Parameters: those of the first term, then those of the second (see [`Parameter`] for names).
 #[derive(Clone, Debug)]
 pub struct Sum {
     first: Arc<dyn Kernel>,
@@ -19,17 +18,10 @@ pub struct Sum {
 }
 
 impl Sum {
-    /// The sum of two kernels.
-    ///
-    /// # Errors
-    /// `ShapeMismatch` if the terms have different numbers of inputs.
-    pub fn new(
-        first: impl Kernel + 'static,
-        second: impl Kernel + 'static,
-    ) -> Result<Self, GpError> {
-        check_count("inputs of the second term", first.n_inputs(), second.n_inputs())?;
+    /// The sum of two kernels; also `first + second`.
+    pub fn new(first: impl Kernel + 'static, second: impl Kernel + 'static) -> Self {
         let n_first = first.parameters().len();
-        Ok(Self { first: Arc::new(first), second: Arc::new(second), n_first })
+        Self { first: Arc::new(first), second: Arc::new(second), n_first }
     }
 
     /// The two terms.
@@ -39,8 +31,9 @@ impl Sum {
 }
 
 impl Kernel for Sum {
-    fn n_inputs(&self) -> usize {
-        self.first.n_inputs()
+    fn check_n_inputs(&self, n_inputs: usize) -> Result<(), GpError> {
+        self.first.check_n_inputs(n_inputs)?;
+        self.second.check_n_inputs(n_inputs)
     }
 
     fn value(&self, a: &[f64], b: &[f64]) -> f64 {
@@ -48,23 +41,14 @@ impl Kernel for Sum {
     }
 
     fn parameters(&self) -> Vec<Parameter> {
-        let named = |term: &'static str| {
-            move |parameter: Parameter| Parameter {
-                name: format!("{term} term's {}", parameter.name),
-                ..parameter
-            }
-        };
-        let first = self.first.parameters().into_iter().map(named("first"));
-        first.chain(self.second.parameters().into_iter().map(named("second"))).collect()
+        Parameter::of_both(self.first.parameters(), self.second.parameters())
     }
 
-    fn with_parameters(&self, values: &[f64]) -> Result<Box<dyn Kernel>, GpError> {
-        let n_parameters = self.n_first + self.second.parameters().len();
-        check_count("kernel parameters", n_parameters, values.len())?;
+    fn with_values(&self, values: &[f64]) -> Box<dyn Kernel> {
         let (of_first, of_second) = values.split_at(self.n_first);
-        let first = Arc::from(self.first.with_parameters(of_first)?);
-        let second = Arc::from(self.second.with_parameters(of_second)?);
-        Ok(Box::new(Self { first, second, n_first: self.n_first }))
+        let first = Arc::from(self.first.with_values(of_first));
+        let second = Arc::from(self.second.with_values(of_second));
+        Box::new(Self { first, second, n_first: self.n_first })
     }
 
     fn parameter_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {

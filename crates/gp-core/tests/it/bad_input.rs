@@ -2,8 +2,9 @@
 
 use faer::Mat;
 use gp_core::{
-    BayesianLinear, Gp, GpError, GpModel, HyperPrior, JointGaussian, LearnOptions, Matern32, Mean,
-    Periodic, Posterior, Product, SquaredExponential,
+    BayesianLinear, Constant, Gp, GpError, GpModel, HyperPrior, JointGaussian, Kernel,
+    LearnOptions, Linear, Matern32, Mean, Periodic, Posterior, RationalQuadratic,
+    SquaredExponential, White, gram,
 };
 
 fn kernel() -> SquaredExponential {
@@ -36,11 +37,15 @@ fn shapes_that_do_not_fit() {
     assert_eq!(gp.predict_joint(wide.as_ref()).unwrap_err(), expected);
     assert_eq!(gp.predict_noise(wide.as_ref()).unwrap_err(), expected);
     assert_eq!(gp.mean_gradient(wide.as_ref()).unwrap_err(), expected);
-    assert!(matches!(
-        Product::new(kernel(), Matern32::unit(2).unwrap()),
-        Err(GpError::ShapeMismatch { .. })
-    ));
-    assert!(matches!(Periodic::new(&[1.0], &[1.0, 2.0]), Err(GpError::ShapeMismatch { .. })));
+    let refused = |kernel: &dyn Kernel| gram(kernel, line(2).as_ref()).unwrap_err();
+    let expected = GpError::ShapeMismatch { what: "columns of the inputs", expected: 2, actual: 1 };
+    assert_eq!(refused(&(kernel() * Matern32::unit(2).unwrap())), expected);
+    assert_eq!(refused(&(Matern32::unit(2).unwrap() + kernel())), expected);
+    assert_eq!(refused(&Periodic::ard(&[1.0], &[1.0, 2.0])), expected);
+    assert_eq!(refused(&Linear::ard(&[1.0, 2.0])), expected);
+    assert_eq!(refused(&Matern32::unit(2).unwrap().active(&[0])), expected);
+    let absent = refused(&kernel().active(&[1]));
+    assert!(matches!(absent, GpError::OutOfRange { value: 1.0, highest: 0.0, .. }), "{absent}");
     assert!(matches!(
         JointGaussian::new(vec![0.0], Mat::zeros(2, 1)),
         Err(GpError::ShapeMismatch { .. })
@@ -52,7 +57,13 @@ fn nothing_at_all() {
     assert_eq!(fit(&line(0), &[], 0.1), GpError::Empty { what: "inputs" });
     assert_eq!(learn(&line(0), &[], &LearnOptions::default()), GpError::Empty { what: "inputs" });
     assert!(matches!(SquaredExponential::unit(0), Err(GpError::Empty { .. })));
-    assert!(matches!(Periodic::new(&[], &[]), Err(GpError::Empty { .. })));
+    for kernel in [
+        Box::new(Periodic::ard(&[], &[])) as Box<dyn Kernel>,
+        Box::new(SquaredExponential::isotropic(1.0).active(&[])),
+    ] {
+        let refused = gram(&kernel, line(1).as_ref());
+        assert!(matches!(refused, Err(GpError::Empty { .. })), "{refused:?}");
+    }
     assert!(matches!(
         JointGaussian::prior(&kernel(), line(0).as_ref()),
         Err(GpError::Empty { .. })
@@ -83,8 +94,21 @@ fn parameters_that_are_not_positive() {
         };
         refused(SquaredExponential::new(&[1.0, bad], 1.0).map(|_| ()));
         refused(SquaredExponential::new(&[1.0], bad).map(|_| ()));
-        refused(Periodic::new(&[bad], &[1.0]).map(|_| ()));
-        refused(Periodic::new(&[1.0], &[bad]).map(|_| ()));
+        let bad_kernels: [Box<dyn Kernel>; 7] = [
+            Box::new(Periodic::new(bad, 1.0)),
+            Box::new(Periodic::new(1.0, bad)),
+            Box::new(SquaredExponential::isotropic(bad)),
+            Box::new(Constant::new(bad) + kernel()),
+            Box::new(kernel() * White::new(bad)),
+            Box::new(bad * kernel().active(&[0])),
+            Box::new(RationalQuadratic::isotropic(1.0, bad)),
+        ];
+        for kernel in bad_kernels {
+            refused(gram(&kernel, line(2).as_ref()).map(|_| ()));
+            refused(JointGaussian::prior(&kernel, line(2).as_ref()).map(|_| ()));
+            let gp = Gp::fit(kernel, line(2).as_ref(), &[0.0, 1.0], 0.1);
+            refused(gp.map(|_| ()));
+        }
         let one = line(1);
         refused(BayesianLinear::fit(one.as_ref(), &[1.0], one.as_ref(), bad).map(|_| ()));
     }

@@ -3,7 +3,7 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use gp_core::{
-    Gp, GpError, GpModel, JointGaussian, Kernel, Matern32, Mean, Periodic, Posterior, Product,
+    Gp, GpError, GpModel, JointGaussian, Kernel, Matern32, Mean, Periodic, Posterior,
     SquaredExponential, Workspace, gram,
 };
 use proptest::collection::vec;
@@ -104,10 +104,8 @@ proptest! {
 
     #[test]
     fn likelihood_gradients_equal_finite_differences(case in case()) {
-        let factors = |d: usize| Product::new(
-            SquaredExponential::new(&case.lengthscales, 1.7).unwrap(),
-            Periodic::new(&vec![1.3; d], &vec![0.9; d]).unwrap(),
-        ).unwrap();
+        let factors = |d: usize| SquaredExponential::new(&case.lengthscales, 1.7).unwrap()
+            * Periodic::ard(&vec![1.3; d], &vec![0.9; d]);
         let kernels: [Box<dyn Kernel>; 3] = [
             Box::new(case.kernel()),
             Box::new(Matern32::new(&case.lengthscales, 0.8).unwrap()),
@@ -294,7 +292,7 @@ fn prior_samples_are_seeded_and_smooth_although_their_covariance_is_singular() {
 fn samples_of_a_periodic_product_nearly_repeat() {
     let x = Mat::from_fn(121, 1, |i, _| 0.05 * i as f64);
     let slow = SquaredExponential::new(&[50.0], 1.0).unwrap();
-    let kernel = Product::new(slow, Periodic::new(&[2.0], &[1.0]).unwrap()).unwrap();
+    let kernel = slow * Periodic::new(2.0, 1.0);
     let samples = JointGaussian::prior(&kernel, x.as_ref()).unwrap().sample(4, 1).unwrap();
     for s in 0..4 {
         let difference = (0..81).map(|i| (samples[(i, s)] - samples[(i + 40, s)]).abs());

@@ -116,6 +116,6 @@ fn kernels_of_different_inputs_are_refused() {
     let (x, y) = data(10, 5);
     let (kernel, other) = (SquaredExponential::unit(1).unwrap(), Matern32::unit(2).unwrap());
     let result = HeteroscedasticGp::learn(kernel, other, x.as_ref(), &y, &LearnOptions::default());
-    let what = "inputs of the noise kernel";
-    assert_eq!(result.unwrap_err(), GpError::ShapeMismatch { what, expected: 1, actual: 2 });
+    let what = "columns of the inputs";
+    assert_eq!(result.unwrap_err(), GpError::ShapeMismatch { what, expected: 2, actual: 1 });
 }

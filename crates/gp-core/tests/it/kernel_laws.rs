@@ -3,8 +3,8 @@
 use faer::linalg::solvers::Llt;
 use faer::{Mat, Side};
 use gp_core::{
-    ActiveInputs, Constant, Kernel, KernelSpec, Linear, Matern32, Matern52, Periodic, Product,
-    SquaredExponential, Sum, cross, gram,
+    Constant, Cosine, Kernel, KernelSpec, Linear, Matern12, Matern32, Matern52, Periodic,
+    Polynomial, RationalQuadratic, Role, SquaredExponential, White, cross, gram,
 };
 use proptest::collection::vec;
 use proptest::prelude::{Just, ProptestConfig, Strategy, prop_assert, prop_assert_eq, proptest};
@@ -15,26 +15,35 @@ fn kernels(n_inputs: usize, scales: &[f64]) -> Vec<Box<dyn Kernel>> {
     let squared = SquaredExponential::new(lengthscales, variance).unwrap();
     let matern = Matern52::new(lengthscales, variance).unwrap();
     let widths: Vec<f64> = lengthscales.iter().map(|scale| scale + 0.5).collect();
-    let periodic = Periodic::new(lengthscales, &widths).unwrap();
-    let product = Product::new(squared.clone(), periodic.clone()).unwrap();
-    let linear = Linear::new(lengthscales).unwrap();
-    let offset = Constant::new(n_inputs, variance).unwrap();
+    let periodic = Periodic::ard(lengthscales, &widths);
+    let product = squared.clone() * periodic.clone();
+    let linear = Linear::ard(lengthscales);
+    let offset = Constant::new(variance);
     let last = Matern32::new(&lengthscales[..1], variance).unwrap();
-    let active = ActiveInputs::new(last, &[n_inputs - 1], n_inputs).unwrap();
+    let active = last.active(&[n_inputs - 1]);
     let all: Vec<usize> = (0..n_inputs).rev().collect();
-    let reversed = ActiveInputs::new(squared.clone(), &all, n_inputs).unwrap();
+    let reversed = squared.clone().active(&all);
     vec![
-        Box::new(Sum::new(offset.clone(), linear.clone()).unwrap()),
-        Box::new(
-            Product::new(Sum::new(linear.clone(), squared.clone()).unwrap(), active.clone())
-                .unwrap(),
-        ),
+        Box::new(offset.clone() + linear.clone()),
+        Box::new((linear.clone() + squared.clone()) * active.clone()),
+        Box::new(variance * (Matern12::isotropic(scales[0]) + White::new(variance))),
+        Box::new(Matern12::new(lengthscales, variance).unwrap()),
+        Box::new(variance * RationalQuadratic::ard(lengthscales, scales[0])),
+        Box::new(RationalQuadratic::isotropic(scales[0], variance)),
+        Box::new(variance * Polynomial::ard(3, lengthscales)),
+        Box::new(Polynomial::isotropic(2, scales[0])),
+        Box::new(variance * Cosine::ard(lengthscales)),
+        Box::new(Cosine::isotropic(scales[0])),
+        Box::new(Periodic::new(scales[0], widths[0])),
+        Box::new(variance * Linear::isotropic(scales[0])),
+        Box::new(variance * SquaredExponential::isotropic(scales[0])),
+        Box::new(variance * Matern52::isotropic(scales[0])),
         Box::new(linear),
         Box::new(offset),
         Box::new(active),
         Box::new(reversed),
         Box::new(Matern32::new(lengthscales, variance).unwrap()),
-        Box::new(Product::new(product.clone(), matern.clone()).unwrap()),
+        Box::new(product.clone() * matern.clone()),
         Box::new(product),
         Box::new(squared),
         Box::new(matern),
@@ -210,7 +219,7 @@ proptest! {
         for kernel in kernels(d, &scales) {
             let text = serde_json::to_string(&kernel.spec().unwrap()).unwrap();
             let spec: KernelSpec = serde_json::from_str(&text).unwrap();
-            let rebuilt = spec.build().unwrap();
+            let rebuilt = spec.build();
             prop_assert_eq!(rebuilt.parameters(), kernel.parameters());
             prop_assert_eq!(rebuilt.value(a, b).to_bits(), kernel.value(a, b).to_bits());
         }
@@ -228,13 +237,91 @@ fn values_known_by_hand() {
     let root = 5f64.sqrt();
     let matern = Matern52::new(&[2.0], 1.0).unwrap();
     assert!((matern.value(&a, &b) - (1.0 + root + 5.0 / 3.0) * (-root).exp()).abs() < 1e-15);
-    let periodic = Periodic::new(&[4.0], &[1.0]).unwrap();
+    let periodic = Periodic::new(4.0, 1.0);
     assert!((periodic.value(&a, &b) - (-2f64).exp()).abs() < 1e-15);
+    let rough = Matern12::isotropic(2.0);
+    assert!((rough.value(&a, &b) - (-1f64).exp()).abs() < 1e-15);
+    // r² = 1, so (1 + 1/(2·2))⁻² = 16/25.
+    let rational = 3.0 * RationalQuadratic::isotropic(2.0, 2.0);
+    assert!((rational.value(&a, &b) - 3.0 * 0.64).abs() < 1e-14);
+    // A third of a turn.
+    let cosine = 3.0 * Cosine::isotropic(6.0);
+    assert!((cosine.value(&a, &b) + 1.5).abs() < 1e-14);
+    // (1 + 3·2/2²)² = 6.25.
+    let polynomial = 2.0 * Polynomial::isotropic(2, 2.0);
+    assert!((polynomial.value(&[3.0], &b) - 12.5).abs() < 1e-14);
+    let white = 2.0 * White::new(1.5);
+    assert_eq!((white.value(&a, &b), white.value(&b, &b)), (0.0, 3.0));
+}
+
+#[test]
+fn kernels_that_are_another_in_disguise_equal_it() {
+    let (a, b) = ([0.3, -1.2], [0.9, 0.4]);
+    let lines = Constant::new(0.7) + Linear::ard(&[0.7 / 4.0, 0.7 / 9.0]);
+    let polynomial = 0.7 * Polynomial::ard(1, &[2.0, 3.0]);
+    assert!((polynomial.value(&a, &b) - lines.value(&a, &b)).abs() < 1e-15);
+    let many = RationalQuadratic::ard(&[0.8, 1.5], 1e8).value(&a, &b);
+    let one = SquaredExponential::new(&[0.8, 1.5], 1.0).unwrap().value(&a, &b);
+    assert!((many - one).abs() < 1e-7, "{many} {one}");
+    let same = 2.0 * Matern52::isotropic(0.8);
+    let each = Matern52::new(&[0.8; 2], 2.0).unwrap();
+    assert_eq!(same.value(&a, &b).to_bits(), each.value(&a, &b).to_bits());
+}
+
+#[test]
+fn parameters_have_names_and_kernels_of_a_kind_are_numbered() {
+    let names = |kernel: &dyn Kernel| -> Vec<String> {
+        kernel.parameters().into_iter().map(|parameter| parameter.name).collect()
+    };
+    let kernel = (Matern52::isotropic(1.0) + Constant::new(0.5)) * Periodic::new(1.0, 2.0);
+    assert_eq!(
+        names(&kernel),
+        [
+            "matern52.lengthscale",
+            "matern52.signal_variance",
+            "constant.variance",
+            "periodic.period",
+            "periodic.lengthscale"
+        ]
+    );
+    let smooth = || SquaredExponential::unit(2).unwrap();
+    let two = || White::new(1.0) + White::new(1.0);
+    let names = names(&((two() + smooth()) * (two() * smooth()).active(&[1, 0])));
+    assert_eq!(names[0..2], ["white.variance", "white_2.variance"]);
+    assert_eq!(names[2], "squared_exponential.lengthscale[0]");
+    assert_eq!(names[5..7], ["white_3.variance", "white_4.variance"]);
+    assert_eq!(names[7], "squared_exponential_2.lengthscale[0]");
+}
+
+#[test]
+fn one_parameter_of_several_inputs_scales_with_all_that_are_active() {
+    let kernel = Matern52::isotropic(1.0).active(&[2, 0]) + Linear::ard(&[1.0; 2]).active(&[1, 3]);
+    let roles: Vec<Role> = kernel.parameters().into_iter().map(|p| p.role).collect();
+    assert_eq!(
+        roles,
+        [
+            Role::Lengthscale { inputs: vec![2, 0] },
+            Role::Variance,
+            Role::SlopeVariance { inputs: vec![1] },
+            Role::SlopeVariance { inputs: vec![3] },
+        ]
+    );
+}
+
+#[test]
+fn a_product_has_one_variance_with_the_unit_of_the_output() {
+    let roles = |kernel: &dyn Kernel| -> Vec<Role> {
+        kernel.parameters().into_iter().map(|p| p.role).collect()
+    };
+    let product = roles(&(Constant::new(1.0) * White::new(1.0)));
+    assert_eq!(product, [Role::Variance, Role::Shape]);
+    let product = roles(&(Periodic::new(1.0, 1.0) * White::new(1.0)));
+    assert_eq!(product, [Role::Period { inputs: vec![] }, Role::Shape, Role::Variance]);
 }
 
 #[test]
 fn a_periodic_kernel_repeats_after_its_period() {
-    let periodic = Periodic::new(&[1.5], &[0.7]).unwrap();
+    let periodic = Periodic::new(1.5, 0.7);
     assert!((periodic.value(&[0.2], &[0.2 + 3.0 * 1.5]) - 1.0).abs() < 1e-14);
 }
 

@@ -3,7 +3,7 @@
 use faer::{Mat, MatRef};
 use gp_core::{
     Gp, GpError, HyperPrior, JointGaussian, LearnOptions, LearnReport, Matern52, Mean, Periodic,
-    Posterior, Product, SquaredExponential, scores,
+    Posterior, SquaredExponential, scores,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -128,7 +128,7 @@ fn outputs_without_noise_stop_at_the_noise_wall() {
     let x = Mat::from_fn(25, 1, |i, _| i as f64 / 24.0);
     let y = by_row(&x, |x| (6.0 * x(0)).sin());
     let (gp, report) = learn(x.as_ref(), &y);
-    assert_eq!(report.at_bound, ["noise variance"]);
+    assert_eq!(report.at_bound, ["noise_variance"]);
     let mean = gp.predict_mean(x.as_ref()).unwrap();
     assert!(scores::rmse(&y, &mean).unwrap() < 1e-4);
 }
@@ -157,7 +157,7 @@ fn periodic_products_and_matern_kernels_are_learnt_too() {
     let x = Mat::from_fn(80, 1, |i, _| 0.1 * i as f64);
     let y = noisy(by_row(&x, |x| (4.0 * x(0)).sin()), 0.1, 17);
     let slow = SquaredExponential::unit(1).unwrap();
-    let kernel = Product::new(slow, Periodic::new(&[1.4], &[1.0]).unwrap()).unwrap();
+    let kernel = slow * Periodic::new(1.4, 1.0);
     let (gp, _) = Gp::learn(kernel, x.as_ref(), &y, &LearnOptions::default()).unwrap();
     let period = parameters(&gp)[2];
     assert!((period - std::f64::consts::FRAC_PI_2).abs() < 0.02, "{period}");

@@ -46,12 +46,12 @@ fn case() -> impl Strategy<Value = Case> {
 
 /// The process whose coefficients have priors of variance `wide`, as a kernel about zero.
 fn integrated(x: &Mat<f64>, y: &[f64], mean: Mean, wide: f64) -> Gp {
-    let constant = Constant::new(2, wide).unwrap();
+    let constant = Constant::new(wide);
     let basis: Box<dyn Kernel> = match mean {
-        Mean::Linear => Box::new(Sum::new(constant, Linear::new(&[wide; 2]).unwrap()).unwrap()),
+        Mean::Linear => Box::new(constant + Linear::isotropic(wide)),
         _ => Box::new(constant),
     };
-    let whole = Sum::new(basis, kernel()).unwrap();
+    let whole = Sum::new(basis, kernel());
     Gp::fit_with_mean(whole, x.as_ref(), y, NOISE_VARIANCE, Mean::Fixed(0.0)).unwrap()
 }
 
@@ -277,7 +277,7 @@ fn learnt_noise_is_not_too_small_where_few_rows_tell_many_slopes() {
             (0..n).map(|i| plane(i) + random.sample::<f64, _>(StandardNormal)).collect();
         let options = LearnOptions { mean: Mean::Linear, ..LearnOptions::default() };
         // A process that can say nothing but noise: one constant for all, which the mean takes.
-        let kernel = Constant::new(d, 1.0).unwrap();
+        let kernel = Constant::new(1.0);
         Gp::learn(kernel, x.as_ref(), &y, &options).unwrap().0.noise_variance()
     };
     let average = (0..40).map(learnt).sum::<f64>() / 40.0;

@@ -12,10 +12,6 @@ struct FeatureKernel {
 }
 
 impl Kernel for FeatureKernel {
-    fn n_inputs(&self) -> usize {
-        self.prior_covariance.nrows()
-    }
-
     fn value(&self, a: &[f64], b: &[f64]) -> f64 {
         let term = |(i, a): (usize, &f64)| {
             b.iter().enumerate().map(|(j, b)| a * self.prior_covariance[(i, j)] * b).sum::<f64>()
@@ -27,8 +23,8 @@ impl Kernel for FeatureKernel {
         Vec::new()
     }
 
-    fn with_parameters(&self, _values: &[f64]) -> Result<Box<dyn Kernel>, GpError> {
-        Ok(Box::new(Self { prior_covariance: self.prior_covariance.clone() }))
+    fn with_values(&self, _values: &[f64]) -> Box<dyn Kernel> {
+        Box::new(Self { prior_covariance: self.prior_covariance.clone() })
     }
 
     fn parameter_gradient(&self, _a: &[f64], _b: &[f64], _gradient: &mut [f64]) {}

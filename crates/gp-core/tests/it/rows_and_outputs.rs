@@ -19,8 +19,9 @@ struct Case {
 impl Case {
     fn kernel(&self) -> Sum {
         let d = self.x.ncols();
-        let line = Sum::new(Constant::new(d, 0.5).unwrap(), Linear::new(&vec![0.3; d]).unwrap());
-        Sum::new(line.unwrap(), SquaredExponential::new(&vec![0.8; d], 1.7).unwrap()).unwrap()
+        Constant::new(0.5)
+            + Linear::ard(&vec![0.3; d])
+            + SquaredExponential::new(&vec![0.8; d], 1.7).unwrap()
     }
 
     fn fit(&self, rows: &[usize]) -> Gp {

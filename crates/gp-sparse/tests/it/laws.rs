@@ -3,8 +3,8 @@
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 use gp_core::{
-    Gp, GpError, Kernel, Matern32, Matern52, Mean, Periodic, Posterior, Product,
-    SquaredExponential, Workspace,
+    Gp, GpError, Kernel, Matern32, Matern52, Mean, Periodic, Posterior, SquaredExponential,
+    Workspace,
 };
 use gp_sparse::{Approximation, SparseGp, SparseGpModel, SparseSettings};
 use proptest::collection::vec;
@@ -120,10 +120,7 @@ proptest! {
     #[test]
     fn gradients_equal_finite_differences(case in case()) {
         let d = case.lengthscales.len();
-        let product = Product::new(
-            case.kernel(),
-            Periodic::new(&vec![1.3; d], &vec![0.9; d]).unwrap(),
-        ).unwrap();
+        let product = case.kernel() * Periodic::ard(&vec![1.3; d], &vec![0.9; d]);
         let kernels: [Box<dyn Kernel>; 4] = [
             Box::new(case.kernel()),
             Box::new(Matern32::new(&case.lengthscales, 0.8).unwrap()),

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use anyhow::Result;
 use faer::Mat;
-use gp_core::{JointGaussian, Kernel, Periodic, Product, SquaredExponential};
+use gp_core::{JointGaussian, Kernel, Periodic, SquaredExponential};
 use report::{Axis, Band, Color, Figure, Line, Panel, Table};
 
 use crate::figures::inputs::{Inputs, SEED};
@@ -24,7 +24,7 @@ const COUNTED: usize = 2000;
 
 pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
     let smooth = |lengthscale: f64| SquaredExponential::new(&[lengthscale], 1.0);
-    let periodic = Product::new(smooth(FADING)?, Periodic::new(&[PERIOD], &[1.0])?)?;
+    let periodic = smooth(FADING)? * Periodic::new(PERIOD, 1.0);
     let priors: [(String, &str, Box<dyn Kernel>); 3] = [
         (format!("squared exponential, l = {SLOW}"), "slow", Box::new(smooth(SLOW)?)),
         (format!("squared exponential, l = {FAST}"), "fast", Box::new(smooth(FAST)?)),
