@@ -1,7 +1,7 @@
 //! The exact Gaussian process beside matrix products of as many operations.
 
 use anyhow::{Context, Result};
-use gp_core::{Gp, LearnOptions, Posterior, SquaredExponential};
+use gp_core::{Gp, SquaredExponential};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 
@@ -56,10 +56,11 @@ fn fit(pool: &ThreadPool) -> Result<Row> {
     let (x, y) = surface(FIT_SIZE, SEED);
     let learn = || {
         let kernel = SquaredExponential::unit(2)?;
-        Gp::learn(kernel, x.as_ref(), &y, &LearnOptions::default())
+        Gp::builder(kernel).fit(x.as_ref(), &y)
     };
-    let (_, report) = learn()?;
-    let n_evaluations = report.starts.iter().flatten().map(|start| start.evaluations).sum();
+    let gp = learn()?;
+    let starts = gp.report().into_iter().flat_map(|report| report.starts.iter().flatten());
+    let n_evaluations = starts.map(|start| start.evaluations).sum();
     let threads = pool.current_num_threads();
     let case = Case { name: "fit from 4 starts", size: FIT_SIZE, threads, rounds: 3, calls: 1 };
     let mut floor = Floor::new((FIT_SIZE as f64).powi(3), threads);
@@ -85,7 +86,9 @@ pub(super) fn predictions_name(model: &impl Serialize) -> Result<String> {
 
 fn process(n: usize) -> Result<Gp> {
     let (x, y) = surface(n, SEED);
-    Ok(Gp::fit(SquaredExponential::new(&[0.5, 0.7], 0.2)?, x.as_ref(), &y, NOISE_SD * NOISE_SD)?)
+    Ok(Gp::builder(SquaredExponential::new(&[0.5, 0.7], 0.2)?)
+        .noise_variance(NOISE_SD * NOISE_SD)
+        .condition(x.as_ref(), &y)?)
 }
 
 #[cfg(test)]

@@ -110,7 +110,9 @@ impl Data {
     fn likelihood(&self, runs: usize) -> Result<Measured> {
         let kernel = SquaredExponential::new(&[0.5, 0.7], 0.07)?;
         let x = self.x.subrows(0, self.n);
-        let gp = Gp::fit(kernel, x, &self.y[..self.n], NOISE_SD * NOISE_SD)?;
+        let gp = Gp::builder(kernel)
+            .noise_variance(NOISE_SD * NOISE_SD)
+            .condition(x, &self.y[..self.n])?;
         let mut evaluator = gp.evaluator()?;
         evaluator.evaluate()?;
         let (seconds, _) = timed(runs, || Ok(evaluator.evaluate()?))?;
@@ -120,7 +122,8 @@ impl Data {
     fn fits(&self) -> Result<Vec<Measured>> {
         let (x, y) = (self.x.subrows(0, self.n), &self.y[..self.n]);
         let options = LearnOptions { n_starts: 1, ..LearnOptions::default() };
-        let fit = || Ok(Gp::learn(SquaredExponential::unit(2)?, x, y, &options)?.0);
+        let fit =
+            || Ok(Gp::builder(SquaredExponential::unit(2)?).options(options.clone()).fit(x, y)?);
         let (seconds, gp) = timed(1, fit)?;
         let density = self.density(&gp)?;
         let mut rows = vec![Measured::ours("gp-core", "full fit", self.n, seconds, Some(density))];

@@ -1,11 +1,11 @@
-//! Times `Gp::learn` on a smooth surface of two inputs with noise:
+//! Times `GpBuilder::fit` on a smooth surface of two inputs with noise:
 //! `cargo run --release -p pushlab-gp-core --example learning_time`.
 
 use std::error::Error;
 use std::time::Instant;
 
 use faer::Mat;
-use gp_core::{Gp, LearnOptions, SquaredExponential};
+use gp_core::{Gp, SquaredExponential};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -18,17 +18,22 @@ fn main() -> Result<(), Box<dyn Error>> {
         let (x, y) = surface(n, 7);
         let begin = Instant::now();
         let kernel = SquaredExponential::unit(2)?;
-        let (gp, report) = Gp::learn(kernel, x.as_ref(), &y, &LearnOptions::default())?;
+        let gp = Gp::builder(kernel).fit(&x, &y)?;
         let seconds = begin.elapsed().as_secs_f64();
-        let evaluations: Vec<usize> =
-            report.starts.iter().flatten().map(|start| start.evaluations).collect();
+        let evaluations: Vec<usize> = gp
+            .report()
+            .into_iter()
+            .flat_map(|report| &report.starts)
+            .flatten()
+            .map(|start| start.evaluations)
+            .collect();
         println!(
             "{n:4} {seconds:8.3}  {evaluations:?}  {:.4}  {:.5}  {:?}",
             gp.log_marginal_likelihood(),
             gp.noise_variance().sqrt(),
             gp.kernel().parameters().iter().map(|parameter| parameter.value).collect::<Vec<_>>(),
         );
-        for start in &report.starts {
+        for start in gp.report().into_iter().flat_map(|report| &report.starts) {
             println!("      {start:?}");
         }
     }

@@ -60,8 +60,21 @@ pub enum GpError {
         /// The most that is allowed.
         highest: f64,
     },
+    /// A name that no hyperparameter has.
+    #[error("no hyperparameter is called {name}; there are: {known}")]
+    UnknownParameter {
+        /// The name.
+        name: String,
+        /// All names, with commas between them.
+        known: String,
+    },
+    /// A process was to be conditioned without a noise variance.
+    #[error("no noise variance is given; give `noise_variance`, or learn it with `fit`")]
+    NoNoiseVariance,
     /// Hyperparameters cannot be learnt from so few rows.
-    #[error("learning needs at least {needed} rows, got {actual}; use `Gp::fit` with known values")]
+    #[error(
+        "learning needs at least {needed} rows, got {actual}; use `condition` with known values"
+    )]
     TooFewRows {
         /// The least number of rows.
         needed: usize,

@@ -6,9 +6,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 
 use crate::blocks::{PredictBlock, mean_in_blocks, predict_blocks_into, predict_in_blocks};
-use crate::checks::{
-    check_count, check_distinct_rows, check_inputs, check_outputs, check_positive,
-};
+use crate::checks::{check_distinct_rows, check_inputs, check_outputs, check_positive};
 use crate::cholesky::Cholesky;
 use crate::kernel::{
     check_kernel_and_inputs, column_mut, column_of, fill_cross, fill_lower_gram, mirror_lower,
@@ -18,7 +16,7 @@ use crate::mean::{Deviation, Residual, Trend};
 use crate::noise::Noise;
 use crate::triangle::add_outer;
 use crate::vector::{add_multiple, add_square};
-use crate::{GpError, JointGaussian, Kernel, LeaveOneOut, Mean, Posterior, Workspace};
+use crate::{GpError, JointGaussian, Kernel, LearnReport, LeaveOneOut, Mean, Posterior, Workspace};
 
 /// A Gaussian process conditioned on data: y = f(x) + noise, f ~ GP(m, k), noise ~ N(0, σₙ²).
 ///
@@ -47,60 +45,10 @@ pub struct Gp {
     pub(crate) cholesky: Arc<Cholesky>,
     pub(crate) weights: Vec<f64>,
     log_marginal_likelihood: f64,
+    pub(crate) report: Option<Arc<LearnReport>>,
 }
 
 impl Gp {
-    /// Conditions a kernel with known parameters on data, with a learnt constant mean; O(N³).
-    ///
-    /// - `x`: inputs, N×D; a single row is enough.
-    /// - `y`: outputs, N.
-    /// - `noise_variance`: of an observation, in the squared unit of the output; 0 interpolates.
-    ///
-    /// # Errors
-    /// `Empty`, `ShapeMismatch`, `NotFinite`, `Negative`; `DuplicateRows` for equal inputs without
-    /// noise; `NotPositiveDefinite` if the covariance is singular to working precision.
-    pub fn fit(
-        kernel: impl Kernel + 'static,
-        x: MatRef<'_, f64>,
-        y: &[f64],
-        noise_variance: f64,
-    ) -> Result<Self, GpError> {
-        Self::fit_with_mean(kernel, x, y, noise_variance, Mean::Estimated)
-    }
-
-    /// As `fit`, with a choice of the mean.
-    ///
-    /// # Errors
-    /// As `fit`; `UndeterminedSlope` if the rows do not tell the slopes of a linear mean.
-    pub fn fit_with_mean(
-        kernel: impl Kernel + 'static,
-        x: MatRef<'_, f64>,
-        y: &[f64],
-        noise_variance: f64,
-        mean: Mean,
-    ) -> Result<Self, GpError> {
-        Self::condition(Arc::new(kernel), x, y, Noise::same(noise_variance), mean)
-    }
-
-    /// As `fit_with_mean`, where observations have known noise of their own beside the common one.
-    ///
-    /// - `row_noise`: variance a row, N, not negative, in the squared unit of the output.
-    ///
-    /// # Errors
-    /// As `fit`.
-    pub fn fit_with_row_noise(
-        kernel: impl Kernel + 'static,
-        x: MatRef<'_, f64>,
-        y: &[f64],
-        row_noise: &[f64],
-        noise_variance: f64,
-        mean: Mean,
-    ) -> Result<Self, GpError> {
-        check_count("row noise", y.len(), row_noise.len())?;
-        let noise = Noise { common: noise_variance, of_rows: row_noise };
-        Self::condition(Arc::new(kernel), x, y, noise, mean)
-    }
-
     pub(crate) fn condition(
         kernel: Arc<dyn Kernel>,
         x: MatRef<'_, f64>,
@@ -136,6 +84,7 @@ impl Gp {
             cholesky: Arc::new(cholesky),
             weights,
             log_marginal_likelihood: log_likelihood,
+            report: None,
         })
     }
 
@@ -148,7 +97,7 @@ impl Gp {
     /// `ShapeMismatch` or `NotFinite` if `y` does not hold N finite values.
     pub fn with_outputs(&self, y: &[f64]) -> Result<Self, GpError> {
         check_outputs("outputs", y, self.y.len())?;
-        let mut other = Self { y: y.to_vec(), ..self.clone() };
+        let mut other = Self { y: y.to_vec(), report: None, ..self.clone() };
         other.solve()?;
         Ok(other)
     }

@@ -12,7 +12,7 @@ pub enum HyperPrior {
     #[default]
     Flat,
     /// Hyperparameters are log-normal and independent. The medians are the usual start (see
-    /// [`crate::Gp::learn`]) but for the noise variance, whose median is half of the outputs' variance.
+    /// [`crate::GpBuilder::fit`]) but for the noise variance, whose median is half of the outputs' variance.
     LogNormal {
         /// Standard deviation of ln θ for a lengthscale, a period or a shape.
         lengthscale_sd: f64,

@@ -52,8 +52,40 @@ use crate::vector::add_multiple;
 /// A covariance function k(a, b) of two inputs with D coordinates, and its derivatives.
 ///
 /// Its parameters are positive numbers in the user's own units; derivatives are taken with respect
-/// to their logarithms. The slices `a` and `b` have `n_inputs` entries.
+/// to their logarithms. The slices `a` and `b` have as many entries as `check_n_inputs` allows.
 /// Pairwise methods are enough; `column` and `column_gradient` are there to be made faster.
+///
+/// A kernel of your own, k(a, b) = v a³b³, adds and multiplies with the others and is learnt like them:
+/// ```
+/// use gp_core::{Gp, Kernel, Matern52, Parameter, Role};
+///
+/// #[derive(Debug)]
+/// struct Cubes(f64);
+///
+/// impl Kernel for Cubes {
+///     fn value(&self, a: &[f64], b: &[f64]) -> f64 {
+///         self.0 * (a[0] * b[0]).powi(3)
+///     }
+///     fn parameters(&self) -> Vec<Parameter> {
+///         vec![Parameter::new("cubes.variance", self.0, Role::Shape)]
+///     }
+///     fn with_values(&self, values: &[f64]) -> Box<dyn Kernel> {
+///         Box::new(Self(values[0]))
+///     }
+///     fn parameter_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
+///         gradient[0] = self.value(a, b);
+///     }
+///     fn input_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
+///         gradient[0] = 3.0 * self.0 * a[0] * a[0] * b[0].powi(3);
+///     }
+/// }
+///
+/// let x: Vec<f64> = (0..30).map(|i| 0.1 * f64::from(i) - 1.5).collect();
+/// let y: Vec<f64> = x.iter().map(|x| 2.0 * x.powi(3) + 0.1 * (9.0 * x).sin()).collect();
+/// let gp = Gp::builder(Matern52::isotropic(1.0) + Cubes(1.0)).fit(&x, &y)?;
+/// assert_eq!(gp.kernel().parameters()[2].name, "cubes.variance");
+/// # Ok::<(), gp_core::GpError>(())
+/// ```
 #[auto_impl::auto_impl(Box)]
 pub trait Kernel: Debug + Send + Sync {
     /// k(a, b).

@@ -1,5 +1,6 @@
 //! Learning the hyperparameters of an exact Gaussian process from its marginal likelihood.
 
+use std::fmt;
 use std::sync::Arc;
 
 use faer::MatRef;
@@ -12,7 +13,7 @@ use crate::kernel::check_kernel_and_inputs;
 use crate::likelihood::Likelihood;
 use crate::noise::{Noise, check_row_noise};
 use crate::search_space::SearchSpace;
-use crate::{Gp, GpError, HyperPrior, Kernel, Mean};
+use crate::{Constraints, Gp, GpError, HyperPrior, Kernel, Mean};
 
 /// How hyperparameters are learnt; the default suits some hundred rows.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,13 +48,39 @@ impl Default for LearnOptions {
 /// What the optimiser did.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearnReport {
+    /// Names of the hyperparameters, in the order of their values; the noise variance last.
+    pub names: Vec<String>,
     /// Every start in order; an error where the likelihood does not exist at the start itself.
     pub starts: Vec<Result<StartReport, GpError>>,
     /// The start that was taken: of those that converged, the most likely (with the prior).
     pub best: StartReport,
-    /// Names of the parameters that ended at a wall, such as the lengthscale of an input without
-    /// influence.
+    /// Names of the parameters that ended at a wall or bound, such as the lengthscale of an input
+    /// without influence.
     pub at_bound: Vec<String>,
+}
+
+impl fmt::Display for LearnReport {
+    /// The hyperparameters, each start, and what to look at twice.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (name, value) in self.names.iter().zip(&self.best.parameters) {
+            let note = if self.at_bound.contains(name) { "  (at its bound)" } else { "" };
+            writeln!(f, "{name} = {value:.6}{note}")?;
+        }
+        for (i, start) in self.starts.iter().enumerate() {
+            match start {
+                Ok(start) => writeln!(
+                    f,
+                    "start {i}: ln p {:.4}, gradient {:.1e}, {} iterations, {:?}",
+                    start.log_marginal_likelihood,
+                    start.gradient_norm,
+                    start.iterations,
+                    start.stop
+                )?,
+                Err(error) => writeln!(f, "start {i}: {error}")?,
+            }
+        }
+        Ok(())
+    }
 }
 
 /// One start of the optimiser; parameters in the user's units, the noise variance last.
@@ -76,75 +103,61 @@ pub struct StartReport {
 }
 
 impl Gp {
-    /// Learns all kernel parameters and the noise variance by maximising ln p(y | X), in which a learnt
-    /// mean is integrated out: unlike at its most likely value, noise is not underestimated where there
-    /// are few rows for the coefficients.
-    ///
-    /// `kernel` gives the family, and the start of periods and of parameters without unit; starts
-    /// of lengthscales (√D times the spread of the input) and variances come from the data.
-    /// The optimiser works on standardised log-parameters, between wide walls that stop a runaway:
-    /// lengthscales 0.01 to 100 √D times the input's spread, signal and noise variance 1e-6 to 1e6
-    /// and 1e-8 to 10 times the output's, the others a factor of 1000 about their start. Between
-    /// the walls nothing but the log prior is added to the likelihood; under a flat one, nothing.
-    /// The starts run in parallel; the result does not depend on the number of threads.
-    ///
-    /// # Errors
-    /// As `fit`; `TooFewRows` below two rows, or one more than learnt coefficients of the mean;
-    /// `ConstantOutputs`, `NotConverged`.
-    ///
-    /// # Source
-    /// Rasmussen & Williams, Gaussian Processes for Machine Learning (2006), ch. 5; the thesis,
-    /// eq. 3.18.
-    pub fn learn(
-        kernel: impl Kernel + 'static,
-        x: MatRef<'_, f64>,
-        y: &[f64],
-        options: &LearnOptions,
-    ) -> Result<(Self, LearnReport), GpError> {
-        Self::learn_with_row_noise(kernel, x, y, &[], options)
+    /// What the optimiser did; nothing where the hyperparameters were given.
+    pub fn report(&self) -> Option<&LearnReport> {
+        self.report.as_deref()
     }
+}
 
-    /// As `learn`, where observations have known noise of their own beside the learnt common one.
-    ///
-    /// - `row_noise`: variance a row, N, or none.
-    ///
-    /// # Errors
-    /// As `learn`; `Negative` for a noise that is.
-    pub fn learn_with_row_noise(
-        kernel: impl Kernel + 'static,
-        x: MatRef<'_, f64>,
-        y: &[f64],
-        row_noise: &[f64],
-        options: &LearnOptions,
-    ) -> Result<(Self, LearnReport), GpError> {
-        check_learnable(&kernel, x, y, options)?;
+/// Everything but the data.
+pub(crate) struct Asked<'a> {
+    pub(crate) kernel: &'a dyn Kernel,
+    pub(crate) row_noise: &'a [f64],
+    pub(crate) options: &'a LearnOptions,
+    pub(crate) constraints: &'a Constraints,
+}
+
+impl Asked<'_> {
+    pub(crate) fn learn(self, x: MatRef<'_, f64>, y: &[f64]) -> Result<Gp, GpError> {
+        let Asked { kernel, row_noise, options, constraints } = self;
+        check_learnable(kernel, x, y, options)?;
         if !row_noise.is_empty() {
             check_count("row noise", y.len(), row_noise.len())?;
             check_row_noise(row_noise)?;
         }
         let x = x.to_owned();
-        let space = SearchSpace::new(&kernel, x.as_ref(), y, options.prior);
-        let search =
-            Search { kernel: &kernel, x: x.as_ref(), y, row_noise, space: &space, options };
+        let names = names(kernel);
+        let space = SearchSpace::new(kernel, x.as_ref(), y, options.prior);
+        let space = space.constrained(&names, constraints)?;
+        let search = Search { kernel, x: x.as_ref(), y, row_noise, space: &space, options };
         let ends: Vec<_> = (0..options.n_starts).into_par_iter().map(|i| search.run(i)).collect();
         let (best, minimum) = best_of(&ends)?;
         let (kernel_parameters, noise_variance) = split(space.parameters(&minimum.point));
         let learnt = Arc::from(kernel.with_parameters(&kernel_parameters)?);
         let noise = Noise { common: noise_variance, of_rows: row_noise };
-        let gp = Self::condition(learnt, x.as_ref(), y, noise, options.mean)?;
-        let mut names: Vec<String> = kernel.parameters().into_iter().map(|p| p.name).collect();
-        names.push("noise_variance".to_owned());
-        let at_bound =
-            space.at_bound(&minimum.point).into_iter().map(|i| names[i].clone()).collect();
+        let mut gp = Gp::condition(learnt, x.as_ref(), y, noise, options.mean)?;
+        let at_bound = space.at_bound(&minimum.point).into_iter().map(|i| names[i].clone());
+        let at_bound = at_bound.collect();
         let report = |(i, end): (usize, &Result<Minimum, GpError>)| match end {
             Ok(minimum) => Ok(search.report(i, minimum)),
             Err(error) => Err(error.clone()),
         };
         let starts = ends.iter().enumerate().map(report).collect();
         let best = search.report(best, minimum);
-        Ok((gp, LearnReport { starts, best, at_bound }))
+        let report = LearnReport { names, starts, best, at_bound };
+        gp.report = Some(Arc::new(report));
+        Ok(gp)
     }
 }
+
+/// Names of all hyperparameters; the noise variance last.
+pub(crate) fn names(kernel: &dyn Kernel) -> Vec<String> {
+    let of_kernel = kernel.parameters().into_iter().map(|parameter| parameter.name);
+    of_kernel.chain([NOISE_VARIANCE.to_owned()]).collect()
+}
+
+/// The name of the noise variance among the hyperparameters.
+pub(crate) const NOISE_VARIANCE: &str = "noise_variance";
 
 /// One optimisation problem, shared by all starts.
 struct Search<'a> {
@@ -160,6 +173,7 @@ impl Search<'_> {
     /// Minimises the negative log marginal likelihood from start number `index`.
     fn run(&self, index: usize) -> Result<Minimum, GpError> {
         let mut likelihood = Likelihood::new(self.x, self.y, self.options.mean);
+        let mut by_parameters = vec![0.0; self.kernel.parameters().len() + 1];
         let limits = Limits {
             max_iterations: self.options.max_iterations,
             gradient_tolerance: self.options.gradient_tolerance,
@@ -169,8 +183,9 @@ impl Search<'_> {
             let (parameters, noise_variance) = split(self.space.parameters(point));
             let kernel = self.kernel.with_parameters(&parameters)?;
             let noise = Noise { common: noise_variance, of_rows: self.row_noise };
-            let value = likelihood.evaluate(&*kernel, noise, gradient)?;
-            gradient.iter_mut().for_each(|slope| *slope = -*slope);
+            let value = likelihood.evaluate(&*kernel, noise, &mut by_parameters)?;
+            by_parameters.iter_mut().for_each(|slope| *slope = -*slope);
+            self.space.by_coordinates(point, &by_parameters, gradient);
             let total = self.space.penalty(point, gradient) - value;
             check_outputs("log marginal likelihood", &[total], 1)?;
             check_outputs("gradient of the log marginal likelihood", gradient, point.len())?;
@@ -196,7 +211,7 @@ impl Search<'_> {
 /// Checks that hyperparameters can be learnt from these data with these options.
 ///
 /// # Errors
-/// As [`Gp::learn`], but for what only the optimiser finds.
+/// As [`GpBuilder::fit`](crate::GpBuilder::fit), but for what only the optimiser finds.
 pub fn check_learnable(
     kernel: &dyn Kernel,
     x: MatRef<'_, f64>,

@@ -35,11 +35,11 @@ impl HeteroscedasticGp {
     /// Learns both kernels, the mean of the log noise, and the belief about it by maximising the
     /// bound; O(N³) a step, and N² numbers for the optimiser.
     ///
-    /// It starts from the process with the same noise everywhere ([`Gp::learn`] with `options`),
+    /// It starts from the process with the same noise everywhere ([`GpBuilder::fit`](crate::GpBuilder::fit) with `options`),
     /// and from two lengthscales of the noise; walls and scales are as there.
     ///
     /// # Errors
-    /// As [`Gp::learn`]; and of the noise kernel as of the other.
+    /// As [`GpBuilder::fit`](crate::GpBuilder::fit); and of the noise kernel as of the other.
     ///
     /// # Source
     /// Lázaro-Gredilla & Titsias, Variational heteroscedastic Gaussian process regression (2011).
@@ -54,7 +54,8 @@ impl HeteroscedasticGp {
         options.mean.check_constant()?;
         noise_kernel.check(x.ncols())?;
         let values: Vec<f64> = kernel.parameters().iter().map(|p| p.value).collect();
-        let (gp, _) = Gp::learn(kernel.with_parameters(&values)?, x, y, options)?;
+        let gp =
+            Gp::builder(kernel.with_parameters(&values)?).options(options.clone()).fit(x, y)?;
         // The log noise has the unit of nats whatever the outputs are.
         let unit: Vec<f64> = (0..y.len()).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
         let search = Search {

@@ -34,11 +34,11 @@ impl StudentTGp {
     /// Learns the kernel's parameters, and scale and degrees of freedom of the noise, by maximising
     /// the bound; O(N³) a step.
     ///
-    /// Starts, walls and scales are as in [`Gp::learn`](crate::Gp::learn); ν starts at 4, between
+    /// Starts, walls and scales are as in [`GpBuilder::fit`](crate::GpBuilder::fit); ν starts at 4, between
     /// walls at 2.002 and 2002.
     ///
     /// # Errors
-    /// As [`Gp::learn`](crate::Gp::learn).
+    /// As [`GpBuilder::fit`](crate::GpBuilder::fit).
     pub fn learn(
         kernel: impl Kernel + 'static,
         x: MatRef<'_, f64>,

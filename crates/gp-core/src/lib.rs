@@ -3,16 +3,20 @@
 mod bayesian_linear;
 pub mod bfgs;
 pub mod blocks;
+mod builder;
 pub mod checks;
 pub mod cholesky;
+mod constraints;
 mod error;
 mod expansion;
 mod gaussian_input;
 mod gp;
 mod gp_gradients;
+mod gp_queries;
 mod gp_rows;
 mod heteroscedastic;
 mod hyper_prior;
+mod inputs;
 mod joint_gaussian;
 pub mod kernel;
 mod learn;
@@ -26,6 +30,7 @@ mod model;
 mod noise;
 mod noise_bound;
 mod posterior;
+mod prior;
 pub mod scores;
 mod search_space;
 mod student_t;
@@ -38,7 +43,9 @@ mod workspace;
 
 pub use bayesian_linear::BayesianLinear;
 pub use bfgs::StopReason;
+pub use builder::GpBuilder;
 pub use cholesky::Cholesky;
+pub use constraints::Constraints;
 pub use error::GpError;
 pub use expansion::{
     AveragedSquaredExponentialBasis, Averages, Basis, Expansion, SquaredExponentialBasis,
@@ -48,6 +55,7 @@ pub use gaussian_input::GaussianInput;
 pub use gp::Gp;
 pub use heteroscedastic::{HeteroscedasticGp, HeteroscedasticGpModel};
 pub use hyper_prior::HyperPrior;
+pub use inputs::Inputs;
 pub use joint_gaussian::JointGaussian;
 pub use kernel::{
     ActiveInputs, Constant, Cosine, Kernel, KernelSpec, Linear, Matern12, Matern12Profile,
@@ -64,6 +72,7 @@ pub use low_discrepancy::LowDiscrepancy;
 pub use mean::Mean;
 pub use model::GpModel;
 pub use posterior::Posterior;
+pub use prior::{Gamma, InverseGamma, LogNormal, Prior};
 pub use search_space::SearchSpace;
 pub use student_t::{StudentTGp, StudentTGpModel};
 pub use with_mean::{MeanFunction, WithMean};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use faer::Mat;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
 
 use crate::checks::check_count;
 use crate::noise::Noise;
@@ -74,6 +74,18 @@ impl Gp {
         }
         let noise = Noise { common: model.noise_variance, of_rows: &model.row_noise };
         Self::condition(kernel, x.as_ref(), &model.outputs, noise, model.mean)
+    }
+}
+
+impl Serialize for Gp {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.to_model().map_err(ser::Error::custom)?.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Gp {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::from_model(&GpModel::deserialize(deserializer)?).map_err(de::Error::custom)
     }
 }
 

@@ -11,10 +11,6 @@ pub(crate) struct Noise<'a> {
 }
 
 impl Noise<'_> {
-    pub(crate) fn same(common: f64) -> Self {
-        Self { common, of_rows: &[] }
-    }
-
     pub(crate) fn of_row(self, i: usize) -> f64 {
         self.common + self.of_rows.get(i).copied().unwrap_or(0.0)
     }

@@ -335,7 +335,7 @@ mod tests {
             precisions: &[0.5; 15],
         };
         let value = NoiseBound::new(x.as_ref(), &y, Mean::Estimated).value(&point).unwrap();
-        let exact = Gp::fit(kernel, x.as_ref(), &y, 0.2).unwrap();
+        let exact = Gp::builder(kernel).noise_variance(0.2).condition(x.as_ref(), &y).unwrap();
         assert!((value - exact.log_marginal_likelihood()).abs() < 1e-9);
     }
 }

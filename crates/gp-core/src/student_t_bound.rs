@@ -253,7 +253,7 @@ mod tests {
         let mut slopes = vec![0.0; 5];
         let mut bound = StudentTBound::new(x.as_ref(), &y, Mean::Estimated);
         let value = bound.evaluate(&kernel, tails, &mut slopes).unwrap();
-        let exact = Gp::fit(kernel, x.as_ref(), &y, 0.2).unwrap();
+        let exact = Gp::builder(kernel).noise_variance(0.2).condition(x.as_ref(), &y).unwrap();
         assert!((value - exact.log_marginal_likelihood()).abs() < 1e-5);
         let gradient = exact.log_marginal_likelihood_gradient().unwrap();
         assert!(slopes[..4].iter().zip(&gradient).all(|(a, b)| (a - b).abs() < 1e-5));

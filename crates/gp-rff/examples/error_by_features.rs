@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (x, y, _) = surface(1000, 7);
     let (x_test, _, truth) = surface(1000, 8);
     let kernel = SquaredExponential::new(&LENGTHSCALES, SIGNAL_VARIANCE)?;
-    let exact = Gp::fit(kernel, x.as_ref(), &y, NOISE_VARIANCE)?;
+    let exact = Gp::builder(kernel).noise_variance(NOISE_VARIANCE).condition(x.as_ref(), &y)?;
     let floor = rmse(&truth, &exact.predict_mean(x_test.as_ref())?)?;
     println!("RMSE of the noiseless surface, mean of {N_SEEDS} draws; exact process {floor:.5}");
     println!("form     sampling            M = 26        50       100       200       400");

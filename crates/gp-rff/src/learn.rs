@@ -201,8 +201,8 @@ fn small_process(
     let few_y: Vec<f64> = rows.iter().map(|&row| y[row]).collect();
     let values: Vec<f64> = kernel.parameters().iter().map(|parameter| parameter.value).collect();
     let family = kernel.with_parameters(&values)?;
-    let (_, report) = Gp::learn(family, few.as_ref(), &few_y, &small_options(options))?;
-    Ok(report.best.parameters)
+    let gp = Gp::builder(family).options(small_options(options)).fit(few.as_ref(), &few_y)?;
+    Ok(gp.hyperparameters().into_iter().map(|(_, value)| value).collect())
 }
 
 fn small_options(options: &RffOptions) -> LearnOptions {

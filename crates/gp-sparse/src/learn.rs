@@ -90,7 +90,7 @@ impl SparseGp {
     /// Learns pseudo-inputs, kernel parameters and noise by maximising the objective.
     ///
     /// Hyperparameters start from an exact process on a few rows, pseudo-inputs from their
-    /// placement; then all move together, with walls and scales as in [`Gp::learn`] and
+    /// placement; then all move together, with walls and scales as in [`gp_core::GpBuilder::fit`] and
     /// pseudo-inputs in units of their input's spread. An iteration costs O(N M²) and O((M D)²).
     /// The result does not depend on the number of threads.
     ///
@@ -246,8 +246,8 @@ fn warm_start(
     };
     let values: Vec<f64> = kernel.parameters().iter().map(|parameter| parameter.value).collect();
     let family = kernel.with_parameters(&values)?;
-    match Gp::learn(family, few.as_ref(), &few_y, &learning) {
-        Ok((_, report)) => Ok(report.best.parameters),
+    match Gp::builder(family).options(learning).fit(few.as_ref(), &few_y) {
+        Ok(gp) => Ok(gp.hyperparameters().into_iter().map(|(_, value)| value).collect()),
         Err(_) => {
             let space = SearchSpace::new(kernel, x, y, options.prior);
             Ok(space.parameters(&space.start(0, options.seed)))

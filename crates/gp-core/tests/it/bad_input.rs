@@ -16,11 +16,11 @@ fn line(n: usize) -> Mat<f64> {
 }
 
 fn fit(x: &Mat<f64>, y: &[f64], noise_variance: f64) -> GpError {
-    Gp::fit(kernel(), x.as_ref(), y, noise_variance).unwrap_err()
+    Gp::builder(kernel()).noise_variance(noise_variance).condition(x.as_ref(), y).unwrap_err()
 }
 
 fn learn(x: &Mat<f64>, y: &[f64], options: &LearnOptions) -> GpError {
-    Gp::learn(kernel(), x.as_ref(), y, options).unwrap_err()
+    Gp::builder(kernel()).options(options.clone()).fit(x.as_ref(), y).unwrap_err()
 }
 
 #[test]
@@ -30,7 +30,8 @@ fn shapes_that_do_not_fit() {
     assert_eq!(learn(&line(3), &[1.0, 2.0], &LearnOptions::default()), expected);
     let expected = GpError::ShapeMismatch { what: "columns of the inputs", expected: 1, actual: 2 };
     assert_eq!(fit(&Mat::zeros(3, 2), &[1.0; 3], 0.1), expected);
-    let gp = Gp::fit(kernel(), line(2).as_ref(), &[1.0, 2.0], 0.1).unwrap();
+    let gp =
+        Gp::builder(kernel()).noise_variance(0.1).condition(line(2).as_ref(), &[1.0, 2.0]).unwrap();
     let wide = Mat::zeros(3, 2);
     assert_eq!(gp.predict(wide.as_ref()).unwrap_err(), expected);
     assert_eq!(gp.predict_mean(wide.as_ref()).unwrap_err(), expected);
@@ -77,12 +78,18 @@ fn values_that_are_no_numbers_are_named_by_row_and_column() {
     x[(2, 1)] = f64::INFINITY;
     let expected = GpError::NotFinite { what: "inputs", row: 2, column: 1, value: f64::INFINITY };
     let wide = SquaredExponential::unit(2).unwrap();
-    assert_eq!(Gp::fit(wide, x.as_ref(), &[1.0; 3], 0.1).unwrap_err(), expected);
+    assert_eq!(
+        Gp::builder(wide).noise_variance(0.1).condition(x.as_ref(), &[1.0; 3]).unwrap_err(),
+        expected
+    );
     let error = fit(&line(3), &[1.0, f64::NAN, 2.0], 0.1);
     assert!(matches!(error, GpError::NotFinite { what: "outputs", row: 1, column: 0, .. }));
     assert!(error.to_string().contains("row 1, column 0 is NaN"));
     let mean = Mean::Fixed(f64::NAN);
-    let result = Gp::fit_with_mean(kernel(), line(2).as_ref(), &[1.0, 2.0], 0.1, mean);
+    let result = Gp::builder(kernel())
+        .noise_variance(0.1)
+        .mean(mean)
+        .condition(line(2).as_ref(), &[1.0, 2.0]);
     assert!(matches!(result, Err(GpError::NotFinite { what: "mean", .. })));
 }
 
@@ -106,7 +113,8 @@ fn parameters_that_are_not_positive() {
         for kernel in bad_kernels {
             refused(gram(&kernel, line(2).as_ref()).map(|_| ()));
             refused(JointGaussian::prior(&kernel, line(2).as_ref()).map(|_| ()));
-            let gp = Gp::fit(kernel, line(2).as_ref(), &[0.0, 1.0], 0.1);
+            let gp =
+                Gp::builder(kernel).noise_variance(0.1).condition(line(2).as_ref(), &[0.0, 1.0]);
             refused(gp.map(|_| ()));
         }
         let one = line(1);
@@ -126,7 +134,8 @@ fn parameters_that_are_not_positive() {
         let error = learn(&line(3), &[1.0, 2.0, 0.0], &options);
         assert!(matches!(error, GpError::NotPositive { name: named, .. } if named == name));
     }
-    let gp = Gp::fit(kernel(), line(2).as_ref(), &[1.0, 2.0], 0.0).unwrap();
+    let gp =
+        Gp::builder(kernel()).noise_variance(0.0).condition(line(2).as_ref(), &[1.0, 2.0]).unwrap();
     assert!(matches!(gp.log_marginal_likelihood_gradient(), Err(GpError::NotPositive { .. })));
 }
 
@@ -147,7 +156,12 @@ fn repeated_rows_without_noise_are_named() {
     let x = Mat::from_fn(4, 1, |i, _| [0.0, 2.0, 1.0, 2.0][i]);
     let expected = GpError::DuplicateRows { first: 1, second: 3 };
     assert_eq!(fit(&x, &[1.0, 2.0, 3.0, 4.0], 0.0), expected);
-    assert!(Gp::fit(kernel(), x.as_ref(), &[1.0, 2.0, 3.0, 4.0], 1e-6).is_ok());
+    assert!(
+        Gp::builder(kernel())
+            .noise_variance(1e-6)
+            .condition(x.as_ref(), &[1.0, 2.0, 3.0, 4.0])
+            .is_ok()
+    );
 }
 
 #[test]
@@ -168,7 +182,8 @@ fn a_singular_covariance_is_an_error_with_its_pivot() {
 
 #[test]
 fn saved_models_that_were_edited() {
-    let gp = Gp::fit(kernel(), line(2).as_ref(), &[1.0, 2.0], 0.1).unwrap();
+    let gp =
+        Gp::builder(kernel()).noise_variance(0.1).condition(line(2).as_ref(), &[1.0, 2.0]).unwrap();
     let model = gp.to_model().unwrap();
     let newer = GpModel { version: 2, ..model.clone() };
     assert_eq!(

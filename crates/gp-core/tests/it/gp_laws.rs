@@ -23,7 +23,10 @@ impl Case {
     }
 
     fn gp(&self) -> Gp {
-        Gp::fit(self.kernel(), self.x.as_ref(), &self.y, NOISE_VARIANCE).unwrap()
+        Gp::builder(self.kernel())
+            .noise_variance(NOISE_VARIANCE)
+            .condition(self.x.as_ref(), &self.y)
+            .unwrap()
     }
 }
 
@@ -56,7 +59,7 @@ proptest! {
     #[test]
     fn posterior_variance_lies_between_zero_and_the_prior(case in case()) {
         let (x, mean) = (case.x.as_ref(), Mean::Fixed(0.4));
-        let gp = Gp::fit_with_mean(case.kernel(), x, &case.y, NOISE_VARIANCE, mean).unwrap();
+        let gp = Gp::builder(case.kernel()).noise_variance(NOISE_VARIANCE).mean(mean).condition(x, &case.y).unwrap();
         let (_, variance) = gp.predict(case.x_star.as_ref()).unwrap();
         prop_assert!(variance.iter().all(|&variance| (0.0..=1.7).contains(&variance)));
     }
@@ -117,7 +120,7 @@ proptest! {
             let fit = |values: &[f64]| {
                 let (noise_variance, parameters) = values.split_last().unwrap();
                 let moved = kernel.with_parameters(parameters).unwrap();
-                Gp::fit(moved, case.x.as_ref(), &case.y, *noise_variance).unwrap()
+                Gp::builder(moved).noise_variance(*noise_variance).condition(case.x.as_ref(), &case.y).unwrap()
             };
             let gradient = fit(&values).log_marginal_likelihood_gradient().unwrap();
             for (p, slope) in gradient.iter().enumerate() {
@@ -156,7 +159,7 @@ proptest! {
         let n = case.y.len();
         let x = Mat::from_fn(n, case.x.ncols(), |i, j| case.x[(n - 1 - i, j)]);
         let y: Vec<f64> = case.y.iter().rev().copied().collect();
-        let reversed = Gp::fit(case.kernel(), x.as_ref(), &y, NOISE_VARIANCE).unwrap();
+        let reversed = Gp::builder(case.kernel()).noise_variance(NOISE_VARIANCE).condition(x.as_ref(), &y).unwrap();
         let (mean, variance) = case.gp().predict(case.x_star.as_ref()).unwrap();
         let (reversed_mean, reversed_variance) = reversed.predict(case.x_star.as_ref()).unwrap();
         prop_assert!(close(&reversed_mean, &mean, 1e-10));
@@ -169,7 +172,7 @@ proptest! {
         let twice = |i: usize| i % n;
         let x = Mat::from_fn(2 * n, case.x.ncols(), |i, j| case.x[(twice(i), j)]);
         let y: Vec<f64> = (0..2 * n).map(|i| case.y[twice(i)]).collect();
-        let double = Gp::fit(case.kernel(), x.as_ref(), &y, 2.0 * NOISE_VARIANCE).unwrap();
+        let double = Gp::builder(case.kernel()).noise_variance(2.0 * NOISE_VARIANCE).condition(x.as_ref(), &y).unwrap();
         let (mean, variance) = case.gp().predict(case.x_star.as_ref()).unwrap();
         let (double_mean, double_variance) = double.predict(case.x_star.as_ref()).unwrap();
         prop_assert!(close(&double_mean, &mean, 1e-9));
@@ -183,7 +186,7 @@ proptest! {
             let gp = case.gp();
             let left_out = gp.leave_one_out().unwrap();
             let x = case.x.subrows(1, n - 1);
-            let rest = Gp::fit(case.kernel(), x, &case.y[1..], NOISE_VARIANCE);
+            let rest = Gp::builder(case.kernel()).noise_variance(NOISE_VARIANCE).condition(x, &case.y[1..]);
             let first = case.x.subrows(0, 1);
             let (mean, variance) = rest.unwrap().predict_observation(first).unwrap();
             prop_assert!(close(&left_out.mean[..1], &mean, 1e-9));
@@ -219,7 +222,8 @@ fn one_row_without_noise_is_interpolated_and_forgotten_far_away() {
     let x = Mat::from_fn(1, 1, |_, _| 0.5);
     let kernel = SquaredExponential::new(&[0.3], 2.0).unwrap();
     let mean = Mean::Fixed(1.0);
-    let gp = Gp::fit_with_mean(kernel, x.as_ref(), &[4.0], 0.0, mean).unwrap();
+    let gp =
+        Gp::builder(kernel).noise_variance(0.0).mean(mean).condition(x.as_ref(), &[4.0]).unwrap();
     let x_star = Mat::from_fn(2, 1, |i, _| [0.5, 50.0][i]);
     let (mean, variance) = gp.predict(x_star.as_ref()).unwrap();
     assert!((mean[0] - 4.0).abs() < 1e-14 && variance[0] < 1e-14);
@@ -229,7 +233,10 @@ fn one_row_without_noise_is_interpolated_and_forgotten_far_away() {
 #[test]
 fn equal_outputs_are_predicted_everywhere() {
     let x = Mat::from_fn(6, 2, |i, d| (i * (d + 1)) as f64);
-    let gp = Gp::fit(SquaredExponential::unit(2).unwrap(), x.as_ref(), &[7.5; 6], 0.1).unwrap();
+    let gp = Gp::builder(SquaredExponential::unit(2).unwrap())
+        .noise_variance(0.1)
+        .condition(x.as_ref(), &[7.5; 6])
+        .unwrap();
     let x_star = Mat::from_fn(3, 2, |i, _| i as f64 - 20.0);
     assert_eq!(gp.predict_mean(x_star.as_ref()).unwrap(), vec![7.5; 3]);
 }
@@ -238,7 +245,10 @@ fn equal_outputs_are_predicted_everywhere() {
 fn many_test_rows_equal_single_ones_for_any_number_of_threads() {
     let x = Mat::from_fn(30, 1, |i, _| 0.2 * i as f64);
     let y: Vec<f64> = (0..30).map(|i| (0.2 * i as f64).sin()).collect();
-    let gp = Gp::fit(SquaredExponential::unit(1).unwrap(), x.as_ref(), &y, 1e-3).unwrap();
+    let gp = Gp::builder(SquaredExponential::unit(1).unwrap())
+        .noise_variance(1e-3)
+        .condition(x.as_ref(), &y)
+        .unwrap();
     let x_star = Mat::from_fn(300, 1, |i, _| 0.02 * i as f64);
     let with_threads = |n: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
@@ -256,7 +266,9 @@ fn many_test_rows_equal_single_ones_for_any_number_of_threads() {
 #[test]
 fn samples_have_the_mean_and_covariance_of_the_posterior() {
     let x = Mat::from_fn(3, 1, |i, _| i as f64);
-    let gp = Gp::fit(SquaredExponential::unit(1).unwrap(), x.as_ref(), &[0.0, 1.0, 0.5], 0.1);
+    let gp = Gp::builder(SquaredExponential::unit(1).unwrap())
+        .noise_variance(0.1)
+        .condition(x.as_ref(), &[0.0, 1.0, 0.5]);
     let x_star = Mat::from_fn(3, 1, |i, _| 0.5 + i as f64);
     let joint = gp.unwrap().predict_joint(x_star.as_ref()).unwrap();
     let n = 20_000;
@@ -306,7 +318,10 @@ fn samples_of_a_periodic_product_nearly_repeat() {
 fn predictions_in_memory_that_is_there_are_the_same_bits() {
     let x = Mat::from_fn(30, 1, |i, _| 0.2 * i as f64);
     let y: Vec<f64> = (0..30).map(|i| (0.2 * i as f64).sin()).collect();
-    let gp = Gp::fit(SquaredExponential::unit(1).unwrap(), x.as_ref(), &y, 1e-3).unwrap();
+    let gp = Gp::builder(SquaredExponential::unit(1).unwrap())
+        .noise_variance(1e-3)
+        .condition(x.as_ref(), &y)
+        .unwrap();
     let mut workspace = Workspace::new();
     for n in [1, 1000, 7] {
         let x_star = Mat::from_fn(n, 1, |i, _| 0.01 * i as f64);

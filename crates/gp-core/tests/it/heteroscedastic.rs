@@ -46,7 +46,7 @@ fn it_finds_where_the_noise_is_and_beats_one_noise_for_all() {
     let (x_test, y_test) = data(2000, 2);
     let (mean, variance) = gp.predict_observation(x_test.as_ref()).unwrap();
     let kernel = SquaredExponential::unit(1).unwrap();
-    let (plain, _) = Gp::learn(kernel, x.as_ref(), &y, &LearnOptions::default()).unwrap();
+    let plain = Gp::builder(kernel).fit(x.as_ref(), &y).unwrap();
     let (plain_mean, plain_variance) = plain.predict_observation(x_test.as_ref()).unwrap();
     let gain = nlpd(&y_test, &plain_mean, &plain_variance).unwrap()
         - nlpd(&y_test, &mean, &variance).unwrap();

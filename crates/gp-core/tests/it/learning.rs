@@ -26,7 +26,12 @@ fn by_row(x: &Mat<f64>, function: impl Fn(&dyn Fn(usize) -> f64) -> f64) -> Vec<
 
 fn learn(x: MatRef<'_, f64>, y: &[f64]) -> (Gp, LearnReport) {
     let kernel = SquaredExponential::unit(x.ncols()).unwrap();
-    Gp::learn(kernel, x, y, &LearnOptions::default()).unwrap()
+    with_report(Gp::builder(kernel).fit(x, y).unwrap())
+}
+
+fn with_report(gp: Gp) -> (Gp, LearnReport) {
+    let report = gp.report().unwrap().clone();
+    (gp, report)
 }
 
 fn parameters(gp: &Gp) -> Vec<f64> {
@@ -46,7 +51,7 @@ fn parameters_of_a_drawn_function_are_recovered() {
     assert!((learnt[2] / 4.0).ln().abs() < 1.0, "{learnt:?}");
     assert!((gp.noise_variance() / 0.01).ln().abs() < 0.25);
     assert!(report.at_bound.is_empty());
-    let exact = Gp::fit(truth, x.as_ref(), &y, 0.01).unwrap();
+    let exact = Gp::builder(truth).noise_variance(0.01).condition(x.as_ref(), &y).unwrap();
     assert!(gp.log_marginal_likelihood() > exact.log_marginal_likelihood());
 }
 
@@ -158,11 +163,14 @@ fn periodic_products_and_matern_kernels_are_learnt_too() {
     let y = noisy(by_row(&x, |x| (4.0 * x(0)).sin()), 0.1, 17);
     let slow = SquaredExponential::unit(1).unwrap();
     let kernel = slow * Periodic::new(1.4, 1.0);
-    let (gp, _) = Gp::learn(kernel, x.as_ref(), &y, &LearnOptions::default()).unwrap();
+    let gp = Gp::builder(kernel).fit(x.as_ref(), &y).unwrap();
     let period = parameters(&gp)[2];
     assert!((period - std::f64::consts::FRAC_PI_2).abs() < 0.02, "{period}");
     let options = LearnOptions { mean: Mean::Fixed(0.0), ..LearnOptions::default() };
-    let (gp, _) = Gp::learn(Matern52::unit(1).unwrap(), x.as_ref(), &y, &options).unwrap();
+    let gp = Gp::builder(Matern52::unit(1).unwrap())
+        .options(options.clone())
+        .fit(x.as_ref(), &y)
+        .unwrap();
     assert_eq!(gp.mean(), 0.0);
     assert!((gp.noise_variance().sqrt() / 0.1).ln().abs() < 0.4);
 }
@@ -173,7 +181,7 @@ fn too_few_iterations_are_an_error() {
     let y = noisy(by_row(&x, |x| x(0)), 0.1, 19);
     let options = LearnOptions { max_iterations: 1, n_starts: 2, ..LearnOptions::default() };
     let kernel = SquaredExponential::unit(1).unwrap();
-    let result = Gp::learn(kernel, x.as_ref(), &y, &options);
+    let result = Gp::builder(kernel).options(options.clone()).fit(x.as_ref(), &y);
     assert!(
         matches!(result, Err(GpError::NotConverged { n_starts: 2, iterations: 1, .. })),
         "{result:?}"
@@ -188,7 +196,7 @@ fn noise_alone(n: usize) -> (Mat<f64>, Vec<f64>) {
 fn learn_with(prior: HyperPrior, x: &Mat<f64>, y: &[f64]) -> (Gp, LearnReport) {
     let kernel = SquaredExponential::unit(2).unwrap();
     let options = LearnOptions { prior, mean: Mean::Fixed(0.0), ..LearnOptions::default() };
-    Gp::learn(kernel, x.as_ref(), y, &options).unwrap()
+    with_report(Gp::builder(kernel).options(options).fit(x, y).unwrap())
 }
 
 fn log_normal(sd: f64) -> HyperPrior {

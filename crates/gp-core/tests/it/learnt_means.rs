@@ -22,7 +22,11 @@ fn kernel() -> SquaredExponential {
 }
 
 fn fit(x: &Mat<f64>, y: &[f64], mean: Mean) -> Gp {
-    Gp::fit_with_mean(kernel(), x.as_ref(), y, NOISE_VARIANCE, mean).unwrap()
+    Gp::builder(kernel())
+        .noise_variance(NOISE_VARIANCE)
+        .mean(mean)
+        .condition(x.as_ref(), y)
+        .unwrap()
 }
 
 /// Rows that are never all in a line, and inputs near and far.
@@ -52,7 +56,11 @@ fn integrated(x: &Mat<f64>, y: &[f64], mean: Mean, wide: f64) -> Gp {
         _ => Box::new(constant),
     };
     let whole = Sum::new(basis, kernel());
-    Gp::fit_with_mean(whole, x.as_ref(), y, NOISE_VARIANCE, Mean::Fixed(0.0)).unwrap()
+    Gp::builder(whole)
+        .noise_variance(NOISE_VARIANCE)
+        .mean(Mean::Fixed(0.0))
+        .condition(x.as_ref(), y)
+        .unwrap()
 }
 
 /// How far predictions, covariances and the likelihood are from those of the wide prior.
@@ -135,7 +143,7 @@ proptest! {
             let values = [0.8, 1.1, SIGNAL_VARIANCE, NOISE_VARIANCE];
             let at = |values: [f64; 4]| {
                 let kernel = SquaredExponential::new(&values[..2], values[2]).unwrap();
-                Gp::fit_with_mean(kernel, case.x.as_ref(), &case.y, values[3], mean).unwrap()
+                Gp::builder(kernel).noise_variance(values[3]).mean(mean).condition(case.x.as_ref(), &case.y).unwrap()
             };
             let gradient = at(values).log_marginal_likelihood_gradient().unwrap();
             for (p, slope) in gradient.iter().enumerate() {
@@ -201,7 +209,10 @@ fn one_row_tells_a_constant_as_well_as_a_row_can() {
 #[test]
 fn what_rows_do_not_tell_of_a_plane_is_named() {
     let fit = |x: &Mat<f64>| {
-        Gp::fit_with_mean(kernel(), x.as_ref(), &vec![1.0; x.nrows()], 0.1, Mean::Linear)
+        Gp::builder(kernel())
+            .noise_variance(0.1)
+            .mean(Mean::Linear)
+            .condition(x.as_ref(), &vec![1.0; x.nrows()])
             .map(|_| ())
     };
     let undetermined = |input, n_rows| Err(GpError::UndeterminedSlope { input, n_rows });
@@ -215,7 +226,7 @@ fn what_rows_do_not_tell_of_a_plane_is_named() {
     assert!(message.contains("2 rows") && message.contains("input 1"), "{message}");
     let options = LearnOptions { mean: Mean::Linear, ..LearnOptions::default() };
     let (x, y) = cloud();
-    let learnt = Gp::learn(kernel(), x.subrows(0, 3), &y[..3], &options);
+    let learnt = Gp::builder(kernel()).options(options.clone()).fit(x.subrows(0, 3), &y[..3]);
     assert_eq!(learnt.unwrap_err(), GpError::TooFewRows { needed: 4, actual: 3 });
 }
 
@@ -249,9 +260,13 @@ fn intervals_hold_as_often_as_they_say_where_few_rows_tell_the_mean() {
         let y: Vec<f64> = (0..n + n_star).map(&mut value).collect();
         let (rows, rest) = (x.subrows(0, n), x.subrows(n, n_star));
         y_star.extend_from_slice(&y[n..]);
-        let gp = Gp::fit(kernel(), rows, &y[..n], 0.01).unwrap();
+        let gp = Gp::builder(kernel()).noise_variance(0.01).condition(rows, &y[..n]).unwrap();
         let at_its_best = Mean::Fixed(gp.mean());
-        let taken = Gp::fit_with_mean(kernel(), rows, &y[..n], 0.01, at_its_best).unwrap();
+        let taken = Gp::builder(kernel())
+            .noise_variance(0.01)
+            .mean(at_its_best)
+            .condition(rows, &y[..n])
+            .unwrap();
         for (gp, into) in [(&gp, &mut learnt), (&taken, &mut known)] {
             let (mean, variance) = gp.predict_observation(rest).unwrap();
             into[0].extend(mean);
@@ -278,7 +293,7 @@ fn learnt_noise_is_not_too_small_where_few_rows_tell_many_slopes() {
         let options = LearnOptions { mean: Mean::Linear, ..LearnOptions::default() };
         // A process that can say nothing but noise: one constant for all, which the mean takes.
         let kernel = Constant::new(1.0);
-        Gp::learn(kernel, x.as_ref(), &y, &options).unwrap().0.noise_variance()
+        Gp::builder(kernel).options(options.clone()).fit(x.as_ref(), &y).unwrap().noise_variance()
     };
     let average = (0..40).map(learnt).sum::<f64>() / 40.0;
     // Its standard error is √(2/11/40) = 0.07; at the most likely coefficients it would be 11/20.

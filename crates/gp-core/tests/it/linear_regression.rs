@@ -65,7 +65,7 @@ proptest! {
                 .unwrap();
         let kernel = FeatureKernel { prior_covariance };
         let mean = Mean::Fixed(0.0);
-        let gp = Gp::fit_with_mean(kernel, features.as_ref(), &y, noise_variance, mean).unwrap();
+        let gp = Gp::builder(kernel).noise_variance(noise_variance).mean(mean).condition(features.as_ref(), &y).unwrap();
         let evidence = (linear.log_evidence(), gp.log_marginal_likelihood());
         prop_assert!((evidence.0 - evidence.1).abs() < 1e-9 * (1.0 + evidence.1.abs()));
         let posteriors: [&dyn Posterior; 2] = [&linear, &gp];
@@ -114,6 +114,6 @@ fn one_observation_halves_the_variance_of_an_equally_uncertain_weight() {
 fn a_user_kernel_without_spec_cannot_be_saved() {
     let one = Mat::from_fn(1, 1, |_, _| 1.0);
     let kernel = FeatureKernel { prior_covariance: one.clone() };
-    let gp = Gp::fit(kernel, one.as_ref(), &[2.0], 1.0).unwrap();
+    let gp = Gp::builder(kernel).noise_variance(1.0).condition(one.as_ref(), &[2.0]).unwrap();
     assert!(matches!(gp.to_model(), Err(GpError::NotSerializable { .. })));
 }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod bad_input;
+mod builder;
 mod gp_laws;
 mod heteroscedastic;
 mod kernel_laws;

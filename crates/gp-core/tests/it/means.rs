@@ -25,7 +25,11 @@ fn plane(x: &Mat<f64>, i: usize) -> f64 {
 }
 
 fn fit(x: &Mat<f64>, y: &[f64]) -> Gp {
-    Gp::fit_with_mean(kernel(1.0), x.as_ref(), y, NOISE_VARIANCE, Mean::Linear).unwrap()
+    Gp::builder(kernel(1.0))
+        .noise_variance(NOISE_VARIANCE)
+        .mean(Mean::Linear)
+        .condition(x.as_ref(), y)
+        .unwrap()
 }
 
 #[test]
@@ -50,7 +54,11 @@ fn a_plane_added_to_the_outputs_is_added_to_the_predictions() {
     let scale = -7.0;
     let moved: Vec<f64> = (0..15).map(|i| scale * y[i] + plane(&x, i)).collect();
     let noise = scale * scale * NOISE_VARIANCE;
-    let gp = Gp::fit_with_mean(kernel(scale), x.as_ref(), &moved, noise, Mean::Linear).unwrap();
+    let gp = Gp::builder(kernel(scale))
+        .noise_variance(noise)
+        .mean(Mean::Linear)
+        .condition(x.as_ref(), &moved)
+        .unwrap();
     let (moved_mean, moved_variance) = gp.predict(x_star.as_ref()).unwrap();
     for i in 0..6 {
         let expected = scale * mean[i] + plane(&x_star, i);
@@ -66,7 +74,11 @@ fn slopes_of_the_likelihood_equal_finite_differences() {
     let values = [0.8, 1.1, 0.7, NOISE_VARIANCE];
     let likelihood = |values: [f64; 4]| {
         let kernel = SquaredExponential::new(&values[..2], values[2]).unwrap();
-        Gp::fit_with_mean(kernel, x.as_ref(), &y, values[3], Mean::Linear).unwrap()
+        Gp::builder(kernel)
+            .noise_variance(values[3])
+            .mean(Mean::Linear)
+            .condition(x.as_ref(), &y)
+            .unwrap()
     };
     let gradient = likelihood(values).log_marginal_likelihood_gradient().unwrap();
     for (p, slope) in gradient.iter().enumerate() {
@@ -113,7 +125,7 @@ fn a_linear_mean_is_learnt_with_the_hyperparameters() {
     let learn = |mean| {
         let options = LearnOptions { mean, ..LearnOptions::default() };
         let kernel = SquaredExponential::unit(2).unwrap();
-        Gp::learn(kernel, x.as_ref(), &y, &options).unwrap().0
+        Gp::builder(kernel).options(options.clone()).fit(x.as_ref(), &y).unwrap()
     };
     let (linear, constant) = (learn(Mean::Linear), learn(Mean::Estimated));
     assert!(linear.log_marginal_likelihood() > constant.log_marginal_likelihood() + 3.0);
@@ -125,7 +137,10 @@ fn a_constant_mean_function_is_a_fixed_mean() {
     let (x, x_star) = (inputs(15, 0.0), inputs(6, 0.4));
     let y = outputs(&x);
     let fixed = |mean, y: &[f64]| {
-        Gp::fit_with_mean(kernel(1.0), x.as_ref(), y, NOISE_VARIANCE, Mean::Fixed(mean))
+        Gp::builder(kernel(1.0))
+            .noise_variance(NOISE_VARIANCE)
+            .mean(Mean::Fixed(mean))
+            .condition(x.as_ref(), y)
     };
     let about = WithMean::fit(|_: &[f64]| 1.5, x.as_ref(), &y, |y| fixed(0.0, y)).unwrap();
     let expected = fixed(1.5, &y).unwrap();
@@ -143,7 +158,10 @@ fn far_from_all_data_the_physics_is_left() {
     let y = outputs(&x);
     let physics = |x: &[f64]| 0.3 * x[1] * x[1];
     let hybrid = WithMean::fit(physics, x.as_ref(), &y, |residuals| {
-        Gp::fit_with_mean(kernel(1.0), x.as_ref(), residuals, NOISE_VARIANCE, Mean::Fixed(0.0))
+        Gp::builder(kernel(1.0))
+            .noise_variance(NOISE_VARIANCE)
+            .mean(Mean::Fixed(0.0))
+            .condition(x.as_ref(), residuals)
     });
     let far = Mat::from_fn(1, 2, |_, _| 60.0);
     let mean = hybrid.unwrap().predict_mean(far.as_ref()).unwrap();
@@ -152,7 +170,7 @@ fn far_from_all_data_the_physics_is_left() {
         |_: &[f64]| f64::NAN,
         x.as_ref(),
         &y,
-        |y| Gp::fit(kernel(1.0), x.as_ref(), y, NOISE_VARIANCE),
+        |y| Gp::builder(kernel(1.0)).noise_variance(NOISE_VARIANCE).condition(x.as_ref(), y),
     );
     assert!(matches!(broken.unwrap_err(), GpError::NotFinite { what: "mean function", .. }));
 }

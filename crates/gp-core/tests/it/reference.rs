@@ -4,7 +4,7 @@
 //! keeps some thirteen digits.
 
 use faer::Mat;
-use gp_core::{Gp, Kernel, Matern32, Matern52, Mean, Posterior, SquaredExponential};
+use gp_core::{Gp, Kernel, Matern32, Matern52, Mean, SquaredExponential};
 use serde_json::Value;
 
 const TOLERANCE: f64 = 1e-9;
@@ -37,7 +37,11 @@ impl Reference {
     fn gp(&self, kernel: impl Kernel + 'static) -> Gp {
         let (x, y) = (self.column("/x"), self.numbers("/y"));
         let noise_variance = self.number("/sn2");
-        Gp::fit_with_mean(kernel, x.as_ref(), &y, noise_variance, Mean::Fixed(0.0)).unwrap()
+        Gp::builder(kernel)
+            .noise_variance(noise_variance)
+            .mean(Mean::Fixed(0.0))
+            .condition(x.as_ref(), &y)
+            .unwrap()
     }
 
     fn check(&self, name: &str, gp: &Gp) {

@@ -29,7 +29,12 @@ impl Case {
         let pick = |values: &[f64]| rows.iter().map(|&row| values[row]).collect::<Vec<f64>>();
         let (y, noise) = (pick(&self.y), pick(&self.row_noise));
         let mean = Mean::Estimated;
-        Gp::fit_with_row_noise(self.kernel(), x.as_ref(), &y, &noise, NOISE_VARIANCE, mean).unwrap()
+        Gp::builder(self.kernel())
+            .row_noise(&noise)
+            .noise_variance(NOISE_VARIANCE)
+            .mean(mean)
+            .condition(x.as_ref(), &y)
+            .unwrap()
     }
 }
 
@@ -117,7 +122,11 @@ fn rows_with_more_noise_pull_less() {
     let kernel = SquaredExponential::new(&[1.0], 1.0).unwrap();
     let fit = |row_noise: &[f64]| {
         let mean = Mean::Fixed(0.0);
-        Gp::fit_with_row_noise(kernel.clone(), x.as_ref(), &[1.0, -1.0], row_noise, 0.1, mean)
+        Gp::builder(kernel.clone())
+            .row_noise(row_noise)
+            .noise_variance(0.1)
+            .mean(mean)
+            .condition(x.as_ref(), &[1.0, -1.0])
     };
     let mean =
         |row_noise: &[f64]| fit(row_noise).unwrap().predict_mean(x.subrows(0, 1)).unwrap()[0];
@@ -141,9 +150,13 @@ fn known_row_noise_leaves_the_common_noise_to_learn() {
         (0..n).map(|i| wave(i, 0.05) + (0.01 + row_noise[i]).sqrt() * deviation(i)).collect();
     let kernel = || Matern52::unit(1).unwrap();
     let options = LearnOptions::default();
-    let (gp, _) = Gp::learn_with_row_noise(kernel(), x.as_ref(), &y, &row_noise, &options).unwrap();
+    let gp = Gp::builder(kernel())
+        .row_noise(&row_noise)
+        .options(options.clone())
+        .fit(x.as_ref(), &y)
+        .unwrap();
     assert!((gp.noise_variance().sqrt() - 0.1).abs() < 0.03, "{}", gp.noise_variance());
-    let (plain, _) = Gp::learn(kernel(), x.as_ref(), &y, &options).unwrap();
+    let plain = Gp::builder(kernel()).options(options.clone()).fit(x.as_ref(), &y).unwrap();
     assert!(
         plain.noise_variance() > 0.15
             && gp.log_marginal_likelihood() > plain.log_marginal_likelihood()
@@ -158,7 +171,8 @@ fn known_row_noise_leaves_the_common_noise_to_learn() {
 fn rows_that_cannot_come_or_go() {
     let x = Mat::from_fn(2, 1, |i, _| i as f64);
     let kernel = SquaredExponential::unit(1).unwrap();
-    let mut gp = Gp::fit(kernel, x.as_ref(), &[1.0, 2.0], 0.0).unwrap();
+    let mut gp =
+        Gp::builder(kernel).noise_variance(0.0).condition(x.as_ref(), &[1.0, 2.0]).unwrap();
     let size = gp.outputs().len();
     assert!(matches!(gp.add_row(&[1.0], 0.0, 0.0), Err(GpError::NotPositiveDefinite { .. })));
     assert!(matches!(gp.add_row(&[1.0, 2.0], 0.0, 0.0), Err(GpError::ShapeMismatch { .. })));

@@ -38,7 +38,7 @@ fn data(n: usize, has_outliers: bool, seed: u64) -> (Mat<f64>, Vec<f64>) {
 fn with_endless_degrees_of_freedom_it_is_the_gaussian_process() {
     let (x, y) = line(12);
     let robust = StudentTGp::fit(kernel(), x.as_ref(), &y, 0.04, 1e8, Mean::Estimated).unwrap();
-    let plain = Gp::fit(kernel(), x.as_ref(), &y, 0.04).unwrap();
+    let plain = Gp::builder(kernel()).noise_variance(0.04).condition(x.as_ref(), &y).unwrap();
     let x_star = Mat::from_fn(7, 1, |i, _| 0.9 * i as f64 - 0.5);
     let (found, expected) =
         (robust.predict(x_star.as_ref()).unwrap(), plain.predict(x_star.as_ref()).unwrap());
@@ -69,7 +69,7 @@ fn the_influence_of_an_outlier_vanishes_as_it_goes_away() {
         let shift = (found.0[0] - expected.0[0]).abs() + (found.1[0] - expected.1[0]).abs();
         assert!(shift < 0.1 * last, "{outlier}: {shift} after {last}");
         last = shift;
-        let plain = Gp::fit(kernel(), x.as_ref(), &y, 0.01).unwrap();
+        let plain = Gp::builder(kernel()).noise_variance(0.01).condition(x.as_ref(), &y).unwrap();
         assert!((plain.predict_mean(at.as_ref()).unwrap()[0] - expected.0[0]).abs() > 1.0);
     }
     assert!(last < 1e-5, "{last}");
@@ -164,7 +164,7 @@ fn with_outliers_it_finds_the_function_that_a_gaussian_loses() {
     let kernel = || Matern52::unit(1).unwrap();
     let options = LearnOptions::default();
     let (robust, report) = StudentTGp::learn(kernel(), x.as_ref(), &y, &options).unwrap();
-    let (plain, _) = Gp::learn(kernel(), x.as_ref(), &y, &options).unwrap();
+    let plain = Gp::builder(kernel()).options(options.clone()).fit(x.as_ref(), &y).unwrap();
     assert!(report.stop.converged() && report.at_bound.len() <= 1, "{report:?}");
     let x_star = Mat::from_fn(50, 1, |i, _| 0.02 * i as f64 + 0.01);
     let error = |posterior: &dyn Posterior| {
@@ -190,7 +190,7 @@ fn with_gaussian_noise_it_is_no_worse_than_the_gaussian_process() {
     let kernel = || Matern52::unit(1).unwrap();
     let options = LearnOptions::default();
     let (robust, report) = StudentTGp::learn(kernel(), x.as_ref(), &y, &options).unwrap();
-    let (plain, _) = Gp::learn(kernel(), x.as_ref(), &y, &options).unwrap();
+    let plain = Gp::builder(kernel()).options(options.clone()).fit(x.as_ref(), &y).unwrap();
     assert!(report.bound > plain.log_marginal_likelihood() - 0.5, "{report:?}");
     assert!(robust.degrees_of_freedom() > 10.0, "{report:?}");
     let noise = robust.predict_noise(x.as_ref()).unwrap()[0];

@@ -3,7 +3,7 @@
 use faer::{Mat, MatRef};
 use gp_core::cholesky::pivoted_factor;
 use gp_core::{
-    Expansion, GaussianInput, Gp, GpError, Matern52, Mean, Posterior, SquaredExponential,
+    Expansion, GaussianInput, Gp, GpError, Matern52, Mean, SquaredExponential,
     SquaredExponentialBasis, UncertainOutputs,
 };
 use proptest::collection::vec;
@@ -31,7 +31,7 @@ impl Case {
             let y: Vec<f64> = (0..n).map(|_| 3.0 * number()).collect();
             let lengthscales: Vec<f64> = (0..d).map(|_| 1.2 + 0.8 * number()).collect();
             let kernel = SquaredExponential::new(&lengthscales, 1.7).unwrap();
-            Gp::fit_with_mean(kernel, x.as_ref(), &y, 0.05, mean).unwrap()
+            Gp::builder(kernel).noise_variance(0.05).mean(mean).condition(x.as_ref(), &y).unwrap()
         };
         let processes = [process(12, Mean::Estimated), process(9, Mean::Linear)];
         let mean = (0..d).map(|_| number()).collect();
@@ -206,7 +206,7 @@ fn a_plane_is_propagated_as_the_kalman_filter_does() {
         let y: Vec<f64> =
             (0..30).map(|i| 0.3 + slope[0] * x[(i, 0)] + slope[1] * x[(i, 1)]).collect();
         let kernel = SquaredExponential::new(&[1e3, 1e3], 1e6).unwrap();
-        let process = Gp::fit(kernel, x.as_ref(), &y, 1e-6).unwrap();
+        let process = Gp::builder(kernel).noise_variance(1e-6).condition(x.as_ref(), &y).unwrap();
         process.expansion().unwrap()
     };
     let [a, b] = slopes.map(process);
@@ -235,7 +235,7 @@ fn an_input_that_may_be_anywhere_returns_to_the_prior() {
     let x = Mat::from_fn(20, 1, |i, _| 0.2 * i as f64);
     let y: Vec<f64> = (0..20).map(|i| (0.7 * f64::from(i)).sin()).collect();
     let kernel = SquaredExponential::new(&[0.5], 1.7).unwrap();
-    let process = Gp::fit(kernel, x.as_ref(), &y, 1e-4).unwrap();
+    let process = Gp::builder(kernel).noise_variance(1e-4).condition(x.as_ref(), &y).unwrap();
     let input = GaussianInput::new(vec![1.0], Mat::full(1, 1, 1e12)).unwrap();
     let moments = Expansion::at(&[&process.expansion().unwrap()], &input).unwrap();
     assert!((moments.mean[0] - process.mean()).abs() < 1e-5, "{moments:?}");
@@ -247,11 +247,14 @@ fn an_input_that_may_be_anywhere_returns_to_the_prior() {
 #[test]
 fn what_has_no_closed_form_is_refused() {
     let x = Mat::from_fn(3, 1, |i, _| i as f64);
-    let process =
-        Gp::fit(Matern52::new(&[1.0], 1.0).unwrap(), x.as_ref(), &[0.0, 1.0, 0.5], 0.1).unwrap();
+    let process = Gp::builder(Matern52::new(&[1.0], 1.0).unwrap())
+        .noise_variance(0.1)
+        .condition(x.as_ref(), &[0.0, 1.0, 0.5])
+        .unwrap();
     assert!(matches!(process.expansion(), Err(GpError::NoClosedForm { .. })));
-    let process =
-        Gp::fit(SquaredExponential::new(&[1.0], 1.0).unwrap(), x.as_ref(), &[0.0, 1.0, 0.5], 0.1);
+    let process = Gp::builder(SquaredExponential::new(&[1.0], 1.0).unwrap())
+        .noise_variance(0.1)
+        .condition(x.as_ref(), &[0.0, 1.0, 0.5]);
     let plane = GaussianInput::new(vec![0.0; 2], Mat::zeros(2, 2)).unwrap();
     let expected = GpError::ShapeMismatch { what: "inputs of a function", expected: 2, actual: 1 };
     let found = Expansion::at(&[&process.unwrap().expansion().unwrap()], &plane);

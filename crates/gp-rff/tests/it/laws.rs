@@ -344,7 +344,7 @@ fn many_features_predict_as_the_exact_process() {
     let features = RandomFeatures::new(Spectrum::default(), &[1.5, 2.0], options).unwrap();
     let rff = RffGp::fit(features, x.as_ref(), &y, 1.3, 0.01).unwrap();
     let kernel = SquaredExponential::new(&[1.5, 2.0], 1.3).unwrap();
-    let exact = Gp::fit(kernel, x.as_ref(), &y, 0.01).unwrap();
+    let exact = Gp::builder(kernel).noise_variance(0.01).condition(x.as_ref(), &y).unwrap();
     let x_star = cloud(75, 2);
     let (mean, variance) = rff.predict(x_star.as_ref()).unwrap();
     let (exact_mean, exact_variance) = exact.predict(x_star.as_ref()).unwrap();

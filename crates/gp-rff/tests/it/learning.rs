@@ -2,7 +2,7 @@
 
 use faer::Mat;
 use gp_core::scores::nlpd;
-use gp_core::{Gp, LearnOptions, Posterior, SquaredExponential};
+use gp_core::{Gp, Posterior, SquaredExponential};
 use gp_rff::{FeatureOptions, Form, Hyperparameters, RffGp, RffOptions, Sampling};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -34,7 +34,7 @@ fn options(form: Form, sampling: Sampling, hyperparameters: Hyperparameters) -> 
 fn two_hundred_features_of_any_kind_are_as_good_as_the_exact_process() {
     let (x, y) = data(500, 1);
     let kernel = SquaredExponential::unit(2).unwrap();
-    let (exact, _) = Gp::learn(kernel, x.as_ref(), &y, &LearnOptions::default()).unwrap();
+    let exact = Gp::builder(kernel).fit(x.as_ref(), &y).unwrap();
     for form in [Form::Cosines, Form::Paired] {
         for sampling in [Sampling::Independent, Sampling::Orthogonal, Sampling::LowDiscrepancy] {
             // What suits the exact kernel suits its features less well.

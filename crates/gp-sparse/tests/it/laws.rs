@@ -211,7 +211,7 @@ proptest! {
     #[test]
     fn with_pseudo_inputs_at_the_data_it_is_the_exact_process(case in case()) {
         let (x, y) = case.spaced_rows();
-        let exact = Gp::fit(case.kernel(), x.as_ref(), &y, NOISE_VARIANCE).unwrap();
+        let exact = Gp::builder(case.kernel()).noise_variance(NOISE_VARIANCE).condition(x.as_ref(), &y).unwrap();
         let (mean, variance) = exact.predict(case.x_star.as_ref()).unwrap();
         for approximation in ALL {
             let settings = SparseSettings { jitter: 0.0, ..settings(approximation) };
@@ -228,7 +228,7 @@ proptest! {
 
     #[test]
     fn the_variational_objective_is_a_lower_bound(case in case()) {
-        let exact = Gp::fit(case.kernel(), case.x.as_ref(), &case.y, NOISE_VARIANCE).unwrap();
+        let exact = Gp::builder(case.kernel()).noise_variance(NOISE_VARIANCE).condition(case.x.as_ref(), &case.y).unwrap();
         // With a common mean, since each process estimates its own.
         let mean = Mean::Fixed(exact.mean());
         let settings = SparseSettings { mean, ..settings(Approximation::Vfe) };

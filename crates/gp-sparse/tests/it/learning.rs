@@ -2,7 +2,7 @@
 
 use faer::Mat;
 use gp_core::scores::nlpd;
-use gp_core::{Gp, LearnOptions, Matern52, Posterior, SquaredExponential};
+use gp_core::{Gp, Matern52, Posterior, SquaredExponential};
 use gp_sparse::{
     Approximation, Placement, PseudoInputs, SparseGp, SparseOptions, SparseReport, SparseSettings,
 };
@@ -54,7 +54,7 @@ fn a_few_learnt_pseudo_inputs_are_as_good_as_all_rows() {
 fn loss(approximation: Approximation, placement: Placement, seed: u64) -> f64 {
     let (x, y) = data(400, seed);
     let kernel = || SquaredExponential::unit(2).unwrap();
-    let (exact, _) = Gp::learn(kernel(), x.as_ref(), &y, &LearnOptions::default()).unwrap();
+    let exact = Gp::builder(kernel()).fit(x.as_ref(), &y).unwrap();
     let options = options(approximation, PseudoInputs::Learnt { count: 16, placement });
     let (gp, report) = SparseGp::learn(kernel(), x.as_ref(), &y, &options).unwrap();
     assert!(report.best.stop.converged());

@@ -67,7 +67,7 @@ fn moments_are_the_integrals_over_the_input() {
 #[test]
 fn pseudo_inputs_at_all_inputs_say_what_the_exact_process_says() {
     let (x, y) = data();
-    let exact = Gp::fit(kernel(), x.as_ref(), &y, 0.05).unwrap();
+    let exact = Gp::builder(kernel()).noise_variance(0.05).condition(x.as_ref(), &y).unwrap();
     let exact = Expansion::at(&[&exact.expansion().unwrap()], &input(1.0)).unwrap();
     let process = sparse(N, Approximation::Fitc).expansion().unwrap();
     let moments = Expansion::at(&[&process], &input(1.0)).unwrap();

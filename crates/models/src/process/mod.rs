@@ -62,8 +62,11 @@ impl Process {
         let report = |iterations, at_bound| ProcessReport { iterations, at_bound };
         Ok(match training.process {
             ProcessKind::Gp => {
-                let (process, found) = Gp::learn(kernel()?, x, y, options)?;
-                (Self::Gp(process), report(found.best.iterations, found.at_bound))
+                let process = Gp::builder(kernel()?).options(options.clone()).fit(x, y)?;
+                let found = process
+                    .report()
+                    .map(|found| report(found.best.iterations, found.at_bound.clone()));
+                (Self::Gp(process), found.expect("it was fitted"))
             }
             ProcessKind::Spgp => {
                 let options = sparse(y.len(), training);

@@ -121,7 +121,9 @@ impl Kind {
         let (x, kernel) = (column(t), || SquaredExponential::unit(1));
         let options = LearnOptions { max_iterations: 2000, ..LearnOptions::default() };
         Ok(match self {
-            Self::Same => Box::new(Gp::learn(kernel()?, x.as_ref(), y, &options)?.0),
+            Self::Same => {
+                Box::new(Gp::builder(kernel()?).options(options.clone()).fit(x.as_ref(), y)?)
+            }
             Self::Changing => {
                 Box::new(HeteroscedasticGp::learn(kernel()?, kernel()?, x.as_ref(), y, &options)?.0)
             }

@@ -90,7 +90,8 @@ fn learn(draw: u64, n_rows: usize, counts: &[usize]) -> Result<Draw> {
         counts.iter().map(learn).collect::<Result<Vec<_>>>()
     };
     let options = LearnOptions { n_starts: 2, ..LearnOptions::default() };
-    let (exact, _) = Gp::learn(SquaredExponential::unit(2)?, x.as_ref(), &y, &options)?;
+    let exact =
+        Gp::builder(SquaredExponential::unit(2)?).options(options.clone()).fit(x.as_ref(), &y)?;
     let [fitc, power_ep, vfe] = KINDS.map(|kind| kind.2);
     Ok(Draw {
         exact: learnt(&exact, exact.noise_variance())?,

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use faer::Mat;
-use gp_core::{Gp, JointGaussian, Mean, Posterior, SquaredExponential};
+use gp_core::{Gp, JointGaussian, Mean, SquaredExponential};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -58,8 +58,10 @@ pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
         let x = Mat::from_fn(indices.len(), 1, |k, _| at(indices[k]));
         let y: Vec<f64> = indices.iter().map(|&i| observed[i]).collect();
         let noise_variance = NOISE_SD * NOISE_SD;
-        let gp =
-            Gp::fit_with_mean(kernel.clone(), x.as_ref(), &y, noise_variance, Mean::Fixed(0.0))?;
+        let gp = Gp::builder(kernel.clone())
+            .noise_variance(noise_variance)
+            .mean(Mean::Fixed(0.0))
+            .condition(x.as_ref(), &y)?;
         let (mean, variance) = gp.predict(grid.as_ref())?;
         let sd = variance.iter().map(|v| v.sqrt()).collect();
         let x = indices.iter().map(|&i| at(i)).collect();

@@ -38,9 +38,10 @@ impl Rows {
         let options = LearnOptions { n_starts: 2, ..learn_options() };
         let learn = |k: usize| {
             let unit = SquaredExponential::unit(2)?;
-            let (gp, report) = Gp::learn(unit, self.x.as_ref(), &self.y[k], &options)?;
+            let gp = Gp::builder(unit).options(options.clone()).fit(self.x.as_ref(), &self.y[k])?;
             // Two lengthscales, the signal variance, and the noise variance.
-            let [lengthscales @ .., signal, _] = &report.best.parameters[..] else {
+            let values: Vec<f64> = gp.hyperparameters().iter().map(|(_, value)| *value).collect();
+            let [lengthscales @ .., signal, _] = &values[..] else {
                 anyhow::bail!("a process without hyperparameters");
             };
             Ok(LearntGp { gp, kernel: SquaredExponential::new(lengthscales, *signal)? })

@@ -1,0 +1,151 @@
+//! Putting an exact Gaussian process together.
+
+use std::ops::RangeBounds;
+use std::sync::Arc;
+
+use crate::checks::check_count;
+use crate::learn::{Asked, NOISE_VARIANCE, names};
+use crate::noise::Noise;
+use crate::{Constraints, Gp, GpError, Inputs, Kernel, LearnOptions, Mean, Prior};
+
+impl Gp {
+    /// Begins a process with a kernel, a learnt constant mean, and nothing asked of its
+    /// hyperparameters.
+    pub fn builder(kernel: impl Kernel + 'static) -> GpBuilder {
+        GpBuilder {
+            kernel: Arc::new(kernel),
+            noise_variance: None,
+            row_noise: Vec::new(),
+            options: LearnOptions::default(),
+            constraints: Constraints::default(),
+        }
+    }
+}
+
+/// A process before it has seen data; `fit` learns its hyperparameters, `condition` keeps them.
+///
+/// Hyperparameters have names: those of [`Parameter`](crate::Parameter), and `noise_variance`. A name
+/// without its index stands for all of them: `matern52.lengthscale` for `matern52.lengthscale[0]`,
+/// `matern52.lengthscale[1]` and so on. Names are looked up by `fit` and `condition`.
+#[derive(Clone, Debug)]
+#[must_use]
+pub struct GpBuilder {
+    kernel: Arc<dyn Kernel>,
+    noise_variance: Option<f64>,
+    row_noise: Vec<f64>,
+    options: LearnOptions,
+    constraints: Constraints,
+}
+
+impl GpBuilder {
+    /// The noise variance of `condition`, where 0 interpolates, and of the first start of `fit`; in the
+    /// squared unit of the output.
+    pub fn noise_variance(mut self, value: f64) -> Self {
+        self.noise_variance = Some(value);
+        self
+    }
+
+    /// Known noise variances of the rows, N, beside the common one.
+    pub fn row_noise(mut self, variances: &[f64]) -> Self {
+        self.row_noise = variances.to_vec();
+        self
+    }
+
+    /// The mean; a learnt constant if it is not chosen.
+    pub fn mean(mut self, mean: Mean) -> Self {
+        self.options.mean = mean;
+        self
+    }
+
+    /// How `fit` learns, and the mean.
+    pub fn options(mut self, options: LearnOptions) -> Self {
+        self.options = options;
+        self
+    }
+
+    /// Holds a hyperparameter at a value.
+    pub fn fix(mut self, name: &str, value: f64) -> Self {
+        self.constraints.fix(name, value);
+        self
+    }
+
+    /// Begins the first start of `fit` at a value, which `condition` takes as it is.
+    pub fn start(mut self, name: &str, value: f64) -> Self {
+        self.constraints.start(name, value);
+        self
+    }
+
+    /// Keeps a hyperparameter in a range, which may be open at an end.
+    pub fn bound(mut self, name: &str, range: impl RangeBounds<f64>) -> Self {
+        self.constraints.bound(name, range);
+        self
+    }
+
+    /// Keeps two hyperparameters equal; with the same name twice, all that have an index behind it.
+    pub fn tie(mut self, first: &str, second: &str) -> Self {
+        self.constraints.tie(first, second);
+        self
+    }
+
+    /// Adds what is known of a hyperparameter before the data, in place of [`LearnOptions::prior`].
+    pub fn prior(mut self, name: &str, prior: impl Prior + 'static) -> Self {
+        self.constraints.prior(name, prior);
+        self
+    }
+
+    /// Learns all kernel parameters and the noise variance by maximising ln p(y | X), in which a learnt
+    /// mean is integrated out: unlike at its most likely value, noise is not underestimated where there
+    /// are few rows for the coefficients.
+    ///
+    /// The kernel gives the family, and the start of periods and of parameters without unit; starts
+    /// of lengthscales (√D times the spread of the input) and variances come from the data, but for
+    /// those that are given by name.
+    /// The optimiser works on standardised log-parameters, between wide walls that stop a runaway:
+    /// lengthscales 0.01 to 100 √D times the input's spread, signal and noise variance 1e-6 to 1e6
+    /// and 1e-8 to 10 times the output's, the others a factor of 1000 about their start. Between
+    /// the walls nothing but the log prior is added to the likelihood; under a flat one, nothing.
+    /// A bound of yours stands in place of the walls and is never left.
+    /// The starts run in parallel; the result does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// As `condition`, but for `NoNoiseVariance`; what is wrong with names, ranges and ties:
+    /// `UnknownParameter`, `OutOfRange`, `ShapeMismatch`, `Incompatible`; `TooFewRows` below two rows,
+    /// or one more than learnt coefficients of the mean; `ConstantOutputs`, `NotConverged`.
+    ///
+    /// # Source
+    /// Rasmussen & Williams, Gaussian Processes for Machine Learning (2006), ch. 5; the thesis,
+    /// eq. 3.18.
+    pub fn fit<'a>(&self, x: impl Into<Inputs<'a>>, y: &[f64]) -> Result<Gp, GpError> {
+        let mut constraints = self.constraints.clone();
+        if let Some(value) = self.noise_variance {
+            constraints.start(NOISE_VARIANCE, value);
+        }
+        let (kernel, row_noise, options) = (&*self.kernel, &*self.row_noise, &self.options);
+        let asked = Asked { kernel, row_noise, options, constraints: &constraints };
+        asked.learn(x.into().matrix(), y)
+    }
+
+    /// Conditions the kernel on data with its parameters as they are; O(N³).
+    ///
+    /// - `x`: inputs, N×D; a single row is enough. - `y`: outputs, N.
+    ///
+    /// # Errors
+    /// `NoNoiseVariance` if none is given; `Empty`, `ShapeMismatch`, `NotFinite`, `NotPositive`,
+    /// `Negative`; `UnknownParameter` for a name that is none, `OutOfRange` for a value outside its
+    /// bounds; `UndeterminedSlope` if the rows do not tell the slopes of a linear mean; `DuplicateRows`
+    /// for equal inputs without noise; `NotPositiveDefinite` if the covariance is singular to working
+    /// precision.
+    pub fn condition<'a>(&self, x: impl Into<Inputs<'a>>, y: &[f64]) -> Result<Gp, GpError> {
+        let names = names(&*self.kernel);
+        let of_kernel = self.kernel.parameters().into_iter().map(|p| Some(p.value));
+        let values: Vec<_> = of_kernel.chain([self.noise_variance]).collect();
+        let values = self.constraints.apply(&names, &values)?;
+        let (noise_variance, of_kernel) = values.split_last().expect("the noise variance is there");
+        if !self.row_noise.is_empty() {
+            check_count("row noise", y.len(), self.row_noise.len())?;
+        }
+        let noise = Noise { common: *noise_variance, of_rows: &self.row_noise };
+        let kernel = Arc::from(self.kernel.with_parameters(of_kernel)?);
+        Gp::condition(kernel, x.into().matrix(), y, noise, self.options.mean)
+    }
+}
