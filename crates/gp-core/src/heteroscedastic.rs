@@ -10,7 +10,7 @@ use crate::kernel::check_kernel_and_inputs;
 use crate::model::matrix;
 use crate::noise::Noise;
 use crate::noise_bound::{NoiseBound, NoisePoint};
-use crate::{Gp, GpError, JointGaussian, Kernel, KernelSpec, Mean, Posterior};
+use crate::{Gp, GpError, JointGaussian, Kernel, KernelSpec, Mean, Posterior, saved_as};
 
 /// y = f(x) + ε with ε ~ N(0, e^g(x)), f ~ GP(m, k_f) and g ~ GP(μ₀, k_g), conditioned on data.
 ///
@@ -180,6 +180,8 @@ impl HeteroscedasticGp {
         )
     }
 }
+
+saved_as!(HeteroscedasticGp => HeteroscedasticGpModel, HeteroscedasticGp::to_model);
 
 impl Posterior for HeteroscedasticGp {
     fn n_inputs(&self) -> usize {

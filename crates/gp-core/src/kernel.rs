@@ -3,6 +3,7 @@
 mod active_inputs;
 mod build;
 mod constant;
+mod coregionalization;
 mod cosine;
 mod linear;
 mod matern12;
@@ -28,6 +29,7 @@ use rayon::prelude::{IndexedParallelIterator, ParallelIterator};
 
 pub use self::active_inputs::ActiveInputs;
 pub use self::constant::Constant;
+pub use self::coregionalization::Coregionalization;
 pub use self::cosine::Cosine;
 pub use self::linear::Linear;
 pub use self::matern12::{Matern12, Matern12Profile};

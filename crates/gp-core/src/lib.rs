@@ -31,13 +31,17 @@ mod noise;
 mod noise_bound;
 mod posterior;
 mod prior;
+pub mod quantile;
+mod saved;
 pub mod scores;
 mod search_space;
 mod student_t;
 mod student_t_bound;
 mod tile;
+mod transform;
 pub mod triangle;
 pub mod vector;
+mod warped;
 mod with_mean;
 mod workspace;
 
@@ -58,9 +62,9 @@ pub use hyper_prior::HyperPrior;
 pub use inputs::Inputs;
 pub use joint_gaussian::JointGaussian;
 pub use kernel::{
-    ActiveInputs, Constant, Cosine, Kernel, KernelSpec, Linear, Matern12, Matern12Profile,
-    Matern32, Matern32Profile, Matern52, Matern52Profile, Parameter, PerInput, Periodic,
-    Polynomial, Product, Profile, Radial, RationalQuadratic, Role, SquaredExponential,
+    ActiveInputs, Constant, Coregionalization, Cosine, Kernel, KernelSpec, Linear, Matern12,
+    Matern12Profile, Matern32, Matern32Profile, Matern52, Matern52Profile, Parameter, PerInput,
+    Periodic, Polynomial, Product, Profile, Radial, RationalQuadratic, Role, SquaredExponential,
     SquaredExponentialProfile, Sum, White, cross, gram,
 };
 pub use learn::{LearnOptions, LearnReport, StartReport, check_learnable};
@@ -75,5 +79,7 @@ pub use posterior::Posterior;
 pub use prior::{Gamma, InverseGamma, LogNormal, Prior};
 pub use search_space::SearchSpace;
 pub use student_t::{StudentTGp, StudentTGpModel};
+pub use transform::Transform;
+pub use warped::Warped;
 pub use with_mean::{MeanFunction, WithMean};
 pub use workspace::Workspace;

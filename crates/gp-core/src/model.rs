@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use faer::Mat;
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
+use serde::{Deserialize, Serialize};
 
 use crate::checks::check_count;
 use crate::noise::Noise;
+use crate::saved_as;
 use crate::{Gp, GpError, Kernel, KernelSpec, Mean};
 
 /// Everything from which `Gp::from_model` rebuilds the same predictions, bit for bit.
@@ -77,17 +78,7 @@ impl Gp {
     }
 }
 
-impl Serialize for Gp {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.to_model().map_err(ser::Error::custom)?.serialize(serializer)
-    }
-}
-
-impl<'de> Deserialize<'de> for Gp {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Self::from_model(&GpModel::deserialize(deserializer)?).map_err(de::Error::custom)
-    }
-}
+saved_as!(Gp => GpModel, Gp::to_model);
 
 /// Rows of inputs as a matrix.
 ///

@@ -58,6 +58,7 @@ impl SearchSpace {
                     (output - 2.0 * log_spread(&inputs), Range::signal())
                 }
                 Role::Shape => (0.0, Range::around(log_value)),
+                Role::Odds => (0.0, Range::odds()),
             };
             coordinates.push(Coordinate::new(log_scale, range));
         }
@@ -334,6 +335,20 @@ impl Range {
             high: center + 3f64.ln(),
             lowest: -(100f64.ln()),
             highest: center + 100f64.ln(),
+        }
+    }
+
+    /// Odds of a correlation: start at none, starts up to 0.8, walls 2e-6 from 1.
+    fn odds() -> Self {
+        let (near, far) = (9f64.ln(), 1e6_f64.ln());
+        Self {
+            start: 0.0,
+            center: 0.0,
+            is_variance: false,
+            low: -near,
+            high: near,
+            lowest: -far,
+            highest: far,
         }
     }
 

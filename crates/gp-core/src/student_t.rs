@@ -11,7 +11,7 @@ use crate::kernel::check_kernel_and_inputs;
 use crate::model::matrix;
 use crate::noise::Noise;
 use crate::student_t_bound::{StudentTBound, Tails};
-use crate::{Gp, GpError, JointGaussian, Kernel, KernelSpec, Mean, Posterior};
+use crate::{Gp, GpError, JointGaussian, Kernel, KernelSpec, Mean, Posterior, saved_as};
 
 /// y = f(x) + ε with f ~ GP(m, k) and ε of a Student t with scale σ and ν degrees of freedom,
 /// conditioned on data: rows far from the others lose their influence.
@@ -198,6 +198,8 @@ impl StudentTGp {
         Ok(Self { gp, tails, bound: model.bound })
     }
 }
+
+saved_as!(StudentTGp => StudentTGpModel, StudentTGp::to_model);
 
 impl Posterior for StudentTGp {
     fn n_inputs(&self) -> usize {

@@ -1,8 +1,9 @@
 //! Frequencies from the spectrum of a kernel, for lengthscales of 1.
 
-use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
 use gp_core::LowDiscrepancy;
+use gp_core::quantile;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -30,7 +31,7 @@ pub(crate) fn draw(
     };
     let rows = || uniform.chunks_exact(width);
     let mut frequencies: Vec<f64> =
-        rows().flat_map(|row| row[..d].iter().map(|u| normal_quantile(*u))).collect();
+        rows().flat_map(|row| row[..d].iter().map(|u| quantile::normal(*u))).collect();
     if sampling == Sampling::Orthogonal {
         orthogonalize(&mut frequencies, d, seed);
     }
@@ -58,7 +59,7 @@ fn orthogonalize(rows: &mut [f64], d: usize, seed: u64) {
         for (k, length) in lengths.iter().enumerate() {
             let (done, rest) = set.split_at_mut(k * d);
             let row = &mut rest[..d];
-            row.iter_mut().for_each(|entry| *entry = normal_quantile(rng.random()));
+            row.iter_mut().for_each(|entry| *entry = quantile::normal(rng.random()));
             // Twice, so that rounding leaves no trace of the others.
             for other in done.chunks_exact(d).chain(done.chunks_exact(d)) {
                 let along = dot(row, other) / dot(other, other);
@@ -74,12 +75,6 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The x at which the normal distribution function is `p`; `p` is kept off 0 and 1.
-fn normal_quantile(p: f64) -> f64 {
-    let below = |x: f64| 0.5 * libm::erfc(-x * FRAC_1_SQRT_2);
-    invert(below, p.clamp(1e-15, 1.0 - 1e-15), -9.0, 9.0)
-}
-
 /// The x at which the χ² distribution function of 3 or 5 degrees of freedom is `p`.
 fn chi_squared_quantile(p: f64, degrees: u32) -> f64 {
     let below = |x: f64| {
@@ -90,31 +85,16 @@ fn chi_squared_quantile(p: f64, degrees: u32) -> f64 {
             third - (2.0 * x / PI).sqrt() * x / 3.0 * (-0.5 * x).exp()
         }
     };
-    invert(below, p.clamp(1e-12, 1.0 - 1e-12), 0.0, 100.0)
-}
-
-/// The place where a growing function takes a value, by bisection to the last digit.
-fn invert(function: impl Fn(f64) -> f64, value: f64, mut low: f64, mut high: f64) -> f64 {
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if function(middle) < value {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    0.5 * (low + high)
+    quantile::invert(below, p.clamp(1e-12, 1.0 - 1e-12), 0.0, 100.0)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{chi_squared_quantile, dot, draw, normal_quantile};
+    use super::{chi_squared_quantile, dot, draw};
     use crate::{Sampling, Spectrum};
 
     #[test]
     fn quantiles_known_from_tables() {
-        assert!((normal_quantile(0.975) - 1.959_963_984_540_054).abs() < 1e-12);
-        assert!((normal_quantile(0.5)).abs() < 1e-12);
         assert!((chi_squared_quantile(0.95, 3) - 7.814_727_903_251_179).abs() < 1e-9);
         assert!((chi_squared_quantile(0.95, 5) - 11.070_497_693_516_35).abs() < 1e-9);
     }

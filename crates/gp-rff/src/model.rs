@@ -1,7 +1,7 @@
 //! A process with random features as plain data that can be saved and loaded.
 
 use gp_core::checks::{check_count, check_finite};
-use gp_core::{GpError, Mean};
+use gp_core::{GpError, Mean, saved_as};
 use serde::{Deserialize, Serialize};
 
 use crate::{Form, RandomFeatures, RffGp, Spectrum, SufficientStatistics};
@@ -40,6 +40,8 @@ impl RffGpModel {
     /// The version that this release writes and reads.
     pub const VERSION: u32 = 1;
 }
+
+saved_as!(RffGp => RffGpModel, |process| Ok(process.to_model()));
 
 impl RffGp {
     /// The process as plain data.

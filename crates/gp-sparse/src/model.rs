@@ -7,7 +7,7 @@ use gp_core::checks::{check_count, check_outputs, check_positive};
 use gp_core::cholesky::factorize;
 use gp_core::kernel::{check_kernel_and_inputs, fill_lower_gram};
 use gp_core::triangle::inverse;
-use gp_core::{GpError, KernelSpec};
+use gp_core::{GpError, KernelSpec, saved_as};
 use serde::{Deserialize, Serialize};
 
 use crate::deviation::Deviation;
@@ -50,6 +50,8 @@ impl SparseGpModel {
     /// those with a learnt one that version did not keep what the data leave open of it.
     pub const VERSION: u32 = 2;
 }
+
+saved_as!(SparseGp => SparseGpModel, SparseGp::to_model);
 
 impl SparseGp {
     /// The process as plain data.

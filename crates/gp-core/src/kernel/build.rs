@@ -1,8 +1,9 @@
 //! From its plain data to a kernel.
 
 use super::{
-    ActiveInputs, Constant, Cosine, Kernel, KernelSpec, Linear, Matern12, Matern32, Matern52,
-    Periodic, Polynomial, Product, RationalQuadratic, SquaredExponential, Sum, White,
+    ActiveInputs, Constant, Coregionalization, Cosine, Kernel, KernelSpec, Linear, Matern12,
+    Matern32, Matern52, Periodic, Polynomial, Product, RationalQuadratic, SquaredExponential, Sum,
+    White,
 };
 
 impl KernelSpec {
@@ -40,6 +41,9 @@ impl KernelSpec {
             Self::Linear { slope_variances } => Box::new(Linear::from(slope_variances)),
             Self::Constant { variance } => Box::new(Constant::new(variance)),
             Self::White { variance } => Box::new(White::new(variance)),
+            Self::Coregionalization { variances, odds } => {
+                Box::new(Coregionalization::from_odds(&variances, &odds))
+            }
             Self::ActiveInputs { kernel, columns } => {
                 Box::new(ActiveInputs::new(kernel.build(), &columns))
             }

@@ -3,8 +3,8 @@
 use std::ops::{Add, Mul};
 
 use super::{
-    ActiveInputs, Constant, Cosine, Kernel, Linear, Periodic, Polynomial, Product, Profile, Radial,
-    RationalQuadratic, Sum, White,
+    ActiveInputs, Constant, Coregionalization, Cosine, Kernel, Linear, Periodic, Polynomial,
+    Product, Profile, Radial, RationalQuadratic, Sum, White,
 };
 
 /// `+` and `*` with any kernel on the right, one of yours too, a variance times the kernel, and the
@@ -52,6 +52,7 @@ operators!(Cosine => Cosine, |variance, kernel| kernel.scaled(variance));
 operators!(Linear => Linear, |variance, kernel| kernel.scaled(variance));
 operators!(Constant => Constant, |variance, kernel| Constant::new(variance * kernel.variance()));
 operators!(White => White, |variance, kernel| White::new(variance * kernel.variance()));
+operators!(Coregionalization => Product, |variance, kernel| Constant::new(variance) * kernel);
 operators!(Periodic => Product, |variance, kernel| Constant::new(variance) * kernel);
 operators!(Sum => Product, |variance, kernel| Constant::new(variance) * kernel);
 operators!(Product => Product, |variance, kernel| Constant::new(variance) * kernel);

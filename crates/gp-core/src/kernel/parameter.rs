@@ -77,6 +77,8 @@ pub enum Role {
     },
     /// A number without unit.
     Shape,
+    /// The odds (1 + ρ)/(1 − ρ) of a correlation ρ.
+    Odds,
 }
 
 impl Role {

@@ -99,6 +99,13 @@ pub enum KernelSpec {
         /// In the squared unit of the output.
         variance: f64,
     },
+    /// `Coregionalization`.
+    Coregionalization {
+        /// One an output, in the squared unit of the output.
+        variances: Vec<f64>,
+        /// One a pair of outputs, without unit; none if they share nothing.
+        odds: Vec<f64>,
+    },
     /// `ActiveInputs`.
     ActiveInputs {
         /// The kernel over the chosen inputs.

@@ -3,8 +3,8 @@
 use faer::linalg::solvers::Llt;
 use faer::{Mat, Side};
 use gp_core::{
-    Constant, Cosine, Kernel, KernelSpec, Linear, Matern12, Matern32, Matern52, Periodic,
-    Polynomial, RationalQuadratic, Role, SquaredExponential, White, cross, gram,
+    Constant, Coregionalization, Cosine, Kernel, KernelSpec, Linear, Matern12, Matern32, Matern52,
+    Periodic, Polynomial, RationalQuadratic, Role, SquaredExponential, White, cross, gram,
 };
 use proptest::collection::vec;
 use proptest::prelude::{Just, ProptestConfig, Strategy, prop_assert, prop_assert_eq, proptest};
@@ -35,6 +35,7 @@ fn kernels(n_inputs: usize, scales: &[f64]) -> Vec<Box<dyn Kernel>> {
         Box::new(variance * Cosine::ard(lengthscales)),
         Box::new(Cosine::isotropic(scales[0])),
         Box::new(Periodic::new(scales[0], widths[0])),
+        Box::new(outputs(scales).active(&[0]) * linear.clone()),
         Box::new(variance * Linear::isotropic(scales[0])),
         Box::new(variance * SquaredExponential::isotropic(scales[0])),
         Box::new(variance * Matern52::isotropic(scales[0])),
@@ -49,6 +50,12 @@ fn kernels(n_inputs: usize, scales: &[f64]) -> Vec<Box<dyn Kernel>> {
         Box::new(matern),
         Box::new(periodic),
     ]
+}
+
+/// Three outputs that are correlated.
+fn outputs(scales: &[f64]) -> Coregionalization {
+    let values = [0.7, scales[0], 1.3, scales[1], 0.4, scales[0] * scales[1]];
+    Coregionalization::from_odds(&values[..3], &values[3..])
 }
 
 /// Inputs, N×D by rows, and D + 1 positive scales.

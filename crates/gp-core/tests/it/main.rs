@@ -11,6 +11,7 @@ mod learning;
 mod learnt_means;
 mod linear_regression;
 mod means;
+mod outputs;
 mod reference;
 mod rows_and_outputs;
 mod scores;
