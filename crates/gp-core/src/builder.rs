@@ -3,7 +3,7 @@
 use std::ops::RangeBounds;
 use std::sync::Arc;
 
-use crate::checks::check_count;
+use crate::checks::check_row_noise;
 use crate::learn::{Asked, NOISE_VARIANCE, names};
 use crate::noise::Noise;
 use crate::{Constraints, Gp, GpError, Inputs, Kernel, LearnOptions, Mean, Prior};
@@ -141,9 +141,7 @@ impl GpBuilder {
         let values: Vec<_> = of_kernel.chain([self.noise_variance]).collect();
         let values = self.constraints.apply(&names, &values)?;
         let (noise_variance, of_kernel) = values.split_last().expect("the noise variance is there");
-        if !self.row_noise.is_empty() {
-            check_count("row noise", y.len(), self.row_noise.len())?;
-        }
+        check_row_noise(&self.row_noise, y.len())?;
         let noise = Noise { common: *noise_variance, of_rows: &self.row_noise };
         let kernel = Arc::from(self.kernel.with_parameters(of_kernel)?);
         Gp::condition(kernel, x.into().matrix(), y, noise, self.options.mean)

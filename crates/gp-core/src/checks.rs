@@ -80,6 +80,21 @@ pub fn check_not_negative(name: &str, value: f64) -> Result<(), GpError> {
     }
 }
 
+/// Checks that there is no known noise of rows, or one of each that is finite and not negative.
+///
+/// # Errors
+/// `ShapeMismatch`, `Negative` otherwise.
+pub fn check_row_noise(row_noise: &[f64], n_rows: usize) -> Result<(), GpError> {
+    if row_noise.is_empty() {
+        return Ok(());
+    }
+    check_count("row noise", n_rows, row_noise.len())?;
+    match row_noise.iter().position(|&noise| check_not_negative("", noise).is_err()) {
+        Some(row) => check_not_negative(&format!("noise variance of row {row}"), row_noise[row]),
+        None => Ok(()),
+    }
+}
+
 /// Checks that a number lies between two others.
 ///
 /// # Errors

@@ -8,10 +8,10 @@ use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use serde::{Deserialize, Serialize};
 
 use crate::bfgs::{Limits, Minimum, StopReason, best_of, minimize};
-use crate::checks::{check_count, check_outputs, check_positive};
+use crate::checks::{check_outputs, check_positive, check_row_noise};
 use crate::kernel::check_kernel_and_inputs;
 use crate::likelihood::Likelihood;
-use crate::noise::{Noise, check_row_noise};
+use crate::noise::Noise;
 use crate::search_space::SearchSpace;
 use crate::{Constraints, Gp, GpError, HyperPrior, Kernel, Mean};
 
@@ -121,10 +121,7 @@ impl Asked<'_> {
     pub(crate) fn learn(self, x: MatRef<'_, f64>, y: &[f64]) -> Result<Gp, GpError> {
         let Asked { kernel, row_noise, options, constraints } = self;
         check_learnable(kernel, x, y, options)?;
-        if !row_noise.is_empty() {
-            check_count("row noise", y.len(), row_noise.len())?;
-            check_row_noise(row_noise)?;
-        }
+        check_row_noise(row_noise, y.len())?;
         let x = x.to_owned();
         let names = names(kernel);
         let space = SearchSpace::new(kernel, x.as_ref(), y, options.prior);

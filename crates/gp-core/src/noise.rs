@@ -1,7 +1,7 @@
 //! The noise on the observations of a process.
 
 use crate::GpError;
-use crate::checks::check_not_negative;
+use crate::checks::{check_not_negative, check_row_noise};
 
 /// The noise on observations: a common variance, and known ones of the rows or none.
 #[derive(Clone, Copy)]
@@ -19,15 +19,6 @@ impl Noise<'_> {
     /// `Negative` or `NotFinite` for a variance that is not finite and not negative.
     pub(crate) fn check(self) -> Result<(), GpError> {
         check_not_negative("noise variance", self.common)?;
-        check_row_noise(self.of_rows)
-    }
-}
-
-/// Checks that every row's noise variance is finite and not negative.
-pub(crate) fn check_row_noise(of_rows: &[f64]) -> Result<(), GpError> {
-    let bad = of_rows.iter().position(|&noise| check_not_negative("", noise).is_err());
-    match bad {
-        Some(row) => check_not_negative(&format!("noise variance of row {row}"), of_rows[row]),
-        None => Ok(()),
+        check_row_noise(self.of_rows, self.of_rows.len())
     }
 }

@@ -19,6 +19,8 @@ pub(crate) struct Block {
     x: Mat<f64>,
     /// Outputs less the data's origin.
     y: Vec<f64>,
+    /// Known noise of the rows beside the common one.
+    row_noise: Vec<f64>,
     /// K_fu.
     k: Mat<f64>,
     /// A = D^−½ (V, y, 1) with V = K_fu L⁻ᵀ, K_uu = L Lᵀ.
@@ -125,11 +127,13 @@ impl Scratch {
 }
 
 impl Block {
-    pub(crate) fn new(x: MatRef<'_, f64>, y: Vec<f64>, m: usize) -> Self {
+    /// - `row_noise`: one a row.
+    pub(crate) fn new(x: MatRef<'_, f64>, y: Vec<f64>, row_noise: Vec<f64>, m: usize) -> Self {
         let n = y.len();
         Self {
             x: x.to_owned(),
             y,
+            row_noise,
             k: Mat::zeros(n, m),
             whitened: Mat::zeros(n, m + 2),
             leftover: vec![0.0; n],
@@ -162,19 +166,20 @@ impl Block {
 
     /// D^−½ from the leftover variance, of which rounding below 0 is cut off.
     fn set_precision(&mut self, shared: &Shared<'_>, sums: &mut Sums) {
-        let (alpha, noise) = (shared.approximation.alpha(), shared.noise_variance);
-        for (leftover, root_precision) in self.leftover.iter_mut().zip(&mut self.root_precision) {
+        let (alpha, common) = (shared.approximation.alpha(), shared.noise_variance);
+        let rows = self.leftover.iter_mut().zip(&self.row_noise).zip(&mut self.root_precision);
+        for ((leftover, own), root_precision) in rows {
             *leftover = leftover.max(0.0);
-            let variance = noise + alpha * *leftover;
+            let variance = (common + own) + alpha * *leftover;
             *root_precision = variance.sqrt().recip();
             sums.log_determinant += variance.ln();
         }
-        let term = |leftover: &f64| match alpha {
-            0.0 => leftover / noise,
-            _ => (alpha * leftover / noise).ln_1p() / alpha,
+        let term = |(leftover, own): (&f64, &f64)| match alpha {
+            0.0 => leftover / (common + own),
+            _ => (alpha * leftover / (common + own)).ln_1p() / alpha,
         };
         if shared.approximation.has_penalty() && alpha < 1.0 {
-            sums.penalty += self.leftover.iter().map(term).sum::<f64>();
+            sums.penalty += self.leftover.iter().zip(&self.row_noise).map(term).sum::<f64>();
         }
     }
 
@@ -245,7 +250,9 @@ impl Block {
             let squares: f64 = weights.map(|weights| weights[i].powi(2)).sum();
             let by_variance = 0.5 * (squares - diagonal);
             let by_penalty = penalty * precision;
-            slopes.noise += shared.noise_variance * by_variance + by_penalty * self.leftover[i];
+            let share = shared.noise_variance / (shared.noise_variance + self.row_noise[i]);
+            slopes.noise +=
+                shared.noise_variance * by_variance + by_penalty * self.leftover[i] * share;
             *slope = alpha * by_variance - by_penalty;
         }
         shared.kernel.diagonal_gradient(self.x.as_ref(), row_slopes, &mut slopes.kernel);

@@ -1,8 +1,10 @@
 //! The number of pseudo-inputs by the density of rows that were held out.
 
 use faer::{Mat, MatRef};
+use gp_core::checks::check_row_noise;
 use gp_core::{GpError, Kernel, Posterior};
 
+use crate::learn::rows_at;
 use crate::placement::shuffled_rows;
 use crate::sparse_gp::check_data;
 use crate::{PseudoInputs, SparseGp, SparseOptions};
@@ -35,6 +37,7 @@ impl SparseGp {
         options: &SparseOptions,
     ) -> Result<(usize, Vec<SizeScore>), GpError> {
         check_data(&kernel, x, y)?;
+        check_row_noise(&options.row_noise, y.len())?;
         if counts.is_empty() {
             return Err(GpError::Empty { what: "counts" });
         }
@@ -48,10 +51,13 @@ impl SparseGp {
         let losses = |&count: &usize| {
             let options = SparseOptions {
                 pseudo_inputs: with_count(&options.pseudo_inputs, count)?,
+                row_noise: rows_at(&options.row_noise, training),
                 ..options.clone()
             };
             let (gp, _) = Self::learn_dyn(&kernel, x_train.as_ref(), &y_train, &options)?;
-            let (mean, variance) = gp.predict_observation(x_test.as_ref())?;
+            let (mean, mut variance) = gp.predict_observation(x_test.as_ref())?;
+            let own = rows_at(&options.row_noise, held_out);
+            variance.iter_mut().zip(&own).for_each(|(variance, own)| *variance += own);
             let loss = |i: usize| {
                 let error = y_test[i] - mean[i];
                 let normalization = (2.0 * std::f64::consts::PI * variance[i]).ln();

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use faer::{Mat, MatRef};
 use gp_core::bfgs::{Limits, Minimum, best_of, minimize};
-use gp_core::checks::{check_inputs, check_outputs, check_positive};
+use gp_core::checks::{check_inputs, check_outputs, check_positive, check_row_noise};
 use gp_core::{
     Gp, GpError, HyperPrior, Kernel, LearnOptions, SearchSpace, StopReason, check_learnable,
 };
@@ -21,6 +21,8 @@ pub struct SparseOptions {
     pub settings: SparseSettings,
     /// The pseudo-inputs.
     pub pseudo_inputs: PseudoInputs,
+    /// Known noise variance of each row beside the learnt common one, N, or none.
+    pub row_noise: Vec<f64>,
     /// Rows of the exact process on a random part of the data from which hyperparameters start.
     pub warm_start_rows: usize,
     /// Number of starts, at least 1: the warm one, then a low-discrepancy set of hyperparameters.
@@ -43,6 +45,7 @@ impl Default for SparseOptions {
         Self {
             settings: SparseSettings::default(),
             pseudo_inputs: PseudoInputs::Learnt { count: 50, placement: Placement::default() },
+            row_noise: Vec::new(),
             warm_start_rows: 200,
             n_starts: 1,
             seed: 0,
@@ -123,7 +126,8 @@ impl SparseGp {
         let (parameters, z) = search.place_of(&minimum.point);
         let (learnt, noise_variance) = split(kernel, &parameters)?;
         let learnt = Arc::from(learnt);
-        let gp = Self::condition(learnt, x, y, &z, noise_variance, options.settings)?;
+        let data = (x, y, &*options.row_noise);
+        let gp = Self::condition(learnt, data, &z, noise_variance, options.settings)?;
         let report = |(i, end): (usize, &Result<Minimum, GpError>)| match end {
             Ok(minimum) => Ok(search.report(i, minimum)),
             Err(error) => Err(error.clone()),
@@ -155,7 +159,8 @@ impl Search<'_> {
     fn run(&self, index: usize) -> Result<Minimum, GpError> {
         let options = self.options;
         let (n, m) = (self.warm.len(), self.z.len() / self.x.ncols());
-        let mut objective = Objective::new(self.x, self.y, m, n - 1, options.settings);
+        let mut objective =
+            Objective::new(self.x, self.y, &options.row_noise, m, n - 1, options.settings);
         let limits = Limits {
             max_iterations: options.max_iterations,
             gradient_tolerance: options.gradient_tolerance,
@@ -246,7 +251,9 @@ fn warm_start(
     };
     let values: Vec<f64> = kernel.parameters().iter().map(|parameter| parameter.value).collect();
     let family = kernel.with_parameters(&values)?;
-    match Gp::builder(family).options(learning).fit(few.as_ref(), &few_y) {
+    let row_noise = rows_at(&options.row_noise, &rows);
+    let builder = Gp::builder(family).row_noise(&row_noise).options(learning);
+    match builder.fit(few.as_ref(), &few_y) {
         Ok(gp) => Ok(gp.hyperparameters().into_iter().map(|(_, value)| value).collect()),
         Err(_) => {
             let space = SearchSpace::new(kernel, x, y, options.prior);
@@ -270,11 +277,17 @@ fn check_options(
     };
     check_learnable(kernel, x, y, &learning)?;
     options.settings.check()?;
+    check_row_noise(&options.row_noise, y.len())?;
     check_positive("progress_tolerance", options.progress_tolerance)?;
     match &options.pseudo_inputs {
         PseudoInputs::Given(z) => check_inputs("pseudo-inputs", z.as_ref(), x.ncols()),
         _ => Ok(()),
     }
+}
+
+/// What is known of some rows, if it is of all.
+pub(crate) fn rows_at(values: &[f64], rows: &[usize]) -> Vec<f64> {
+    rows.iter().filter_map(|&row| values.get(row).copied()).collect()
 }
 
 /// The kernel with the parameters, and the noise variance, which comes last.

@@ -48,10 +48,11 @@ pub(crate) struct Objective {
 }
 
 impl Objective {
-    /// Prepares for data that have been checked.
+    /// Prepares for data that have been checked; `row_noise` is one a row, or none.
     pub(crate) fn new(
         x: MatRef<'_, f64>,
         y: &[f64],
+        row_noise: &[f64],
         n_pseudo_inputs: usize,
         n_parameters: usize,
         settings: SparseSettings,
@@ -63,7 +64,7 @@ impl Objective {
             settings,
             origin,
             n_rows: n,
-            parts: Part::split(x, y, origin, m, n_parameters),
+            parts: Part::split(x, y, row_noise, origin, m, n_parameters),
             sums: Mat::zeros(m + 2, m + 2),
             z: vec![0.0; m * d],
             z_columns: Mat::zeros(m, d),

@@ -18,9 +18,12 @@ pub(crate) struct Part {
 
 impl Part {
     /// All rows in at most [`MOST_PARTS`] parts, for `m` pseudo-inputs; outputs less `origin`.
+    ///
+    /// - `row_noise`: one a row, or none.
     pub(crate) fn split(
         x: MatRef<'_, f64>,
         y: &[f64],
+        row_noise: &[f64],
         origin: f64,
         m: usize,
         n_parameters: usize,
@@ -28,7 +31,9 @@ impl Part {
         let per_part = y.len().div_ceil(BLOCK).div_ceil(MOST_PARTS) * BLOCK;
         let block = |start: usize, y: &[f64]| {
             let y: Vec<f64> = y.iter().map(|y| y - origin).collect();
-            Block::new(x.subrows(start, y.len()), y, m)
+            let noise = |i: usize| row_noise.get(i).copied().unwrap_or(0.0);
+            let row_noise = (start..start + y.len()).map(noise).collect();
+            Block::new(x.subrows(start, y.len()), y, row_noise, m)
         };
         let part = |(p, y): (usize, &[f64])| Self {
             blocks: (y.chunks(BLOCK).enumerate())

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use gp_core::blocks::{PredictBlock, mean_in_blocks, predict_blocks_into, predict_in_blocks};
-use gp_core::checks::{check_inputs, check_outputs, check_positive};
+use gp_core::checks::{check_inputs, check_outputs, check_positive, check_row_noise};
 use gp_core::kernel::{
     check_kernel_and_inputs, column_of, fill_cross, fill_lower_gram, mirror_lower,
 };
@@ -93,19 +93,37 @@ impl SparseGp {
         noise_variance: f64,
         settings: SparseSettings,
     ) -> Result<Self, GpError> {
+        Self::fit_with_row_noise(kernel, x, y, &[], z, noise_variance, settings)
+    }
+
+    /// As `fit`, where observations have known noise of their own beside the common one.
+    ///
+    /// - `row_noise`: variance a row, N, not negative, in the squared unit of the output; or none.
+    ///
+    /// # Errors
+    /// As `fit`; `Negative` for a noise that is.
+    pub fn fit_with_row_noise(
+        kernel: impl Kernel + 'static,
+        x: MatRef<'_, f64>,
+        y: &[f64],
+        row_noise: &[f64],
+        z: MatRef<'_, f64>,
+        noise_variance: f64,
+        settings: SparseSettings,
+    ) -> Result<Self, GpError> {
         let kernel: Arc<dyn Kernel> = Arc::new(kernel);
         check_data(&*kernel, x, y)?;
+        check_row_noise(row_noise, y.len())?;
         check_inputs("pseudo-inputs", z, x.ncols())?;
         check_positive("noise variance", noise_variance)?;
         settings.check()?;
-        Self::condition(kernel, x, y, &rows_of(z), noise_variance, settings)
+        Self::condition(kernel, (x, y, row_noise), &rows_of(z), noise_variance, settings)
     }
 
     /// As `fit`, with arguments that have been checked and `z` by rows.
     pub(crate) fn condition(
         kernel: Arc<dyn Kernel>,
-        x: MatRef<'_, f64>,
-        y: &[f64],
+        (x, y, row_noise): (MatRef<'_, f64>, &[f64], &[f64]),
         z: &[f64],
         noise_variance: f64,
         settings: SparseSettings,
@@ -113,7 +131,7 @@ impl SparseGp {
         let d = x.ncols();
         let m = z.len() / d;
         let n_parameters = kernel.parameters().len();
-        let mut objective = Objective::new(x, y, m, n_parameters, settings);
+        let mut objective = Objective::new(x, y, row_noise, m, n_parameters, settings);
         let value = objective.value(&*kernel, noise_variance, z)?;
         check_outputs("objective", &[value], 1)?;
         let root_inverse = inverse(objective.root.as_ref());
@@ -154,13 +172,27 @@ impl SparseGp {
     /// # Errors
     /// As `fit`.
     pub fn evaluator(&self, x: MatRef<'_, f64>, y: &[f64]) -> Result<Evaluator, GpError> {
+        self.evaluator_with_row_noise(x, y, &[])
+    }
+
+    /// As `evaluator`, with known noise of the rows, N, or none.
+    ///
+    /// # Errors
+    /// As `fit_with_row_noise`.
+    pub fn evaluator_with_row_noise(
+        &self,
+        x: MatRef<'_, f64>,
+        y: &[f64],
+        row_noise: &[f64],
+    ) -> Result<Evaluator, GpError> {
         check_data(&*self.kernel, x, y)?;
+        check_row_noise(row_noise, y.len())?;
         let (m, n_parameters) = (self.weights.len(), self.kernel.parameters().len());
         Ok(Evaluator {
             kernel: self.kernel.clone(),
             noise_variance: self.noise_variance,
             z: rows_of(self.z.as_ref()),
-            objective: Objective::new(x, y, m, n_parameters, self.settings),
+            objective: Objective::new(x, y, row_noise, m, n_parameters, self.settings),
             gradient: vec![0.0; n_parameters + 1 + m * x.ncols()],
         })
     }

@@ -6,4 +6,5 @@ mod bad_input;
 mod laws;
 mod learning;
 mod reference;
+mod row_noise;
 mod uncertain_inputs;
