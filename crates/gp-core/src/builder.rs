@@ -139,11 +139,11 @@ impl GpBuilder {
         let names = names(&*self.kernel);
         let of_kernel = self.kernel.parameters().into_iter().map(|p| Some(p.value));
         let values: Vec<_> = of_kernel.chain([self.noise_variance]).collect();
-        let values = self.constraints.apply(&names, &values)?;
-        let (noise_variance, of_kernel) = values.split_last().expect("the noise variance is there");
+        let mut values = self.constraints.apply(&names, &values)?;
+        let common = values.pop().ok_or(GpError::NoNoiseVariance)?;
         check_row_noise(&self.row_noise, y.len())?;
-        let noise = Noise { common: *noise_variance, of_rows: &self.row_noise };
-        let kernel = Arc::from(self.kernel.with_parameters(of_kernel)?);
+        let noise = Noise { common, of_rows: &self.row_noise };
+        let kernel = Arc::from(self.kernel.with_parameters(&values)?);
         Gp::condition(kernel, x.into().matrix(), y, noise, self.options.mean)
     }
 }

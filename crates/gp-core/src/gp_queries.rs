@@ -1,5 +1,7 @@
 //! What an exact process is asked most: predictions, hyperparameters, and how far to trust them.
 
+use faer::MatRef;
+
 use crate::cholesky::solve_with;
 use crate::learn::names;
 use crate::vector::{add_multiple, dot};
@@ -30,14 +32,18 @@ impl Gp {
     pub fn condition_number(&self) -> f64 {
         let factor = self.cholesky.factor();
         let n = factor.nrows();
-        let lower = |j: usize| &factor.col(j).try_as_col_major().expect("owned").as_slice()[j..];
         let multiply = |v: &mut Vec<f64>| {
-            let across: Vec<f64> = (0..n).map(|j| dot(lower(j), &v[j..])).collect();
+            let across: Vec<f64> = (0..n).map(|j| dot(lower(factor, j), &v[j..])).collect();
             v.fill(0.0);
-            (0..n).for_each(|j| add_multiple(&mut v[j..], across[j], lower(j)));
+            (0..n).for_each(|j| add_multiple(&mut v[j..], across[j], lower(factor, j)));
         };
         largest(n, multiply) * largest(n, |v| solve_with(factor, v))
     }
+}
+
+/// Column `j` of a lower triangle.
+fn lower<'a>(factor: MatRef<'a, f64>, j: usize) -> &'a [f64] {
+    &factor.col(j).try_as_col_major().expect("owned matrices are column-major").as_slice()[j..]
 }
 
 /// The largest eigenvalue of a symmetric map, from below.

@@ -1,19 +1,17 @@
 //! Learning the hyperparameters of an exact Gaussian process from its marginal likelihood.
 
-use std::fmt;
 use std::sync::Arc;
 
 use faer::MatRef;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
-use serde::{Deserialize, Serialize};
 
-use crate::bfgs::{Limits, Minimum, StopReason, best_of, minimize};
+use crate::bfgs::{Limits, Minimum, best_of, minimize};
 use crate::checks::{check_outputs, check_positive, check_row_noise};
 use crate::kernel::check_kernel_and_inputs;
 use crate::likelihood::Likelihood;
 use crate::noise::Noise;
 use crate::search_space::SearchSpace;
-use crate::{Constraints, Gp, GpError, HyperPrior, Kernel, Mean};
+use crate::{Constraints, Gp, GpError, HyperPrior, Kernel, LearnReport, Mean, StartReport};
 
 /// How hyperparameters are learnt; the default suits some hundred rows.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,63 +41,6 @@ impl Default for LearnOptions {
             prior: HyperPrior::Flat,
         }
     }
-}
-
-/// What the optimiser did.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LearnReport {
-    /// Names of the hyperparameters, in the order of their values; the noise variance last.
-    pub names: Vec<String>,
-    /// Every start in order; an error where the likelihood does not exist at the start itself.
-    pub starts: Vec<Result<StartReport, GpError>>,
-    /// The start that was taken: of those that converged, the most likely (with the prior).
-    pub best: StartReport,
-    /// Names of the parameters that ended at a wall or bound, such as the lengthscale of an input
-    /// without influence.
-    pub at_bound: Vec<String>,
-}
-
-impl fmt::Display for LearnReport {
-    /// The hyperparameters, each start, and what to look at twice.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (name, value) in self.names.iter().zip(&self.best.parameters) {
-            let note = if self.at_bound.contains(name) { "  (at its bound)" } else { "" };
-            writeln!(f, "{name} = {value:.6}{note}")?;
-        }
-        for (i, start) in self.starts.iter().enumerate() {
-            match start {
-                Ok(start) => writeln!(
-                    f,
-                    "start {i}: ln p {:.4}, gradient {:.1e}, {} iterations, {:?}",
-                    start.log_marginal_likelihood,
-                    start.gradient_norm,
-                    start.iterations,
-                    start.stop
-                )?,
-                Err(error) => writeln!(f, "start {i}: {error}")?,
-            }
-        }
-        Ok(())
-    }
-}
-
-/// One start of the optimiser; parameters in the user's units, the noise variance last.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StartReport {
-    /// Where it started.
-    pub start: Vec<f64>,
-    /// Where it ended.
-    pub parameters: Vec<f64>,
-    /// ln p(y | X) there, in nats.
-    pub log_marginal_likelihood: f64,
-    /// Largest component of the gradient there, in nats per log-parameter.
-    pub gradient_norm: f64,
-    /// Quasi-Newton iterations.
-    pub iterations: usize,
-    /// Evaluations of the likelihood with its gradient.
-    pub evaluations: usize,
-    /// Why it stopped.
-    pub stop: StopReason,
 }
 
 impl Gp {

@@ -21,6 +21,7 @@ mod joint_gaussian;
 pub mod kernel;
 mod learn;
 mod learn_noise;
+mod learn_report;
 mod learn_student_t;
 mod leave_one_out;
 mod likelihood;
@@ -67,8 +68,9 @@ pub use kernel::{
     Periodic, Polynomial, Product, Profile, Radial, RationalQuadratic, Role, SquaredExponential,
     SquaredExponentialProfile, Sum, White, cross, gram,
 };
-pub use learn::{LearnOptions, LearnReport, StartReport, check_learnable};
+pub use learn::{LearnOptions, check_learnable};
 pub use learn_noise::HeteroscedasticReport;
+pub use learn_report::{LearnReport, StartReport};
 pub use learn_student_t::StudentTReport;
 pub use leave_one_out::LeaveOneOut;
 pub use likelihood::Evaluator;

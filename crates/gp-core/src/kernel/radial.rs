@@ -207,8 +207,8 @@ impl<P: Profile> Radial<P> {
         squares: &mut [f64],
     ) {
         squares.fill(0.0);
-        for d in 0..n_inputs {
-            let (center, inverse) = (b[d], self.lengthscales.of(d).recip());
+        for (d, &center) in b.iter().enumerate().take(n_inputs) {
+            let inverse = self.lengthscales.of(d).recip();
             with_column(x, d, |x| add_squares(squares, x, center, inverse));
         }
     }
