@@ -25,7 +25,7 @@ pub use effect::measurement::MeasurementModel;
 pub use effect::nuisance::{Nuisance, Tolerance};
 pub use effect::parameter::{Coordinate, Frame, Off, Parameter, Role};
 pub use effect::setting::Setting;
-pub use effect::spread::Spread;
+pub use effect::spread::{Spread, deviations};
 pub use effect::support::{LogTensor, Support};
 pub use effect::{Confounder, Effect, EffectInfo, IntoEffect, Sliding, Snapshot, Stage};
 pub use error::EffectError;

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use effects::{Effect, StepInput, Track, TrueOutline};
+use effects::{Effect, StepInput, Track, TrueOutline, deviations};
 use mechanics::Polyline;
 use models::{Base, ChannelModel, Description, Noise, PushModel, Pushed};
 use nalgebra::Vector2;
-use planar::{Pose, perpendicular, wrap_angle};
+use planar::{Pose, Shape, perpendicular, wrap_angle};
 
 use crate::{DiagnosisError, Observations, PushName};
 
@@ -57,7 +57,8 @@ impl Rollout {
 /// Every push of the observations by one model; `own` are effects besides those of the catalogue.
 ///
 /// An analytical model integrates the whole way at once, so that what it remembers, such as the
-/// speed of the object, is its own; a learnt one goes from step to step.
+/// speed of the object, is its own; a learnt one goes from step to step. Where parameters differ from push
+/// to push, poses are the mean over pushes.
 ///
 /// # Errors
 /// `Model` for what the model refuses.
@@ -169,7 +170,7 @@ fn gap_at(outline: &TrueOutline, step: &StepInput, time: f64, pose_wb: &Pose) ->
     outline.gap(pose_wb, &step.track.at(time - outline.latency()).0)
 }
 
-/// Each step from where the one before it ended, all pushes abreast.
+/// Each step from where the one before it ended, all pushes abreast; the mean over what pushes draw.
 fn step_by_step(
     model: &dyn PushModel,
     observations: &Observations,
@@ -178,37 +179,60 @@ fn step_by_step(
 ) -> Result<(), DiagnosisError> {
     let shape = |run: &Vec<usize>| observations.steps[run[0]].input.object.shape().clone();
     let shapes: Vec<_> = runs.iter().map(|run| Arc::new(shape(run))).collect();
-    let pushed = runs.iter().zip(&shapes).map(|(run, shape)| {
-        let StepInput { object, pusher_radius, .. } = &observations.steps[run[0]].input;
-        let (shape, object) = (shape.clone(), Some(object.clone()));
-        model.true_outline(&Pushed { shape, pusher_radius: *pusher_radius, object })
-    });
-    let outlines = pushed.collect::<Result<Vec<_>, _>>()?;
-    for ((rollout, run), outline) in rollouts.iter_mut().zip(runs).zip(&outlines) {
-        let first = &observations.steps[run[0]].input;
-        rollout.gaps.push(gap_at(outline, first, 0.0, &first.pose_wb));
+    for rollout in rollouts.iter_mut() {
+        rollout.predicted_wb.resize(rollout.measured_wb.len(), Pose::new(0.0, 0.0, 0.0));
     }
+    for (weight, numbers) in deviations(model.n_drawn()) {
+        let poses = poses_given_draw(model, observations, (runs, &shapes), &numbers)?;
+        for (rollout, poses) in rollouts.iter_mut().zip(poses) {
+            for (mean, pose) in rollout.predicted_wb[1..].iter_mut().zip(&poses[1..]) {
+                mean.position += weight * pose.position;
+                mean.angle += weight * pose.angle;
+            }
+        }
+    }
+    for ((rollout, run), shape) in rollouts.iter_mut().zip(runs).zip(shapes) {
+        let StepInput { object, pusher_radius, .. } = &observations.steps[run[0]].input;
+        let object = Some(object.clone());
+        let pushed = Pushed { shape, pusher_radius: *pusher_radius, object };
+        let outline = model.true_outline(&pushed)?;
+        let first = &observations.steps[run[0]].input;
+        rollout.gaps.push(gap_at(&outline, first, 0.0, &first.pose_wb));
+        for (index, end_wb) in run.iter().zip(&rollout.predicted_wb[1..]) {
+            let step = &observations.steps[*index].input;
+            rollout.gaps.push(gap_at(&outline, step, step.track.duration(), end_wb));
+        }
+    }
+    Ok(())
+}
+
+/// The poses of each push that has drawn such numbers, at its start and after each step.
+fn poses_given_draw(
+    model: &dyn PushModel,
+    observations: &Observations,
+    (runs, shapes): (&[Vec<usize>], &[Arc<Shape>]),
+    numbers: &[f64],
+) -> Result<Vec<Vec<Pose>>, DiagnosisError> {
+    let start = |run: &Vec<usize>| vec![observations.steps[run[0]].input.pose_wb];
+    let mut poses: Vec<Vec<Pose>> = runs.iter().map(start).collect();
     let longest = runs.iter().map(Vec::len).max().unwrap_or(0);
     for k in 0..longest {
         let moving: Vec<usize> = (0..runs.len()).filter(|push| k < runs[*push].len()).collect();
         let input = |push: &usize| {
             let measured = &observations.steps[runs[*push][k]].input;
-            let pose_wb = rollouts[*push].predicted_wb[k];
+            let pose_wb = poses[*push][k];
             models::StepInput::of(StepInput { pose_wb, ..measured.clone() }, shapes[*push].clone())
         };
         let inputs = moving.iter().map(input).collect::<Result<Vec<_>, _>>()?;
-        for (push, step) in moving.iter().zip(model.predict(&inputs, Noise::Excluded)?) {
+        let draws = vec![numbers; inputs.len()];
+        let said = model.predict_drawn(&inputs, &draws, Noise::Excluded)?;
+        for (push, step) in moving.iter().zip(said) {
             let along_w = observations.steps[runs[*push][k]].input.direction_w();
-            let start_wb = rollouts[*push].predicted_wb[k];
-            let moved = [step.mean.x, step.mean.y, step.mean.z];
-            let end_wb = moved_by(&start_wb, &along_w, moved);
-            let last = &observations.steps[runs[*push][k]].input;
-            let gap = gap_at(&outlines[*push], last, last.track.duration(), &end_wb);
-            rollouts[*push].gaps.push(gap);
-            rollouts[*push].predicted_wb.push(end_wb);
+            let end_wb = moved_by(&poses[*push][k], &along_w, step.mean.into());
+            poses[*push].push(end_wb);
         }
     }
-    Ok(())
+    Ok(poses)
 }
 
 /// The pose after a displacement along a direction and its left normal, in m, and a turn, in rad.

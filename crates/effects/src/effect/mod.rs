@@ -68,6 +68,26 @@ pub trait Effect: Debug + Send + Sync {
     /// origin of the outline's frame, axes of W.
     fn load(&self, _values: &[f64], _moment: &Snapshot<'_>, _load_w: &mut Wrench) {}
 
+    /// Smallest and largest value of a parameter in a step: those of its list, unless the object or the
+    /// pusher allow less.
+    fn range_in(&self, parameter: usize, _step: &StepInput) -> (f64, f64) {
+        self.info().parameters[parameter].range
+    }
+
+    /// The coordinates of the parameters, each within what a step allows.
+    fn coordinates_in(&self, rig: &Rig, step: &StepInput) -> Vec<Coordinate> {
+        let about = self.info();
+        let mut coordinates = about.coordinates(rig);
+        for (k, (coordinate, parameter)) in coordinates.iter_mut().zip(about.parameters).enumerate()
+        {
+            let (low, high) = self.range_in(k, step);
+            if (low, high) != parameter.range {
+                coordinate.range = (coordinate.range.0.max(low), coordinate.range.1.min(high));
+            }
+        }
+        coordinates
+    }
+
     /// [`Stage::Dynamics`]: whether the object's inertia is integrated.
     fn has_inertia(&self, _values: &[f64]) -> bool {
         false

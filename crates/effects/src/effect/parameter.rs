@@ -128,14 +128,24 @@ impl Parameter {
 
     /// Refuses a value out of range, in the name of `effect`.
     pub(crate) fn check(&self, effect: &str, value: f64) -> Result<(), EffectError> {
-        let (effect, parameter) = (effect.to_owned(), self.name.to_owned());
         if self.role == Role::Switch && value != 0.0 && value != 1.0 {
+            let (effect, parameter) = (effect.to_owned(), self.name.to_owned());
             return Err(EffectError::NotASwitch { effect, parameter, value });
         }
-        let (low, high) = self.range;
+        self.check_within(effect, value, self.range)
+    }
+
+    /// Refuses a value beyond what a step allows, in the name of `effect`.
+    pub(crate) fn check_within(
+        &self,
+        effect: &str,
+        value: f64,
+        (low, high): (f64, f64),
+    ) -> Result<(), EffectError> {
         if (low..=high).contains(&value) {
             return Ok(());
         }
+        let (effect, parameter) = (effect.to_owned(), self.name.to_owned());
         let unit = if self.unit == "1" { "(dimensionless)" } else { self.unit };
         Err(EffectError::OutOfRange { effect, parameter, value, unit, low, high })
     }

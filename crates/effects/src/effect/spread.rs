@@ -18,13 +18,19 @@ impl Spread {
     /// Largest standard deviation of a logarithm: beyond it a mean says little.
     pub const LARGEST_RELATIVE: f64 = 2.0;
 
-    /// The parameter so many standard deviations from its value, within its range.
-    pub(crate) fn at(self, value: f64, deviations: f64, parameter: &Parameter) -> f64 {
+    /// Whether the parameter is the same in all pushes.
+    pub fn is_none(self) -> bool {
+        let (Self::Sd(sd) | Self::RelativeSd(sd)) = self;
+        sd == 0.0
+    }
+
+    /// The parameter so many standard deviations from its value, within a range.
+    pub(crate) fn at(self, value: f64, deviations: f64, (low, high): (f64, f64)) -> f64 {
         let moved = match self {
             Self::Sd(sd) => value + sd * deviations,
             Self::RelativeSd(sd) => value * (sd * deviations).exp(),
         };
-        moved.clamp(parameter.range.0, parameter.range.1)
+        moved.max(low).min(high)
     }
 
     /// Refuses what is no standard deviation of a parameter.
@@ -50,16 +56,20 @@ impl Spread {
     }
 }
 
-/// Deviations of independent normal numbers with weights: means over them of smooth functions are those
-/// over the numbers.
+/// Deviations of `n` independent standard normal numbers with weights that are together 1: means over
+/// them of smooth functions are those over the numbers, such as what pushes draw
+/// ([`crate::PushPhysics::drawn`]).
 ///
-/// One number has five places (exact for polynomials of degree nine), more have two on each axis (degree
+/// No number has one place, one has five (exact for polynomials of degree nine), more have two on each axis (degree
 /// three, five on the axes).
 ///
 /// # Source
 /// Abramowitz & Stegun (1964), Handbook of mathematical functions, table 25.10; Julier & Uhlmann (2004),
 /// Unscented filtering and nonlinear estimation, Proceedings of the IEEE 92.
-pub(crate) fn deviations(n: usize) -> Vec<(f64, Vec<f64>)> {
+pub fn deviations(n: usize) -> Vec<(f64, Vec<f64>)> {
+    if n == 0 {
+        return vec![(1.0, Vec::new())];
+    }
     if n == 1 {
         let five = [
             (-2.856_970_013_872_806, 0.011_257_411_327_720_69),

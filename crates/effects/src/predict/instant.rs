@@ -343,6 +343,11 @@ impl<'a> ForceBalance<'a> {
         self.support.shape == 0.0 && self.physics.rig().given().is_none() && self.spots.is_none()
     }
 
+    /// Center of friction, in m, frame of the outline.
+    pub(crate) fn center(&self) -> &Vector2<f64> {
+        &self.center
+    }
+
     /// c of the ellipsoid, in m.
     pub(crate) fn length(&self) -> f64 {
         let object = &self.step.object;

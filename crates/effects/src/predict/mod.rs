@@ -14,8 +14,11 @@ pub(crate) mod push_physics;
 pub(crate) mod substep_end;
 pub(crate) mod touch_time;
 
+use nalgebra::Vector2;
+
 use crate::predict::forward::Forward;
-use crate::{Channels, EffectError, PushPhysics, StepInput};
+use crate::predict::instant::ForceBalance;
+use crate::{Channels, EffectError, PushPhysics, StepInput, deviations};
 
 impl PushPhysics {
     /// All channels of one step, expected where parameters differ from push to push.
@@ -28,11 +31,11 @@ impl PushPhysics {
     ///
     /// # Errors
     /// `InvalidValue` for a step, an object or effects with impossible numbers, or a path of more
-    /// than 100 000 sub-steps; `SlidesByItself` where the object has to rest, or be pushed, under a
+    /// than 100 000 sub-steps; `OutOfRange` for values that the object or the pusher does not allow; `SlidesByItself` where the object has to rest, or be pushed, under a
     /// load that friction cannot hold; `NotFinite` for numbers that overflow; a solver that did not
     /// converge.
     pub fn predict(&self, step: &StepInput) -> Result<Channels, EffectError> {
-        if !self.has_spread() {
+        if self.n_drawn() == 0 {
             return self.predict_one(step);
         }
         let mut mean = [0.0; 7];
@@ -50,17 +53,32 @@ impl PushPhysics {
     /// # Errors
     /// As [`PushPhysics::predict`].
     pub fn predict_varied(&self, step: &StepInput) -> Result<Vec<(f64, Channels)>, EffectError> {
-        if !self.has_spread() {
-            return Ok(vec![(1.0, self.predict_one(step)?)]);
-        }
-        let one = |(weight, physics): (f64, Self)| Ok((weight, physics.predict_one(step)?));
-        self.varied().into_iter().map(one).collect()
+        let one = |(weight, numbers): (f64, Vec<f64>)| {
+            Ok((weight, self.drawn(&numbers, step).predict_one(step)?))
+        };
+        deviations(self.n_drawn()).into_iter().map(one).collect()
     }
 
     fn predict_one(&self, step: &StepInput) -> Result<Channels, EffectError> {
         step.validate()?;
+        self.check_in(step)?;
         let spots = self.spots(&step.object)?;
         Forward::new(self, step, spots.as_ref())?.run()
+    }
+
+    /// Center of friction, in m, frame of the outline, and characteristic length c, in m, at the start of a
+    /// step: of the area, the spots and the effects that move or stretch them, without a lean.
+    ///
+    /// # Errors
+    /// `InvalidValue` for a step, an object or effects with impossible numbers.
+    pub fn center_and_length(&self, step: &StepInput) -> Result<(Vector2<f64>, f64), EffectError> {
+        step.validate()?;
+        self.check_in(step)?;
+        let spots = self.spots(&step.object)?;
+        let pose_wo = self.measurement(step).pose_bo();
+        let none = Vector2::zeros();
+        let balance = ForceBalance::new(self, (step, spots.as_ref()), &pose_wo, 0.0, &none)?;
+        Ok((*balance.center(), balance.length()))
     }
 
     /// All channels of many steps, in their order.

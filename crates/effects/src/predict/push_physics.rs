@@ -6,7 +6,6 @@ use planar::{Pose, Wrench};
 
 use crate::catalogue::{all, by_id_with};
 use crate::effect::setting::Setting;
-use crate::effect::spread::deviations;
 use crate::effect::{Effect, IntoEffect, Sliding, Snapshot, Stage};
 use crate::object::spots::Spots;
 use crate::{
@@ -79,26 +78,49 @@ impl PushPhysics {
         Ok(self)
     }
 
-    /// Whether parameters differ from push to push.
-    pub fn has_spread(&self) -> bool {
-        !self.spreads.is_empty()
+    /// How many numbers a push draws: one for each parameter that differs from push to push.
+    pub fn n_drawn(&self) -> usize {
+        self.drawing().count()
     }
 
-    /// Models in which those parameters have certain values, with weights: means over them are means
-    /// over pushes.
-    pub(crate) fn varied(&self) -> Vec<(f64, Self)> {
-        let at = |(weight, deviations): (f64, Vec<f64>)| {
-            let mut one = Self { spreads: Vec::new(), ..self.clone() };
-            for ((id, parameter, spread), deviations) in self.spreads.iter().zip(deviations) {
-                let of = |(effect, _): &&mut (Arc<dyn Effect>, _)| effect.info().id == *id;
-                if let Some((effect, values)) = one.effects.iter_mut().find(of) {
-                    let about = &effect.info().parameters[*parameter];
-                    values[*parameter] = spread.at(values[*parameter], deviations, about);
-                }
+    /// The model of one push that has drawn these standard normal numbers, in the order in which the
+    /// effects act, within what a step of it allows; parameters without a number keep their values.
+    pub fn drawn(&self, numbers: &[f64], step: &StepInput) -> Self {
+        let mut one = Self { spreads: Vec::new(), ..self.clone() };
+        for ((id, parameter, spread), number) in self.drawing().zip(numbers) {
+            let of = |(effect, _): &&mut (Arc<dyn Effect>, _)| effect.info().id == *id;
+            if let Some((effect, values)) = one.effects.iter_mut().find(of) {
+                let range = effect.range_in(*parameter, step);
+                values[*parameter] = spread.at(values[*parameter], *number, range);
             }
-            (weight, one)
-        };
-        deviations(self.spreads.len()).into_iter().map(at).collect()
+        }
+        one
+    }
+
+    /// Refuses values that the object or the pusher of a step does not allow.
+    ///
+    /// # Errors
+    /// `OutOfRange`.
+    pub fn check_in(&self, step: &StepInput) -> Result<(), EffectError> {
+        self.effects.iter().try_for_each(|(effect, values)| {
+            let about = effect.info();
+            let parameters = about.parameters.iter().zip(values).enumerate();
+            let mut plain = parameters.map(|(k, (parameter, value))| {
+                parameter.check_within(about.id, *value, effect.range_in(k, step))
+            });
+            plain.try_for_each(|checked| checked)
+        })
+    }
+
+    /// Whether outline and pusher differ from push to push.
+    pub fn draws_outline(&self) -> bool {
+        let shapes = |stage| self.at(stage).map(|(effect, _)| effect.info().id);
+        let mut acting = shapes(Stage::Geometry).chain(shapes(Stage::Measurement));
+        acting.any(|id| self.drawing().any(|(drawing, ..)| *drawing == id))
+    }
+
+    fn drawing(&self) -> impl Iterator<Item = &(&'static str, usize, Spread)> {
+        self.spreads.iter().filter(|(.., spread)| !spread.is_none())
     }
 
     fn index_of(&self, id: &str) -> Result<usize, EffectError> {
@@ -168,8 +190,9 @@ impl PushPhysics {
     /// Outline and pusher of a step, where the effects say that they are not as stated.
     ///
     /// # Errors
-    /// `TooRound` for corners that do not fit on the outline.
+    /// `OutOfRange` as [`PushPhysics::check_in`]; `TooRound` for corners that do not fit on the outline.
     pub fn true_outline(&self, step: &StepInput) -> Result<TrueOutline, EffectError> {
+        self.check_in(step)?;
         TrueOutline::new(step, self.geometry(step), &self.measurement(step))
     }
 

@@ -108,6 +108,32 @@ impl Hybrid {
         Ok([self.physics.outputs(&inputs)?, left])
     }
 
+    /// What the model says of steps of which the processes and the physics say this.
+    fn said(
+        &self,
+        steps: &[StepInput],
+        mut predictions: Vec<StepPrediction>,
+        outputs: &[Vector3<f64>],
+    ) -> Result<Vec<StepPrediction>, ModelError> {
+        let Some(first) = steps.first() else { return Ok(predictions) };
+        let inputs: Vec<_> = steps.iter().collect();
+        let learnt: Vec<_> = predictions.iter().map(|prediction| prediction.mean).collect();
+        let (left, open) = if self.beside.parameters.is_empty() {
+            // The scatter of the base is in the residuals, from which the processes learnt theirs.
+            (learnt, self.physics.base.covariances(steps, Noise::Excluded)?)
+        } else {
+            let slopes =
+                self.physics.jacobian(&self.beside.free(&self.physics, first)?, &inputs)?;
+            let open = (0..steps.len()).map(|i| self.beside.covariance_at(&slopes, i));
+            (self.beside.left(&learnt, &slopes), open.collect())
+        };
+        for (i, prediction) in predictions.iter_mut().enumerate() {
+            prediction.mean = outputs[i] + left[i];
+            prediction.covariance += open[i];
+        }
+        Ok(predictions)
+    }
+
     pub(crate) fn from_weights(physics: Physics, weights: &Weights) -> Result<Self, ModelError> {
         let beside = weights.orthogonal_discrepancy.clone().filter(OrthogonalDiscrepancy::is_sound);
         Ok(Self {
@@ -140,27 +166,33 @@ impl PushModel for Hybrid {
         steps: &[StepInput],
         noise: Noise,
     ) -> Result<Vec<StepPrediction>, ModelError> {
-        let mut predictions = self.processes.predict(steps, noise)?;
-        let Some(first) = steps.first() else { return Ok(predictions) };
-        if self.beside.parameters.is_empty() {
-            // The scatter of the base is in the residuals, from which the processes learnt theirs.
-            let base = self.physics.base.predict(steps, Noise::Excluded)?;
-            for (prediction, base) in predictions.iter_mut().zip(base) {
-                prediction.mean += base.mean;
-                prediction.covariance += base.covariance;
-            }
-            return Ok(predictions);
-        }
+        let physics = self.physics.outputs(&steps.iter().collect::<Vec<_>>())?;
+        self.said(steps, self.processes.predict(steps, noise)?, &physics)
+    }
+
+    fn n_drawn(&self) -> usize {
+        self.physics.n_drawn()
+    }
+
+    /// What pushes draw is in the residuals, from which the processes learnt their scatter: it is taken
+    /// off that, output by output, as they were learnt.
+    fn predict_drawn(
+        &self,
+        steps: &[StepInput],
+        draws: &[&[f64]],
+        noise: Noise,
+    ) -> Result<Vec<StepPrediction>, ModelError> {
         let inputs: Vec<_> = steps.iter().collect();
-        let slopes = self.physics.jacobian(&self.beside.free(&self.physics, first)?, &inputs)?;
-        let learnt: Vec<_> = predictions.iter().map(|prediction| prediction.mean).collect();
-        let left = self.beside.left(&learnt, &slopes);
-        let physics = self.physics.outputs(&inputs)?;
-        for (i, prediction) in predictions.iter_mut().enumerate() {
-            prediction.mean = physics[i] + left[i];
-            prediction.covariance += self.beside.covariance_at(&slopes, i);
+        let drawn = self.physics.drawn_outputs(&inputs, draws)?;
+        let mut learnt = self.processes.predict(steps, noise)?;
+        if noise == Noise::Included {
+            let over_pushes = self.physics.over_pushes(&inputs)?;
+            for (learnt, (_, over_pushes)) in learnt.iter_mut().zip(&over_pushes) {
+                let left = learnt.covariance.diagonal() - over_pushes.diagonal();
+                learnt.covariance.set_diagonal(&left.map(|variance| variance.max(0.0)));
+            }
         }
-        Ok(predictions)
+        self.said(steps, learnt, &drawn)
     }
 
     fn parts(&self, steps: &[StepInput]) -> Result<Vec<Parts>, ModelError> {
@@ -181,6 +213,14 @@ impl PushModel for Hybrid {
 
     fn true_outline(&self, pushed: &Pushed) -> Result<TrueOutline, ModelError> {
         self.physics.true_outline(pushed)
+    }
+
+    fn drawn_outline(
+        &self,
+        pushed: &Pushed,
+        draw: &[f64],
+    ) -> Result<Option<TrueOutline>, ModelError> {
+        self.physics.drawn_outline(pushed, draw)
     }
 
     fn seen(&self) -> Option<&SeenSteps> {

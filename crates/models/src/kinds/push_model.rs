@@ -21,6 +21,27 @@ pub trait PushModel: Debug + Send + Sync {
     fn predict(&self, steps: &[StepInput], noise: Noise)
     -> Result<Vec<StepPrediction>, ModelError>;
 
+    /// How many standard normal numbers each push draws, which all its steps share: one for each
+    /// parameter that differs from push to push.
+    fn n_drawn(&self) -> usize {
+        0
+    }
+
+    /// The same for steps of pushes that have drawn their numbers, one list a step.
+    ///
+    /// Over the draws its means have the mean that [`PushModel::predict`] says.
+    ///
+    /// # Errors
+    /// As [`PushModel::predict`].
+    fn predict_drawn(
+        &self,
+        steps: &[StepInput],
+        _draws: &[&[f64]],
+        noise: Noise,
+    ) -> Result<Vec<StepPrediction>, ModelError> {
+        self.predict(steps, noise)
+    }
+
     /// Which part of each mean is physics, and which was learnt beside it.
     ///
     /// # Errors
@@ -41,6 +62,18 @@ pub trait PushModel: Debug + Send + Sync {
     /// `Effects` for what the effects refuse; `EffectsNeedMore` for effects without an object.
     fn true_outline(&self, pushed: &Pushed) -> Result<TrueOutline, ModelError> {
         Ok(pushed.stated())
+    }
+
+    /// The same for a push that has drawn its numbers; none where all pushes have the same.
+    ///
+    /// # Errors
+    /// As [`PushModel::true_outline`].
+    fn drawn_outline(
+        &self,
+        _pushed: &Pushed,
+        _draw: &[f64],
+    ) -> Result<Option<TrueOutline>, ModelError> {
+        Ok(None)
     }
 
     /// The span of the steps that it has learnt from; none of physics alone.

@@ -76,6 +76,22 @@ impl ChannelModel {
         self.of_each(steps, PushPhysics::predict)
     }
 
+    /// All channels of each step given the standard normal numbers that its push has drawn
+    /// ([`PushPhysics::drawn`]).
+    ///
+    /// # Errors
+    /// As [`ChannelModel::predict`].
+    pub fn predict_drawn<'a>(
+        &self,
+        steps: impl IntoIterator<Item = (&'a StepInput, &'a [f64])>,
+    ) -> Result<Vec<Channels>, ModelError> {
+        let (steps, draws): (Vec<_>, Vec<_>) = steps.into_iter().unzip();
+        let mut draws = draws.into_iter();
+        self.of_each(steps, |physics, step| {
+            physics.drawn(draws.next().unwrap_or_default(), step).predict(step)
+        })
+    }
+
     /// The motion of each step, (Δx, Δy, Δθ) in m, m and rad: expected, and its covariance by the
     /// parameters that differ from push to push.
     ///
@@ -115,7 +131,7 @@ impl ChannelModel {
     fn of_each<'a, T>(
         &self,
         steps: impl IntoIterator<Item = &'a StepInput>,
-        of: impl Fn(&PushPhysics, &StepInput) -> Result<T, EffectError>,
+        mut of: impl FnMut(&PushPhysics, &StepInput) -> Result<T, EffectError>,
     ) -> Result<Vec<T>, ModelError> {
         let mut known: Vec<(Arc<Object>, PushPhysics)> = Vec::new();
         let mut one = |step: &StepInput| {
@@ -143,18 +159,37 @@ impl ChannelModel {
         object: &Arc<Object>,
         pusher_radius: f64,
     ) -> Result<TrueOutline, ModelError> {
-        let start = StepInput {
-            object: object.clone(),
-            pusher_radius,
-            pose_wb: Pose::default(),
-            twist_wb: Twist::default(),
-            track: Track::straight(Vector2::zeros(), Vector2::x(), 1.0),
-            touching: true,
-            since_contact: 0.0,
-            progress: 0.5,
-            session: 0,
-        };
-        Ok(self.with_effects(self.rig(Surface::Ellipsoid)?)?.true_outline(&start)?)
+        let physics = self.with_effects(self.rig(Surface::Ellipsoid)?)?;
+        Ok(physics.true_outline(&resting(object, pusher_radius))?)
+    }
+
+    /// The same of a push that has drawn these numbers; none where all pushes have the same.
+    ///
+    /// # Errors
+    /// As [`ChannelModel::true_outline`].
+    pub(crate) fn drawn_outline(
+        &self,
+        object: &Arc<Object>,
+        pusher_radius: f64,
+        draw: &[f64],
+    ) -> Result<Option<TrueOutline>, ModelError> {
+        let physics = self.with_effects(self.rig(Surface::Ellipsoid)?)?;
+        if !physics.draws_outline() {
+            return Ok(None);
+        }
+        let start = resting(object, pusher_radius);
+        Ok(Some(physics.drawn(draw, &start).true_outline(&start)?))
+    }
+
+    /// Center of friction, in m, frame of the outline, and characteristic length c, in m, of an object.
+    ///
+    /// # Errors
+    /// As [`ChannelModel::physics`].
+    pub fn center_and_length(
+        &self,
+        object: &Arc<Object>,
+    ) -> Result<(Vector2<f64>, f64), ModelError> {
+        Ok(self.physics(object)?.center_and_length(&resting(object, 0.0))?)
     }
 
     fn with_effects(&self, rig: Rig) -> Result<PushPhysics, EffectError> {
@@ -176,5 +211,20 @@ impl ChannelModel {
                 Surface::Given(kind.in_body(object.shape(), force)?)
             }
         })
+    }
+}
+
+/// An object at the start of a push in the middle of a set.
+fn resting(object: &Arc<Object>, pusher_radius: f64) -> StepInput {
+    StepInput {
+        object: object.clone(),
+        pusher_radius,
+        pose_wb: Pose::default(),
+        twist_wb: Twist::default(),
+        track: Track::straight(Vector2::zeros(), Vector2::x(), 1.0),
+        touching: true,
+        since_contact: 0.0,
+        progress: 0.5,
+        session: 0,
     }
 }

@@ -8,12 +8,12 @@ pub(crate) mod orthogonal;
 use std::sync::Arc;
 
 use dataset::SupportSpec;
-use effects::{Effect, EffectInfo, Rig, Role, TrueOutline, by_id_with};
+use effects::{Channels, Effect, EffectInfo, Rig, Role, TrueOutline, by_id_with};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::{
     Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelEffect,
-    ModelError, Pushed, StepInput, SurfaceKind,
+    ModelError, MotionOverPushes, Pushed, StepInput, SurfaceKind,
 };
 
 /// The physics of a hybrid: the motion of steps, and what moves it.
@@ -93,29 +93,51 @@ impl Physics {
         Ok(physics)
     }
 
-    /// (Δx, Δy, Δθ) of each step, in m, m and rad.
+    /// (Δx, Δy, Δθ) of each step, in m, m and rad: expected where parameters differ from push to push.
     pub(crate) fn outputs(&self, steps: &[&StepInput]) -> Result<Vec<Vector3<f64>>, ModelError> {
         if self.effects.is_empty() {
             return self.base.outputs(steps.iter().copied());
         }
-        let whole = |step: &&StepInput| step.whole().cloned().ok_or_else(|| self.needs_more());
-        let wholes = steps.iter().map(whole).collect::<Result<Vec<_>, _>>()?;
-        let found = self.channels()?.predict(&wholes)?;
-        Ok(found.iter().map(|found| Vector3::new(found.dx, found.dy, found.dtheta)).collect())
+        Ok(motions(&self.channels()?.predict(self.whole(steps)?)?))
     }
 
-    /// What the parameters that differ from push to push leave open of each step's motion.
+    /// The same of pushes that have drawn these numbers.
+    pub(crate) fn drawn_outputs(
+        &self,
+        steps: &[&StepInput],
+        draws: &[&[f64]],
+    ) -> Result<Vec<Vector3<f64>>, ModelError> {
+        if self.n_drawn() == 0 {
+            return self.outputs(steps);
+        }
+        let pairs = self.whole(steps)?.into_iter().zip(draws.iter().copied());
+        Ok(motions(&self.channels()?.predict_drawn(pairs)?))
+    }
+
+    /// How many numbers a push draws.
+    pub(crate) fn n_drawn(&self) -> usize {
+        let spreads = self.effects.iter().flat_map(|effect| effect.per_push.values());
+        spreads.filter(|spread| !spread.is_none()).count()
+    }
+
+    /// (Δx, Δy, Δθ) of each step, expected, and what the parameters that differ from push to push leave
+    /// open of it.
     pub(crate) fn over_pushes(
         &self,
         steps: &[&StepInput],
-    ) -> Result<Vec<Matrix3<f64>>, ModelError> {
-        if self.effects.iter().all(|effect| effect.per_push.is_empty()) {
-            return Ok(vec![Matrix3::zeros(); steps.len()]);
+    ) -> Result<Vec<MotionOverPushes>, ModelError> {
+        if self.n_drawn() == 0 {
+            let known = |mean| (mean, Matrix3::zeros());
+            return Ok(self.outputs(steps)?.into_iter().map(known).collect());
         }
-        let whole = |step: &&StepInput| step.whole().cloned().ok_or_else(|| self.needs_more());
-        let wholes = steps.iter().map(whole).collect::<Result<Vec<_>, _>>()?;
-        let found = self.channels()?.motion_over_pushes(&wholes)?;
-        Ok(found.into_iter().map(|(_, covariance)| covariance).collect())
+        self.channels()?.motion_over_pushes(self.whole(steps)?)
+    }
+
+    fn whole<'a>(
+        &self,
+        steps: &[&'a StepInput],
+    ) -> Result<Vec<&'a effects::StepInput>, ModelError> {
+        steps.iter().map(|step| step.whole().ok_or_else(|| self.needs_more())).collect()
     }
 
     /// Outline and pusher as the effects have them.
@@ -125,6 +147,19 @@ impl Physics {
         }
         let object = pushed.object.as_ref().ok_or_else(|| self.needs_more())?;
         self.channels()?.true_outline(object, pushed.pusher_radius)
+    }
+
+    /// The same of a push that has drawn these numbers; none where all pushes have the same.
+    pub(crate) fn drawn_outline(
+        &self,
+        pushed: &Pushed,
+        draw: &[f64],
+    ) -> Result<Option<TrueOutline>, ModelError> {
+        if self.n_drawn() == 0 {
+            return Ok(None);
+        }
+        let object = pushed.object.as_ref().ok_or_else(|| self.needs_more())?;
+        self.channels()?.drawn_outline(object, pushed.pusher_radius, draw)
     }
 
     /// What a fit to such steps may move: μp, on an ellipsoid c, and the numbers of the effects.
@@ -145,7 +180,8 @@ impl Physics {
             let about = self.info(effect)?;
             let values = effect.setting().values(about)?;
             let here = about.to_coordinates(&values);
-            let coordinates = about.coordinates(&self.rig(step)?);
+            let whole = step.whole().ok_or_else(|| self.needs_more())?;
+            let coordinates = self.effect(effect)?.coordinates_in(&self.rig(step)?, whole);
             let moving = (0..here.len()).filter(|k| about.parameters[*k].role != Role::Switch);
             free.extend(moving.map(|k| {
                 let effects::Coordinate { name, secant, range, .. } = coordinates[k];
@@ -244,9 +280,31 @@ impl Physics {
         Ok(self)
     }
 
-    fn info(&self, effect: &ModelEffect) -> Result<&EffectInfo, ModelError> {
+    /// Smallest and largest value of a parameter that all of these steps allow.
+    pub(crate) fn range_in(
+        &self,
+        effect: &ModelEffect,
+        parameter: &str,
+        steps: &[&StepInput],
+    ) -> Result<(f64, f64), ModelError> {
+        let effect = self.effect(effect)?;
+        let index = effect.info().parameters.iter().position(|known| known.name == parameter);
+        let range = index.map_or((f64::NEG_INFINITY, f64::INFINITY), |index| {
+            let whole = steps.iter().filter_map(|step| step.whole());
+            let one = whole.map(|step| effect.range_in(index, step));
+            let all = effect.info().parameters[index].range;
+            one.fold(all, |all, one| (all.0.max(one.0), all.1.min(one.1)))
+        });
+        Ok(range)
+    }
+
+    fn effect(&self, effect: &ModelEffect) -> Result<&Arc<dyn Effect>, ModelError> {
         let own = self.setup.as_ref().map_or(&[][..], |setup| &setup.own);
-        Ok(by_id_with(&effect.id, own)?.info())
+        Ok(by_id_with(&effect.id, own)?)
+    }
+
+    fn info(&self, effect: &ModelEffect) -> Result<&EffectInfo, ModelError> {
+        Ok(self.effect(effect)?.info())
     }
 
     fn rig(&self, step: &StepInput) -> Result<Rig, ModelError> {
@@ -264,6 +322,10 @@ impl Physics {
         let ids: Vec<_> = self.effects.iter().map(|effect| effect.id.as_str()).collect();
         ModelError::EffectsNeedMore { effects: ids.join(", ") }
     }
+}
+
+fn motions(channels: &[Channels]) -> Vec<Vector3<f64>> {
+    channels.iter().map(|found| Vector3::new(found.dx, found.dy, found.dtheta)).collect()
 }
 
 fn set(effect: &mut ModelEffect, about: &EffectInfo, values: &[f64]) {

@@ -1,5 +1,6 @@
 //! A whole push without particles: moments matched step by step.
 
+use effects::deviations;
 use filter::{FilterError, Gaussian, Mixture, Rule};
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation2, Vector3};
 use planar::{Pose, perpendicular};
@@ -9,7 +10,7 @@ use super::push_state::{N_POSE, N_STATES, SHARED, mean_square_size};
 use super::settle::{Holding, moved_by};
 use super::{PushMotion, PushParticle, RollOut, StepErrors};
 use crate::steps::prediction::root;
-use crate::{ModelError, PushPath, Slip, StepInput, StepObservation, StepPrediction};
+use crate::{ModelError, PathStep, PushPath, Slip, StepInput, StepObservation, StepPrediction};
 
 /// One way that a state may go: which, how probably, and the pose with its covariance in W.
 type Way = (usize, f64, Pose, Matrix3<f64>);
@@ -35,7 +36,8 @@ impl RollOut<'_> {
     /// Every component is carried through a step, with the contact that holds at its end; it splits
     /// where a [`crate::SlipMixture`] goes several ways and, by points, where they stick and slip, in
     /// closed form at an end of an edge; the nearest components are joined again. With one component
-    /// these are matched moments. A state touches where its gap is within the tolerance. The sizes of
+    /// these are matched moments. What a push draws once all its steps share: the push is carried through
+    /// for each of a few places of the draw ([`effects::deviations`]), and is the mixture of these. A state touches where its gap is within the tolerance. The sizes of
     /// pushes, a Student t, begin as so many Gaussians of different widths.
     ///
     /// # Errors
@@ -51,20 +53,44 @@ impl RollOut<'_> {
         self.check()?;
         self.check_steps(&steps)?;
         let first = self.first(start_wb, path)?;
-        let mut state = self.start_mixture(start_wb, n_components)?;
+        if self.n_drawn() == 0 {
+            return self.matched_from(&first, &steps, matching, n_components);
+        }
+        let mut moments: Vec<Vec<(Gaussian, f64)>> = vec![Vec::new(); steps.len() + 1];
+        for (weight, numbers) in deviations(self.n_drawn()) {
+            let first = self.with_draw(&first, path, numbers)?;
+            let poses = self.matched_from(&first, &steps, matching, n_components)?;
+            for (moment, pose) in moments.iter_mut().zip(poses) {
+                let parts = pose.components().iter();
+                moment.extend(parts.map(|(part, share)| (part.clone(), weight * share)));
+            }
+        }
+        let moment = |parts| Ok(Mixture::new(parts)?.reduced(n_components)?);
+        moments.into_iter().map(moment).collect()
+    }
+
+    /// The push of one start and one draw.
+    fn matched_from(
+        &self,
+        first: &PushParticle,
+        steps: &[PathStep],
+        matching: Matching<'_>,
+        n_components: usize,
+    ) -> Result<Vec<Mixture>, ModelError> {
+        let mut state = self.start_mixture(&first.pose_wb, n_components)?;
         let mut poses = vec![pose_of(&state)?];
         let exact = match matching {
             Matching::Points(_) => None,
-            Matching::Exact(rule) => Some(Exact::of(self.model, first, rule)?),
+            Matching::Exact(rule) => Some(Exact::of(self.model, first.clone(), rule)?),
         };
-        for step in &steps {
+        for step in steps {
             let motion = self.motion(step)?;
             let moved = match (&exact, matching) {
                 (Some(exact), _) => exact.moved(&motion, &state)?,
                 (None, Matching::Points(rule) | Matching::Exact(rule)) => {
                     let mut moved = Vec::new();
                     for (part, weight) in state.components() {
-                        let ways = motion.moved_by_points(&first, part, rule)?;
+                        let ways = motion.moved_by_points(first, part, rule)?;
                         moved.extend(ways.into_iter().map(|(part, share)| (part, weight * share)));
                     }
                     Mixture::new(moved)?
@@ -138,7 +164,7 @@ impl PushMotion<'_> {
         let held = Vector3::new(point[4], point[5], point[6]);
         let nominal = first.contact_gap.unwrap_or(0.0);
         let mut state = first.moved(pose_wb, held, point[3]);
-        let off = self.outline.gap(&pose_wb, &self.step.start_w) - (nominal + point[3]);
+        let off = self.outline_of(&state).gap(&pose_wb, &self.step.start_w) - (nominal + point[3]);
         state.contact_gap = (off <= self.settings.tolerance).then_some(nominal + point[3]);
         state
     }
@@ -150,7 +176,7 @@ impl PushMotion<'_> {
         part: &Gaussian,
         rule: &dyn Rule,
     ) -> Result<Vec<(Gaussian, f64)>, ModelError> {
-        let first = PushParticle { size: mean_square_size(part).sqrt(), ..*first };
+        let first = PushParticle { size: mean_square_size(part).sqrt(), ..first.clone() };
         let alone = Mixture::new(vec![(part.clone(), 1.0)])?;
         let moved = alone.propagated(rule, |point| self.ways_of_point(&first, point))?;
         Ok(moved.components().to_vec())
@@ -200,7 +226,7 @@ impl PushMotion<'_> {
         let Some(begin) = self.begins(state, &along_w) else { return Ok(still()) };
         let Some(input) = self.input(state, &begin, &along_w)? else { return Ok(still()) };
         let held = Holding {
-            outline: &self.outline,
+            outline: self.outline_of(state),
             center_w: self.step.end_w,
             along_w,
             gap: begin.gap,
@@ -216,16 +242,20 @@ impl PushMotion<'_> {
                 .unwrap_or_else(|| (drawn_wb, axes * covariance * axes.transpose()));
             (slip as usize, share, pose_wb, covariance)
         };
-        Ok(self.said(&input)?.into_iter().map(way).collect())
+        Ok(self.said_ways(state, &input)?.into_iter().map(way).collect())
     }
 
     /// What the model says of a step, by the ways that the contact goes.
-    fn said(&self, input: &StepInput) -> Result<Vec<(Slip, f64, StepPrediction)>, ModelError> {
+    fn said_ways(
+        &self,
+        state: &PushParticle,
+        input: &StepInput,
+    ) -> Result<Vec<(Slip, f64, StepPrediction)>, ModelError> {
         let (one, noise) = (std::slice::from_ref(input), self.noise());
         if let Some(mixture) = self.model.as_mixture() {
             return Ok(mixture.ways(one, noise)?.remove(0).modes);
         }
-        let said = self.model.predict(one, noise)?[0];
+        let said = self.said(std::iter::once(state), one)?[0];
         let slip = Slip::of(&StepObservation { input: input.clone(), outputs: said.mean });
         Ok(vec![(slip, 1.0, said)])
     }

@@ -11,6 +11,8 @@ mod push_state;
 pub(crate) mod settle;
 mod touch;
 
+use std::sync::Arc;
+
 use filter::{ParticleFilter, PlanarSummary, Settings};
 use nalgebra::Vector3;
 use planar::Pose;
@@ -21,6 +23,7 @@ use serde::Serialize;
 
 pub use self::matched::Matching;
 pub use self::motion::PushMotion;
+use self::particle::Drawn;
 pub use self::particle::{PushEvents, PushParticle};
 use crate::error::{finite, not_negative, positive};
 use crate::{ContactGap, ModelError, PathStep, PushModel, PushPath, Pushed, StepCorrelation};
@@ -40,6 +43,9 @@ use crate::{ContactGap, ModelError, PathStep, PushModel, PushPath, Pushed, StepC
 ///   began (0 after a free way; at a start in contact what `gap` makes of the measured one; give or take
 ///   its sd). So errors along the normal do not add up, as the pusher's place is known. Where the draw
 ///   leaves more than `tolerance` between pusher and outline contact is **lost**, and the pusher is free.
+///
+/// What differs from push to push each particle draws once, and all its steps share it
+/// ([`PushModel::n_drawn`]).
 ///
 /// Each of these is counted at every step ([`Moment::events`]), and so is what a learnt model is
 /// asked beyond the span of its training steps.
@@ -165,6 +171,9 @@ impl RollOut<'_> {
         let first = self.first(start_wb, path)?;
         let mut random = ChaCha8Rng::seed_from_u64(*seed);
         random.set_stream(u64::MAX);
+        let mut of_push = ChaCha8Rng::seed_from_u64(*seed);
+        of_push.set_stream(u64::MAX - 1);
+        let n_drawn = self.n_drawn();
         let particle = |_| {
             let size = match errors {
                 StepErrors::Held(correlation) => correlation.size(&mut random),
@@ -177,10 +186,13 @@ impl RollOut<'_> {
             pose_wb.position.x += place_sd * noise[0];
             pose_wb.position.y += place_sd * noise[1];
             pose_wb.angle += angle_sd * noise[2];
-            PushParticle { size, ..first.moved(pose_wb, held, gap.sd * normal()) }
+            let numbers = (0..n_drawn).map(|_| of_push.sample(StandardNormal)).collect();
+            let first = self.with_draw(&first, path, numbers)?;
+            Ok(PushParticle { size, ..first.moved(pose_wb, held, gap.sd * normal()) })
         };
         let settings = Settings { seed: *seed, ..Settings::default() };
-        Ok(ParticleFilter::new((0..*n_particles).map(particle).collect(), settings)?)
+        let particles = (0..*n_particles).map(particle).collect::<Result<_, ModelError>>()?;
+        Ok(ParticleFilter::new(particles, settings)?)
     }
 
     /// One step as a motion of particles.
@@ -233,9 +245,40 @@ impl RollOut<'_> {
         if gap < -deepest {
             return Err(ModelError::PusherInside { depth: -gap });
         }
-        let held =
-            if *touching { Some(self.settings.gap.held(gap)) } else { (gap <= 0.0).then_some(gap) };
-        Ok(PushParticle::at(*start_wb, held))
+        Ok(PushParticle::at(*start_wb, self.held(gap)))
+    }
+
+    /// How many numbers a push draws; none without errors, where all go the mean way.
+    fn n_drawn(&self) -> usize {
+        match self.settings.errors {
+            StepErrors::None => 0,
+            StepErrors::Independent | StepErrors::Held(_) => self.model.n_drawn(),
+        }
+    }
+
+    /// The particle at the start of a push that has drawn such numbers.
+    fn with_draw(
+        &self,
+        first: &PushParticle,
+        path: &PushPath,
+        numbers: Vec<f64>,
+    ) -> Result<PushParticle, ModelError> {
+        if numbers.is_empty() {
+            return Ok(first.clone());
+        }
+        let outline = self.model.drawn_outline(self.pushed, &numbers)?;
+        let contact_gap = match &outline {
+            Some(outline) => self.held(outline.gap(&first.pose_wb, &path.start_w())),
+            None => first.contact_gap,
+        };
+        let drawn = Some(Arc::new(Drawn { numbers, outline }));
+        Ok(PushParticle { drawn, contact_gap, ..first.clone() })
+    }
+
+    /// The gap that contact holds where this one is measured at the start; none if it is free.
+    fn held(&self, gap: f64) -> Option<f64> {
+        let RollOutSettings { touching, gap: known, .. } = self.settings;
+        if *touching { Some(known.held(gap)) } else { (gap <= 0.0).then_some(gap) }
     }
 }
 

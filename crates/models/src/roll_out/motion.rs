@@ -127,7 +127,7 @@ impl PushMotion<'_> {
         }
         let predictions = match self.model.as_mixture() {
             Some(mixture) => self.drawn_ways(mixture, inputs, random)?,
-            None => self.model.predict(inputs, self.noise())?,
+            None => self.said(who.iter().map(|index| &states[*index]), inputs)?,
         };
         let seen = self.model.has_seen(inputs)?;
         let mut pushes = who.iter().zip(begun.iter()).zip(predictions).zip(seen).peekable();
@@ -148,6 +148,25 @@ impl PushMotion<'_> {
             }
         }
         Ok(())
+    }
+
+    /// What the model says of the pushes of particles that have drawn their numbers, or of all pushes.
+    pub(super) fn said<'s>(
+        &self,
+        states: impl Iterator<Item = &'s PushParticle> + Clone,
+        inputs: &[StepInput],
+    ) -> Result<Vec<StepPrediction>, ModelError> {
+        if states.clone().all(|state| state.drawn.is_none()) {
+            return self.model.predict(inputs, self.noise());
+        }
+        let draws: Vec<&[f64]> = states.map(PushParticle::drawn).collect();
+        self.model.predict_drawn(inputs, &draws, self.noise())
+    }
+
+    /// Outline and pusher of a particle's push.
+    pub(super) fn outline_of<'s>(&'s self, state: &'s PushParticle) -> &'s TrueOutline {
+        let own = state.drawn.as_ref().and_then(|drawn| drawn.outline.as_ref());
+        own.unwrap_or(&self.outline)
     }
 
     pub(super) fn noise(&self) -> Noise {
@@ -175,17 +194,18 @@ impl PushMotion<'_> {
     /// Whether and where the push begins.
     pub(super) fn begins(&self, state: &PushParticle, direction_w: &Vector2<f64>) -> Option<Begun> {
         let turn = Rotation2::new(state.pose_wb.angle);
+        let outline = self.outline_of(state);
         let direction_b = turn.inverse_transform_vector(direction_w);
         let start_b = turn.inverse_transform_vector(&(self.step.start_w - state.pose_wb.position));
         if let Some(gap) = state.contact_gap {
-            let contact = self.outline.contact(&start_b);
+            let contact = outline.contact(&start_b);
             if contact.normal.dot(&direction_b) > 0.0 {
                 return Some(Begun { free: 0.0, gap, contact, start_b, direction_b });
             }
         }
-        let free = first_touch(&self.outline, start_b, direction_b, self.step.distance())?;
+        let free = first_touch(outline, start_b, direction_b, self.step.distance())?;
         let start_b = start_b + free * direction_b;
-        let contact = self.outline.contact(&start_b);
+        let contact = outline.contact(&start_b);
         Some(Begun { free, gap: state.gap_error, contact, start_b, direction_b })
     }
 
@@ -244,7 +264,7 @@ impl PushMotion<'_> {
         let (error, log_density) = self.error(state, said, normal);
         let drawn_wb = moved_by(&state.pose_wb, &along_w, (said.mean + error).into());
         let held = Holding {
-            outline: &self.outline,
+            outline: self.outline_of(state),
             center_w: self.step.end_w,
             along_w,
             gap: begin.gap,

@@ -1,12 +1,15 @@
 //! One way that the object may have gone.
 
+use std::sync::Arc;
+
+use effects::TrueOutline;
 use filter::PlanarState;
 use nalgebra::Vector3;
 use planar::{Pose, Twist};
 use serde::Serialize;
 
 /// One way that the object may have gone, with the state of its contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PushParticle {
     /// Pose of B in W.
     pub pose_wb: Pose,
@@ -22,7 +25,25 @@ pub struct PushParticle {
     pub(super) size: f64,
     /// What contact holds beyond the nominal gap, in m.
     pub(super) gap_error: f64,
+    /// What all steps of its push share; none where a model's pushes are alike.
+    pub(super) drawn: Option<Arc<Drawn>>,
     pub(super) events: PushEvents,
+}
+
+/// What a push has drawn.
+#[derive(Clone, Debug)]
+pub(super) struct Drawn {
+    /// Standard normal numbers, for the parameters that differ from push to push.
+    pub(super) numbers: Vec<f64>,
+    /// Outline and pusher that follow; none where all pushes have the same.
+    pub(super) outline: Option<TrueOutline>,
+}
+
+impl PartialEq for Drawn {
+    /// By the numbers, from which the rest follows.
+    fn eq(&self, other: &Self) -> bool {
+        self.numbers == other.numbers
+    }
 }
 
 /// What happened over a step: numbers of particles.
@@ -51,14 +72,20 @@ impl PushParticle {
             held: Vector3::zeros(),
             size: 1.0,
             gap_error: 0.0,
+            drawn: None,
             events: PushEvents::default(),
         }
     }
 
     /// The same elsewhere, with errors of its own.
-    pub(super) fn moved(self, pose_wb: Pose, held: Vector3<f64>, gap_error: f64) -> Self {
+    pub(super) fn moved(&self, pose_wb: Pose, held: Vector3<f64>, gap_error: f64) -> Self {
         let contact_gap = self.contact_gap.map(|gap| gap + gap_error);
-        Self { pose_wb, held, gap_error, contact_gap, ..self }
+        Self { pose_wb, held, gap_error, contact_gap, ..self.clone() }
+    }
+
+    /// The standard normal numbers that its push has drawn, in the order of the model's effects.
+    pub fn drawn(&self) -> &[f64] {
+        self.drawn.as_ref().map_or(&[], |drawn| &drawn.numbers)
     }
 
     /// Whether the pusher touches it.

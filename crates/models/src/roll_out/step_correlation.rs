@@ -20,7 +20,8 @@ use crate::ContactGap;
 /// The shares and the length come from the mean products of a push's errors, by least squares; the
 /// degrees of freedom ν, and how large held and own are together, from what the errors of whole pushes
 /// add up to, by maximum likelihood: the sum is what a roll-out ends with. Few pushes leave ν open,
-/// which makes the tails heavier. A bias that all pushes share counts as held.
+/// which makes the tails heavier. Where pushes draw numbers ([`PushModel::n_drawn`](crate::PushModel::n_drawn)),
+/// errors are about each push's likeliest draw. A bias that all pushes share counts as held.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StepCorrelation {
@@ -89,6 +90,7 @@ mod tests {
 
     use super::StepCorrelation;
     use crate::ModelError;
+    use crate::scatter::given_draw::GivenDraw;
     use crate::scatter::push_errors::PushErrors;
     use crate::steps::prediction::root;
 
@@ -148,7 +150,7 @@ mod tests {
                 of_push + measured.sqrt() * (noise - before)
             };
             let errors = (0..STEPS).map(&mut step).map(|error| free * error).collect();
-            PushErrors { errors, free: vec![free; STEPS], way: WAY }
+            PushErrors { errors, free: vec![free; STEPS], drawn: GivenDraw::default(), way: WAY }
         };
         (0..n_pushes).map(&mut push).collect()
     }

@@ -49,9 +49,12 @@ const N_SWEEPS: usize = 60;
 
 impl ErrorProducts {
     pub(crate) fn of(push: &PushErrors) -> Self {
-        let PushErrors { errors, free, way } = push;
+        let PushErrors { errors, free, drawn, way } = push;
+        let products = |lag: usize| -> Vector3<f64> {
+            errors.iter().zip(&errors[lag..]).map(|(a, b)| a.component_mul(b)).sum()
+        };
         let of_lag = |lag: usize| Lag {
-            products: errors.iter().zip(&errors[lag..]).map(|(a, b)| a.component_mul(b)).sum(),
+            products: products(lag) + drawn.products(lag),
             responses: free.iter().zip(&free[lag..]).map(|(a, b)| a.component_mul(b)).sum(),
         };
         Self { of_lags: (0..errors.len()).map(of_lag).collect(), way: *way }

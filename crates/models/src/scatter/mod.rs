@@ -6,3 +6,6 @@ pub(crate) mod error_products;
 pub(crate) mod measured_correlation;
 pub(crate) mod push_errors;
 pub(crate) mod push_scatter;
+
+pub(crate) mod given_draw;
+mod whitened;

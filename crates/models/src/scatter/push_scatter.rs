@@ -43,14 +43,16 @@ impl PushSum {
         let (mut forecast, mut noise) = (Matrix3::zeros(), Matrix3::zeros());
         // What is kept of all steps before is carried along.
         let mut before = Matrix3::zeros();
-        for (k, free) in push.free.iter().enumerate() {
+        let through = push.drawn.through(&push.free);
+        for (k, free) in through.iter().enumerate() {
+            let across = free.transpose();
             before *= kept;
-            let with_before = before * held * free;
-            forecast += free * (held + own) * free + with_before + with_before.transpose();
+            let with_before = before * held * across;
+            forecast += free * (held + own) * across + with_before + with_before.transpose();
             before += free;
-            noise += 2.0 * free * measured * free;
+            noise += 2.0 * free * measured * across;
             if k > 0 {
-                let with_last = push.free[k - 1] * measured * free;
+                let with_last = through[k - 1] * measured * across;
                 noise -= with_last + with_last.transpose();
             }
         }

@@ -167,8 +167,8 @@ fn a_pose_is_most_likely_where_it_was_seen_and_a_force_within_its_cone() {
     let push = &test[0];
     let roll_out = RollOut { model: &model, pushed: &push.pushed, settings: &settings };
     let filter = roll_out.start(&push.poses_wb[0], &push.path).unwrap();
-    let particle = filter.particles()[0];
-    let seen = |pose_wb: Pose| PoseSeen { pose_wb, sd: SD }.log_likelihood(&particle);
+    let particle = &filter.particles()[0];
+    let seen = |pose_wb: Pose| PoseSeen { pose_wb, sd: SD }.log_likelihood(particle);
     let mut turned = particle.pose_wb;
     turned.angle += 2.0 * std::f64::consts::PI;
     assert_eq!(seen(particle.pose_wb), 0.0);
@@ -185,7 +185,7 @@ fn a_pose_is_most_likely_where_it_was_seen_and_a_force_within_its_cone() {
         let force_w = size * force_w;
         let (friction, angle_sd, threshold) = (0.25, 0.1, 0.3);
         let seen = ForceSeen { pushed, center_w, force_w, friction, angle_sd, threshold };
-        seen.log_likelihood(&particle)
+        seen.log_likelihood(particle)
     };
     assert_eq!([felt(0.2, 1.0), felt(-0.2, 1.0)], [0.0, 0.0]);
     assert!((felt(0.25_f64.atan() + 0.1, 1.0) + 0.5).abs() < 1e-9);

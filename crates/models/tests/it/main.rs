@@ -8,6 +8,7 @@ mod fast_roll_out;
 mod known_steps;
 mod laws;
 mod orthogonal_discrepancy;
+mod per_push;
 mod schema;
 mod several_shapes;
 mod true_outline;
