@@ -96,6 +96,17 @@ pub enum EffectError {
         /// The shortest edge, in m.
         shortest: f64,
     },
+    /// The weight of a rigid object cannot rest on some points.
+    #[error(
+        "the center of mass ({x}, {y}) m is not between the support points; give points about it, or \
+         their shares of the weight"
+    )]
+    NotBetween {
+        /// Of the center of mass, in m, frame of the outline.
+        x: f64,
+        /// The same.
+        y: f64,
+    },
     /// A solver ended before it reached its tolerance.
     #[error("{what} did not converge within {iterations} iterations")]
     NotConverged {

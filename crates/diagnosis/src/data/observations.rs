@@ -125,9 +125,11 @@ impl Observations {
         let (pusher_radius, support) = (mapping.pusher.radius, mapping.support);
         let about = EffectInfo { object: &object, pusher_radius, support };
         let mut all = Self::selected(table, &about, StepSelection::default(), |_| true)?;
+        if !mapping.gives("object_theta_rad") {
+            all.unknown.extend([Covariate::Orientation, Covariate::Direction]);
+        }
         if !mapping.gives("object_x_m") {
             all.steps.iter_mut().for_each(|step| step.observed[GAP_START..].fill(None));
-            all.unknown.extend([Covariate::Orientation, Covariate::Direction]);
             all.unknown.extend([Covariate::TableX, Covariate::TableY]);
         }
         Ok(all)

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use effects::{Coordinate, Effect, Object, Parameter, Rig, Role, SupportSummary};
+use effects::{Coordinate, Effect, Object, Parameter, Rig, Role, StepInput, SupportSummary};
 use nalgebra::{DMatrix, Vector2};
 
 /// Why an effect is moved, and what becomes of it.
@@ -42,6 +42,8 @@ pub(super) struct Member {
     /// Of the prior, in coordinates.
     pub(super) prior_sd: Vec<f64>,
     pub(super) chart: Chart,
+    /// Smallest and largest of each value.
+    ranges: Vec<(f64, f64)>,
     /// Of what it says where it rests.
     object: Option<Arc<Object>>,
 }
@@ -66,8 +68,35 @@ impl Member {
             prior_sd: coordinates.iter().map(|coordinate| coordinate.prior_sd).collect(),
             coordinates,
             chart: Chart::Coordinates,
+            ranges: about.parameters.iter().map(|parameter| parameter.range).collect(),
             object: None,
         }
+    }
+
+    /// The same within what every one of some steps allows.
+    pub(super) fn inside<'a>(
+        mut self,
+        steps: impl Iterator<Item = &'a StepInput>,
+        rig: &Rig,
+    ) -> Self {
+        let mut last: Option<(*const Object, f64)> = None;
+        for step in steps {
+            let now = Some((Arc::as_ptr(&step.object), step.pusher_radius));
+            if now == last {
+                continue;
+            }
+            last = now;
+            let allowed = self.effect.coordinates_in(rig, step);
+            for (coordinate, allowed) in self.coordinates.iter_mut().zip(allowed) {
+                let ((low, high), (least, most)) = (coordinate.range, allowed.range);
+                coordinate.range = (low.max(least), high.min(most));
+            }
+            for (k, range) in self.ranges.iter_mut().enumerate() {
+                let (least, most) = self.effect.range_in(k, step);
+                *range = (range.0.max(least), range.1.min(most));
+            }
+        }
+        self
     }
 
     /// The same with a normal prior about its start, of these standard errors of its values.
@@ -104,11 +133,12 @@ impl Member {
             Chart::Coordinates => self.effect.info().from_coordinates(x),
             Chart::Values => x.to_vec(),
         };
-        let inside = |(parameter, value): (&Parameter, f64)| match parameter.role {
-            Role::Direction(_) => value.rem_euclid(std::f64::consts::PI),
-            _ => value.clamp(parameter.range.0, parameter.range.1),
-        };
-        self.parameters().iter().zip(values).map(inside).collect()
+        let inside =
+            |((parameter, value), range): ((&Parameter, f64), &(f64, f64))| match parameter.role {
+                Role::Direction(_) => value.rem_euclid(std::f64::consts::PI),
+                _ => value.max(range.0).min(range.1),
+            };
+        self.parameters().iter().zip(values).zip(&self.ranges).map(inside).collect()
     }
 
     /// The place of values in the chart.
@@ -241,14 +271,14 @@ impl Member {
 
     /// The bounds of the chart.
     pub(super) fn ranges(&self) -> Vec<(f64, f64)> {
-        let of_value = |parameter: &Parameter| match parameter.role {
+        let of_value = |(parameter, range): (&Parameter, &(f64, f64))| match parameter.role {
             Role::Ratio(_) => (1.0 + LEAST, parameter.range.1),
             Role::Direction(_) => (f64::NEG_INFINITY, f64::INFINITY),
-            _ => parameter.range,
+            _ => *range,
         };
         match self.chart {
             Chart::Coordinates => self.coordinates.iter().map(|c| c.range).collect(),
-            Chart::Values => self.parameters().iter().map(of_value).collect(),
+            Chart::Values => self.parameters().iter().zip(&self.ranges).map(of_value).collect(),
         }
     }
 
@@ -317,7 +347,7 @@ mod tests {
     use effects::{Rig, Role, Surface, all, by_id};
     use nalgebra::{DMatrix, DVector, Rotation2};
 
-    use super::{Member, Part};
+    use super::{Chart, Member, Part};
 
     /// An effect at some of its values, with the squares of its sizes.
     fn sized(id: &str, values: &[f64]) -> (Member, Vec<f64>, DMatrix<f64>) {
@@ -326,6 +356,41 @@ mod tests {
         let x = member.place(values);
         let squares = member.sizes(&x).into_iter().map(|size| size * size).collect();
         (member, x, DMatrix::from_diagonal(&DVector::from_vec(squares)))
+    }
+
+    #[test]
+    fn a_search_stays_within_what_the_object_and_the_pusher_allow() {
+        let square = std::sync::Arc::new(planar::Shape::square(0.1).unwrap());
+        let step = effects::StepInput {
+            object: std::sync::Arc::new(effects::Object::uniform(square, 1.0).unwrap()),
+            pusher_radius: 0.0,
+            pose_wb: planar::Pose::default(),
+            twist_wb: planar::Twist::default(),
+            track: effects::Track::straight(
+                -0.05 * nalgebra::Vector2::x(),
+                nalgebra::Vector2::zeros(),
+                1.0,
+            ),
+            touching: true,
+            since_contact: 0.0,
+            progress: 0.5,
+            session: 0,
+        };
+        let rig = Rig::new(Surface::Ellipsoid, 0.25, 0.3).unwrap();
+        // A point is no thinner than a point; a square's corner is 1.848 mean distances off.
+        for (id, place, end) in [("pusher-radius", -1e-3, 0.0), ("pressure-radius", 3.0, 1.848_172)]
+        {
+            let effect = by_id(id).unwrap();
+            let start = effect.info().off(&rig);
+            let member = Member::new(effect, Part::Asked, &start, &rig);
+            let mut inside = member.inside(std::iter::once(&step), &rig);
+            for chart in [Chart::Coordinates, Chart::Values] {
+                inside.chart = chart;
+                assert!((inside.values(&[place])[0] - end).abs() < 1e-6, "{id}");
+                let (low, high) = inside.ranges()[0];
+                assert!((low - end).abs() < 1e-6 || (high - end).abs() < 1e-6, "{id} {low} {high}");
+            }
+        }
     }
 
     #[test]

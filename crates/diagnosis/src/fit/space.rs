@@ -66,6 +66,8 @@ impl<'a> Space<'a> {
                 let found = member(effect, wish, carried, &rig, settings)?;
                 let known = near.unwrap_or(&model).effects.iter().find(|effect| effect.id == id);
                 let known = known.and_then(|effect| effect.setting().values(about).ok());
+                let steps = observations.steps.iter().map(|step| &step.input);
+                let found = found.map(|member| member.inside(steps, &rig));
                 let start = |member| with_start(member, known, observations, &first);
                 members.extend(found.map(start));
             }
@@ -102,13 +104,15 @@ impl<'a> Space<'a> {
         let rig = self.physics[0].rig().clone();
         let off = effect.info().off(&rig);
         if let Some(known) = other.members.iter_mut().find(|m| m.id() == effect.info().id) {
-            *known = Member::new(effect, Part::Asked, &known.start, &rig);
+            let steps = self.observations.steps.iter().map(|step| &step.input);
+            *known = Member::new(effect, Part::Asked, &known.start, &rig).inside(steps, &rig);
             return Ok(other);
         }
         for physics in &mut other.physics {
             *physics = physics.clone().with(effect, &off).map_err(models::ModelError::from)?;
         }
-        other.members.push(Member::new(effect, Part::Asked, &off, &rig));
+        let steps = self.observations.steps.iter().map(|step| &step.input);
+        other.members.push(Member::new(effect, Part::Asked, &off, &rig).inside(steps, &rig));
         Ok(other)
     }
 

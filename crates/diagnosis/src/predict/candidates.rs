@@ -41,14 +41,17 @@ impl Candidates {
         own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
-        let physics = ChannelModel::new(model, observations.support, own)?
-            .physics(&observations.steps[0].input.object)?;
+        let first_step = &observations.steps[0].input;
+        let physics =
+            ChannelModel::new(model, observations.support, own)?.physics(&first_step.object)?;
         let has = |id: &str| physics.effects().iter().any(|(other, _)| other.info().id == id);
         let mut found = Self::default();
         for effect in tested().iter().chain(own) {
             let about = effect.info();
             let first = found.directions.len();
-            for (index, coordinate) in about.coordinates(physics.rig()).iter().enumerate() {
+            for (index, coordinate) in
+                effect.coordinates_in(physics.rig(), first_step).iter().enumerate()
+            {
                 let parameter = &about.parameters[index];
                 let is_axis = matches!(parameter.role, Role::Direction(_));
                 if parameter.off == Off::Undefined && !is_axis {

@@ -58,7 +58,7 @@ impl Linearisation {
             probes_of.push(match found {
                 Some(index) => index,
                 None => {
-                    known.push((object.clone(), Probes::new(&model, object, directions)?));
+                    known.push((object.clone(), Probes::new(&model, &step.input, directions)?));
                     known.len() - 1
                 }
             });
@@ -106,11 +106,11 @@ struct Secant {
 impl Probes {
     fn new(
         model: &ChannelModel,
-        object: &Object,
+        step: &StepInput,
         directions: &[Direction],
     ) -> Result<Self, DiagnosisError> {
-        let physics = model.physics(object)?;
-        let sides = directions.iter().map(|direction| Sides::new(&physics, direction));
+        let physics = model.physics(&step.object)?;
+        let sides = directions.iter().map(|direction| Sides::new(&physics, direction, step));
         let sides = sides.collect::<Result<_, EffectError>>().map_err(ModelError::from)?;
         Ok(Self { physics, sides })
     }
@@ -144,14 +144,18 @@ impl Probes {
 }
 
 impl Sides {
-    fn new(physics: &PushPhysics, direction: &Direction) -> Result<Self, EffectError> {
+    fn new(
+        physics: &PushPhysics,
+        direction: &Direction,
+        step: &StepInput,
+    ) -> Result<Self, EffectError> {
         let Direction { effect, coordinate, size } = direction;
         let (about, coordinate) = (effect.info(), *coordinate);
         let found = physics.effects().iter().find(|(other, _)| other.info().id == about.id);
         let off = about.off(physics.rig());
         let values = found.map_or(&off, |(_, values)| values);
         let here = about.to_coordinates(values);
-        let bounds = about.coordinates(physics.rig())[coordinate].range;
+        let bounds = effect.coordinates_in(physics.rig(), step)[coordinate].range;
         let (low, high) = match about.parameters[coordinate].role {
             Role::Switch => bounds,
             _ => {

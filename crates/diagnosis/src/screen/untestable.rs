@@ -1,13 +1,13 @@
 //! Why data cannot show an effect, and what to measure.
 
-use effects::{Channel, EffectInfo, Frame, Role, Stage};
+use effects::{Channel, Effect, EffectInfo, Frame, FrictionGradient, Role, Stage};
 use serde::Serialize;
 
-use crate::Observations;
 use crate::data::coverage::Coverage;
 use crate::predict::candidates::{Candidate, Candidates};
 use crate::statistics::score::DETECTABLE;
 use crate::statistics::score::Score;
+use crate::{Covariate, Observations};
 
 /// Why an effect cannot be tested with these data; it is not called absent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -26,6 +26,8 @@ pub struct NotTestable {
 pub enum Reason {
     /// No number that it changes was measured.
     NoChannel,
+    /// What it depends on was not measured.
+    NoCovariate,
     /// It changes what was measured by too little, even at three times its usual size.
     Weak,
     /// What it changes is what a nominal value that is not known well changes, too.
@@ -42,6 +44,9 @@ pub(crate) fn untestable(
     score: Option<&Score>,
 ) -> Option<NotTestable> {
     let about = candidate.effect.info();
+    if let Some(lacking) = lacking(observations, about) {
+        return Some(lacking);
+    }
     let seen = observations.channels();
     let reaches: Vec<Channel> = about.reaches.to_vec();
     let detectable = |information: &nalgebra::DMatrix<f64>| {
@@ -81,6 +86,31 @@ pub(crate) fn untestable(
     Some(NotTestable { reason, because, measure })
 }
 
+/// The reason, if an effect is fixed to the table and the data do not say how objects lay on it.
+fn lacking(observations: &Observations, about: &EffectInfo) -> Option<NotTestable> {
+    let is_known = |covariate| !observations.unknown.contains(&covariate);
+    let of_place = [Covariate::TableX, Covariate::TableY].into_iter().all(is_known);
+    let because = match (fixed_to(about, Frame::World), is_known(Covariate::Orientation), of_place)
+    {
+        (false, ..) | (true, true, true) => return None,
+        (true, false, _) => {
+            "it depends on how the object lies on the table, and its orientation is not known"
+        }
+        (true, true, false) if about.id == FrictionGradient.info().id => {
+            "it depends on where the object lies on the table, which is not known"
+        }
+        (true, true, false) => return None,
+    };
+    let (because, measure) = (because.to_owned(), "the object's pose on the table".to_owned());
+    Some(NotTestable { reason: Reason::NoCovariate, because, measure })
+}
+
+/// Whether one of an effect's vectors or axes is fixed to a frame.
+fn fixed_to(about: &EffectInfo, frame: Frame) -> bool {
+    let of_frame = |role: Role| matches!(role, Role::X(f) | Role::Ratio(f) if f == frame);
+    about.parameters.iter().any(|parameter| of_frame(parameter.role))
+}
+
 fn name(channel: Channel) -> &'static str {
     match channel {
         Channel::Motion => "motion",
@@ -104,10 +134,6 @@ fn rival(candidates: &Candidates, score: &Score) -> &'static str {
 /// What would make an effect show.
 fn advice(coverage: &Coverage, about: &EffectInfo, lacks_force: bool) -> String {
     let has = |stage: Stage| about.stages.contains(&stage);
-    let is_fixed = |frame: Frame| {
-        let of_frame = |role: Role| matches!(role, Role::X(f) | Role::Ratio(f) if f == frame);
-        about.parameters.iter().any(|parameter| of_frame(parameter.role))
-    };
     let mut list = Vec::new();
     if lacks_force {
         list.push("the contact force");
@@ -117,10 +143,12 @@ fn advice(coverage: &Coverage, about: &EffectInfo, lacks_force: bool) -> String 
     {
         list.push("pushes at several speeds");
     }
-    if is_fixed(Frame::World) && coverage.n_orientations < 4 {
+    if fixed_to(about, Frame::World) && coverage.n_orientations < 4 {
         list.push("pushes of the object in other orientations");
     }
-    if is_fixed(Frame::Body) && coverage.steps_on_edges.iter().filter(|n| **n > 0).count() < 2 {
+    if fixed_to(about, Frame::Body)
+        && coverage.steps_on_edges.iter().filter(|n| **n > 0).count() < 2
+    {
         list.push("pushes on other edges");
     }
     if has(Stage::Contact) && coverage.beta[1] - coverage.beta[0] < 1.0 {

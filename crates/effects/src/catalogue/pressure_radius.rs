@@ -2,7 +2,7 @@
 
 use crate::{
     Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot, Stage,
-    Support,
+    StepInput, Support,
 };
 
 /// Pressure radius: see [`EffectInfo`] for its physics.
@@ -15,7 +15,8 @@ static INFO: EffectInfo = EffectInfo {
     physics: "Pressure that sits at the rim resists turning more than uniform pressure, pressure \
         in the middle less. The characteristic length c, the largest moment over the largest \
         force, grows or shrinks; the surface keeps its kind.",
-    equation: "c = ratio · c₀, with c₀ the mean distance of the area from its centroid, in m.",
+    equation: "c = ratio · c₀, with c₀ the mean distance of the area from its centroid, in m; ratio is \
+        at most (distance of the outline's farthest point)/c₀, 1.848 for a square.",
     source: "Mason (1986), Mechanics and planning of manipulator pushing operations, Int. J. \
         Robotics Research 5(3); Lee & Cutkosky (1991), Fixture planning with friction.",
     stages: &[Stage::Support],
@@ -26,7 +27,7 @@ static INFO: EffectInfo = EffectInfo {
         meaning: "Characteristic length over that of uniform pressure",
         off: Off::At(1.0),
         typical: 0.92,
-        range: (0.4, 1.6),
+        range: (0.01, 4.0),
         role: Role::Even,
     }],
     confounders: &[Confounder {
@@ -41,6 +42,12 @@ static INFO: EffectInfo = EffectInfo {
 impl Effect for PressureRadius {
     fn info(&self) -> &EffectInfo {
         &INFO
+    }
+
+    /// At most all weight at the outline's farthest point.
+    fn range_in(&self, parameter: usize, step: &StepInput) -> (f64, f64) {
+        let (low, high) = self.info().parameters[parameter].range;
+        (low, high.min(step.object.farthest_distance() / step.object.mean_distance()))
     }
 
     fn support(&self, values: &[f64], _: &Snapshot<'_>, support: &mut Support) {

@@ -40,6 +40,12 @@ impl Effect for PusherRadius {
         &INFO
     }
 
+    /// No pusher is thinner than a point.
+    fn range_in(&self, parameter: usize, step: &StepInput) -> (f64, f64) {
+        let (low, high) = self.info().parameters[parameter].range;
+        (low.max(-step.pusher_radius), high)
+    }
+
     fn geometry(&self, values: &[f64], _: &StepInput, geometry: &mut Geometry) {
         geometry.radius_excess += values[0];
     }

@@ -5,6 +5,7 @@ pub(crate) mod patch_table;
 pub(crate) mod points;
 pub(crate) mod pressure;
 pub(crate) mod spots;
+pub(crate) mod statics;
 pub(crate) mod support_summary;
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -32,6 +33,7 @@ pub struct Object {
     center_of_mass: Vector2<f64>,
     centroid: Vector2<f64>,
     mean_distance: f64,
+    farthest_distance: f64,
     second_moment: Matrix2<f64>,
     points: Vec<Point>,
     lanes: Points,
@@ -61,6 +63,9 @@ impl Object {
         let points = support_points(&shape, &centroid);
         let second_moment = points.iter().map(|p| p.share * p.place * p.place.transpose()).sum();
         let mean_distance = shape.mean_distance(&centroid);
+        let outline = shape.outline(N_OUTLINE);
+        let farthest_distance =
+            outline.iter().map(|place| (place - centroid).norm()).fold(mean_distance, f64::max);
         let ellipsoid = Ellipsoid::new(1.0, mean_distance)?;
         let (patch, cells, pressure) = (OnceLock::new(), OnceLock::new(), Mutex::new(None));
         Ok(Self {
@@ -70,6 +75,7 @@ impl Object {
             center_of_mass,
             centroid,
             mean_distance,
+            farthest_distance,
             second_moment,
             lanes: Points::new(&points),
             points,
@@ -113,6 +119,11 @@ impl Object {
     /// Centroid of the outline's area, in m: the center of friction of uniform pressure.
     pub fn centroid(&self) -> &Vector2<f64> {
         &self.centroid
+    }
+
+    /// Distance of the outline's farthest point from the centroid, in m: c of weight that is all there.
+    pub fn farthest_distance(&self) -> f64 {
+        self.farthest_distance
     }
 
     /// Mean distance of the area from its centroid, in m: c = Mmax/Fmax of uniform pressure.
@@ -166,6 +177,9 @@ impl Object {
         Ok(pressure)
     }
 }
+
+/// Points of a smooth outline: the axes' ends are among them.
+const N_OUTLINE: usize = 720;
 
 /// Gauss–Legendre points and weights on 0 to 1, exact for polynomials up to degree 7.
 const GAUSS: [(f64, f64); 4] = [

@@ -43,16 +43,17 @@ fn objects() -> &'static [Arc<Object>] {
 }
 
 /// Low, high, and typical values of all parameters.
-fn values(effect: &dyn Effect, rig: &Rig) -> [Vec<f64>; 3] {
+fn values(effect: &dyn Effect, rig: &Rig, step: &StepInput) -> [Vec<f64>; 3] {
     let about = effect.info();
-    let of = |pick: fn(&effects::Parameter) -> f64| about.parameters.iter().map(pick).collect();
-    [of(|parameter| parameter.range.0), of(|parameter| parameter.range.1), about.typical(rig)]
+    let ranges = || (0..about.parameters.len()).map(|k| effect.range_in(k, step));
+    let (low, high) = (ranges().map(|range| range.0), ranges().map(|range| range.1));
+    [low.collect(), high.collect(), about.typical(rig)]
 }
 
 /// Predicts with every effect.
 fn check(rig: &Rig, step: &StepInput) {
     for effect in all() {
-        for values in values(effect.as_ref(), rig) {
+        for values in values(effect.as_ref(), rig, step) {
             let physics = PushPhysics::new(rig.clone()).with(effect, &values).unwrap();
             match physics.predict(step) {
                 Ok(found) => {

@@ -1,0 +1,98 @@
+//! What the object and the pusher of a step allow of an effect.
+
+use std::sync::Arc;
+
+use effects::{
+    EffectError, Object, PushPhysics, Rig, Spread, StepInput, Surface, Track, all, by_id,
+};
+use nalgebra::Vector2;
+use planar::{Ellipse, Pose, Shape, Twist};
+
+fn rig() -> Rig {
+    Rig::new(Surface::Ellipsoid, 0.25, 0.25).unwrap()
+}
+
+/// A push of 4 mm at the left of an object, 10 mm off its middle.
+fn push(shape: Shape, pusher_radius: f64) -> StepInput {
+    let mut start = Vector2::new(-0.3, 0.01);
+    for _ in 0..60 {
+        start.x += shape.contact(&start, pusher_radius).gap;
+    }
+    StepInput {
+        object: Arc::new(Object::uniform(Arc::new(shape), 0.8).unwrap()),
+        pusher_radius,
+        pose_wb: Pose::default(),
+        twist_wb: Twist::default(),
+        track: Track::straight(start, start + 4e-3 * Vector2::x(), 0.2),
+        touching: true,
+        since_contact: 1.0,
+        progress: 0.5,
+        session: 0,
+    }
+}
+
+fn square(pusher_radius: f64) -> StepInput {
+    push(Shape::square(0.09).unwrap(), pusher_radius)
+}
+
+fn predicted(id: &str, value: f64, step: &StepInput) -> Result<f64, EffectError> {
+    let physics = PushPhysics::new(rig()).with(by_id(id).unwrap(), &[value]).unwrap();
+    physics.predict(step).map(|found| found.dtheta)
+}
+
+#[test]
+fn a_pressure_radius_is_as_large_as_the_object_allows() {
+    // Objects that were measured: nearly all weight in the middle, and nearly all at the corners.
+    let turns =
+        [0.372, 1.0, 1.734].map(|ratio| predicted("pressure-radius", ratio, &square(0.005)));
+    let [small, nominal, large] = turns.map(|turn| turn.unwrap().abs());
+    assert!(small > nominal && nominal > large, "{small} {nominal} {large}");
+    // All weight at the corners of a square, and at the rim of a disc: 3/2 of the mean distance.
+    let disc = push(Shape::Ellipse(Ellipse::new(0.05, 0.05).unwrap()), 0.005);
+    for (step, most) in [(square(0.005), 1.848_172), (disc, 1.5)] {
+        assert!(predicted("pressure-radius", 0.9999 * most, &step).is_ok());
+        let error = predicted("pressure-radius", 1.0001 * most, &step).unwrap_err();
+        let EffectError::OutOfRange { high, .. } = &error else { panic!("{error}") };
+        assert!((high / most - 1.0).abs() < 1e-5, "{high} {most}");
+        assert!(error.to_string().contains("pressure-radius: ratio must be within 0.01 and 1."));
+    }
+}
+
+#[test]
+fn a_point_pushes_with_every_effect_and_none_is_thinner() {
+    let step = square(0.0);
+    for surface in [Surface::Ellipsoid, Surface::UniformPatch] {
+        let rig = Rig::new(surface, 0.25, 0.25).unwrap();
+        for effect in all() {
+            let values = effect.info().typical(&rig);
+            let physics = PushPhysics::new(rig.clone()).with(effect, &values).unwrap();
+            let found = physics.predict(&step).unwrap().to_array();
+            assert!(found.iter().all(|value| value.is_finite()), "{}", effect.info().id);
+        }
+    }
+    assert!(predicted("pusher-radius", 1e-3, &step).is_ok());
+    let error = predicted("pusher-radius", -1e-3, &step).unwrap_err();
+    assert!(matches!(error, EffectError::OutOfRange { low: 0.0, .. }), "{error}");
+    assert!(predicted("pusher-radius", -1e-3, &square(0.002)).is_ok());
+    let physics = PushPhysics::new(rig()).with(by_id("pusher-radius").unwrap(), &[-1e-3]).unwrap();
+    assert!(physics.true_outline(&step).is_err());
+}
+
+#[test]
+fn draws_and_coordinates_stay_within_what_a_step_allows() {
+    let step = square(0.0);
+    for (id, value, sd) in [("pusher-radius", 0.0, 1e-3), ("pressure-radius", 1.8, 0.2)] {
+        let effect = by_id(id).unwrap();
+        let name = effect.info().parameters[0].name;
+        let physics = PushPhysics::new(rig()).with(effect, &[value]).unwrap();
+        let physics = physics.with_spread(id, name, Spread::Sd(sd)).unwrap();
+        assert_eq!(physics.predict_varied(&step).unwrap().len(), 5);
+        let (low, high) = effect.range_in(0, &step);
+        for number in [-8.0, -1.0, 1.0, 8.0] {
+            let drawn = physics.drawn(&[number], &step).settings()[0].parameters[name];
+            assert!((low..=high).contains(&drawn), "{id} {drawn}");
+        }
+        let coordinate = effect.coordinates_in(&rig(), &step)[0];
+        assert_eq!(coordinate.range, (low, high), "{id}");
+    }
+}
