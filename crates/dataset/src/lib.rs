@@ -56,6 +56,7 @@ pub use ingest::table_mapping::TableMapping;
 pub use ingest::{ingest, ingest_each, provenance};
 pub use manifest::init::{draft_manifest, find_recordings, init, unread_recordings};
 pub use manifest::object::{ObjectChoice, ObjectSpec};
+pub use manifest::object_support::ObjectSupport;
 pub use manifest::preset::Preset;
 pub use manifest::recording_set::RecordingSet;
 pub use manifest::session::Session;

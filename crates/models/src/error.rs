@@ -137,6 +137,11 @@ pub enum ModelError {
         /// The kind.
         kind: &'static str,
     },
+    /// Support points without shares are to bear an object of which nothing is known.
+    #[error(
+        "shares of support points follow from the object's mass and place; name one object, or give shares"
+    )]
+    PointsOfNoObject,
     /// A learnt model lacks what it has learnt.
     #[error("the model has no weights; train it")]
     NoWeights,

@@ -16,6 +16,7 @@ use crate::ingest::TOOL;
 use crate::input::limits::{Limit, ReadLimits};
 use crate::input::map::{FileBytes, read_text};
 use crate::manifest::object::{ObjectChoice, ObjectSpec, ObjectTable};
+use crate::manifest::object_support::ObjectSupport;
 use crate::manifest::preset::Preset;
 use crate::manifest::text::Source;
 use crate::manifest::{PusherSpec, PusherTable, SupportSpec, SupportTable};
@@ -40,6 +41,8 @@ pub struct TableMapping {
     pub name: String,
     /// The pushed object.
     pub object: ObjectSpec,
+    /// What it rests on.
+    pub object_support: ObjectSupport,
     /// The pusher.
     pub pusher: PusherSpec,
     /// The table that it is pushed on.
@@ -77,7 +80,9 @@ impl TableMapping {
             let (span, value) = (table.schema.span(), table.schema.get_ref());
             return Err(source.refuse(span, "schema", value, "", SCHEMA));
         }
-        let ObjectChoice::Fixed(object) = table.object.check(&source)? else {
+        let chosen = table.object.check(&source)?;
+        let object_support = ObjectSupport::of(&table.object, &chosen, &source)?;
+        let ObjectChoice::Fixed(object) = chosen else {
             let what = "a table has one shape; name it in [object]".to_owned();
             return Err(DatasetError::Parse { path: path.into(), line: 1, what });
         };
@@ -93,6 +98,7 @@ impl TableMapping {
         let mapping = Self {
             name: table.name,
             object: *object,
+            object_support,
             pusher: table.pusher.check(&source)?,
             support: table.support.check(&source)?,
             constants: table

@@ -3,6 +3,7 @@
 
 pub(crate) mod init;
 pub(crate) mod object;
+pub(crate) mod object_support;
 pub(crate) mod preset;
 pub(crate) mod recording_set;
 pub(crate) mod session;
@@ -18,6 +19,7 @@ use crate::error::DatasetError;
 use crate::input::limits::ReadLimits;
 use crate::input::map::read_text;
 use crate::manifest::object::{ObjectChoice, ObjectTable};
+use crate::manifest::object_support::ObjectSupport;
 use crate::manifest::text::{LARGEST, Source};
 use crate::recording::settings::Streams;
 
@@ -31,6 +33,8 @@ pub struct Manifest {
     pub name: String,
     /// The pushed object.
     pub object: ObjectChoice,
+    /// What it rests on.
+    pub object_support: ObjectSupport,
     /// The pusher.
     pub pusher: PusherSpec,
     /// The table.
@@ -89,9 +93,11 @@ impl Manifest {
         let source = Source::new(text, path);
         let table: ManifestTable = source.parse()?;
         let ManifestTable { name, object, pusher, support, recordings, streams, limits } = table;
+        let chosen = object.check(&source)?;
         Ok(Self {
             name,
-            object: object.check(&source)?,
+            object_support: ObjectSupport::of(&object, &chosen, &source)?,
+            object: chosen,
             pusher: pusher.check(&source)?,
             support: support.check(&source)?,
             recordings: RecordingsSpec {

@@ -88,10 +88,14 @@ pub(crate) struct ObjectTable {
     mass_kg: Option<Spanned<f64>>,
     moment_of_inertia_kg_m2: Option<Spanned<f64>>,
     center_of_mass_m: Option<Spanned<[f64; 2]>>,
+    pub(super) support: Option<Spanned<String>>,
+    pub(super) support_points_m: Option<Spanned<Vec<[f64; 2]>>>,
+    pub(super) support_shares: Option<Spanned<Vec<f64>>>,
+    pub(super) support_map: Option<Spanned<Vec<Vec<f64>>>>,
 }
 
 impl ObjectTable {
-    pub(crate) fn check(self, source: &Source<'_>) -> Result<ObjectChoice, DatasetError> {
+    pub(crate) fn check(&self, source: &Source<'_>) -> Result<ObjectChoice, DatasetError> {
         let name = self.shape.get_ref().as_str();
         let own_keys: &[&str] = match name {
             "square" => &["side_m"],

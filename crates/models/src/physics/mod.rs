@@ -3,6 +3,7 @@
 
 pub(crate) mod channel_model;
 pub(crate) mod fit;
+pub(crate) mod nominal;
 pub(crate) mod orthogonal;
 
 use std::sync::Arc;

@@ -55,7 +55,7 @@ impl StepSelection {
             let object = match made.get(&row.shape) {
                 Some(object) => Arc::clone(object),
                 None => {
-                    let object = Arc::new(object(object_of(row, objects)?)?);
+                    let object = Arc::new(rigid_object(&object_of(row, objects)?)?);
                     made.insert(row.shape.clone(), object.clone());
                     object
                 }
@@ -96,9 +96,13 @@ fn is_touching(row: &StepRow) -> bool {
     row.phase == Phase::Contact && !row.flags.contains(Flags::CONTACT_LOST)
 }
 
-fn object(spec: ObjectSpec) -> Result<Object, ModelError> {
+/// An object as its specification has it.
+///
+/// # Errors
+/// `Effects` for a mass or a moment that no object has.
+pub fn rigid_object(spec: &ObjectSpec) -> Result<Object, ModelError> {
     let ObjectSpec { shape, mass, moment_of_inertia, center_of_mass, .. } = spec;
-    Ok(Object::new(Arc::new(shape), mass, moment_of_inertia, center_of_mass)?)
+    Ok(Object::new(Arc::new(shape.clone()), *mass, *moment_of_inertia, *center_of_mass)?)
 }
 
 fn observed(row: &StepRow) -> Result<[Option<f64>; 7], ModelError> {

@@ -188,6 +188,53 @@ fn models_begin_with_the_nominal_values_of_a_set() {
 }
 
 #[test]
+fn models_begin_with_what_the_manifest_says_that_the_object_rests_on() {
+    let set = SmallSet::new();
+    let manifest = |support: &str| {
+        format!(
+            "name = \"feet\"\n[object]\nshape = \"square\"\nside_m = 0.1\nmass_kg = 1.0\n\
+             center_of_mass_m = [0.01, 0.0]\n{support}\n[pusher]\nradius_m = 0.0\nfriction = 0.25\n\
+             [support]\nfriction = 0.3\n[recordings]\nformat = \"csv\"\n"
+        )
+    };
+    let begun = |support: &str| -> Value {
+        set.write("feet.toml", &manifest(support));
+        set.done(&["models", "init", "feet.toml", "-o", "feet-model.toml", "--force"]);
+        let show = ["models", "show", "feet-model.toml", "--manifest", "feet.toml", "--json"];
+        document(&set.done(&show).stdout)
+    };
+    let value = |shown: &Value, name: &str| -> f64 {
+        let parameters = shown["parameters"].as_array().unwrap();
+        let found = parameters.iter().find(|one| one["name"].as_str().unwrap().starts_with(name));
+        found.unwrap_or_else(|| panic!("{name} in {shown}"))["value"].as_f64().unwrap()
+    };
+    let patch = begun("support = \"patch\"");
+    assert_eq!(patch["limit_surface"], "uniform-patch");
+    // The mean distance of a square's points from its middle: 0.382597858 of its side.
+    assert!((value(&patch, "characteristic length c under") - 0.038_259_8).abs() < 1e-6);
+    // The center of mass is between two feet and one: five eighths of the weight on the one at +x.
+    let places = "support = \"points\"\n\
+                  support_points_m = [[0.04, 0.0], [-0.04, 0.03], [-0.04, -0.03]]\n";
+    let feet = begun(places);
+    assert!((value(&feet, "support-points share1") - 0.625).abs() < 1e-12);
+    assert!((value(&feet, "support-points share2") - 0.1875).abs() < 1e-12);
+    assert!((value(&feet, "center of friction x under") - 0.01).abs() < 1e-9);
+    assert!(value(&feet, "center of friction y under").abs() < 1e-9);
+    // 0.03 m to one foot, √(0.05² + 0.03²) m to the others.
+    let mean = 0.625 * 0.03 + 0.375 * 0.05_f64.hypot(0.03);
+    assert!((value(&feet, "characteristic length c under") / mean - 1.0).abs() < 1e-9);
+    let given = begun(&format!("{places}support_shares = [0.2, 0.4, 0.4]"));
+    assert!((value(&given, "center of friction x under") + 0.024).abs() < 1e-9);
+    let row = "[0.04, 0.04, 0.04, 0.04, 0.04]";
+    let map = format!("support = \"map\"\nsupport_map = [{row}, {row}, {row}, {row}, {row}]");
+    let map = begun(&map);
+    assert!((value(&map, "characteristic length c under") - 0.0383).abs() < 1e-3);
+    set.write("feet.toml", &manifest("support = \"feet\""));
+    let error = set.error(&["models", "init", "feet.toml", "-o", "feet-model.toml", "--force"]);
+    assert!(error.contains("feet.toml") && error.contains("object.support"), "{error}");
+}
+
+#[test]
 fn quiet_runs_print_nothing_but_write_everything() {
     let set = SmallSet::new();
     let run = set.done(&["-q", "ingest", "set", "-o", "steps.csv"]);

@@ -5,13 +5,13 @@ mod text;
 use std::path::PathBuf;
 
 use anyhow::Result;
-use dataset::{RecordingSet, Suspicion};
+use dataset::{Manifest, RecordingSet, Suspicion};
 use diagnosis::{
     Coverage, LookAlikes, NoiseModel, NotTestable, Observations, Screen, ScreenSettings,
     ScreenedEffect, screen, steady_ingest,
 };
 use effects::{Channel, by_id};
-use models::{Analytical, Description, ModelFile, PushModel};
+use models::{Description, Estimate, ModelFile};
 use serde::Serialize;
 
 use crate::file_ending;
@@ -94,7 +94,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
             let file = ModelFile::read(path)?;
             (file.name, file.description)
         }
-        None => ("the nominal model".to_owned(), nominal(manifest.pusher.friction)?),
+        None => ("the nominal model".to_owned(), nominal(manifest)?),
     };
     let suspicions = suspected(&set);
     warn(&suspicions, terminal);
@@ -124,8 +124,10 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     terminal.finish(&origin, &result, &result)
 }
 
-fn nominal(pusher_friction: f64) -> Result<Description> {
-    Ok(Analytical::nominal(pusher_friction)?.describe()?)
+fn nominal(manifest: &Manifest) -> Result<Description> {
+    let Manifest { pusher, object, object_support, .. } = manifest;
+    let friction = Estimate::exact(pusher.friction, "manifest");
+    Ok(Description::nominal(friction, object, object_support, "manifest")?)
 }
 
 /// The effects in the order of the catalogue.

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use dataset::{MANIFEST_NAME, Manifest, Preset, TableMapping};
-use models::{Analytical, Estimate, ModelFile, PushModel};
+use dataset::{MANIFEST_NAME, Manifest, ObjectChoice, ObjectSupport, Preset, TableMapping};
+use models::{Description, Estimate, ModelFile};
 
 use super::parameters::Parameters;
 use crate::command_line::preset_parser;
@@ -16,8 +16,8 @@ use crate::wrong_usage::WrongUsage;
 
 /// Write the analytical model with the nominal values of a recording set
 ///
-/// The quasi-static push on an ellipsoidal limit surface: the pusher's friction from the manifest,
-/// the characteristic length from uniform pressure.
+/// The quasi-static push with the pusher's friction from the manifest, on the limit surface of what the
+/// manifest says that the object rests on: the ellipsoid of uniform pressure if it says nothing.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
@@ -70,30 +70,32 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
 struct Nominal {
     name: String,
     pusher_friction: f64,
+    object: ObjectChoice,
+    object_support: ObjectSupport,
     source: String,
 }
 
 impl Nominal {
     fn of_manifest(path: &Path) -> Result<Self> {
-        let Manifest { name, pusher, .. } = Manifest::read(path)?;
-        let source = path.display().to_string();
-        Ok(Self { name, pusher_friction: pusher.friction, source })
+        Ok(Self::of(Manifest::read(path)?, path.display().to_string()))
+    }
+
+    fn of(manifest: Manifest, source: String) -> Self {
+        let Manifest { name, pusher, object, object_support, .. } = manifest;
+        Self { name, pusher_friction: pusher.friction, object, object_support, source }
     }
 
     fn of_preset(preset: Preset) -> Result<Self> {
         let source = format!("preset {}", preset.name());
-        let (name, pusher) = match preset {
-            Preset::MitTable => {
-                let TableMapping { name, pusher, .. } = TableMapping::mit_table()?;
-                (name, pusher)
-            }
-            _ => {
-                let missing = WrongUsage("this preset has no nominal values; name another");
-                let Manifest { name, pusher, .. } = preset.manifest().ok_or(missing)??;
-                (name, pusher)
-            }
-        };
-        Ok(Self { name, pusher_friction: pusher.friction, source })
+        if preset == Preset::MitTable {
+            let TableMapping { name, pusher, object, object_support, .. } =
+                TableMapping::mit_table()?;
+            let object = ObjectChoice::Fixed(Box::new(object));
+            let pusher_friction = pusher.friction;
+            return Ok(Self { name, pusher_friction, object, object_support, source });
+        }
+        let missing = WrongUsage("this preset has no nominal values; name another");
+        Ok(Self::of(preset.manifest().ok_or(missing)??, source))
     }
 
     /// The analytical model, whose friction says where it comes from and what wrote it.
@@ -102,9 +104,9 @@ impl Nominal {
         let hashes = hashes.collect::<String>();
         let source = format!("{}{hashes}, by {TOOL} {}", self.source, origin.command_line());
         let friction = Estimate::exact(self.pusher_friction, &source);
-        let model = Analytical::nominal(self.pusher_friction)?;
-        let model = Analytical::new(friction, model.length().clone(), *model.scatter())?;
+        let (object, support) = (&self.object, &self.object_support);
+        let description = Description::nominal(friction, object, support, &source)?;
         let name = format!("nominal model of {}", self.name);
-        Ok(ModelFile { name, description: model.describe()?, split: None })
+        Ok(ModelFile { name, description, split: None })
     }
 }
