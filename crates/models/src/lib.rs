@@ -23,6 +23,7 @@ mod scatter;
 
 mod file;
 
+pub use analytical::effective::EffectiveSurface;
 pub use analytical::estimate::Estimate;
 pub use analytical::fit::AnalyticalFit;
 pub use analytical::surface_kind::SurfaceKind;

@@ -1,5 +1,6 @@
 //! A step goes in, the quasi-static push on a limit surface comes out: the analytical model.
 
+pub(crate) mod effective;
 pub(crate) mod estimate;
 pub(crate) mod fit;
 pub(crate) mod least_squares;

@@ -8,10 +8,11 @@ use mechanics::{
 };
 use planar::{Pose, Shape};
 
-use crate::ModelError;
+use crate::{EffectiveSurface, ModelError};
 
-/// Which limit surface stands for uniform pressure over the outline.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Which limit surface an object has: one that stands for uniform pressure over the outline, or a measured
+/// one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SurfaceKind {
     /// The ellipsoid about the centroid with the exact ratio c of largest moment to largest force,
     /// or with a given one; its push is a closed form.
@@ -26,10 +27,15 @@ pub enum SurfaceKind {
     },
     /// Any other that mechanics lists.
     Listed(&'static UniformSurface),
+    /// One that was measured under an object, for that object alone.
+    Effective(EffectiveSurface),
 }
 
 impl SurfaceKind {
-    /// Every kind, points in their usual number.
+    /// The name of a measured surface.
+    pub const EFFECTIVE: &'static str = "effective-quartic";
+
+    /// Every kind that stands for uniform pressure, points in their usual number.
     pub fn all() -> impl Iterator<Item = Self> {
         uniform_surfaces().iter().map(|surface| match surface.name() {
             Ellipsoid::NAME => Self::Ellipsoid,
@@ -39,7 +45,7 @@ impl SurfaceKind {
         })
     }
 
-    /// The kind with a name; none if there is no such kind.
+    /// The kind of uniform pressure with a name; none if there is no such kind.
     pub fn named(name: &str) -> Option<Self> {
         Self::all().find(|kind| kind.name() == name)
     }
@@ -51,6 +57,7 @@ impl SurfaceKind {
             Self::UniformPatch => Patch::NAME,
             Self::Points { .. } => PointSet::NAME,
             Self::Listed(surface) => surface.name(),
+            Self::Effective(_) => Self::EFFECTIVE,
         }
     }
 
@@ -79,6 +86,7 @@ impl SurfaceKind {
             Self::UniformPatch => Arc::new(Patch::uniform(shape, force)?),
             Self::Points { n_points } => Arc::new(PointSet::sampling(shape, force, n_points)?),
             Self::Listed(surface) => surface.over(shape, force)?,
+            Self::Effective(surface) => Arc::new(surface.bearing(force)?),
         })
     }
 }

@@ -62,6 +62,7 @@ impl Source<'_> {
             base.scatter_per_m.as_ref().map(Spanned::span),
             base.pusher_friction.as_ref().map(Spanned::span),
             base.characteristic_length.as_ref().map(Spanned::span),
+            base.quartic.as_ref().map(Spanned::span),
         ];
         match spans.into_iter().flatten().min_by_key(|span| span.start) {
             Some(span) => {
@@ -74,7 +75,7 @@ impl Source<'_> {
 
     fn analytical(&self, base: &Spanned<RawBase>) -> Result<Analytical, ModelError> {
         let (raw, start) = (base.get_ref(), base.span().start);
-        let surface = self.surface(raw)?;
+        let surface = self.surface(raw, start)?;
         let key = "base.pusher_friction";
         let friction = match &raw.pusher_friction {
             Some(friction) => self.estimate(friction, key, FRICTION_RANGE)?,
@@ -84,14 +85,20 @@ impl Source<'_> {
         Analytical::new(friction, length, self.scatter(raw)?)?.with_surface(surface)
     }
 
-    fn surface(&self, raw: &RawBase) -> Result<SurfaceKind, ModelError> {
+    fn surface(&self, raw: &RawBase, start: usize) -> Result<SurfaceKind, ModelError> {
         let kind = match &raw.limit_surface {
+            Some(name) if name.get_ref() == SurfaceKind::EFFECTIVE => self.effective(raw, start)?,
             Some(name) => SurfaceKind::named(name.get_ref()).ok_or_else(|| {
-                let names: Vec<_> = SurfaceKind::all().map(SurfaceKind::name).collect();
+                let names = SurfaceKind::all().map(SurfaceKind::name);
+                let names: Vec<_> = names.chain([SurfaceKind::EFFECTIVE]).collect();
                 self.unknown(name, "base.limit_surface", &names)
             })?,
             None => SurfaceKind::default(),
         };
+        if let (Some(quartic), false) = (&raw.quartic, matches!(kind, SurfaceKind::Effective(_))) {
+            let problem = "is for limit_surface = \"effective-quartic\" alone; remove it";
+            return Err(self.invalid(quartic.span().start, "base.quartic", problem));
+        }
         let key = "base.n_points";
         match (kind, &raw.n_points) {
             (kind, None) => Ok(kind),
@@ -109,6 +116,26 @@ impl Source<'_> {
         }
     }
 
+    /// A measured surface, which is checked to be convex.
+    fn effective(&self, raw: &RawBase, start: usize) -> Result<SurfaceKind, ModelError> {
+        let key = "base.quartic";
+        let Some(quartic) = &raw.quartic else {
+            let problem = "is missing; give length and coefficients, or another limit_surface";
+            return Err(self.invalid(start, key, problem));
+        };
+        let surface = *quartic.get_ref();
+        let (low, high) = LENGTH_RANGE;
+        if !(low..=high).contains(&surface.length()) {
+            let problem = format!("must be from {low} to {high}, got {:?}", surface.length());
+            let key = "base.quartic.length";
+            return Err(self.invalid(quartic.span().start, key, problem));
+        }
+        match surface.bearing(1.0) {
+            Ok(_) => Ok(SurfaceKind::Effective(surface)),
+            Err(error) => Err(self.invalid(quartic.span().start, key, error.to_string())),
+        }
+    }
+
     fn length(
         &self,
         raw: &RawBase,
@@ -119,6 +146,13 @@ impl Source<'_> {
             self.expect(pressure, "base.pressure", &PRESSURES)?;
         }
         match (&raw.characteristic_length, &raw.pressure) {
+            (None, None) if matches!(surface, SurfaceKind::Effective(_)) => {
+                Ok(CharacteristicLength::UniformPressure)
+            }
+            (_, Some(pressure)) if matches!(surface, SurfaceKind::Effective(_)) => {
+                let problem = "is not known of a measured surface; remove it";
+                Err(self.invalid(pressure.span().start, "base.pressure", problem))
+            }
             (None, Some(_)) => Ok(CharacteristicLength::UniformPressure),
             (Some(length), None) if surface == SurfaceKind::Ellipsoid => {
                 let key = "base.characteristic_length";

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use serde_spanned::Spanned;
 
 use crate::{
-    Analytical, Base, CharacteristicLength, Estimate, ModelEffect, Split, SurfaceKind, Unexplained,
+    Analytical, Base, CharacteristicLength, EffectiveSurface, Estimate, ModelEffect, Split,
+    SurfaceKind, Unexplained,
 };
 
 #[derive(Deserialize)]
@@ -52,6 +53,9 @@ pub(super) struct RawBase {
     pub pusher_friction: Option<Spanned<Estimate>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub characteristic_length: Option<Spanned<Estimate>>,
+    /// Of a measured surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub quartic: Option<Spanned<EffectiveSurface>>,
 }
 
 #[derive(Deserialize, Serialize)]
@@ -104,6 +108,7 @@ impl RawBase {
                 scatter_per_m: None,
                 pusher_friction: None,
                 characteristic_length: None,
+                quartic: None,
             },
         }
     }
@@ -113,7 +118,12 @@ impl RawBase {
             SurfaceKind::Points { n_points } => i64::try_from(n_points).ok(),
             _ => None,
         };
+        let quartic = match model.surface() {
+            SurfaceKind::Effective(surface) => Some(new(surface)),
+            _ => None,
+        };
         let (pressure, length) = match model.length() {
+            CharacteristicLength::UniformPressure if quartic.is_some() => (None, None),
             CharacteristicLength::UniformPressure => (Some(new("uniform".to_owned())), None),
             CharacteristicLength::Given(length) => (None, Some(new(length.clone()))),
         };
@@ -126,6 +136,7 @@ impl RawBase {
             scatter_per_m: (scatter != Matrix3::zeros()).then(|| new(scatter.transpose().into())),
             pusher_friction: Some(new(model.pusher_friction().clone())),
             characteristic_length: length,
+            quartic,
         }
     }
 }

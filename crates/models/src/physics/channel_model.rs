@@ -206,7 +206,7 @@ impl ChannelModel {
         Ok(match kind {
             SurfaceKind::Ellipsoid => Surface::Ellipsoid,
             SurfaceKind::UniformPatch => Surface::UniformPatch,
-            SurfaceKind::Points { .. } | SurfaceKind::Listed(_) => {
+            SurfaceKind::Points { .. } | SurfaceKind::Listed(_) | SurfaceKind::Effective(_) => {
                 let force = self.support.friction * object.mass() * self.support.gravity;
                 Surface::Given(kind.in_body(object.shape(), force)?)
             }

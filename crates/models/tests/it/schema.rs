@@ -1,9 +1,9 @@
 //! `docs/model.schema.json` against the files that are written and the rules of the reader.
 
 use models::{
-    Analytical, CharacteristicLength, Cluster, Description, Estimate, GpPushModel, Hybrid,
-    ModelEffect, ModelFile, ProcessKind, PushModel, Split, StepFeatures, StepInput,
-    StepObservation, SurfaceKind, Training, learn_options, model_kinds,
+    Analytical, CharacteristicLength, Cluster, Description, EffectiveSurface, Estimate,
+    GpPushModel, Hybrid, ModelEffect, ModelFile, ProcessKind, PushModel, Split, StepFeatures,
+    StepInput, StepObservation, SurfaceKind, Training, learn_options, model_kinds,
 };
 use nalgebra::{Matrix3, Vector3};
 use planar::Shape;
@@ -113,11 +113,59 @@ fn models() -> Vec<Box<dyn PushModel>> {
         Box::new(on(SurfaceKind::UniformPatch)),
         Box::new(on(SurfaceKind::Points { n_points: 9 })),
         Box::new(on(SurfaceKind::named("quartic").unwrap())),
+        Box::new(on(SurfaceKind::Effective(round()))),
         Box::new(GpPushModel::learn(&steps, &learn_options()).unwrap().0),
         Box::new(Hybrid::learn(nominal.clone(), &steps, &learn_options()).unwrap().0),
         Box::new(Hybrid::train(&nominal.describe().unwrap(), None, &steps, &training).unwrap().0),
         Box::new(GpPushModel::train(&steps, &training).unwrap().0),
     ]
+}
+
+/// The quartic that is an ellipsoid.
+fn round() -> EffectiveSurface {
+    let ellipsoid = mechanics::Ellipsoid::new(2.0, 0.07).unwrap();
+    let quartic = mechanics::Quartic::from_ellipsoid(&ellipsoid).unwrap();
+    EffectiveSurface::new(*quartic.coefficients(), 0.035).unwrap()
+}
+
+#[test]
+fn a_measured_surface_moves_objects_and_is_refused_where_it_cannot_be() {
+    let nominal = Analytical::nominal(0.25).unwrap();
+    let length = CharacteristicLength::Given(Estimate::exact(0.035, "test"));
+    let given = Analytical::new(Estimate::exact(0.25, ""), length, Matrix3::zeros()).unwrap();
+    let measured = nominal.with_surface(SurfaceKind::Effective(round())).unwrap();
+    let shape = Arc::new(Shape::square(0.09).unwrap());
+    for (p, beta) in [(0.2, 0.3), (0.5, -0.6), (0.9, 0.1)] {
+        let input = StepInput::on_edge(shape.clone(), 0.005, 1, p, beta, 0.004).unwrap();
+        let (one, other) = (measured.motion(&input).unwrap(), given.motion(&input).unwrap());
+        assert!((one.position - other.position).norm() < 1e-8, "{one:?} {other:?}");
+        assert!((one.angle - other.angle).abs() < 1e-7, "{one:?} {other:?}");
+    }
+    let good = written(&measured.describe().unwrap());
+    let schema = schema();
+    let hollow: Vec<f64> = (0..15).map(|k| f64::from(u8::from([0, 10, 14].contains(&k)))).collect();
+    let hollow: Vec<f64> =
+        hollow.iter().enumerate().map(|(k, c)| if k == 3 { 20.0 } else { *c }).collect();
+    for (key, value, is_of_schema) in [
+        ("pressure", json!("uniform"), true),
+        ("limit_surface", json!("quartic"), true),
+        ("quartic", json!({ "length": 0.03, "coefficients": [1.0, 2.0] }), true),
+        ("quartic", json!({ "length": 0.03, "coefficients": hollow }), false),
+        (
+            "quartic",
+            json!({ "length": -0.03, "coefficients": good["base"]["quartic"]["coefficients"] }),
+            true,
+        ),
+    ] {
+        let mut file = good.clone();
+        file["base"][key] = value;
+        assert!(!is_of_schema || !obeys(&file, &schema, &schema), "{key}");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("model.toml");
+        std::fs::write(&path, toml::to_string(&file).unwrap()).unwrap();
+        let error = ModelFile::read(&path).unwrap_err().to_string();
+        assert!(error.contains("model.toml"), "{key}: {error}");
+    }
 }
 
 #[test]
@@ -192,7 +240,8 @@ fn the_schema_lists_the_kinds_and_surfaces_that_there_are() {
     let schema = schema();
     let kinds: Vec<_> = model_kinds().iter().map(|kind| kind.id).collect();
     assert_eq!(schema.pointer("/$defs/base/properties/kind/enum").unwrap(), &json!(kinds));
-    let names: Vec<_> = SurfaceKind::all().map(SurfaceKind::name).collect();
+    let names = SurfaceKind::all().map(SurfaceKind::name);
+    let names: Vec<_> = names.chain([SurfaceKind::EFFECTIVE]).collect();
     let surfaces = schema.pointer("/$defs/base/properties/limit_surface/enum").unwrap();
     assert_eq!(surfaces, &json!(names));
 }

@@ -9,7 +9,8 @@ use models::SurfaceKind;
 /// # Errors
 /// A text that has no such lists.
 pub(super) fn with_names(text: &str) -> Result<String> {
-    let surfaces = SurfaceKind::all().map(|kind| format!("\"{}\"", kind.name()));
+    let surfaces = SurfaceKind::all().map(SurfaceKind::name).chain([SurfaceKind::EFFECTIVE]);
+    let surfaces = surfaces.map(|name| format!("\"{name}\""));
     let surfaces = surfaces.collect::<Vec<_>>().join(", ");
     let ids = all().iter().map(|effect| format!("\n            \"{}\"", effect.info().id));
     let ids = ids.collect::<Vec<_>>().join(",") + "\n          ";

@@ -4,6 +4,7 @@ mod init;
 mod list;
 pub(super) mod parameters;
 mod show;
+mod surface;
 
 pub(super) use self::parameters::Parameters;
 
@@ -24,6 +25,7 @@ enum Command {
     Init(init::Args),
     Show(show::Args),
     List(list::Args),
+    Surface(surface::Args),
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
@@ -31,5 +33,6 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         Command::Init(args) => init::run(args, terminal),
         Command::Show(args) => show::run(args, terminal),
         Command::List(args) => list::run(args, terminal),
+        Command::Surface(args) => surface::run(args, terminal),
     }
 }
