@@ -1,6 +1,6 @@
 //! Rigs as they are found: what is true of them, how their pushes scatter, what records them.
 
-use crate::{Burr, Flips, Nominal, Scatter, Sensor, Sensors, Texture, Truth};
+use crate::{Burr, Flips, GenerateSettings, Nominal, Scatter, Sensor, Sensors, Texture, Truth};
 
 /// A kind of rig.
 #[derive(Debug)]
@@ -132,6 +132,19 @@ impl Profile {
         nominal
     }
 
+    /// Settings with all that it says, and what is usual for the rest.
+    #[must_use]
+    pub fn settings(&self) -> GenerateSettings {
+        let nominal = self.nominal();
+        GenerateSettings {
+            nominal,
+            truth: self.truth(&nominal),
+            scatter: self.scatter(),
+            sensors: self.sensors(),
+            ..GenerateSettings::default()
+        }
+    }
+
     /// What is true of a rig of this kind of which so much is claimed.
     #[must_use]
     pub fn truth(&self, nominal: &Nominal) -> Truth {
@@ -199,16 +212,8 @@ mod tests {
 
     /// Three pushes of an object on a rig.
     fn settings(profile: &Profile, object: PushedObject) -> GenerateSettings {
-        let nominal = profile.nominal();
-        GenerateSettings {
-            object,
-            nominal,
-            truth: profile.truth(&nominal),
-            scatter: profile.scatter(),
-            sensors: profile.sensors(),
-            design: Design { n_pushes: 3, travel: 0.02, ..Design::default() },
-            ..GenerateSettings::default()
-        }
+        let design = Design { n_pushes: 3, travel: 0.02, ..Design::default() };
+        GenerateSettings { object, design, ..profile.settings() }
     }
 
     #[test]

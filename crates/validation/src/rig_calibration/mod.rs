@@ -1,6 +1,7 @@
 //! `cargo xtask rig-calibration`: a simulated rig beside what was measured on real ones.
 
 mod described;
+mod put_back;
 mod repeats;
 mod row;
 mod scatter;
@@ -37,6 +38,9 @@ pub struct Args {
     /// Repeats of one push on each surface; 0 for none
     #[arg(long, value_name = "N", default_value_t = 300)]
     repeats: usize,
+    /// Leave out the table of steps
+    #[arg(long)]
+    repeats_alone: bool,
     /// Leave out the learning curves
     #[arg(long)]
     quick: bool,
@@ -59,11 +63,12 @@ struct Rig {
 /// Files that cannot be read; a push that cannot be simulated; a model that cannot be learned.
 pub fn run(args: &Args) -> Result<()> {
     let measured = match &args.data {
-        Some(data) => measured(data, args.quick)?,
-        None => None,
+        Some(data) if !args.repeats_alone => measured(data, args.quick)?,
+        _ => None,
     };
+    let seeds = if args.repeats_alone { &[] } else { &args.seeds[..] };
     let rig = Rig::of(&args.rig, args.with.as_deref())?;
-    let simulated = args.seeds.iter().map(|&seed| {
+    let simulated = seeds.iter().map(|&seed| {
         let steps = table::simulated(&rig, seed)?;
         Described::of(&steps, args.quick).with_context(|| format!("seed {seed}"))
     });

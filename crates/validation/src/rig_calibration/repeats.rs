@@ -3,22 +3,27 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use plant::{Design, GenerateSettings, Layout, PlannedPush, Scatter, simulate};
+use nalgebra::Rotation2;
+use planar::{Pose, wrap_angle};
+use plant::{GenerateSettings, Layout, PlannedPush, Scatter, Truth, simulate};
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use super::Rig;
 use super::described::median;
+use super::put_back::put_back;
 use super::row::Row;
 
 /// Published scatter of the end of 2000 repeats of a push: position in mm, turn in °.
 const PUBLISHED: [(&str, f64, f64); 4] =
     [("abs", 5.5, 3.2), ("delrin", 3.4, 1.3), ("plywood", 8.1, 4.2), ("pu", 11.7, 4.5)];
-/// The push: its place on the edge, its way in m, its speed in m/s. Which one was repeated is not
-/// published; this one begins in the middle of an edge.
-const P: f64 = 0.5;
+/// The push, as the program that collected the data had it (`peterkty/pnpush`): its place on the edge,
+/// along the normal, its way in m, its speed in m/s. Repeats are alike for the object; on the table they
+/// begin where the last one left it, or where the robot dragged it back to.
+const P: f64 = 0.7;
 const WAY: f64 = 0.15;
 const SPEED: f64 = 0.02;
-/// How exactly an object is put back to where it was, in m.
-const SITE_SD: f64 = 3e-3;
+/// Repeats of one rig have seeds of their own, so many at most.
+const SEEDS: u64 = 100_000;
 /// Width of a mode, over the standard deviation, and its height over the highest.
 const WIDTH: f64 = 0.2;
 const HEIGHT: f64 = 0.1;
@@ -28,7 +33,7 @@ pub(super) fn rows(with: Option<&Path>, seeds: &[u64], n: usize) -> Result<Vec<R
     let mut rows = Vec::new();
     for (surface, position, turn) in PUBLISHED {
         let rig = Rig::of(surface, with)?;
-        let ends = seeds.iter().map(|&seed| End::of(&rig, seed, n).context(surface));
+        let ends = seeds.par_iter().map(|&seed| End::of(&rig, seed, n).context(surface));
         let ends = ends.collect::<Result<Vec<_>>>()?;
         let middle = |value: fn(&End) -> f64| median(ends.iter().map(value).collect());
         let name = format!("repeats on {surface}");
@@ -47,37 +52,42 @@ struct End {
     modes: f64,
 }
 
+/// The push of an object that lies there: the tip's path is planned from where the object is seen.
+fn push_from(pose: &Pose) -> PlannedPush {
+    PlannedPush {
+        edge: 0,
+        p: P,
+        angle: 0.0,
+        speed: SPEED,
+        travel: WAY,
+        place: [pose.position.x, pose.position.y, wrap_angle(pose.angle)],
+        session: 0,
+        repeat: "a".into(),
+    }
+}
+
 impl End {
     fn of(rig: &Rig, seed: u64, n: usize) -> Result<Self> {
-        let push = PlannedPush {
-            edge: 1,
-            p: P,
-            angle: 0.0,
-            speed: SPEED,
-            travel: WAY,
-            place: [0.0; 3],
-            session: 0,
-            repeat: "a".into(),
-        };
-        let settings = GenerateSettings {
+        let mut settings = GenerateSettings {
             nominal: rig.nominal,
-            truth: rig.truth.clone(),
-            scatter: Scatter { site_sd: rig.scatter.site_sd.min(SITE_SD), ..rig.scatter },
+            truth: Truth { texture_seed: seed, ..rig.truth.clone() },
+            scatter: Scatter { site_sd: 0.0, ..rig.scatter },
             sensors: rig.sensors,
-            design: Design {
-                layout: Layout::List(vec![push; n]),
-                n_pushes: 0,
-                ..Design::default()
-            },
-            seed,
             ..GenerateSettings::default()
         };
-        let ends = simulate(&settings)?.into_iter().map(|push| {
+        let (mut ends, mut pose) = (Vec::new(), Pose::default());
+        for repeat in 0..n as u64 {
+            settings.seed = SEEDS * seed + repeat;
+            settings.design.layout = Layout::List(vec![push_from(&pose)]);
+            settings.design.n_pushes = 0;
+            let push = simulate(&settings)?.pop().context("a push was made")?;
             let end = push.trajectory.end_pose();
-            let moved = end.position - push.start.position;
-            [1e3 * moved.x, 1e3 * moved.y, (end.angle - push.start.angle).to_degrees()]
-        });
-        let ends: Vec<[f64; 3]> = ends.collect();
+            let turned_back = Rotation2::new(-push.start.angle);
+            let moved = turned_back * (end.position - push.start.position);
+            let turned = (end.angle - push.start.angle).to_degrees();
+            ends.push([1e3 * moved.x, 1e3 * moved.y, turned]);
+            pose = put_back(&push.start, &end, &rig.truth.table_grain);
+        }
         let sd = |axis: usize| {
             let mean = ends.iter().map(|end| end[axis]).sum::<f64>() / n as f64;
             let squares = ends.iter().map(|end| (end[axis] - mean).powi(2)).sum::<f64>();
