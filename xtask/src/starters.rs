@@ -71,6 +71,11 @@ const STARTERS: &[Starter] = &[
         package: "studies",
         about: "Put the simulated table of the thesis' design beside a measured one, in docs/",
     },
+    Starter {
+        task: "thesis-claims",
+        package: "studies",
+        about: "Judge the thesis' claims on real, rough and quiet pushes side by side, in docs/",
+    },
 ];
 
 /// The task of this name, if another crate does it.

@@ -9,5 +9,6 @@ pub mod real_data;
 mod residual_grid;
 pub mod samples;
 pub mod simulated_and_real;
+pub mod thesis_claims;
 
 pub use held_out::quantile;

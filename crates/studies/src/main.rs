@@ -3,7 +3,9 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use studies::{effects_atlas, figures, real_comparison, real_data, samples, simulated_and_real};
+use studies::{
+    effects_atlas, figures, real_comparison, real_data, samples, simulated_and_real, thesis_claims,
+};
 
 /// Tasks of the project, which `cargo xtask` starts by their names.
 #[derive(Parser)]
@@ -21,6 +23,7 @@ enum Task {
     ReproduceFigures(figures::Args),
     Samples(samples::Args),
     SimulatedAndReal(simulated_and_real::Args),
+    ThesisClaims(thesis_claims::Args),
 }
 
 fn main() -> ExitCode {
@@ -31,6 +34,7 @@ fn main() -> ExitCode {
         Task::ReproduceFigures(args) => figures::run(&args),
         Task::Samples(args) => samples::run(&args),
         Task::SimulatedAndReal(args) => simulated_and_real::run(&args),
+        Task::ThesisClaims(args) => thesis_claims::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,7 +1,9 @@
 //! The one list of all figures.
 
 use anyhow::Result;
+use report::Claim;
 
+use super::claims::untestable;
 use super::inputs::Inputs;
 use super::sketch::Sketch;
 use super::{comparison, learning, mechanics, missing, models, motion, recordings};
@@ -13,7 +15,7 @@ pub(crate) struct Entry {
     pub(crate) chapter: Chapter,
     pub(crate) title: &'static str,
     pub(crate) draw: fn(&Inputs) -> Result<Sketch>,
-    /// The claims that it settles, for data from which it cannot be drawn.
+    /// The claims that it settles.
     pub(crate) claims: &'static [&'static str],
 }
 
@@ -84,6 +86,11 @@ impl Entry {
         self.claims = claims;
         self
     }
+
+    /// Its claims on data that lack something.
+    pub(crate) fn untestable(&self, lacking: &str) -> Vec<Claim> {
+        self.claims.iter().map(|claim| untestable(claim, lacking)).collect()
+    }
 }
 
 /// All figures, in the order of the thesis.
@@ -101,9 +108,11 @@ pub(crate) const ALL: &[Entry] = &[
         Chapter::Mechanics,
         "the ellipsoid beside the exact surface",
         mechanics::ellipsoid::draw,
-    ),
+    )
+    .settles(&mechanics::ellipsoid::CLAIMS),
     entry("2.10", Chapter::Mechanics, "sticking and sliding", mechanics::stick_slide::draw),
-    entry("2.11", Chapter::Mechanics, "the analytical push", mechanics::analytical::draw),
+    entry("2.11", Chapter::Mechanics, "the analytical push", mechanics::analytical::draw)
+        .settles(&mechanics::analytical::CLAIMS),
     entry("3.1", Chapter::Learning, "functions from three priors", learning::prior::draw),
     entry("3.2", Chapter::Learning, "posterior and density of data", learning::posterior::draw),
     entry("4.3", Chapter::Recordings, "two recorded pushes", recordings::two_pushes::draw),

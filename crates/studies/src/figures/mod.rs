@@ -12,7 +12,7 @@ mod motion;
 mod quartiles;
 mod recordings;
 mod sketch;
-pub(crate) mod thesis_design;
+mod thesis_design;
 
 use std::fs;
 use std::num::NonZeroUsize;
@@ -29,6 +29,8 @@ use inputs::{Inputs, Lacking};
 use sketch::Sketch;
 use validation::workspace_root;
 
+pub(crate) use thesis_design::{named, rigs, thesis_design};
+
 /// Draw the thesis' figures on one offline page.
 #[derive(clap::Args)]
 pub struct Args {
@@ -38,6 +40,9 @@ pub struct Args {
     /// Recording set or table of steps to draw from; without it the thesis' design, simulated once
     #[arg(long, value_name = "PATH")]
     data: Option<PathBuf>,
+    /// How rough the simulated rig of the thesis' design is
+    #[arg(long, value_name = "NAME", default_value = "quiet", value_parser = rigs())]
+    rig: String,
     /// The 60 pushes of fixtures/pushes and fewer repetitions, for a first look
     #[arg(long)]
     quick: bool,
@@ -60,7 +65,7 @@ pub fn run(args: &Args) -> Result<()> {
         None if args.quick || !entries.iter().any(|entry| entry.chapter.needs_data()) => {
             Inputs::fixtures(args.quick)?
         }
-        None => Inputs::at_speeds(&thesis_design::thesis_design()?)?,
+        None => Inputs::at_speeds(&thesis_design(named(&args.rig)?)?)?,
     };
     let out = workspace_root().join(&args.output);
     fs::create_dir_all(&out).with_context(|| format!("cannot create {}", out.display()))?;
@@ -110,10 +115,36 @@ fn draw_all(
     Ok(drawn)
 }
 
+/// Every claim as these data settle it, in the order of the figures; a figure that fails on them settles
+/// none, and its claims tell why.
+///
+/// # Errors
+/// If no threads can be started.
+pub(crate) fn settled(inputs: &Inputs) -> Result<Vec<Claim>> {
+    let settling: Vec<_> = ALL.iter().filter(|entry| !entry.claims.is_empty()).collect();
+    let settle = |entry: &&Entry| match sketch(entry, inputs) {
+        Ok(Ok(sketch)) => sketch.claims,
+        Ok(Err(lacking)) => entry.untestable(&lacking),
+        Err(error) => entry.untestable(&format!("figure {}: {error:#}", entry.id)),
+    };
+    // In a pool of their own, as they wait for what is ingested in the common one.
+    let pool = ThreadPoolBuilder::new().build()?;
+    let claims: Vec<Vec<Claim>> = pool.install(|| settling.par_iter().map(settle).collect());
+    Ok(claims.into_iter().flatten().collect())
+}
+
+/// A figure, or what the data lack for it.
+fn sketch(entry: &Entry, inputs: &Inputs) -> Result<Result<Sketch, String>> {
+    match (entry.draw)(inputs) {
+        Ok(sketch) => Ok(Ok(sketch)),
+        Err(error) => Ok(Err(error.downcast::<Lacking>()?.to_string())),
+    }
+}
+
 fn draw(entry: &Entry, inputs: &Inputs, out: &Path) -> Result<Outcome> {
-    let sketch = match (entry.draw)(inputs) {
+    let sketch = match sketch(entry, inputs)? {
         Ok(sketch) => sketch,
-        Err(error) => return Ok(Outcome::Lacking(error.downcast::<Lacking>()?.to_string())),
+        Err(lacking) => return Ok(Outcome::Lacking(lacking)),
     };
     let Sketch { figure, data, caption, alt, claims } = sketch;
     let figure = figure.named(&format!("Figure {}: {}", entry.id, entry.title));
@@ -145,7 +176,7 @@ fn page(entries: &[&Entry], outcomes: Vec<Outcome>, inputs: &Inputs, args: &Args
                 settled.extend(own);
             }
             Outcome::Lacking(reason) => {
-                settled.extend(entry.claims.iter().map(|claim| claims::untestable(claim, &reason)));
+                settled.extend(entry.untestable(&reason));
                 lacking.push(vec![format!("{}: {}", entry.id, entry.title), reason]);
             }
         }
@@ -174,6 +205,9 @@ fn arguments(args: &Args) -> String {
     }
     if let Some(data) = &args.data {
         words.push(format!("--data {}", data.display()));
+    }
+    if args.data.is_none() && !args.quick {
+        words.push(format!("--rig {}", args.rig));
     }
     if args.quick {
         words.push("--quick".to_owned());

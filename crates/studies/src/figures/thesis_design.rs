@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
+use clap::builder::PossibleValuesParser;
 use indicatif::{ProgressBar, ProgressStyle};
-use plant::{Design, GenerateSettings, Layout, SetOutput, generate_each};
+use plant::{Design, GenerateSettings, Layout, Profile, SetOutput, generate_each};
 
-use validation::fixtures::rig;
+use validation::fixtures::rig_of;
 use validation::made_once::{key, made_once};
 use validation::workspace_root;
 
@@ -16,40 +17,53 @@ const SPEEDS_MM_S: [u32; 5] = [20, 50, 100, 200, 400];
 const PUSHES_PER_SPEED: u64 = 4 * 11 * 9;
 /// The tip rests this long before and after it moves, in s.
 const RESTS: [f64; 2] = [0.5, 0.5];
-/// Where the sets are kept, below `target/`.
+/// Where the sets are kept, below `target/`, with the name of the rig.
 const FOLDER: &str = "thesis-design";
 
-/// The recording sets of the design, the slowest first: kept ones, if settings and sources are still
-/// the same and no file is damaged, else new ones.
+/// The recording sets of the design on a rig, the slowest first: kept ones, if settings and sources
+/// are still the same and no file is damaged, else new ones.
 ///
 /// # Errors
 /// A push that cannot be simulated; files that cannot be read or written.
-pub(crate) fn thesis_design() -> Result<Vec<PathBuf>> {
-    let settings: Vec<_> = SPEEDS_MM_S.iter().map(|&speed| settings(speed)).collect();
-    let target = workspace_root().join("target");
-    made_once(&target.join(FOLDER), &key(&settings)?, |folder| simulate(&settings, folder))?;
-    Ok(SPEEDS_MM_S.iter().map(|&speed| target.join(FOLDER).join(set_name(speed))).collect())
+pub(crate) fn thesis_design(profile: &Profile) -> Result<Vec<PathBuf>> {
+    let settings: Vec<_> = SPEEDS_MM_S.iter().map(|&speed| settings(profile, speed)).collect();
+    let folder = workspace_root().join("target").join(format!("{FOLDER}-{}", profile.name));
+    made_once(&folder, &key(&settings)?, |part| simulate(&settings, profile.name, part))?;
+    Ok(SPEEDS_MM_S.iter().map(|&speed| folder.join(set_name(speed))).collect())
+}
+
+/// The names of the rigs, for a command line.
+pub(crate) fn rigs() -> PossibleValuesParser {
+    PossibleValuesParser::new(Profile::all().iter().map(|profile| profile.name))
+}
+
+/// The rig of a name.
+///
+/// # Errors
+/// A name that no rig has.
+pub(crate) fn named(rig: &str) -> Result<&'static Profile> {
+    Profile::named(rig).with_context(|| format!("there is no rig `{rig}`"))
 }
 
 fn set_name(speed_mm_s: u32) -> String {
     format!("{speed_mm_s}-mm-s")
 }
 
-fn settings(speed_mm_s: u32) -> GenerateSettings {
+fn settings(profile: &Profile, speed_mm_s: u32) -> GenerateSettings {
     let speeds = vec![1e-3 * f64::from(speed_mm_s)];
-    let rig = rig();
+    let rig = rig_of(profile);
     let layout = Layout::Thesis;
     GenerateSettings {
-        name: format!("the thesis' design at {speed_mm_s} mm/s, simulated"),
+        name: format!("the thesis' design at {speed_mm_s} mm/s, simulated, {}", profile.name),
         design: Design { layout, n_pushes: 0, speeds, rests: RESTS, ..Design::default() },
         seed: rig.seed + u64::from(speed_mm_s),
         ..rig
     }
 }
 
-fn simulate(settings: &[GenerateSettings], folder: &Path) -> Result<()> {
+fn simulate(settings: &[GenerateSettings], rig: &str, folder: &Path) -> Result<()> {
     let n_pushes = PUSHES_PER_SPEED * settings.len() as u64;
-    eprintln!("simulating the thesis' {n_pushes} pushes once, for target/{FOLDER}");
+    eprintln!("simulating the thesis' {n_pushes} pushes once, for target/{FOLDER}-{rig}");
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} pushes, {eta} left")?;
     let bar = ProgressBar::new(n_pushes).with_style(style);
     for (settings, speed) in settings.iter().zip(SPEEDS_MM_S) {
@@ -62,14 +76,19 @@ fn simulate(settings: &[GenerateSettings], folder: &Path) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::{PUSHES_PER_SPEED, SPEEDS_MM_S, settings};
+    use super::{PUSHES_PER_SPEED, Profile, SPEEDS_MM_S, settings};
     use validation::made_once::key;
 
     #[test]
     fn the_key_tells_settings_apart() {
-        let all: Vec<_> = SPEEDS_MM_S.iter().map(|&speed| settings(speed)).collect();
-        assert_eq!(PUSHES_PER_SPEED * all.len() as u64, 1980);
-        assert_eq!(key(&all).unwrap(), key(&all).unwrap());
-        assert_ne!(key(&all).unwrap(), key(&all[1..]).unwrap());
+        let all = |rig: &str| {
+            let profile = Profile::named(rig).unwrap();
+            SPEEDS_MM_S.map(|speed| settings(profile, speed))
+        };
+        let rough = all("rough");
+        assert_eq!(PUSHES_PER_SPEED * rough.len() as u64, 1980);
+        assert_eq!(key(&rough).unwrap(), key(&all("rough")).unwrap());
+        assert_ne!(key(&rough).unwrap(), key(&rough[1..]).unwrap());
+        assert_ne!(key(&rough).unwrap(), key(&all("quiet")).unwrap());
     }
 }

@@ -12,7 +12,7 @@ use anyhow::{Context, Result};
 
 use crate::figures::inputs::Inputs;
 use crate::figures::models::steps::Steps;
-use crate::figures::thesis_design::thesis_design;
+use crate::figures::{named, rigs, thesis_design};
 use described::Described;
 use validation::workspace_root;
 
@@ -26,6 +26,9 @@ pub struct Args {
     /// simulated numbers are printed alone, and nothing is written
     #[arg(long, value_name = "PATH")]
     data: Option<PathBuf>,
+    /// How rough the simulated rig is
+    #[arg(long, value_name = "NAME", default_value = "quiet", value_parser = rigs())]
+    rig: String,
     /// Folder for the page and its picture
     #[arg(short, long, value_name = "DIR", default_value = "docs", alias = "out")]
     output: PathBuf,
@@ -36,7 +39,8 @@ pub struct Args {
 /// # Errors
 /// Data that cannot be read; a model that cannot be learned; a file that cannot be written.
 pub fn run(args: &Args) -> Result<()> {
-    let slowest = thesis_design()?.into_iter().next().context("a design has a slowest speed")?;
+    let sets = thesis_design(named(&args.rig)?)?;
+    let slowest = sets.into_iter().next().context("a design has a slowest speed")?;
     let simulated = Steps::of(&Inputs::open(&slowest, false)?)?;
     let described = Described::of("simulated", &simulated)?;
     let Some(path) = &args.data else {

@@ -28,6 +28,12 @@ const MAPS: [Map; 3] = [
     ("Δθ, counter-clockwise", "Δθ / °", ColorMap::Diverging, &[-2.0, -1.0, 0.0, 1.0, 2.0]),
 ];
 
+/// What this figure settles.
+pub(crate) const CLAIMS: [&str; 1] = [
+    "15. In the analytical model β > 0 gives Δy < 0 (positive to the left of the push); Δy depends \
+     mainly on β, Δθ mainly on p",
+];
+
 pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
     let steps = steps()?;
     let column = |k: usize| steps.iter().map(|step| step[k]).collect::<Vec<f64>>();
@@ -139,9 +145,7 @@ fn dependence(steps: &[[f64; 5]], dy: &MainEffects, dtheta: &MainEffects) -> Cla
         100.0 * dtheta.p,
         100.0 * dtheta.beta
     );
-    let claim = "15. In the analytical model β > 0 gives Δy < 0 (positive to the left of the push); \
-                 Δy depends mainly on β, Δθ mainly on p";
     let holds = share > 0.5 && dy.beta > 0.5 && dtheta.p > 0.5;
     let reason = "each share above one half; shares of variance over the map of figure 2.11";
-    judged(claim, value, holds, reason)
+    judged(CLAIMS[0], value, holds, reason)
 }

@@ -12,6 +12,10 @@ use crate::figures::claims::judged;
 use crate::figures::inputs::Inputs;
 use crate::figures::sketch::Sketch;
 
+/// What this figure settles.
+pub(crate) const CLAIMS: [&str; 1] =
+    ["3. c of the uniform square is a(√2 + ln(1 + √2))/6 ≈ 0.3826 a"];
+
 pub(crate) fn draw(_: &Inputs) -> Result<Sketch> {
     let square = Shape::square(SIDE)?;
     let ellipsoid = Ellipsoid::uniform(&square, 1.0)?;
@@ -114,9 +118,8 @@ fn characteristic_length(exact: &Patch) -> Result<Claim> {
         1e3 * SIDE,
         1e3 * share * SIDE
     );
-    let claim = "3. c of the uniform square is a(√2 + ln(1 + √2))/6 ≈ 0.3826 a";
     let holds = (c / (share * SIDE) - 1.0).abs() < 1e-9;
     let reason = "moment of friction while the square turns about its center, over its largest \
                   force; equal to a relative 1e-9";
-    Ok(judged(claim, value, holds, reason))
+    Ok(judged(CLAIMS[0], value, holds, reason))
 }
