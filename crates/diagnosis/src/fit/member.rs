@@ -1,9 +1,13 @@
 //! An effect whose parameters a fit moves.
 
+mod resting;
+
 use std::sync::Arc;
 
-use effects::{Coordinate, Effect, Object, Parameter, Rig, Role, StepInput, SupportSummary};
+use effects::{Coordinate, Effect, Object, Parameter, Rig, Role, StepInput};
 use nalgebra::{DMatrix, Vector2};
+
+use self::resting::is_part;
 
 /// Why an effect is moved, and what becomes of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -158,36 +162,6 @@ impl Member {
         place
     }
 
-    /// The same from other values, about an object. Of parts of the weight the largest is held, for they
-    /// count in proportion, and so is all of a point that bears nothing. The others are under the object.
-    pub(super) fn starting_from(mut self, values: Vec<f64>, object: &Arc<Object>) -> Self {
-        self.object = Some(object.clone());
-        let parts = self.parts();
-        let largest = parts.clone().max_by(|a, b| values[*a].total_cmp(&values[*b]));
-        for part in parts {
-            if Some(part) == largest || values[part] == 0.0 {
-                self.prior_sd[part] = 0.0;
-            }
-            let is_point = self.parameters()[part].role == Role::Part;
-            if is_point && values[part] == 0.0 {
-                self.prior_sd[part - 2..part].fill(0.0);
-            }
-        }
-        self.start = values;
-        self
-    }
-
-    /// Which numbers are parts of the weight.
-    fn parts(&self) -> impl Iterator<Item = usize> + Clone + use<> {
-        let parameters = self.parameters();
-        (0..parameters.len()).filter(|k| is_part(&parameters[*k]))
-    }
-
-    /// Whether it says how the weight is spread, of which single numbers mean little.
-    pub(super) fn is_mixture(&self) -> bool {
-        self.parts().next().is_some()
-    }
-
     /// How values follow the numbers in which the effect is moved.
     pub(super) fn value_slopes(&self, x: &[f64]) -> DMatrix<f64> {
         let values = self.values(x);
@@ -212,21 +186,6 @@ impl Member {
         slopes
     }
 
-    /// Center of friction and mean distance of the pressure from it, in m, of a place of its numbers; none
-    /// of an effect that does not say where the object rests.
-    pub(super) fn support(&self, x: &[f64]) -> Option<[f64; 3]> {
-        let object = self.object.as_ref().filter(|_| self.is_mixture())?;
-        let mut spots = Vec::new();
-        self.effect.spots(&self.values(x), object, &mut spots);
-        let SupportSummary { center_of_friction_o, mean_distance } = object.support_summary(&spots);
-        Some([center_of_friction_o.x, center_of_friction_o.y, mean_distance])
-    }
-
-    /// Whether it is one that is written.
-    pub(super) fn is_moved_mixture(&self) -> bool {
-        self.part != Part::Nuisance && self.is_mixture()
-    }
-
     /// Which numbers are limits, whose slopes are none.
     pub(super) fn thresholds(&self) -> Vec<usize> {
         let is = |k: &usize| self.parameters()[*k].role == Role::Threshold;
@@ -243,15 +202,7 @@ impl Member {
         };
         let mut residuals: Vec<f64> =
             coordinates.into_iter().zip(priors).map(prior_residual).collect();
-        if let Some(object) = &self.object {
-            for (k, parameter) in self.parameters().iter().enumerate() {
-                if matches!(parameter.role, Role::X(_)) {
-                    let outside = outside(object, &Vector2::new(values[k], values[k + 1]));
-                    residuals[k] += outside.x / OUTSIDE;
-                    residuals[k + 1] += outside.y / OUTSIDE;
-                }
-            }
-        }
+        self.add_strains_outside(values, &mut residuals);
         residuals
     }
 
@@ -314,21 +265,6 @@ impl Member {
     pub(super) fn switches(&self) -> Vec<bool> {
         self.parameters().iter().map(|parameter| parameter.role == Role::Switch).collect()
     }
-}
-
-/// How far a place is outside of an outline, in m.
-fn outside(object: &Object, place: &Vector2<f64>) -> Vector2<f64> {
-    match object.shape().contains(place) {
-        true => Vector2::zeros(),
-        false => place - object.shape().contact(place, 0.0).point,
-    }
-}
-
-/// Tolerance of outlines, in m.
-const OUTSIDE: f64 = 2e-4;
-
-fn is_part(parameter: &Parameter) -> bool {
-    matches!(parameter.role, Role::Part | Role::Cell)
 }
 
 /// Parts that are together the whole stand at so many times themselves.
