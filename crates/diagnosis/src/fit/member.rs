@@ -5,7 +5,7 @@ mod resting;
 use std::sync::Arc;
 
 use effects::{Coordinate, Effect, Object, Parameter, Rig, Role, StepInput};
-use nalgebra::{DMatrix, Vector2};
+use nalgebra::DMatrix;
 
 use self::resting::is_part;
 
