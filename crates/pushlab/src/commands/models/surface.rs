@@ -42,7 +42,8 @@ pub(crate) struct Args {
 
 const EXAMPLES: &str = "\
 Examples:
-  pushlab models surface wrench_twist_plywood.csv --shape rect1 --model nominal.toml -o rect1.toml";
+  pushlab models surface wrench_twist_plywood.csv --shape rect1 --model nominal.toml -o rect1.toml
+  pushlab models surface pairs.csv --shape hex -o - --quiet";
 
 /// How near each kind of surface is to the pairs.
 #[derive(Serialize)]
