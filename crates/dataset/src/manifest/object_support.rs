@@ -251,7 +251,7 @@ mod tests {
             ("support = \"feet\"", "one of ellipsoid, patch, points, map"),
             ("support = \"points\"", "three to six points"),
             ("support_points_m = [[0.0, 0.0]]", "support = \"points\" beside it"),
-            ("support = \"points\"\nsupport_points_m = [[0.0, 0.0]]", "got 1 points"),
+            ("support = \"points\"\nsupport_points_m = [[0.0, 0.0]]", "1 points is not allowed"),
             (
                 "support = \"points\"\nsupport_points_m = [[40, 0], [-40, 30], [-40, -30]]",
                 "inside the outline",
