@@ -14,6 +14,8 @@ use crate::{Analytical, Base, CharacteristicLength, Description, ModelError, Sur
 
 /// The expected motion of a step and its covariance over pushes.
 pub type MotionOverPushes = (Vector3<f64>, Matrix3<f64>);
+/// The motion of a step for certain values of what differs from push to push, each with its weight.
+pub type WeightedMotions = Vec<(f64, Vector3<f64>)>;
 
 /// An analytical model with its effects on a table: motion, contact force and contact gap.
 ///
@@ -101,7 +103,7 @@ impl ChannelModel {
         &self,
         steps: impl IntoIterator<Item = &'a StepInput>,
     ) -> Result<Vec<MotionOverPushes>, ModelError> {
-        let over_pushes = |values: Vec<(f64, Vector3<f64>)>| {
+        let over_pushes = |values: WeightedMotions| {
             let mean: Vector3<f64> = values.iter().map(|(weight, motion)| *weight * motion).sum();
             let square = |(weight, motion): &(f64, Vector3<f64>)| {
                 let off = motion - mean;
@@ -120,7 +122,7 @@ impl ChannelModel {
     pub fn motions_of_pushes<'a>(
         &self,
         steps: impl IntoIterator<Item = &'a StepInput>,
-    ) -> Result<Vec<Vec<(f64, Vector3<f64>)>>, ModelError> {
+    ) -> Result<Vec<WeightedMotions>, ModelError> {
         let motion = |channels: &Channels| Vector3::new(channels.dx, channels.dy, channels.dtheta);
         self.of_each(steps, |physics, step| {
             let varied = physics.predict_varied(step)?;
