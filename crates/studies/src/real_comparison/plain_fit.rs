@@ -37,13 +37,14 @@ pub(super) fn fit(
             model.effects.push(ModelEffect::from(Setting::new(about, &off)));
         }
     }
+    let settings = FitSettings {
+        priors: false,
+        intervals: false,
+        resemblances: false,
+        ..FitSettings::default()
+    };
     let noise = NoiseModel::learn(&model, &[], observations)?;
-    Ok(fit_with_noise(observations, &model, free, &noise, &plain())?)
-}
-
-/// Estimates alone, of which none is a prior.
-pub(super) fn plain() -> FitSettings {
-    FitSettings { priors: false, intervals: false, resemblances: false, ..FitSettings::default() }
+    Ok(fit_with_noise(observations, &model, free, &noise, &settings)?)
 }
 
 /// The points of a model that has them: x and y in m, and the share.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use dataset::{ObjectChoice, StepRow, TableMapping};
-use diagnosis::{MotionErrors, Observations, SpreadFit, fit, fit_per_push};
+use diagnosis::{FitSettings, MotionErrors, Observations, fit_per_push};
 use effects::{Effect, FrictionCenterOffset, Setting};
 use models::{
     Analytical, ChannelModel, ChannelObservation, Description, ModelEffect, PushModel,
@@ -13,7 +13,7 @@ use models::{
 };
 use report::{Color, Ellipse, Figure, Panel, Points, Polygon};
 
-use super::plain_fit::{feet, fitted, plain};
+use super::plain_fit::{feet, fitted};
 
 /// Which rows of a table without ids are steps of one push: `runs.csv` beside it, a line for each row.
 #[derive(serde::Deserialize)]
@@ -24,26 +24,13 @@ struct Run {
 }
 
 /// What is added one after the other, and the words for it.
-const STEPS: [(&str, Added); 5] = [
-    ("μp and c fitted", Added::Fitted(&["pusher-friction", "pressure-radius"])),
-    ("four support points instead of c", Added::Fitted(&["pusher-friction", "support-points"])),
-    ("and the tip caught at a vertex", Added::Fitted(&ALL)),
-    ("and a center of friction that differs from push to push", Added::Spread),
-    ("and all of it fitted under that", Added::Refitted(&ALL)),
+const STEPS: [(&str, &[&str]); 4] = [
+    ("μp and c fitted", &["pusher-friction", "pressure-radius"]),
+    ("four support points instead of c", &["pusher-friction", "support-points"]),
+    ("and the tip caught at a vertex", &["pusher-friction", "support-points", "vertex-contact"]),
+    ("and a center of friction that differs from push to push", &[]),
 ];
-const ALL: [&str; 3] = ["pusher-friction", "support-points", "vertex-contact"];
 const TAILS: f64 = 4.0;
-
-/// How a model comes from the one before it.
-#[derive(Clone, Copy)]
-enum Added {
-    /// By a fit with the noise that steps show.
-    Fitted(&'static [&'static str]),
-    /// By how much its center of friction differs from push to push.
-    Spread,
-    /// By a fit with the errors that pushes then have, and by how much the center differs once more.
-    Refitted(&'static [&'static str]),
-}
 
 /// What is left of the errors with everything up to one of [`STEPS`], on pushes that no fit has seen.
 #[derive(Clone, Copy, Default)]
@@ -106,23 +93,18 @@ impl Supports {
     fn add(&mut self, table: &Table, train: &[usize], held: &[usize]) -> Result<()> {
         let (fitted_to, tested) = (table.part(train)?, table.part(held)?);
         let mut model = Analytical::nominal(table.mapping.pusher.friction)?.describe()?;
-        for (step, (_, added)) in STEPS.iter().enumerate() {
-            model = match added {
-                Added::Fitted(free) => fitted(&fitted_to, model, free)?,
-                Added::Spread => {
+        for (step, (_, free)) in STEPS.iter().enumerate() {
+            model = match free.is_empty() {
+                true => {
                     let about = FrictionCenterOffset.info();
                     model.effects.push(ModelEffect::from(Setting::new(about, &[0.0, 0.0])));
-                    spread(&fitted_to, &model)?.description
-                }
-                Added::Refitted(free) => {
-                    let errors = MotionErrors::learn(&fitted_to, &model, &[], Some(TAILS))?;
-                    let whitening = errors.whitening(&fitted_to, &model, &[])?;
-                    let found = fit(&fitted_to, &model, free, &whitening, &plain())?;
-                    let found = spread(&fitted_to, &found.description)?;
+                    let settings = FitSettings::default();
+                    let found = fit_per_push(&fitted_to, &model, about.id, &settings)?;
                     let effects::Spread::Sd(sd) = found.spread else { unreachable!("a place") };
                     self.spreads.push(sd);
                     found.description
                 }
+                false => fitted(&fitted_to, model, free)?,
             };
             let left = &mut self.left[step];
             for (square, more) in left.squares.iter_mut().zip(table.squares(&model, held)?) {
@@ -258,9 +240,4 @@ impl Table {
         }
         Ok(sums)
     }
-}
-
-/// How much the center of friction differs.
-fn spread(observations: &Observations, model: &Description) -> Result<SpreadFit> {
-    Ok(fit_per_push(observations, model, FrictionCenterOffset.info().id, &plain())?)
 }
