@@ -167,7 +167,7 @@ impl Supports {
     }
 }
 
-const HEAD: &str = "\
+const HEAD: &str = "
 ## Physics alone on the one-step pushes
 
 Where the square rests and what else a push meets, added one after the other and fitted to four of five
