@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use effects::Effect;
 use models::{ChannelModel, Description};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
-use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, Vector3};
+use rayon::prelude::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use crate::{DiagnosisError, Observations, Whitening};
 
@@ -42,7 +42,7 @@ impl MotionErrors {
     /// Those under which the motions of all pushes are likeliest.
     ///
     /// # Errors
-    /// `Model` for what a prediction refuses.
+    /// `Model` for what a prediction refuses; `NotACovariance` for a push whose numbers overflow.
     ///
     /// # Source
     /// Expectation–maximisation: Lange, Little & Taylor (1989), Robust statistical modeling using the t
@@ -53,7 +53,7 @@ impl MotionErrors {
         own: &[Arc<dyn Effect>],
         tails: Option<f64>,
     ) -> Result<Self, DiagnosisError> {
-        Ok(Self::of_missed(&missed(observations, model, own)?, tails))
+        Self::of_missed(&missed(observations, model, own)?, tails)
     }
 
     /// The log density of each push's motions together, in nats of m, m and rad; 0 where none is
@@ -67,7 +67,7 @@ impl MotionErrors {
         model: &Description,
         own: &[Arc<dyn Effect>],
     ) -> Result<Vec<f64>, DiagnosisError> {
-        Ok(self.of_each(&missed(observations, model, own)?))
+        self.of_each(&missed(observations, model, own)?)
     }
 
     /// The covariance of motions about a model's, to fit it with.
@@ -88,7 +88,7 @@ impl MotionErrors {
         Whitening::new(all.iter().map(covariance))
     }
 
-    pub(super) fn of_missed(all: &[Missed], tails: Option<f64>) -> Self {
+    pub(super) fn of_missed(all: &[Missed], tails: Option<f64>) -> Result<Self, DiagnosisError> {
         let n_steps = all.iter().map(Missed::n_steps).sum::<usize>().max(1) as f64;
         let n_pushes = all.iter().filter(|missed| missed.n_steps() > 0).count().max(1) as f64;
         let square: Matrix3<f64> =
@@ -96,10 +96,10 @@ impl MotionErrors {
         let whole = square / n_steps + LEAST * Matrix3::identity();
         let mut found = Self { rest: (1.0 - SHARE) * whole, shared: SHARE * whole, tails };
         for _ in 0..ROUNDS {
-            let expected: Vec<[Matrix3<f64>; 2]> =
-                all.par_iter().filter_map(|missed| found.expected(missed)).collect();
+            let of_push = |(push, missed)| found.expected(push, missed);
+            let expected = all.par_iter().enumerate().map(of_push);
             let [mut rest, mut shared] = [Matrix3::zeros(); 2];
-            for of_push in expected {
+            for of_push in expected.collect::<Result<Vec<_>, _>>()? {
                 rest += of_push[0];
                 shared += of_push[1];
             }
@@ -108,7 +108,11 @@ impl MotionErrors {
             };
             (found.rest, found.shared) = (mean(rest, n_steps), mean(shared, n_pushes));
         }
-        found
+        Ok(found)
+    }
+
+    fn factor(&self, push: usize, missed: &Missed) -> Result<Cholesky<f64, Dyn>, DiagnosisError> {
+        self.covariance(missed).cholesky().ok_or(DiagnosisError::NotACovariance { push })
     }
 
     /// The covariance of a push's errors.
@@ -127,13 +131,13 @@ impl MotionErrors {
     }
 
     /// Expected squares of a push's errors: the sum of those that steps have alone, and of what they
-    /// share.
-    fn expected(&self, missed: &Missed) -> Option<[Matrix3<f64>; 2]> {
+    /// share; nothing of a push without steps.
+    fn expected(&self, push: usize, missed: &Missed) -> Result<[Matrix3<f64>; 2], DiagnosisError> {
         let n = missed.n_steps();
         if n == 0 {
-            return None;
+            return Ok([Matrix3::zeros(); 2]);
         }
-        let inverse = self.covariance(missed).cholesky()?.inverse();
+        let inverse = self.factor(push, missed)?.inverse();
         let pulled = &inverse * &missed.miss;
         let square = missed.miss.dot(&pulled);
         let weight = self.tails.map_or(1.0, |tails| (tails + 3.0 * n as f64) / (tails + square));
@@ -151,19 +155,19 @@ impl MotionErrors {
         }
         let common = self.shared * pull;
         let known = self.shared * all * self.shared;
-        Some([rest, weight * common * common.transpose() + self.shared - known])
+        Ok([rest, weight * common * common.transpose() + self.shared - known])
     }
 
-    pub(super) fn of_each(&self, all: &[Missed]) -> Vec<f64> {
-        all.par_iter().map(|missed| self.of_push(missed).unwrap_or_default()).collect()
+    pub(super) fn of_each(&self, all: &[Missed]) -> Result<Vec<f64>, DiagnosisError> {
+        all.par_iter().enumerate().map(|(push, missed)| self.of_push(push, missed)).collect()
     }
 
-    fn of_push(&self, missed: &Missed) -> Option<f64> {
+    fn of_push(&self, push: usize, missed: &Missed) -> Result<f64, DiagnosisError> {
         let n = missed.miss.len() as f64;
-        let factor = self.covariance(missed).cholesky()?;
+        let factor = self.factor(push, missed)?;
         let square = missed.miss.dot(&factor.solve(&missed.miss));
         let spread = 0.5 * factor.ln_determinant();
-        Some(match self.tails {
+        Ok(match self.tails {
             None => -0.5 * n * TAU.ln() - spread - 0.5 * square,
             Some(tails) => {
                 let norm = libm::lgamma(0.5 * (tails + n)) - libm::lgamma(0.5 * tails);
@@ -249,14 +253,14 @@ mod tests {
     #[test]
     fn what_a_push_shares_is_told_from_what_a_step_has_alone() {
         let (alone, shared) = ([1e-4, 2e-4, 3e-3], [2e-4, 1e-4, 6e-3]);
-        let found = MotionErrors::of_missed(&pushes(600, 4, alone, shared), None);
+        let found = MotionErrors::of_missed(&pushes(600, 4, alone, shared), None).unwrap();
         for (found, truth) in [(found.rest, alone), (found.shared, shared)] {
             for k in 0..3 {
                 assert!((found[(k, k)].sqrt() / truth[k] - 1.0).abs() < 0.08, "{found} {truth:?}");
             }
         }
         // What has nothing in common is not said to.
-        let found = MotionErrors::of_missed(&pushes(600, 4, alone, [0.0; 3]), None);
+        let found = MotionErrors::of_missed(&pushes(600, 4, alone, [0.0; 3]), None).unwrap();
         assert!((0..3).all(|k| found.shared[(k, k)] < 0.05 * found.rest[(k, k)]), "{found:?}");
     }
 
@@ -271,16 +275,25 @@ mod tests {
             miss: whole.miss.rows(3 * k, 3).into_owned(),
             varied: DMatrix::zeros(3, 1),
         };
-        let sum: f64 = (0..3).map(|k| alone.of_push(&step(k)).unwrap()).sum();
-        assert!((alone.of_push(whole).unwrap() - sum).abs() < 1e-9);
+        let sum: f64 = (0..3).map(|k| alone.of_push(k, &step(k)).unwrap()).sum();
+        assert!((alone.of_push(0, whole).unwrap() - sum).abs() < 1e-9);
         // What differs by one number is an error that is shared.
         let varied = DMatrix::from_fn(9, 1, |row, _| if row % 3 == 0 { 2e-4 } else { 0.0 });
         let differs = Missed { varied, miss: whole.miss.clone(), steps: whole.steps.clone() };
         let common = errors(Matrix3::from_diagonal(&Vector3::new(4e-8, 0.0, 0.0)));
-        let [one, other] = [alone.of_push(&differs), common.of_push(whole)].map(Option::unwrap);
+        let [one, other] =
+            [alone.of_push(0, &differs), common.of_push(0, whole)].map(Result::unwrap);
         assert!((one - other).abs() < 1e-9, "{one} {other}");
         // Many degrees of freedom are a normal distribution.
         let t = MotionErrors { tails: Some(1e7), ..common };
-        assert!((t.of_push(whole).unwrap() - other).abs() < 1e-4);
+        assert!((t.of_push(0, whole).unwrap() - other).abs() < 1e-4);
+    }
+
+    #[test]
+    fn numbers_that_overflow_are_no_density_of_nothing() {
+        let mut pushes = pushes(3, 2, [1e-4; 3], [1e-4; 3]);
+        pushes[1].varied.fill(1e200);
+        let refused = MotionErrors::of_missed(&pushes, None).unwrap_err();
+        assert!(matches!(refused, crate::DiagnosisError::NotACovariance { push: 1 }), "{refused}");
     }
 }

@@ -74,8 +74,8 @@ pub fn fit_per_push(
             carried.per_push = if size > 0.0 { named.collect() } else { BTreeMap::new() };
         }
         let missed = missed(observations, &model, &settings.own)?;
-        let errors = MotionErrors::of_missed(&missed, Some(TAILS));
-        let densities = errors.of_each(&missed);
+        let errors = MotionErrors::of_missed(&missed, Some(TAILS))?;
+        let densities = errors.of_each(&missed)?;
         Ok(Tried {
             size,
             spread,
