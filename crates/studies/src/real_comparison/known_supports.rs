@@ -34,8 +34,8 @@ pub(super) struct Known {
     truth: [f64; 3],
     follows: Vec<ParameterFit>,
     pusher_friction: f64,
-    /// Squared errors over variances of held-out motions: of the nominal model, with fitted friction, with
-    /// points.
+    /// Squared errors over variances of held-out motions: of the nominal model, with fitted friction and
+    /// frame, with points.
     nmse: [f64; 3],
     outline: Vec<[f64; 2]>,
 }
@@ -95,14 +95,15 @@ impl Known {
             name,
             feet: feet_o,
             truth,
-            found: feet(&points.description).unwrap_or_default(),
+            found: feet(&points.description).context("no points")?,
             follows: points.effects.iter().find(of_points).context("no points")?.follows.clone(),
             pusher_friction: points
                 .effects
                 .iter()
                 .find(|effect| effect.id == FREE[0])
                 .and_then(|effect| effect.parameters.first())
-                .map_or(f64::NAN, |parameter| parameter.value),
+                .context("no friction")?
+                .value,
             nmse: squares.map(of_variance),
             outline: object.shape().outline(4).iter().map(|place| [place.x, place.y]).collect(),
         })
@@ -236,10 +237,11 @@ pushlab add support-points --fit cmu-known-supports/corners --preset cmu-known-s
 ```
 
 Squared error over variance of motions that no fit has seen (five folds; mean of Δx, Δy, Δθ), with nothing
-fitted, with the pusher's friction, and with four points; its ratio to the nominal one; and, fitted to all
-pushes, the pusher's friction, the center of friction and the mean distance c of the pressure from it in mm,
-with 95 % intervals, beside the truth (weights by statics).
+fitted, with the pusher's friction and where the tracked frame is in the object (`pose-offset`, which `add`
+refuses where pushes do not tell it from none), and with four points besides; the ratio of the last to the
+first; and, fitted to all pushes, the pusher's friction, the center of friction and the mean distance c of
+the pressure from it in mm, with 95 % intervals, beside the truth (weights by statics).
 
-| set | nominal | μp | points | ratio | μp | x | y | c |
+| set | nominal | μp, frame | and points | ratio | μp | x | y | c |
 |---|---|---|---|---|---|---|---|---|
 ";
