@@ -2,7 +2,6 @@
 
 mod kept;
 mod page;
-mod why;
 
 use std::path::{Path, PathBuf};
 

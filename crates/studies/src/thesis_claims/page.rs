@@ -5,8 +5,7 @@ use std::fmt::Write;
 use anyhow::{Result, ensure};
 use report::{Claim, Verdict};
 
-use super::why::reason;
-use super::{Regime, decided, number};
+use super::{Regime, decided};
 
 const HEAD: &str = "\
 # The thesis' claims, on real and on simulated pushes
@@ -103,7 +102,7 @@ fn word(verdict: Verdict) -> &'static str {
     }
 }
 
-/// A claim's numbers in each regime, by which rule it is judged, and why it does not hold.
+/// A claim's numbers in each regime, and by which rule it is judged.
 fn details(regimes: &[Regime], row: &[&Claim]) -> String {
     let mut text = format!("\n### {}\n\n", row[0].claim.trim_end_matches('.'));
     for (regime, claim) in regimes.iter().zip(row) {
@@ -121,10 +120,6 @@ fn details(regimes: &[Regime], row: &[&Claim]) -> String {
     }
     if let Some(claim) = row.iter().find(|claim| claim.verdict != Verdict::NotTestable) {
         let _ = writeln!(text, "\nRule: {}.", claim.reason);
-    }
-    if row.iter().any(|claim| claim.verdict == Verdict::DoesNotHold) {
-        let why = reason(number(&row[0].claim)).unwrap_or("not known.");
-        let _ = writeln!(text, "\nWhy not: {why}");
     }
     text
 }
