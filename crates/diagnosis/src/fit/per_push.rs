@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use effects::{Effect, Parameter, PusherFriction, Role, Setting, Spread, by_id_with};
+use effects::{Effect, EffectInfo, Parameter, PusherFriction, Role, Setting, Spread, by_id_with};
 use models::{Base, Description, ModelEffect};
 
 use super::motion_errors::missed;
@@ -31,6 +31,8 @@ const TRIED: [f64; 9] = [0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0];
 const TAILS: f64 = 4.0;
 /// Times that the gaps beside the best size are halved.
 const HALVINGS: usize = 2;
+/// Times that the largest size grows while it is the likeliest.
+const WIDENINGS: usize = 6;
 
 /// Fits by how much an effect of the model differs from push to push: the likeliest motions of all
 /// pushes, whose other errors, of each step and of the push, have Student's t with four degrees.
@@ -55,16 +57,7 @@ pub fn fit_per_push(
     if !about.parameters.iter().all(is_plain) {
         return refuse("its parameters are no plain numbers; choose an effect that has such alone");
     }
-    let mut model = model.clone();
-    if !model.effects.iter().any(|carried| carried.id == about.id) {
-        let Base::Analytical(base) = &model.base else { return refuse(NOT_THERE) };
-        if about.id != PusherFriction.info().id {
-            return refuse(NOT_THERE);
-        }
-        // The base has one number for all pushes.
-        let friction = base.pusher_friction().value;
-        model.effects.push(ModelEffect::from(Setting::new(about, &[friction])));
-    }
+    let model = carrying(model, about)?;
     let parameters: Vec<&Parameter> = about.parameters.iter().collect();
     let tried = |size: f64| -> Result<Tried, DiagnosisError> {
         let spread = of_size(&parameters, size);
@@ -86,6 +79,16 @@ pub fn fit_per_push(
         })
     };
     let mut all = TRIED.into_iter().map(tried).collect::<Result<Vec<Tried>, _>>()?;
+    // The likeliest may be beyond sizes that are met.
+    for _ in 0..WIDENINGS {
+        let [.., before, last] = all.as_slice() else { break };
+        let size = 1.5 * last.size;
+        let is_allowed = parameters.iter().all(|one| of_size(&parameters, size).check(one).is_ok());
+        if last.sum <= before.sum || !is_allowed {
+            break;
+        }
+        all.push(tried(size)?);
+    }
     for _ in 0..HALVINGS {
         let best = all.iter().enumerate().max_by(|a, b| a.1.sum.total_cmp(&b.1.sum));
         let Some((best, _)) = best else { break };
@@ -104,6 +107,22 @@ pub fn fit_per_push(
     let gain = gain(&densities, &none, observations);
     let parameters = parameters.iter().map(|parameter| parameter.name).collect();
     Ok(SpreadFit { description, parameters, spread, gain, errors })
+}
+
+/// The model with the effect, which may be the base's friction.
+fn carrying(model: &Description, about: &EffectInfo) -> Result<Description, DiagnosisError> {
+    let mut model = model.clone();
+    if !model.effects.iter().any(|carried| carried.id == about.id) {
+        let friction = match &model.base {
+            Base::Analytical(base) if about.id == PusherFriction.info().id => {
+                base.pusher_friction().value
+            }
+            _ => return Err(DiagnosisError::NotPerPush { effect: about.id, why: NOT_THERE }),
+        };
+        // The base has one number for all pushes.
+        model.effects.push(ModelEffect::from(Setting::new(about, &[friction])));
+    }
+    Ok(model)
 }
 
 /// A size that was tried.
