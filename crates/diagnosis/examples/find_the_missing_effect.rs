@@ -46,11 +46,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         DiagnoseSettings { own: vec![Arc::new(StickySpot)], ..DiagnoseSettings::default() };
     let found = diagnose(&observations, &model, &settings)?;
     println!("{}", found.diagnosis.sentence);
-    if found.diagnosis.verdict == Verdict::Named {
+    if found.diagnosis.verdict == Verdict::Identified {
         println!("the model with it: {:?}", found.description.effects);
     }
     for effect in found.diagnosis.effects.iter().filter(|effect| effect.id == INFO.id) {
-        println!("{}: {:?}, p {:?} {}", effect.id, effect.status, effect.p_adjusted, effect.why);
+        println!("{}: {:?}, p {:?} {}", effect.id, effect.grade, effect.p_adjusted, effect.why);
     }
     Ok(())
 }

@@ -48,13 +48,13 @@ pub use data::step_suspicions::step_suspicions;
 pub use data::tolerances::Tolerances;
 pub use decide::{
     Clusters, DataUsed, DiagnoseSettings, Diagnosed, Diagnosis, EffectFinding, ErrorFall, Gain,
-    Leftover, MadeBy, MadeFrom, MotionError, NoiseOrigin, ParameterFinding, Status, Verdict,
+    Grade, Leftover, MadeBy, MadeFrom, MotionError, NoiseOrigin, ParameterFinding, Verdict,
     diagnose,
 };
 pub use error::DiagnosisError;
 pub use fit::{
-    EffectFit, Fit, FitSettings, Interval, MotionErrors, NuisanceFit, ParameterFit, Resemblance,
-    SpreadFit, fit, fit_per_push, fit_with_noise,
+    EffectFit, Fit, FitSettings, Interval, Intervals, MotionErrors, NuisanceFit, ParameterFit,
+    Resemblance, SpreadFit, fit, fit_per_push, fit_with_noise,
 };
 pub use noise::noise_floor::{Floor, FloorSource, NoiseFloor, noise_floor};
 pub use noise::noise_model::{ErrorSource, NoiseModel};

@@ -44,9 +44,9 @@ mod tests {
                 b"{\"schema\": \"pushlab.result/1\"}",
                 "it is a `pushlab.result/1`; `pushlab diagnose",
             ),
-            (b"{\"schema\": \"pushlab.diagnosis/9\"}", "this release reads `pushlab.diagnosis/1`"),
+            (b"{\"schema\": \"pushlab.diagnosis/9\"}", "this release reads `pushlab.diagnosis/2`"),
             (
-                b"{\"schema\": \"pushlab.diagnosis/1\"}",
+                b"{\"schema\": \"pushlab.diagnosis/2\"}",
                 "d.json:1:33: no diagnosis: missing field `verdict`",
             ),
         ] {

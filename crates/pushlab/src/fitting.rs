@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
 use diagnosis::{
-    Fit, FitSettings, NoiseModel, Observations, SpreadFit, fit_per_push, fit_with_noise, split,
+    Fit, FitSettings, Intervals, NoiseModel, Observations, SpreadFit, fit_per_push, fit_with_noise,
+    split,
 };
 use effects::EffectInfo;
 use models::{ModelFile, Split};
@@ -92,7 +93,8 @@ impl Fitting {
     /// # Errors
     /// What the fit says.
     pub(crate) fn fit_values(&self, model: &ModelFile, free: &[&str]) -> Result<Fit> {
-        let values = FitSettings { intervals: false, resemblances: false, ..self.settings() };
+        let values =
+            FitSettings { intervals: Intervals::None, resemblances: false, ..self.settings() };
         self.fit_with(model, free, &values)
     }
 

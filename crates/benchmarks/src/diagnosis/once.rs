@@ -46,7 +46,7 @@ pub(crate) fn once(n_pushes: usize) -> Result<()> {
     let start = Instant::now();
     let found = diagnose(&observations, &nominal, &DiagnoseSettings::default())?.diagnosis;
     let diagnosis_seconds = start.elapsed().as_secs_f64();
-    let verdict = format!("{:?} {}", found.verdict, found.named.join(", "));
+    let verdict = format!("{:?} {}", found.verdict, found.identified.join(", "));
     let peak_memory_mb = peak_memory_mb()?;
     let once = Once { screen_seconds, diagnosis_seconds, peak_memory_mb, verdict };
     println!("{}", serde_json::to_string(&once)?);

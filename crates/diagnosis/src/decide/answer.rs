@@ -20,10 +20,12 @@ pub struct Diagnosis {
     pub warnings: Vec<String>,
     /// What may be claimed.
     pub verdict: Verdict,
-    /// Effects that the verdict claims, in the order of adding; empty unless it is `named`.
-    pub named: Vec<String>,
+    /// Effects that are missing, in the order of adding.
+    pub identified: Vec<String>,
     /// Groups of effects of which one is missing and these data cannot tell which.
-    pub one_of: Vec<Vec<String>>,
+    pub ambiguous: Vec<Vec<String>>,
+    /// Effects that lower the error on held-out pushes, though another cause may be behind it.
+    pub effective: Vec<String>,
     /// The answer in words.
     pub sentence: String,
     /// The error before and after, on held-out pushes.
@@ -46,23 +48,25 @@ pub struct Diagnosis {
 
 impl Diagnosis {
     /// The format that this release writes and reads.
-    pub const SCHEMA: &str = "pushlab.diagnosis/1";
+    pub const SCHEMA: &str = "pushlab.diagnosis/2";
 }
 
 /// What a diagnosis may claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The effects in `named` are missing.
-    Named,
-    /// One effect of each group in `one_of` is missing.
-    OneOf,
+    /// The effects in `identified` are missing.
+    Identified,
+    /// One effect of each group in `ambiguous` is missing.
+    Ambiguous,
+    /// The effects in `effective` lower the error, though another cause may be behind it.
+    Effective,
     /// The model fails in a way that no effect of the library explains.
-    StructureUnexplained,
+    Unexplained,
     /// Nothing is missing that these data could show.
     NoneFound,
     /// There are hints, and no more.
-    Weak,
+    Inconclusive,
 }
 
 /// An error before and after the claimed effects are added.
@@ -106,14 +110,15 @@ pub struct EffectFinding {
     /// Its id.
     pub id: String,
     /// What may be said of it.
-    pub status: Status,
+    pub grade: Grade,
     /// Probability of as strong a sign of any effect where none is missing; none if not tested. By
     /// flips of the signs of whole clusters; of a nominal number that is claimed by its estimate and
     /// standard error, times the number of effects asked for.
     pub p_adjusted: Option<f64>,
     /// Share of the gap to the floor that opens without it, on held-out pushes.
     pub gap_closed: Option<f64>,
-    /// Log predictive density that held-out pushes lose without it, in nats.
+    /// Log predictive density that pushes lose without it, in nats: those held out, and each cluster fitted
+    /// to by a fit to the others.
     pub log_density_gain: Option<Gain>,
     /// Its parameters as fitted.
     pub parameters: Vec<ParameterFinding>,
@@ -126,15 +131,17 @@ pub struct EffectFinding {
 /// What may be said of an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Status {
-    /// Claimed.
-    Present,
-    /// A member of a group in `one_of`.
-    Possible,
+pub enum Grade {
+    /// It is missing.
+    Identified,
+    /// A member of a group in `ambiguous`.
+    Ambiguous,
+    /// It lowers the error on held-out pushes, though another cause may be behind it.
+    Effective,
     /// A hint.
-    Weak,
+    Hint,
     /// Not seen, with a limit to its size.
-    Bounded,
+    BelowDetectionLimit,
     /// These data cannot show it.
     NotTestable,
 }
@@ -143,7 +150,7 @@ pub enum Status {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gain {
-    /// The sum over the confirming clusters, none of which counts for more than 10, in nats.
+    /// The sum over clusters, none of which counts for more than 10, in nats.
     pub mean: f64,
     /// Its standard error, from whole clusters.
     pub se: f64,
@@ -168,7 +175,7 @@ pub struct ParameterFinding {
     /// Upper end.
     pub high95: Option<f64>,
     /// The size that these data would show with 90 % probability.
-    pub smallest_detectable: Option<f64>,
+    pub detection_limit: Option<f64>,
 }
 
 /// Structure in the residuals of the best model.

@@ -2,14 +2,16 @@
 
 use models::Description;
 
-use super::ErrorFall;
 use super::confirmation::Aside;
+use super::constancy::varies;
 use super::found::{Accepted, Choice, Found, Progress, Refused, ids};
 use super::rules::{Objection, Rules};
 use super::search::Search;
+use super::{ErrorFall, Gain};
 use crate::fit::Refit;
 use crate::{
-    DiagnosisError, EffectFit, Fit, NoiseModel, NuisanceFit, Screen, ScreenedEffect, Undetermined,
+    DiagnosisError, EffectFit, Fit, Intervals, NoiseModel, NuisanceFit, Screen, ScreenedEffect,
+    Undetermined,
 };
 
 impl Search<'_> {
@@ -60,7 +62,7 @@ impl Search<'_> {
         here: &Refit,
         progress: &mut Progress,
     ) -> Result<Vec<&'static str>, DiagnosisError> {
-        let settings = self.fit_settings(false);
+        let settings = self.fit_settings(Intervals::None);
         // Later screens are of models that carry some of the numbers, and do not test those.
         let screened = &progress.first_screen.effects;
         let is_hidden =
@@ -100,7 +102,7 @@ impl Search<'_> {
         for choice in &progress.chosen {
             for rival in &choice.rivals {
                 let Some(there) = self.with_instead(here, choice.id, rival) else { continue };
-                let Ok(fit) = there.fit(&self.fit_settings(false)) else { continue };
+                let Ok(fit) = there.fit(&self.fit_settings(Intervals::None)) else { continue };
                 let wrong = fit.nuisances.iter().filter(|one| self.is_wrong(one));
                 found.push((*rival, wrong.map(|one| one.id).collect()));
             }
@@ -116,7 +118,7 @@ impl Search<'_> {
         progress: &mut Progress,
     ) -> Result<(Refit<'a>, Fit), DiagnosisError> {
         loop {
-            let fit = whole.fit(&self.fit_settings(true))?;
+            let fit = whole.fit(&self.fit_settings(Intervals::StandardErrors))?;
             let objection = open(&fit, &progress.chosen);
             let objection = objection.or_else(|| self.unsure_number(&fit, progress));
             let Some((id, objection)) = objection else {
@@ -144,8 +146,10 @@ impl Search<'_> {
             let (before, after) = (aside.outcome(&base)?, aside.outcome(&descriptions[1])?);
             let mut accepted = Vec::new();
             for choice in &progress.chosen {
-                let [_, without] = whole.roughly_without(&[choice.id])?.descriptions()?;
-                let without = aside.outcome(&without)?;
+                let other = whole.roughly_without(&[choice.id])?;
+                let without = aside.outcome(&other.descriptions()?[1])?;
+                let gains =
+                    [self.left_out(&other, &whole)?, aside.gains(&without, &after)].concat();
                 let effect = fit.effects.iter().find(|effect| effect.id == choice.id);
                 let Some(effect) = effect.cloned() else { continue };
                 let p_adjusted = match self.nominal_within(choice.id).is_some() {
@@ -157,7 +161,8 @@ impl Search<'_> {
                     p_adjusted,
                     rivals: choice.rivals.clone(),
                     effect,
-                    gain: aside.gain(&without, &after),
+                    gain: Gain::of(&gains),
+                    varies: whole.pulls(choice.id).and_then(|pulls| varies(&pulls, self.fitted)),
                     gap_closed: Some((without.rms() - after.rms()) / (before.rms() - 1.0)),
                 });
             }
@@ -185,12 +190,28 @@ impl Search<'_> {
                     whole.without(&[id])?
                 }
             };
-            fit = whole.fit(&self.fit_settings(true))?;
+            fit = whole.fit(&self.fit_settings(Intervals::StandardErrors))?;
         }
     }
 }
 
 impl Search<'_> {
+    /// The gain of each cluster fitted to by `with` over `without`, when the numbers of both are fitted
+    /// without it; none where the others leave a number open.
+    pub(super) fn left_out(
+        &self,
+        without: &Refit,
+        with: &Refit,
+    ) -> Result<Vec<f64>, DiagnosisError> {
+        let parts = match [without.left_out(with), with.left_out(with)] {
+            [Ok(without), Ok(with)] => [without, with],
+            [Err(DiagnosisError::OneCluster { .. }), _]
+            | [_, Err(DiagnosisError::OneCluster { .. })] => return Ok(Vec::new()),
+            [Err(why), _] | [_, Err(why)] => return Err(why),
+        };
+        Ok(Rules::gains(self.fitted, &parts))
+    }
+
     /// The model with the next effect of a group in the place of one that is not confirmed; none
     /// where there is no other.
     fn next_of_group<'a>(

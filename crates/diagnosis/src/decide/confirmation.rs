@@ -69,14 +69,14 @@ impl<'a> Aside<'a> {
         Ok(Outcome { squares, log_densities: densities.collect(), si })
     }
 
-    /// The gain in log predictive density from one model to another, by clusters.
-    pub(super) fn gain(&self, one: &Outcome, other: &Outcome) -> Gain {
+    /// The gain of each cluster in log predictive density from one model to another.
+    pub(super) fn gains(&self, one: &Outcome, other: &Outcome) -> Vec<f64> {
         let mut gains = vec![0.0; self.observations.n_clusters()];
         let by_push = one.log_densities.iter().zip(&other.log_densities);
         for (cluster, (one, other)) in self.observations.clusters_of_pushes().iter().zip(by_push) {
             gains[*cluster] += other - one;
         }
-        Gain::of(&gains)
+        gains
     }
 
     /// The fall of the error, beside the scatter of repeats about the best model in all of the set.
@@ -129,7 +129,7 @@ impl Gain {
 mod tests {
     use std::collections::BTreeSet;
 
-    use super::Aside;
+    use super::{Aside, Gain};
     use crate::synthetic::recorded;
     use crate::{DiagnoseSettings, NoiseModel, split};
 
@@ -147,7 +147,7 @@ mod tests {
         // Ten nats of each session at most, however many pushes it has.
         let mut better = outcome.clone();
         better.log_densities.iter_mut().for_each(|density| *density += 9.0);
-        let gain = aside.gain(&outcome, &better);
+        let gain = Gain::of(&aside.gains(&outcome, &better));
         assert!((gain.mean - 40.0).abs() < 1e-12 && gain.se < 1e-12, "{gain:?}");
     }
 }

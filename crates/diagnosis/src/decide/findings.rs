@@ -7,7 +7,7 @@ use effects::{Effect, Off, by_id_with};
 use super::claims::Claims;
 use super::found::Found;
 use super::rules::{Objection, Rules};
-use super::{DiagnoseSettings, EffectFinding, ParameterFinding, Status};
+use super::{DiagnoseSettings, EffectFinding, Grade, ParameterFinding};
 use crate::statistics::quantile::student_975;
 use crate::{EffectFit, ParameterFit, ScreenedCoordinate, ScreenedEffect};
 
@@ -22,7 +22,7 @@ pub(super) fn findings(
         all.map(|screened| Finding { found, claims, members, settings, screened }.tell()).collect();
     let place = |finding: &EffectFinding| {
         let accepted = found.accepted.iter().position(|one| one.id == finding.id);
-        (finding.status as usize, accepted.unwrap_or(usize::MAX))
+        (finding.grade as usize, accepted.unwrap_or(usize::MAX))
     };
     findings.sort_by_key(place);
     findings
@@ -46,24 +46,24 @@ impl Finding<'_> {
         let last = found.last_screen.effects.iter().find(|effect| effect.id == id);
         let is_hint = last.is_some_and(|effect| effect.p_adjusted <= Rules::HINT);
         let objection = self.objection(accepted);
-        let status = if self.screened.not_testable.is_some() {
-            Status::NotTestable
-        } else if claims.named.contains(&id) {
-            Status::Present
+        let grade = if self.screened.not_testable.is_some() {
+            Grade::NotTestable
+        } else if claims.identified.contains(&id) {
+            Grade::Identified
+        } else if claims.effective.iter().any(|(one, _)| *one == id) {
+            Grade::Effective
         } else if claims.groups.iter().any(|group| group.contains(&id)) {
-            Status::Possible
-        } else if accepted.is_some() || objection.as_ref().map_or(is_hint, Objection::is_hint) {
-            Status::Weak
+            Grade::Ambiguous
+        } else if objection.as_ref().map_or(is_hint, Objection::is_hint) {
+            Grade::Hint
         } else {
-            Status::Bounded
+            Grade::BelowDetectionLimit
         };
+        let effective = claims.effective.iter().find(|(one, _)| *one == id);
         let why = match (&self.screened.not_testable, objection) {
             (Some(why), _) => format!("{}; measure {}", why.because, why.measure),
             (None, Some(objection)) => objection.to_string(),
-            (None, None) if accepted.is_some() && status == Status::Weak => {
-                "it is confirmed, but most of the error has another cause".to_owned()
-            }
-            (None, None) => String::new(),
+            (None, None) => effective.map(|(_, why)| why.clone()).unwrap_or_default(),
         };
         let is_tested = self.screened.not_testable.is_none();
         let p_adjusted = accepted.map(|k| found.accepted[k].p_adjusted);
@@ -72,7 +72,7 @@ impl Finding<'_> {
             .or_else(|| is_tested.then_some(self.screened.p_adjusted));
         EffectFinding {
             id: id.to_owned(),
-            status,
+            grade,
             p_adjusted,
             gap_closed: accepted.and_then(|k| found.accepted[k].gap_closed),
             log_density_gain: accepted.map(|k| found.accepted[k].gain),
@@ -144,7 +144,7 @@ impl Finding<'_> {
             let coordinate = self.screened.coordinates.get(index).filter(|_| is_sized)?;
             // A coordinate of a ratio along a direction is ½ ln ratio.
             let is_axis = coordinate.name != name;
-            let size = coordinate.smallest_detectable;
+            let size = coordinate.detection_limit;
             Some(if is_axis { (2.0 * size).exp_m1() } else { size })
         };
         let finding = |parameter: &ParameterFit| ParameterFinding {
@@ -155,9 +155,13 @@ impl Finding<'_> {
             se: Some(parameter.se),
             low95: parameter.interval.map(|interval| interval.low95),
             high95: parameter.interval.map(|interval| interval.high95),
-            smallest_detectable: detectable(parameter.name),
+            detection_limit: detectable(parameter.name),
         };
-        fit.parameters.iter().map(finding).collect()
+        // A point that bears nothing is none.
+        let is_told = |parameter: &&ParameterFit| {
+            fit.follows.is_empty() || parameter.value != 0.0 || parameter.se > 0.0
+        };
+        fit.parameters.iter().filter(is_told).map(finding).collect()
     }
 
     fn effect(&self) -> Option<&Arc<dyn Effect>> {
@@ -167,13 +171,13 @@ impl Finding<'_> {
 
 /// A coordinate that was not seen: within some standard errors of its one-step estimate.
 fn bounded(coordinate: &ScreenedCoordinate, quantile: f64) -> ParameterFinding {
-    let ScreenedCoordinate { change, se, smallest_detectable, .. } = *coordinate;
+    let ScreenedCoordinate { change, se, detection_limit, .. } = *coordinate;
     ParameterFinding {
         estimate: Some(change),
         se: Some(se),
         low95: Some(change - quantile * se),
         high95: Some(change + quantile * se),
-        smallest_detectable: Some(smallest_detectable),
+        detection_limit: Some(detection_limit),
         ..unknown(coordinate)
     }
 }
@@ -187,6 +191,6 @@ fn unknown(coordinate: &ScreenedCoordinate) -> ParameterFinding {
         se: None,
         low95: None,
         high95: None,
-        smallest_detectable: None,
+        detection_limit: None,
     }
 }

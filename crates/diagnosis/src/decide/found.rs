@@ -2,6 +2,7 @@
 
 use models::Description;
 
+use super::constancy::Varies;
 use super::rules::Objection;
 use super::{ErrorFall, Gain};
 use crate::{EffectFit, NoiseModel, Screen};
@@ -37,10 +38,12 @@ pub(super) struct Accepted {
     pub(super) rivals: Vec<&'static str>,
     /// The effect as fitted beside all others.
     pub(super) effect: EffectFit,
-    /// What the held-out pushes lose without it, all others fitted anew.
+    /// What pushes that no fit has seen lose without it, all others fitted anew.
     pub(super) gain: Gain,
     /// Share of the gap to the floor that opens without it.
     pub(super) gap_closed: Option<f64>,
+    /// Over what its size differs.
+    pub(super) varies: Option<Varies>,
 }
 
 /// An effect that passed the screen and was not added.

@@ -5,8 +5,7 @@ use models::Description;
 use super::DiagnoseSettings;
 use super::claims::Claims;
 use super::found::Found;
-use crate::statistics::quantile::student_975;
-use crate::{EffectFit, FitSettings, Interval, Observations, fit_with_noise};
+use crate::{EffectFit, FitSettings, Intervals, Observations, fit_with_noise};
 
 /// The members of groups that were not added, each fitted beside the other claims, with intervals
 /// by standard errors.
@@ -23,7 +22,7 @@ pub(super) fn members(
     let settings = FitSettings {
         own: settings.own.clone(),
         tolerances: settings.screen.tolerances,
-        intervals: false,
+        intervals: Intervals::StandardErrors,
         resemblances: false,
         ..FitSettings::default()
     };
@@ -31,13 +30,7 @@ pub(super) fn members(
         let ids: Vec<&str> =
             claimed.iter().map(|id| if *id == added { other } else { id }).collect();
         let fit = fit_with_noise(fitted, model, &ids, &found.noise, &settings).ok()?;
-        let quantile = student_975(fit.n_clusters as f64 - 1.0);
-        let mut member = fit.effects.into_iter().find(|effect| effect.id == other)?;
-        for parameter in member.parameters.iter_mut().filter(|parameter| parameter.se > 0.0) {
-            let (value, half) = (parameter.value, quantile * parameter.se);
-            parameter.interval = Some(Interval { low95: value - half, high95: value + half });
-        }
-        Some(member)
+        fit.effects.into_iter().find(|effect| effect.id == other)
     };
     let pairs = claims.groups.iter().filter_map(|group| group.split_first());
     pairs

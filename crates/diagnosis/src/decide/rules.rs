@@ -40,9 +40,8 @@ impl Objection {
             | Self::Superfluous
             | Self::MeanFriction => false,
             Self::NotSure { p } => *p <= Rules::HINT,
-            Self::NotConfirmed { gain } => gain.mean >= gain.se,
-            Self::NotPredictive { .. }
-            | Self::OneCluster { .. }
+            Self::NotConfirmed { gain } | Self::NotPredictive { gain } => gain.mean >= gain.se,
+            Self::OneCluster { .. }
             | Self::RightBeside { .. }
             | Self::Undetermined { .. }
             | Self::Unsettled { .. } => true,
@@ -75,9 +74,9 @@ impl Rules {
     pub(super) const SHARE_APART: f64 = 0.05;
     /// Share of what an effect explains alone that is its own if it explains it beside another, too.
     pub(super) const OWN_SHARE: f64 = 0.5;
-    /// Least gain in log density on held-out pushes, in nats and in standard errors.
+    /// Least gain in log density on pushes that no fit has seen, in nats and in standard errors.
     const GAIN: f64 = 4.0;
-    const GAIN_OVER_SE: f64 = 3.0;
+    const GAIN_OVER_SE: f64 = 1.64;
 
     /// What speaks against an effect by its size alone.
     pub(super) fn objection(&self, p: f64, gain: f64, size: f64) -> Option<Objection> {
@@ -128,14 +127,18 @@ impl Rules {
             [Ok(without), Ok(with)] => (without, with),
             [Err(why), _] | [_, Err(why)] => return Some(why.into()),
         };
-        let gains = observations.pushes_of_clusters().into_iter().map(|pushes| {
-            pushes.iter().map(|push| 0.5 * (without[*push] - with[*push])).sum::<f64>()
-        });
-        let gain = Gain::of(&gains.collect::<Vec<_>>());
-        (gain.mean < gain.se).then_some(Objection::NotPredictive { gain })
+        let gain = Gain::of(&Self::gains(observations, &[without, with]));
+        (!Self::confirms(&gain)).then_some(Objection::NotPredictive { gain })
     }
 
-    /// Whether held-out pushes miss an effect.
+    /// The gain of each cluster, in nats, from its pushes' parts of the sums of two models.
+    pub(super) fn gains(observations: &Observations, [without, with]: &[Vec<f64>; 2]) -> Vec<f64> {
+        let of_push = |push: &usize| 0.5 * (without[*push] - with[*push]);
+        let clusters = observations.pushes_of_clusters().into_iter();
+        clusters.map(|pushes| pushes.iter().map(of_push).sum()).collect()
+    }
+
+    /// Whether pushes that no fit has seen miss an effect.
     pub(super) fn confirms(gain: &Gain) -> bool {
         gain.mean >= Self::GAIN.max(Self::GAIN_OVER_SE * gain.se)
     }
@@ -173,7 +176,7 @@ impl fmt::Display for Objection {
             Self::Unsettled { why } => write!(f, "its fit does not settle: {why}"),
             Self::NotConfirmed { gain } => {
                 let Gain { mean, se } = gain;
-                write!(f, "held-out pushes gain {mean:.1} ± {se:.1} nats alone")
+                write!(f, "pushes that no fit has seen gain {mean:.1} ± {se:.1} nats alone")
             }
         }
     }

@@ -11,7 +11,7 @@ use super::rules::{Objection, Rules};
 use crate::fit::{Refit, Trial};
 use crate::predict::tangent::Tangent;
 use crate::screen::screen_at;
-use crate::{DiagnosisError, FitSettings, NoiseModel, Observations, Screen, Whitening};
+use crate::{DiagnosisError, FitSettings, Intervals, NoiseModel, Observations, Screen, Whitening};
 
 /// The search on the pushes to fit to.
 pub(super) struct Search<'a> {
@@ -43,7 +43,7 @@ const FINALIST: (f64, f64) = (50.0, 0.2);
 impl Search<'_> {
     pub(super) fn run(&self) -> Result<Found, DiagnosisError> {
         let (_, whitening, first_screen) = self.linearised(self.model)?;
-        let settings = self.fit_settings(false);
+        let settings = self.fit_settings(Intervals::None);
         let here = Refit::new(self.fitted, self.model, &whitening, &settings)?;
         self.forward_step(&here, Progress { first_screen, chosen: Vec::new(), refused: Vec::new() })
     }
@@ -54,11 +54,13 @@ impl Search<'_> {
     fn forward_step(&self, from: &Refit, mut progress: Progress) -> Result<Found, DiagnosisError> {
         let (noise, whitening, screen) = self.linearised(&self.screened(from)?)?;
         let here = from.rewhitened(&whitening)?;
-        if progress.chosen.len() == self.settings.most_effects {
-            return self.concluded(&here, progress, screen, noise);
-        }
-        let Some((choice, there)) = self.next(&here, &screen, &mut progress)? else {
-            return self.concluded(&here, progress, screen, noise);
+        let is_full = progress.chosen.len() == self.settings.most_effects;
+        let next = if is_full { None } else { self.next(&here, &screen, &mut progress)? };
+        let Some((choice, there)) = next else {
+            return match self.on_points(&here, &screen, &mut progress)? {
+                Some(there) => self.forward_step(&there, progress),
+                None => self.concluded(&here, progress, screen, noise),
+            };
         };
         progress.refused.retain(|one| one.id != choice.id);
         progress.chosen.push(choice);
@@ -109,7 +111,7 @@ impl Search<'_> {
         there: &Refit,
         id: &str,
     ) -> Result<Option<Objection>, DiagnosisError> {
-        let fit = match there.fit(&self.fit_settings(false)) {
+        let fit = match there.fit(&self.fit_settings(Intervals::None)) {
             Err(why @ DiagnosisError::OneCluster { .. }) => return Ok(Some(why.into())),
             fit => fit?,
         };
@@ -243,7 +245,7 @@ impl Search<'_> {
         Ok(whole)
     }
 
-    pub(super) fn fit_settings(&self, intervals: bool) -> FitSettings {
+    pub(super) fn fit_settings(&self, intervals: Intervals) -> FitSettings {
         let (own, tolerances) = (self.settings.own.clone(), self.settings.screen.tolerances);
         FitSettings { own, tolerances, priors: true, intervals, resemblances: false }
     }

@@ -4,7 +4,7 @@ use effects::by_id;
 
 use super::claims::Claims;
 use super::leftover::Left;
-use super::{EffectFinding, ErrorFall, ParameterFinding, Status, Verdict};
+use super::{EffectFinding, ErrorFall, Grade, ParameterFinding, Verdict};
 
 /// One or two sentences that say what the verdict says, with sizes in mm, degrees and ms.
 pub(super) fn sentence(
@@ -17,14 +17,17 @@ pub(super) fn sentence(
         |id: &str| effects.iter().find(|effect| effect.id == id).map_or(id.into(), with_size);
     let list = |ids: &[&'static str]| ids.iter().map(|id| told(id)).collect::<Vec<_>>();
     let mut text = match claims.verdict {
-        Verdict::Named => {
-            let mut text = format!("Missing: {}", list(&claims.named).join("; and "));
+        Verdict::Identified => {
+            let mut text = format!("Missing: {}", list(&claims.identified).join("; and "));
             for group in &claims.groups {
                 text += &format!("; and one of: {}", list(group).join("; "));
             }
+            if !claims.effective.is_empty() {
+                text += &format!(". {}", lowers(&claims.effective, &told));
+            }
             format!("{text}. {}", fall(error))
         }
-        Verdict::OneOf => {
+        Verdict::Ambiguous => {
             let groups: Vec<String> =
                 claims.groups.iter().map(|group| list(group).join("; or ")).collect();
             let groups = groups.join(". And one of: ");
@@ -33,7 +36,11 @@ pub(super) fn sentence(
                 fall(error)
             )
         }
-        Verdict::StructureUnexplained => {
+        Verdict::Effective => {
+            let what = lowers(&claims.effective, &told);
+            format!("{what}. {}", fall(error))
+        }
+        Verdict::Unexplained => {
             "The model fails in a way that no effect of the library explains.".to_owned()
         }
         Verdict::NoneFound => {
@@ -41,8 +48,8 @@ pub(super) fn sentence(
              below."
                 .to_owned()
         }
-        Verdict::Weak => {
-            let hints = effects.iter().filter(|effect| effect.status == Status::Weak);
+        Verdict::Inconclusive => {
+            let hints = effects.iter().filter(|effect| effect.grade == Grade::Hint);
             let hints: Vec<&str> = hints.map(|effect| effect.id.as_str()).collect();
             let of =
                 if hints.is_empty() { String::new() } else { format!(" of {}", hints.join(", ")) };
@@ -53,12 +60,12 @@ pub(super) fn sentence(
     };
     if let Some(where_) = left.told().filter(|_| claims.is_left) {
         let what = match claims.verdict {
-            Verdict::StructureUnexplained => "Most of all it",
+            Verdict::Unexplained => "Most of all it",
             _ => "Something is left that no effect explains: the model",
         };
         text += &format!(" {what} {where_}.");
     }
-    if claims.verdict == Verdict::Weak && left.is_far_off() {
+    if claims.verdict == Verdict::Inconclusive && left.is_far_off() {
         text += &format!(
             " Some pushes are missed by far more than their noise (error {:.1} times the noise), \
              too few to tell what they share: `pushlab compare` lists the worst.",
@@ -66,6 +73,18 @@ pub(super) fn sentence(
         );
     }
     text
+}
+
+/// As "The error falls with …, but its cause may be another one: …".
+fn lowers(effective: &[(&'static str, String)], told: &impl Fn(&str) -> String) -> String {
+    let all: Vec<String> = effective.iter().map(|(id, _)| told(id)).collect();
+    let mut why: Vec<&str> = effective.iter().map(|(_, why)| why.as_str()).collect();
+    why.dedup();
+    format!(
+        "The error falls with {}, but the cause may be another one: {}",
+        all.join("; and with "),
+        why.join("; ")
+    )
 }
 
 /// What adding the effects does to the error.
@@ -84,11 +103,15 @@ fn fall(error: &ErrorFall) -> String {
     }
 }
 
+const MOST_SIZES: usize = 4;
+
 /// As "friction along a direction of the table (table-anisotropy): ratio 1.34 (1.31 to 1.37), …".
 fn with_size(effect: &EffectFinding) -> String {
     let id = &effect.id;
     let title = by_id(id).map_or(String::new(), |known| known.info().title.to_lowercase());
-    let sizes: Vec<String> = effect.parameters.iter().filter_map(size).collect();
+    // Many are no sizes that a person reads in a sentence.
+    let few = effect.parameters.iter().filter(|_| effect.parameters.len() <= MOST_SIZES);
+    let sizes: Vec<String> = few.filter_map(size).collect();
     let name = if title.is_empty() { id.clone() } else { format!("{title} ({id})") };
     if sizes.is_empty() { name } else { format!("{name}: {}", sizes.join(", ")) }
 }
@@ -136,7 +159,7 @@ mod tests {
             se: Some(0.003),
             low95: ends.map(|ends| ends.0),
             high95: ends.map(|ends| ends.1),
-            smallest_detectable: None,
+            detection_limit: None,
         };
         let told = |unit, ends, off| size(&found(unit, ends, off)).unwrap();
         assert_eq!(told("m/s", Some((0.001, 0.01)), None), "v0 2.26 mm/s (1.00 to 10.0)");

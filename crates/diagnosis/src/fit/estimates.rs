@@ -12,7 +12,7 @@ use super::problem::Problem;
 use super::resemblance::{Resemblance, resemblances};
 use super::sandwich::Sandwich;
 use super::search::Found;
-use super::{EffectFit, Fit, FitSettings, NuisanceFit, ParameterFit, SIGNIFICANT};
+use super::{EffectFit, Fit, FitSettings, Intervals, NuisanceFit, ParameterFit, SIGNIFICANT};
 use crate::statistics::quantile::{fisher_tail, student_975, student_tail};
 use crate::undetermined::Undetermined;
 use crate::{DiagnosisError, Observations};
@@ -134,8 +134,9 @@ impl Ending<'_> {
             false => Vec::new(),
         };
         let unseen = self.unseen(index);
-        let has_intervals =
-            settings.intervals && unseen.is_none() && (p <= SIGNIFICANT || !has_direction(member));
+        let has_intervals = settings.intervals != Intervals::None
+            && unseen.is_none()
+            && (p <= SIGNIFICANT || !has_direction(member));
         let (values, covariances) = self.values(index);
         let mut parameters = Vec::new();
         for (k, (parameter, value)) in member.parameters().iter().zip(values).enumerate() {
@@ -145,8 +146,15 @@ impl Ending<'_> {
                 Role::X(_) | Role::Y(_) | Role::Part | Role::Cell if member.is_mixture() => {
                     self.of_cluster_scatter(parameter.range, value, se)
                 }
-                _ if has_intervals && se > 0.0 => self.interval(index, k, &covariances)?,
-                _ => None,
+                _ if !has_intervals || se == 0.0 => None,
+                _ if settings.intervals == Intervals::Profiles => {
+                    self.interval(index, k, &covariances)?
+                }
+                // A direction goes on beyond the ends of a half turn.
+                Role::Direction(_) => {
+                    self.of_cluster_scatter((f64::NEG_INFINITY, f64::INFINITY), value, se)
+                }
+                _ => self.of_cluster_scatter(parameter.range, value, se),
             };
             if let (Role::Threshold, Some(Interval { low95, high95 })) = (parameter.role, interval)
             {

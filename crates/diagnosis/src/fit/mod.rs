@@ -1,6 +1,7 @@
 //! A model with free parameters and observed steps go in, the fitted model comes out, with
 //! intervals.
 
+mod borne;
 mod descent;
 mod estimates;
 mod fitted_model;
@@ -10,6 +11,7 @@ mod member;
 mod motion_errors;
 mod per_push;
 mod problem;
+mod pulls;
 mod refit;
 mod resemblance;
 mod robust;
@@ -29,6 +31,7 @@ use serde::Serialize;
 pub use self::interval::Interval;
 pub use self::motion_errors::MotionErrors;
 pub use self::per_push::{SpreadFit, fit_per_push};
+pub(crate) use self::pulls::Pulls;
 pub(crate) use self::refit::{Refit, Trial};
 pub use self::resemblance::Resemblance;
 
@@ -48,16 +51,28 @@ pub struct FitSettings {
     /// Whether standard errors in the model are priors: right where they come from other
     /// recordings. Without, what has one is fitted anew.
     pub priors: bool,
-    /// Whether intervals are sought by profile likelihood, which takes several fits each.
-    pub intervals: bool,
+    /// How intervals are found.
+    pub intervals: Intervals,
     /// Whether it is told what fitted effects could be taken for.
     pub resemblances: bool,
+}
+
+/// How the intervals of a fit are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Intervals {
+    /// There are none.
+    None,
+    /// By the standard error over clusters and Student's t, within what values may be.
+    StandardErrors,
+    /// By profile likelihood, which takes several fits each.
+    Profiles,
 }
 
 impl Default for FitSettings {
     fn default() -> Self {
         let tolerances = Tolerances::default();
-        Self { own: Vec::new(), tolerances, priors: true, intervals: true, resemblances: true }
+        let intervals = Intervals::Profiles;
+        Self { own: Vec::new(), tolerances, priors: true, intervals, resemblances: true }
     }
 }
 
@@ -211,7 +226,7 @@ pub fn fit_with_noise(
     settings: &FitSettings,
 ) -> Result<Fit, DiagnosisError> {
     let whitening = |model| noise.whitening(model, &settings.own, observations);
-    let first = FitSettings { intervals: false, resemblances: false, ..settings.clone() };
+    let first = FitSettings { intervals: Intervals::None, resemblances: false, ..settings.clone() };
     let first = fit(observations, model, free, &whitening(model)?, &first)?;
     let (whitening, near) = (whitening(&first.with_nuisances)?, Some(&first.description));
     fit_near(observations, model, free, &whitening, settings, near)

@@ -21,12 +21,12 @@ use crate::{DiagnosisError, Observations, Whitening};
 pub(crate) struct Refit<'a> {
     observations: &'a Observations,
     model: &'a Description,
-    problem: Problem<'a>,
+    pub(super) problem: Problem<'a>,
     /// The minimum without the effect that was added last.
-    before: Minimum,
-    minimum: Minimum,
+    pub(super) before: Minimum,
+    pub(super) minimum: Minimum,
     /// Added effects that were taken out again: they stand at "off".
-    dropped: Vec<&'static str>,
+    pub(super) dropped: Vec<&'static str>,
     /// Members that the model has without added effects.
     n_own: usize,
 }
@@ -258,7 +258,7 @@ impl<'a> Refit<'a> {
     }
 
     /// The minimum's place with other values of some effects.
-    fn place_with(
+    pub(super) fn place_with(
         &self,
         is_other: impl Fn(&'static str) -> bool,
         values: impl Fn(&Member) -> Vec<f64>,

@@ -112,7 +112,9 @@ impl<'a> Space<'a> {
             *physics = physics.clone().with(effect, &off).map_err(models::ModelError::from)?;
         }
         let steps = self.observations.steps.iter().map(|step| &step.input);
-        other.members.push(Member::new(effect, Part::Asked, &off, &rig).inside(steps, &rig));
+        let member = Member::new(effect, Part::Asked, &off, &rig).inside(steps, &rig);
+        let object = &self.observations.steps[0].input.object;
+        other.members.push(with_start(member, None, self.observations, object));
         Ok(other)
     }
 

@@ -226,7 +226,7 @@ mod tests {
 
     use super::start;
     use crate::synthetic::{NOISE, normal, recorded, white};
-    use crate::{FitSettings, Observations, Predictions, fit};
+    use crate::{FitSettings, Intervals, Observations, Predictions, fit};
 
     const FEET: [f64; 9] = [0.030, 0.025, 0.30, -0.035, 0.010, 0.45, 0.005, -0.035, 0.25];
 
@@ -283,8 +283,11 @@ mod tests {
     #[test]
     fn a_fit_finds_the_feet_and_leaves_the_noise() {
         let (observations, model, _) = on_feet();
-        let settings =
-            FitSettings { intervals: false, resemblances: false, ..FitSettings::default() };
+        let settings = FitSettings {
+            intervals: Intervals::None,
+            resemblances: false,
+            ..FitSettings::default()
+        };
         let whitening = white(&observations);
         let found = fit(&observations, &model, &["support-points"], &whitening, &settings).unwrap();
         let values: Vec<f64> = found.effects[0].parameters.iter().map(|one| one.value).collect();

@@ -3,7 +3,10 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use effects::{Effect, Off, Parameter, Role, tested};
+use effects::{
+    Effect, FrictionCenterOffset, LimitSurfaceShape, Off, Parameter, PressureRadius, Role, Stage,
+    tested,
+};
 use models::{ChannelModel, Description};
 
 use crate::predict::secants::Direction;
@@ -31,6 +34,11 @@ pub(crate) struct Candidates {
     pub(crate) room: Vec<[f64; 2]>,
 }
 
+/// Numbers that follow from where an object rests.
+pub(crate) fn follow_from_points() -> [&'static str; 3] {
+    [PressureRadius.info().id, LimitSurfaceShape.info().id, FrictionCenterOffset.info().id]
+}
+
 impl Candidates {
     /// For a model of some observations.
     ///
@@ -45,8 +53,14 @@ impl Candidates {
         let physics =
             ChannelModel::new(model, observations.support, own)?.physics(&first_step.object)?;
         let has = |id: &str| physics.effects().iter().any(|(other, _)| other.info().id == id);
+        let says_where = |effect: &Arc<dyn Effect>| effect.info().stages.contains(&Stage::Pressure);
+        let has_spots = physics.effects().iter().any(|(effect, _)| says_where(effect));
+        let follows = |effect: &&Arc<dyn Effect>| {
+            let id = effect.info().id;
+            has_spots && !has(id) && follow_from_points().contains(&id)
+        };
         let mut found = Self::default();
-        for effect in tested().iter().chain(own) {
+        for effect in tested().iter().chain(own).filter(|effect| !follows(effect)) {
             let about = effect.info();
             let first = found.directions.len();
             for (index, coordinate) in

@@ -99,7 +99,7 @@ pub struct ScreenedCoordinate {
     pub se: f64,
     /// Size that is found with probability 0.9 at an adjusted p of 0.01, were it the only one of
     /// the effect's coordinates.
-    pub smallest_detectable: f64,
+    pub detection_limit: f64,
 }
 
 /// Two effects that look alike in these data.

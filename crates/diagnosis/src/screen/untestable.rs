@@ -86,8 +86,26 @@ pub(crate) fn untestable(
     Some(NotTestable { reason, because, measure })
 }
 
-/// The reason, if an effect is fixed to the table and the data do not say how objects lay on it.
+/// Pushes whose speeds differ by a smaller factor are at one speed.
+const ONE_SPEED: f64 = 1.5;
+
+/// The reason, if what an effect depends on does not differ or is not known.
 fn lacking(observations: &Observations, about: &EffectInfo) -> Option<NotTestable> {
+    let lacks = |because: &str, measure: &str| {
+        let (because, measure) = (because.to_owned(), measure.to_owned());
+        Some(NotTestable { reason: Reason::NoCovariate, because, measure })
+    };
+    // Without the force, a law of friction and speed is a shape of the limit surface at one speed.
+    let is_of_speed = about.stages.contains(&Stage::Local);
+    if is_of_speed
+        && !observations.channels().contains(&Channel::Force)
+        && at_one_speed(observations)
+    {
+        return lacks(
+            "it shows in how pushes at different speeds differ, and these are all at one",
+            "pushes at several speeds, or the contact force",
+        );
+    }
     let is_known = |covariate| !observations.unknown.contains(&covariate);
     let of_place = [Covariate::TableX, Covariate::TableY].into_iter().all(is_known);
     let because = match (fixed_to(about, Frame::World), is_known(Covariate::Orientation), of_place)
@@ -101,8 +119,14 @@ fn lacking(observations: &Observations, about: &EffectInfo) -> Option<NotTestabl
         }
         (true, true, false) => return None,
     };
-    let (because, measure) = (because.to_owned(), "the object's pose on the table".to_owned());
-    Some(NotTestable { reason: Reason::NoCovariate, because, measure })
+    lacks(because, "the object's pose on the table")
+}
+
+/// Whether nine tenths of the steps are at speeds that hardly differ.
+fn at_one_speed(observations: &Observations) -> bool {
+    let speeds: Vec<f64> = observations.places.iter().map(|place| place.speed).collect();
+    let [low, high] = [0.05, 0.95].map(|share| dataset::quantile(speeds.clone(), share));
+    low.zip(high).is_some_and(|(low, high)| high < ONE_SPEED * low)
 }
 
 /// Whether one of an effect's vectors or axes is fixed to a frame.

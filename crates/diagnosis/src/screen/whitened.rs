@@ -173,7 +173,7 @@ impl<'a> Whitened<'a> {
                     unit,
                     change: scale * change[k],
                     se: scale * covariance[(k, k)].max(sandwich[(k, k)]).sqrt(),
-                    smallest_detectable: scale * detectable / score.information[(k, k)].sqrt(),
+                    detection_limit: scale * detectable / score.information[(k, k)].sqrt(),
                 }
             })
             .collect();

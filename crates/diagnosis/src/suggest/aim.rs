@@ -1,7 +1,7 @@
 //! What further pushes are to tell.
 
 use crate::DiagnosisError;
-use crate::decide::{Diagnosis, Status};
+use crate::decide::{Diagnosis, Grade};
 
 /// What further pushes are to tell.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,14 +20,15 @@ impl Aim {
     /// # Errors
     /// `NothingToSuggest` where it has none of them.
     pub fn of(found: &Diagnosis) -> Result<Self, DiagnosisError> {
-        let groups: Vec<_> = found.one_of.iter().filter(|group| group.len() > 1).cloned().collect();
+        let groups: Vec<_> =
+            found.ambiguous.iter().filter(|group| group.len() > 1).cloned().collect();
         if !groups.is_empty() {
             return Ok(Self::Rivals(groups));
         }
-        if !found.named.is_empty() {
-            return Ok(Self::Precision(found.named.clone()));
+        if !found.identified.is_empty() {
+            return Ok(Self::Precision(found.identified.clone()));
         }
-        let hints = found.effects.iter().filter(|effect| effect.status == Status::Weak);
+        let hints = found.effects.iter().filter(|effect| effect.grade == Grade::Hint);
         let hints: Vec<String> = hints.map(|effect| effect.id.clone()).take(MOST_HINTS).collect();
         match hints.is_empty() {
             false => Ok(Self::Precision(hints)),

@@ -27,9 +27,9 @@ pub struct Precision {
     /// With as many that are drawn among those that can be done: the median.
     pub with_random: f64,
     /// Size that would be found with probability 0.9 at an adjusted p of 0.01, so far.
-    pub smallest_detectable_now: f64,
+    pub detection_limit_now: f64,
     /// The same with the suggested pushes.
-    pub smallest_detectable: f64,
+    pub detection_limit: f64,
     /// A size that is met on real rigs.
     pub usual: f64,
 }
@@ -104,8 +104,8 @@ impl Precisions {
                 now: free.prior_sd * se(&now, k)?,
                 expected: free.prior_sd * se(&then, k)?,
                 with_random: free.prior_sd * quantile(with_random, 0.5).unwrap_or_default(),
-                smallest_detectable_now: size(&now),
-                smallest_detectable: size(&then),
+                detection_limit_now: size(&now),
+                detection_limit: size(&then),
                 // A secant is half the usual size.
                 usual: 2.0 * free.direction.size,
             })
@@ -138,7 +138,7 @@ const USUAL: f64 = 3.0;
 pub(super) fn check(ids: &[String], told: &[Precision]) -> Result<(), DiagnosisError> {
     let is_seen = |id: &String| {
         let mut own = told.iter().filter(|one| one.effect == *id);
-        own.any(|one| one.smallest_detectable < USUAL * one.usual)
+        own.any(|one| one.detection_limit < USUAL * one.usual)
     };
     match ids.iter().find(|id| !is_seen(id)) {
         Some(id) => {

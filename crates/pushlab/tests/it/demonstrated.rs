@@ -28,7 +28,7 @@ fn the_demo_answers_programs_alone() {
     let found: Value = serde_json::from_str(&run.stdout).unwrap();
     let found = &found;
     assert_eq!(found["hidden"][0]["id"], "table-tilt");
-    let named = found["named"].as_array().unwrap();
+    let named = found["identified"].as_array().unwrap();
     assert!(named.contains(&"table-tilt".into()), "{found}");
     assert_eq!(run.stderr.lines().filter(|line| line.contains("error")).count(), 0);
 }

@@ -20,30 +20,30 @@ pub(crate) fn diagnosed() -> (SmallSet, Value) {
     let lambda = &effect["parameters"]["lambda"];
     let [value, se] = ["value", "se"].map(|key| lambda[key].as_float().unwrap());
     let motion = json!({ "dx_m": 1e-4, "dy_m": 1e-4, "dtheta_rad": 1e-3 });
-    let finding = |id: &str, status: &str, why: &str, parameters: Value| {
-        json!({ "id": id, "status": status, "p_adjusted": 0.001, "gap_closed": 0.9,
+    let finding = |id: &str, grade: &str, why: &str, parameters: Value| {
+        json!({ "id": id, "grade": grade, "p_adjusted": 0.001, "gap_closed": 0.9,
                 "log_density_gain": { "mean": 40.0, "se": 9.0 }, "parameters": parameters,
                 "rivals": [], "why": why })
     };
     let parameter = |name: &str, unit: &str, [value, se]: [f64; 2]| {
         json!({ "name": name, "unit": unit, "off": 0.0, "estimate": value, "se": se,
                 "low95": value - 2.0 * se, "high95": value + 2.0 * se,
-                "smallest_detectable": 0.1 })
+                "detection_limit": 0.1 })
     };
     let tilt = json!([parameter("ax", "m/s²", [0.1, 0.01]), parameter("ay", "m/s²", [0.0, 0.01])]);
     let diagnosis = json!({
-        "schema": "pushlab.diagnosis/1", "verdict": "named", "named": ["limit-surface-shape"],
-        "one_of": [["table-tilt", "inertia"]], "sentence": "Missing: the limit surface's shape.",
+        "schema": "pushlab.diagnosis/2", "verdict": "identified", "identified": ["limit-surface-shape"],
+        "ambiguous": [["table-tilt", "inertia"]], "effective": [], "sentence": "Missing: the limit surface's shape.",
         "error": { "before": 2.0, "after": 1.1, "floor": 1.0, "gap_closed": 0.9,
                    "unit": "whitened RMS", "before_si": motion, "after_si": motion,
                    "floor_si": motion },
         "split": serde_json::to_value(&fitted["split"]).unwrap(),
         "effects": [
-            finding("limit-surface-shape", "present", "",
+            finding("limit-surface-shape", "identified", "",
                     json!([parameter("lambda", "1", [value, se])])),
-            finding("table-tilt", "possible", "", tilt),
-            finding("inertia", "possible", "", json!([])),
-            finding("stream-latency", "weak", "it may be chance", json!([])),
+            finding("table-tilt", "ambiguous", "", tilt),
+            finding("inertia", "ambiguous", "", json!([])),
+            finding("stream-latency", "hint", "it may be chance", json!([])),
         ],
         "leftover": { "p": 0.5, "covariate": null },
         "noise": { "source": "repeats", "n_cells": 3 },
@@ -85,6 +85,10 @@ fn what_a_diagnosis_names_is_added_and_compared_on_the_pushes_that_confirmed_it(
     let tilted: toml::Value = toml::from_str(&set.read("c.toml")).unwrap();
     assert_eq!(tilted["effects"][1]["parameters"]["ax"]["se"].as_float(), Some(0.01));
     assert_eq!(tilted["split"]["confirm"].as_array().unwrap().len(), 15);
+    set.done(&["add", "--all", "--from", "d.json", "-o", "all.toml"]);
+    let all: toml::Value = toml::from_str(&set.read("all.toml")).unwrap();
+    let ids = all["effects"].as_array().unwrap().iter().map(|effect| effect["id"].as_str());
+    assert!(ids.eq([Some("limit-surface-shape"), Some("table-tilt")]), "{all}");
     refused(&set, diagnosis);
 }
 
@@ -141,14 +145,19 @@ fn refused(set: &SmallSet, diagnosis: Value) {
         *other.pointer_mut(pointer).unwrap() = value;
         set.write("d.json", &other.to_string());
     };
-    change("/named", json!([]));
+    let mut other = diagnosis.clone();
+    (other["identified"], other["ambiguous"]) = (json!([]), json!([]));
+    other["effective"] = json!(["limit-surface-shape"]);
+    set.write("d.json", &other.to_string());
+    assert!(error(&[]).contains("`pushlab add --all --from …` adds what lowers it"));
+    change("/identified", json!([]));
     assert!(error(&[]).contains("one of table-tilt, inertia; name the one to add"));
     change("/effects/0/parameters/0/estimate", json!(7.0));
     assert!(error(&[]).contains("lambda must be within"));
     change("/split/set", json!("0123456789abcdef"));
     assert!(error(&["--model", "fitted.toml", "table-tilt"]).contains("to other recordings"));
-    change("/schema", json!("pushlab.diagnosis/2"));
-    assert!(error(&[]).contains("this release reads `pushlab.diagnosis/1`"));
-    set.write("d.json", "{\"schema\": \"pushlab.diagnosis/1\"\n\"named\": []}");
+    change("/schema", json!("pushlab.diagnosis/1"));
+    assert!(error(&[]).contains("this release reads `pushlab.diagnosis/2`"));
+    set.write("d.json", "{\"schema\": \"pushlab.diagnosis/2\"\n\"identified\": []}");
     assert!(error(&[]).contains("d.json:2:1: no JSON: expected `,` or `}`"));
 }

@@ -33,12 +33,12 @@ fn effect<'a>(found: &'a Value, id: &str) -> &'a Value {
 fn a_hidden_effect_is_named_with_its_size_and_closes_the_gap() {
     let set = generated(&["table-anisotropy: ratio=1.3, direction_deg=34"], &[]);
     let found = diagnosed(&set);
-    assert_eq!(found["verdict"], "named", "{}", found["sentence"]);
+    assert_eq!(found["verdict"], "identified", "{}", found["sentence"]);
     let named: Vec<&str> =
-        found["named"].as_array().unwrap().iter().map(|id| id.as_str().unwrap()).collect();
+        found["identified"].as_array().unwrap().iter().map(|id| id.as_str().unwrap()).collect();
     assert_eq!(named, ["table-anisotropy", "limit-surface-shape"]);
     let anisotropy = effect(&found, "table-anisotropy");
-    assert_eq!(anisotropy["status"], "present");
+    assert_eq!(anisotropy["grade"], "identified");
     for (index, truth) in [(0, 1.3), (1, 34_f64.to_radians())] {
         let parameter = &anisotropy["parameters"][index];
         let [low, high] = ["low95", "high95"].map(|end| parameter[end].as_f64().unwrap());
@@ -63,12 +63,34 @@ fn nothing_is_named_where_nothing_is_missing() {
     set.done(&["add", "limit-surface-shape", "--set", "lambda=1", "-o", "patch.toml"]);
     let run = set.done(&["diagnose", "pushes", "--model", "patch.toml", "--json"]);
     let found: Value = serde_json::from_str(&run.stdout).unwrap();
-    assert_eq!((&found["named"], &found["one_of"]), (&json!([]), &json!([])));
-    let verdict = found["verdict"].as_str().unwrap();
-    assert!(["none_found", "weak"].contains(&verdict), "{}", found["sentence"]);
+    assert_eq!((&found["ambiguous"], &found["effective"]), (&json!([]), &json!([])));
+    // The center of friction that is drawn for each push has a mean, which the pushes share.
+    let shared = mean_center(&set);
+    for id in found["identified"].as_array().unwrap() {
+        assert_eq!(id, "friction-center-offset", "{}", found["sentence"]);
+        for (parameter, shared) in effect(&found, "friction-center-offset")["parameters"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .zip(shared)
+        {
+            let [low, high] = ["low95", "high95"].map(|end| parameter[end].as_f64().unwrap());
+            assert!((low..high).contains(&shared), "{parameter} {shared}");
+        }
+    }
     let after = found["error"]["after"].as_f64().unwrap();
     assert!((0.7..1.4).contains(&after), "{after}");
-    assert!(effect(&found, "table-anisotropy")["status"] != "present");
+    assert!(effect(&found, "table-anisotropy")["grade"] != "identified");
+}
+
+/// The mean over pushes of the center of friction that was drawn for each, in m.
+fn mean_center(set: &SmallSet) -> [f64; 2] {
+    let truth: toml::Value = toml::from_str(&set.read("pushes.truth.toml")).unwrap();
+    let pushes = truth["pushes"].as_array().unwrap();
+    let of = |push: &toml::Value, axis: usize| {
+        push["variation"]["pressure_shift"][axis].as_float().unwrap()
+    };
+    [0, 1].map(|axis| pushes.iter().map(|push| of(push, axis)).sum::<f64>() / pushes.len() as f64)
 }
 
 #[test]
@@ -94,7 +116,7 @@ fn a_second_set_confirms_what_is_fitted_to_all_of_the_first() {
     let run = set.done(&[&words[..], &["two", "-o", "d.json", "--json"]].concat());
     let found: Value = serde_json::from_str(&run.stdout).unwrap();
     assert_eq!(schema::fault(&found, &schema::diagnosis()), None);
-    assert_eq!(found["named"], json!(["table-anisotropy"]), "{}", found["sentence"]);
+    assert_eq!(found["identified"], json!(["table-anisotropy"]), "{}", found["sentence"]);
     let split = &found["split"];
     let n = |part: &str| split[part].as_array().unwrap().len();
     assert_eq!((n("fit"), n("confirm"), &found["data"]["pushes_used"]), (48, 16, &json!(64)));
@@ -160,16 +182,16 @@ fn what_alike_pushes_leave_open_the_suggested_ones_decide() {
         serde_json::from_str::<Value>(&set.done(&words).stdout).unwrap()
     };
     let found = diagnose("few");
-    assert_eq!(found["verdict"], "one_of", "{}", found["sentence"]);
-    assert_eq!(found["named"], json!([]));
-    let groups = found["one_of"].as_array().unwrap();
-    assert_eq!(groups.len(), 1, "{}", found["one_of"]);
+    assert_eq!(found["verdict"], "ambiguous", "{}", found["sentence"]);
+    assert_eq!(found["identified"], json!([]));
+    let groups = found["ambiguous"].as_array().unwrap();
+    assert_eq!(groups.len(), 1, "{}", found["ambiguous"]);
     let members: Vec<&str> =
         groups[0].as_array().unwrap().iter().map(|id| id.as_str().unwrap()).collect();
     assert!(members.len() > 1 && members.contains(&TRUTH), "{members:?}");
     for member in &members {
         let finding = effect(&found, member);
-        assert_eq!(finding["status"], "possible");
+        assert_eq!(finding["grade"], "ambiguous");
         assert!(finding["parameters"][0]["estimate"].is_number(), "{finding}");
     }
 
@@ -181,7 +203,7 @@ fn what_alike_pushes_leave_open_the_suggested_ones_decide() {
     set.write("both.csv", &both);
     generate("more", "both.csv", "303");
     let found = diagnose("more");
-    assert_eq!((&found["named"], &found["one_of"]), (&json!([TRUTH]), &json!([])));
+    assert_eq!((&found["identified"], &found["ambiguous"]), (&json!([TRUTH]), &json!([])));
     for (index, truth) in [(0, 8e-3), (1, -4e-3)] {
         let parameter = &effect(&found, TRUTH)["parameters"][index];
         let [low, high] = ["low95", "high95"].map(|end| parameter[end].as_f64().unwrap());

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use dataset::{Manifest, RecordingSet, StepRow, Table, ingest};
 use diagnosis::{
-    Aim, FitSettings, NoiseModel, Observations, Separation, SuggestSettings, SuggestedPush,
-    fit_with_noise, steady_ingest, suggest,
+    Aim, FitSettings, Intervals, NoiseModel, Observations, Separation, SuggestSettings,
+    SuggestedPush, fit_with_noise, steady_ingest, suggest,
 };
 use models::{Analytical, Base, Description, SurfaceKind};
 use nalgebra::Vector2;
@@ -62,7 +62,8 @@ fn model() -> Description {
 
 /// By how much twice the log likelihood of the true rival is larger, both fitted to these pushes.
 fn ratio(observations: &Observations) -> f64 {
-    let settings = FitSettings { intervals: false, resemblances: false, ..FitSettings::default() };
+    let settings =
+        FitSettings { intervals: Intervals::None, resemblances: false, ..FitSettings::default() };
     let noise = NoiseModel::learn(&model(), &[], observations).unwrap();
     let misfit = RIVALS.map(|rival| {
         let fit = fit_with_noise(observations, &model(), &[rival], &noise, &settings).unwrap();
@@ -100,7 +101,7 @@ fn suggested_pushes_tell_rivals_apart_better_than_random_ones() {
 #[test]
 fn the_list_is_made_on_the_simulated_rig_and_has_the_path_for_a_robot() {
     let (set, mut diagnosis) = diagnosed();
-    diagnosis["one_of"] = json!([]);
+    diagnosis["ambiguous"] = json!([]);
     set.write("d.json", &diagnosis.to_string());
     let words = [
         "suggest",
@@ -160,7 +161,7 @@ fn the_list_is_made_on_the_simulated_rig_and_has_the_path_for_a_robot() {
 #[test]
 fn what_was_known_of_the_table_is_kept_in_the_command() {
     let (set, mut diagnosis) = diagnosed();
-    diagnosis["one_of"] = json!([]);
+    diagnosis["ambiguous"] = json!([]);
     set.done(&["ingest", "pushes", "-o", "steps.csv", "-q"]);
     let known = ["--manifest", "pushes/dataset.toml"];
     let of_table = ["diagnose", "steps.csv", "--model", "model.toml", "--seed", "7"];
@@ -199,7 +200,7 @@ fn what_cannot_be_suggested_is_told() {
     assert!(error(&[&of_pushes[..], &["table-grain"]].concat()).contains("table-grain"));
     let tight = ["table-tilt", "--area", "0,1,0,1"];
     assert!(error(&[&of_pushes[..], &tight].concat()).contains("within 1 × 1 mm"));
-    (diagnosis["one_of"], diagnosis["named"], diagnosis["effects"]) =
+    (diagnosis["ambiguous"], diagnosis["identified"], diagnosis["effects"]) =
         (json!([]), json!([]), json!([]));
     set.write("d.json", &diagnosis.to_string());
     assert!(error(&of_pushes[..3]).contains("no rivals, no named effect and no hint"));

@@ -1,7 +1,7 @@
 //! Fits as `pushlab fit` and `pushlab add --fit` make them, without intervals.
 
 use anyhow::Result;
-use diagnosis::{Fit, FitSettings, NoiseModel, Observations, fit_with_noise};
+use diagnosis::{Fit, FitSettings, Intervals, NoiseModel, Observations, fit_with_noise};
 use effects::{Effect, Setting, SupportPoints, by_id};
 use models::{Description, ModelEffect};
 
@@ -39,7 +39,7 @@ pub(super) fn fit(
     }
     let settings = FitSettings {
         priors: false,
-        intervals: false,
+        intervals: Intervals::None,
         resemblances: false,
         ..FitSettings::default()
     };

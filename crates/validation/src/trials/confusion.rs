@@ -42,12 +42,13 @@ fn told(record: &Record) -> String {
         Outcome::Failed(_) => return "failed".to_owned(),
         Outcome::Answer(answer) => answer,
     };
-    let groups = answer.one_of.iter().map(|group| group.join(" or "));
-    let claims: Vec<String> = answer.named.iter().cloned().chain(groups).collect();
+    let groups = answer.ambiguous.iter().map(|group| group.join(" or "));
+    let claims: Vec<String> = answer.identified.iter().cloned().chain(groups).collect();
     match answer.verdict {
-        Verdict::Named | Verdict::OneOf => claims.join(" + "),
-        Verdict::StructureUnexplained => "structure unexplained".to_owned(),
+        Verdict::Identified | Verdict::Ambiguous => claims.join(" + "),
+        Verdict::Effective => format!("effective: {}", answer.effective.join(" + ")),
+        Verdict::Unexplained => "unexplained".to_owned(),
         Verdict::NoneFound => "none found".to_owned(),
-        Verdict::Weak => "weak".to_owned(),
+        Verdict::Inconclusive => "inconclusive".to_owned(),
     }
 }

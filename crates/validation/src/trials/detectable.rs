@@ -43,7 +43,7 @@ fn told(id: &str, record: &Record) -> Option<f64> {
     let mut inverse_square = 0.0;
     for ((on, off), parameter) in typical.iter().zip(&off).zip(&told.parameters) {
         if on != off {
-            inverse_square += ((on - off) / parameter.smallest_detectable?).powi(2);
+            inverse_square += ((on - off) / parameter.detection_limit?).powi(2);
         }
     }
     (inverse_square > 0.0).then(|| inverse_square.sqrt().recip())

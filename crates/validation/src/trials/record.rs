@@ -6,7 +6,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use diagnosis::{Diagnosis, ErrorFall, Leftover, ParameterFinding, Status, Verdict};
+use diagnosis::{Diagnosis, ErrorFall, Grade, Leftover, ParameterFinding, Verdict};
 use serde::{Deserialize, Serialize};
 
 use super::case::{Case, Family, Setup};
@@ -57,8 +57,9 @@ pub(super) enum Outcome {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Answer {
     pub(super) verdict: Verdict,
-    pub(super) named: Vec<String>,
-    pub(super) one_of: Vec<Vec<String>>,
+    pub(super) identified: Vec<String>,
+    pub(super) ambiguous: Vec<Vec<String>>,
+    pub(super) effective: Vec<String>,
     pub(super) sentence: String,
     pub(super) error: ErrorFall,
     pub(super) leftover: Leftover,
@@ -69,7 +70,7 @@ pub(super) struct Answer {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Told {
     pub(super) id: String,
-    pub(super) status: Status,
+    pub(super) grade: Grade,
     pub(super) p: Option<f64>,
     pub(super) gain: Option<[f64; 2]>,
     pub(super) why: String,
@@ -102,10 +103,20 @@ impl Record {
 
 impl From<Diagnosis> for Answer {
     fn from(found: Diagnosis) -> Self {
-        let Diagnosis { verdict, named, one_of, sentence, error, leftover, effects, .. } = found;
+        let Diagnosis {
+            verdict,
+            identified,
+            ambiguous,
+            effective,
+            sentence,
+            error,
+            leftover,
+            effects,
+            ..
+        } = found;
         let told = |effect: diagnosis::EffectFinding| Told {
             id: effect.id,
-            status: effect.status,
+            grade: effect.grade,
             p: effect.p_adjusted,
             gain: effect.log_density_gain.map(|gain| [gain.mean, gain.se]),
             why: effect.why,
@@ -113,22 +124,22 @@ impl From<Diagnosis> for Answer {
             parameters: effect.parameters,
         };
         let effects = effects.into_iter().map(told).collect();
-        Self { verdict, named, one_of, sentence, error, leftover, effects }
+        Self { verdict, identified, ambiguous, effective, sentence, error, leftover, effects }
     }
 }
 
 impl Told {
     /// Whether there is more to tell than a limit.
     pub(super) fn is_told(&self) -> bool {
-        !matches!(self.status, Status::Bounded | Status::NotTestable)
+        !matches!(self.grade, Grade::BelowDetectionLimit | Grade::NotTestable)
     }
 }
 
 impl Answer {
     /// Every effect that is named or in a group.
     pub(super) fn claimed(&self) -> BTreeSet<&str> {
-        let groups = self.one_of.iter().flatten();
-        self.named.iter().chain(groups).map(String::as_str).collect()
+        let groups = self.ambiguous.iter().flatten();
+        self.identified.iter().chain(groups).map(String::as_str).collect()
     }
 
     pub(super) fn told(&self, id: &str) -> Option<&Told> {
@@ -152,10 +163,13 @@ impl Outcome {
         };
         let verdict = serde_json::to_string(&answer.verdict).unwrap_or_default();
         let mut text = verdict.trim_matches('"').replace('_', " ");
-        if !answer.named.is_empty() {
-            text += &format!(" {}", answer.named.join(" + "));
+        if !answer.identified.is_empty() {
+            text += &format!(" {}", answer.identified.join(" + "));
         }
-        for group in &answer.one_of {
+        if !answer.effective.is_empty() {
+            text += &format!(" (effective: {})", answer.effective.join(", "));
+        }
+        for group in &answer.ambiguous {
             text += &format!(" (one of {})", group.join(", "));
         }
         text

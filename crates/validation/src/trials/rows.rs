@@ -50,7 +50,7 @@ fn nothing_hidden(records: &[Record]) -> [Row; 4] {
     let verdict = |record: &Record| record.outcome.answer().map(|answer| answer.verdict);
     let nothing = of(records, Family::Nothing);
     let unexplained = nothing.clone().map(|record| {
-        let is_unexplained = verdict(record) == Some(Verdict::StructureUnexplained);
+        let is_unexplained = verdict(record) == Some(Verdict::Unexplained);
         (line(record), is_unexplained || verdict(record).is_none())
     });
     let none = nothing.map(|record| (line(record), verdict(record) == Some(Verdict::NoneFound)));
@@ -102,7 +102,7 @@ fn others_hidden(records: &[Record]) -> [Row; 7] {
     let narrow = of(records, Family::Narrow);
     let claims_one = |record: &Record| {
         let answer = record.outcome.answer();
-        (line(record), answer.is_none_or(|answer| answer.named.len() == 1))
+        (line(record), answer.is_none_or(|answer| answer.identified.len() == 1))
     };
     [
         row(

@@ -1,6 +1,6 @@
 //! Whether an answer is right.
 
-use diagnosis::{Status, Verdict};
+use diagnosis::{Grade, Verdict};
 use effects::by_id;
 
 use super::case::Family;
@@ -65,12 +65,12 @@ impl Score {
             right.extend(*same);
         }
         let is_found = |id: &&str| {
-            let names = answer.named.iter().any(|name| name == id);
-            names || answer.one_of.iter().any(|group| is_class_of(group, id))
+            let names = answer.identified.iter().any(|name| name == id);
+            names || answer.ambiguous.iter().any(|group| is_class_of(group, id))
         };
         let is_wrong = |name: &&String| !right.contains(&name.as_str());
-        let mut wrong: Vec<String> = answer.named.iter().filter(is_wrong).cloned().collect();
-        let groups = answer.one_of.iter().filter(|group| group.iter().all(|id| is_wrong(&id)));
+        let mut wrong: Vec<String> = answer.identified.iter().filter(is_wrong).cloned().collect();
+        let groups = answer.ambiguous.iter().filter(|group| group.iter().all(|id| is_wrong(&id)));
         wrong.extend(groups.map(|group| format!("one of {}", group.join(", "))));
         Self { found: hidden.iter().map(is_found).collect(), wrong }
     }
@@ -84,8 +84,7 @@ impl Score {
 pub(super) fn is_right(record: &Record) -> bool {
     let score = Score::of(record);
     let answer = record.outcome.answer();
-    let is_unexplained =
-        answer.is_some_and(|answer| answer.verdict == Verdict::StructureUnexplained);
+    let is_unexplained = answer.is_some_and(|answer| answer.verdict == Verdict::Unexplained);
     match record.family {
         Family::Nothing => score.wrong.is_empty() && !is_unexplained,
         Family::Ellipsoid => score.wrong.is_empty(),
@@ -102,7 +101,7 @@ pub(super) fn is_right(record: &Record) -> bool {
         Family::Narrow => answer.is_some() && score.wrong.is_empty(),
         Family::Untestable => {
             let told = answer.and_then(|answer| answer.told(&record.about));
-            told.is_some_and(|told| told.status == Status::NotTestable)
+            told.is_some_and(|told| told.grade == Grade::NotTestable)
         }
     }
 }
@@ -168,16 +167,16 @@ pub(super) fn intervals(record: &Record) -> Vec<(String, bool)> {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use diagnosis::{ErrorFall, Leftover, Status, Verdict};
+    use diagnosis::{ErrorFall, Grade, Leftover, Verdict};
 
     use super::super::record::{Answer, Told};
     use super::Score;
 
-    pub(in super::super) fn answer(named: &[&str], one_of: &[&[&str]]) -> Answer {
+    pub(in super::super) fn answer(named: &[&str], ambiguous: &[&[&str]]) -> Answer {
         let owned = |ids: &[&str]| ids.iter().map(|id| (*id).to_owned()).collect::<Vec<_>>();
         let told = |id: &&str| Told {
             id: (*id).to_owned(),
-            status: Status::Present,
+            grade: Grade::Identified,
             p: Some(0.001),
             gain: None,
             why: String::new(),
@@ -185,9 +184,10 @@ pub(super) mod tests {
             parameters: Vec::new(),
         };
         Answer {
-            verdict: if named.is_empty() { Verdict::NoneFound } else { Verdict::Named },
-            named: owned(named),
-            one_of: one_of.iter().map(|group| owned(group)).collect(),
+            verdict: if named.is_empty() { Verdict::NoneFound } else { Verdict::Identified },
+            identified: owned(named),
+            ambiguous: ambiguous.iter().map(|group| owned(group)).collect(),
+            effective: Vec::new(),
             sentence: String::new(),
             error: ErrorFall::default(),
             leftover: Leftover { p: None, covariate: None },
@@ -195,8 +195,8 @@ pub(super) mod tests {
         }
     }
 
-    fn score(named: &[&str], one_of: &[&[&str]], hidden: &[&str], lacks_shape: bool) -> Score {
-        Score::of_answer(&answer(named, one_of), hidden, lacks_shape)
+    fn score(named: &[&str], ambiguous: &[&[&str]], hidden: &[&str], lacks_shape: bool) -> Score {
+        Score::of_answer(&answer(named, ambiguous), hidden, lacks_shape)
     }
 
     #[test]

@@ -2,8 +2,8 @@
 
 use dataset::{Manifest, RecordingSet, Table, ingest};
 use diagnosis::{
-    DiagnosisError, Fit, FitSettings, NoiseModel, Observations, Undetermined, fit_with_noise,
-    steady_ingest,
+    DiagnosisError, Fit, FitSettings, Intervals, NoiseModel, Observations, Undetermined,
+    fit_with_noise, steady_ingest,
 };
 use models::{Analytical, Description, PushModel, SurfaceKind};
 use plant::{Design, GenerateSettings, Scatter, generate};
@@ -64,7 +64,7 @@ fn without_intervals(hidden: &str, seed: u64, effect: &str) -> Fit {
     let (table, manifest) = made(&[hidden], seed, rich());
     let observations = Observations::steady(&table, &manifest).unwrap();
     let model = base(&manifest);
-    let settings = FitSettings { intervals: false, ..FitSettings::default() };
+    let settings = FitSettings { intervals: Intervals::None, ..FitSettings::default() };
     let noise = NoiseModel::learn(&model, &[], &observations).unwrap();
     fit_with_noise(&observations, &model, &[effect], &noise, &settings).unwrap().distinct().unwrap()
 }

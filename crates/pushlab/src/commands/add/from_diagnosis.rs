@@ -3,32 +3,53 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Result, bail, ensure};
-use diagnosis::{Diagnosis, EffectFinding, ParameterFinding, Status};
+use diagnosis::{Diagnosis, EffectFinding, Grade, ParameterFinding};
 use effects::{Setting, by_id};
 use models::{Estimate, ModelEffect};
 
-/// The effects that a diagnosis names, in its order; or the one that is asked for.
+/// Which effects of a diagnosis are added.
+pub(super) enum Asked<'a> {
+    /// This one.
+    One(&'a str),
+    /// Those that are identified.
+    Identified,
+    /// Those that lower the error as well, and the first of each group.
+    All,
+}
+
+/// The effects of a diagnosis that are asked for, in its order.
 ///
 /// # Errors
-/// If nothing is named, if the effect is none of those claimed or possible, or if the diagnosis
-/// does not tell its values.
-pub(super) fn chosen(found: &Diagnosis, asked: Option<&str>) -> Result<Vec<ModelEffect>> {
-    let ids = match asked {
-        Some(id) => {
+/// If there is none, if the effect is no more than a hint, or if the diagnosis does not tell its values.
+pub(super) fn chosen(found: &Diagnosis, asked: &Asked) -> Result<Vec<ModelEffect>> {
+    let identified = found.identified.iter().map(String::as_str);
+    let ids: Vec<&str> = match asked {
+        Asked::One(id) => {
             by_id(id)?;
-            vec![id]
+            vec![*id]
         }
-        None => found.named.iter().map(String::as_str).collect(),
+        Asked::Identified => identified.collect(),
+        Asked::All => {
+            let firsts = found.ambiguous.iter().filter_map(|group| group.first());
+            let others = firsts.chain(&found.effective).map(String::as_str);
+            identified.chain(others).collect()
+        }
     };
     if ids.is_empty() {
-        let groups: Vec<String> = found.one_of.iter().map(|group| group.join(", ")).collect();
+        ensure!(
+            found.effective.is_empty(),
+            "the diagnosis names no effect for sure, but the error falls with {}: \
+             `pushlab add --all --from …` adds what lowers it",
+            found.effective.join(", ")
+        );
+        let groups: Vec<String> = found.ambiguous.iter().map(|group| group.join(", ")).collect();
         match groups.is_empty() {
             true => bail!("the diagnosis names no effect: {}", found.sentence),
             false => bail!(
                 "the diagnosis names no single effect, but one of {}; name the one to add, as in \
                  `pushlab add {} --from …`, or let `pushlab suggest` tell which pushes would decide",
                 groups.join("; one of "),
-                found.one_of[0].first().map_or("EFFECT", String::as_str),
+                found.ambiguous[0].first().map_or("EFFECT", String::as_str),
             ),
         }
     }
@@ -41,14 +62,14 @@ pub(super) fn chosen(found: &Diagnosis, asked: Option<&str>) -> Result<Vec<Model
 /// If it is none of those claimed or possible, or has no values.
 pub(crate) fn diagnosed_effect(found: &Diagnosis, id: &str) -> Result<ModelEffect> {
     let known = found.effects.iter().find(|effect| effect.id == id);
-    let Some(EffectFinding { status, parameters, why, .. }) = known else {
+    let Some(EffectFinding { grade, parameters, why, .. }) = known else {
         bail!("the diagnosis does not tell of {id}: the model that was diagnosed has it already")
     };
-    let said = match status {
-        Status::Present | Status::Possible => "",
-        Status::Weak => "is a hint alone",
-        Status::Bounded => "was not seen",
-        Status::NotTestable => "cannot be tested with these pushes",
+    let said = match grade {
+        Grade::Identified | Grade::Ambiguous | Grade::Effective => "",
+        Grade::Hint => "is a hint alone",
+        Grade::BelowDetectionLimit => "was not seen",
+        Grade::NotTestable => "cannot be tested with these pushes",
     };
     let why = if why.is_empty() { String::new() } else { format!(" ({why})") };
     ensure!(

@@ -15,7 +15,7 @@ use output::OutputFile;
 
 pub(super) use self::from_diagnosis::diagnosed_effect;
 
-use self::from_diagnosis::chosen;
+use self::from_diagnosis::{Asked, chosen};
 use super::models::Parameters;
 use crate::command_line::seed_parser;
 use crate::destination::{Force, Inputs};
@@ -56,6 +56,10 @@ pub(crate) struct Args {
     #[arg(long, value_name = "DIAGNOSIS", group = "values", value_parser = file_ending::json,
           conflicts_with_all = ["set", "fit"])]
     from: Option<PathBuf>,
+    /// Of a diagnosis not only what is identified, but all that lowers the error: what it calls
+    /// effective, too, and the first of each group that it cannot tell apart
+    #[arg(long, requires = "from", conflicts_with = "effect")]
+    all: bool,
     /// Model file to add to
     #[arg(long, value_name = "FILE", default_value = "model.toml",
           value_parser = file_ending::model)]
@@ -78,6 +82,7 @@ Examples:
   pushlab add support-points --fit table.csv --preset mit-table --model model.toml -o better.toml
   pushlab add pusher-friction --fit pushes --per-push --model model.toml -o better.toml
   pushlab add --from diagnosis.json --model model.toml -o better.toml
+  pushlab add --all --from diagnosis.json --model model.toml -o better.toml
 then:
   pushlab compare pushes --model better.toml --against model.toml";
 
@@ -178,7 +183,12 @@ fn from_file(
             found.split.set
         );
     }
-    let added = chosen(&found, args.effect.as_deref())?;
+    let asked = match &args.effect {
+        Some(id) => Asked::One(id),
+        None if args.all => Asked::All,
+        None => Asked::Identified,
+    };
+    let added = chosen(&found, &asked)?;
     warn(&found.suspicions, terminal);
     for effect in &added {
         refuse_twice(&model, &effect.id)?;
@@ -259,6 +269,7 @@ impl Args {
             .option("seed", self.fit.as_ref().map(|_| self.seed))
             .words(self.per_push.then(|| "--per-push".to_owned()))
             .words(self.known.words())
+            .words(self.all.then(|| "--all".to_owned()))
             .paths("from", &self.from)
             .paths("model", [&self.model])
     }

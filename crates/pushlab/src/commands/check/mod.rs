@@ -79,7 +79,7 @@ struct Showable {
 struct Size {
     name: &'static str,
     unit: &'static str,
-    smallest_detectable: f64,
+    detection_limit: f64,
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
@@ -136,7 +136,7 @@ fn showable(found: &Screen) -> Vec<Showable> {
         let size = |coordinate: &diagnosis::ScreenedCoordinate| Size {
             name: coordinate.name,
             unit: coordinate.unit,
-            smallest_detectable: coordinate.smallest_detectable,
+            detection_limit: coordinate.detection_limit,
         };
         Showable {
             id: effect.id,

@@ -132,13 +132,13 @@ fn write_source(f: &mut fmt::Formatter<'_>, source: &ErrorSource) -> fmt::Result
 /// The sizes of an effect's coordinates; of a ratio along an axis the larger one, as a ratio.
 fn sizes(effect: &Showable) -> String {
     let axis = |size: &&Size| size.name.starts_with("e ");
-    let widest = effect.coordinates.iter().filter(axis).map(|size| size.smallest_detectable);
+    let widest = effect.coordinates.iter().filter(axis).map(|size| size.detection_limit);
     if let Some(widest) = widest.reduce(f64::max) {
         return format!("ratio {:.4}, in any direction", (2.0 * widest).exp());
     }
     let one = |size: &Size| {
         let (per, unit) = people(size.unit);
-        let text = format!("{} {} {unit}", size.name, short(per * size.smallest_detectable));
+        let text = format!("{} {} {unit}", size.name, short(per * size.detection_limit));
         text.trim_end().to_owned()
     };
     effect.coordinates.iter().map(one).collect::<Vec<_>>().join(", ")

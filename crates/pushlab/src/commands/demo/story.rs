@@ -26,8 +26,8 @@ struct End {
     seed: u64,
     hidden: Vec<HiddenEffect>,
     verdict: Verdict,
-    named: Vec<String>,
-    one_of: Vec<Vec<String>>,
+    identified: Vec<String>,
+    ambiguous: Vec<Vec<String>>,
     error: ErrorFall,
     report: String,
 }
@@ -68,8 +68,8 @@ impl Story<'_> {
         let found: Diagnosis =
             serde_json::from_str(&text).with_context(|| format!("cannot read {answer}"))?;
         let mut report = vec!["report", &set, "--model", &model];
-        if found.named.is_empty() {
-            self.say("Nothing is named, so nothing is added.");
+        if found.identified.is_empty() {
+            self.say("Nothing is identified, so nothing is added.");
         } else {
             self.say("Add it, and look at the error on held-out pushes.");
             self.run(&["add", "--from", &answer, "--model", &model, "-o", &better])?;
@@ -91,14 +91,14 @@ impl Story<'_> {
         let text = format!(
             "\n{TITLE}The truth, sealed until now: {}{TITLE:#}\n\
              The object stands on its whole face, of which the thesis' ellipsoid is an \
-             approximation: limit-surface-shape may be named beside it.\n\
+             approximation: limit-surface-shape may be identified beside it.\n\
              The page: {report}\nThe same again: pushlab demo --seed {} -o FOLDER\n",
             hidden.join("; "),
             self.seed
         );
-        let Diagnosis { verdict, named, one_of, error, .. } = found;
+        let Diagnosis { verdict, identified, ambiguous, error, .. } = found;
         let (seed, hidden) = (self.seed, truth.hidden);
-        let end = End { seed, hidden, verdict, named, one_of, error, report };
+        let end = End { seed, hidden, verdict, identified, ambiguous, error, report };
         self.terminal.finish(&Origin::new("demo").option("seed", [self.seed]), &end, text)
     }
 

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use diagnosis::{
-    Clusters, Diagnosis, EffectFinding, ErrorFall, Gain, MotionError, ParameterFinding, Status,
+    Clusters, Diagnosis, EffectFinding, ErrorFall, Gain, Grade, MotionError, ParameterFinding,
 };
 use models::Cluster;
 
@@ -60,13 +60,14 @@ impl fmt::Display for Answer<'_> {
             writeln!(f, "{TITLE}{line}{TITLE:#}")?;
         }
         write_error(f, &found.error)?;
-        for (status, title) in [
-            (Status::Present, "claimed"),
-            (Status::Possible, "one of these"),
-            (Status::Weak, "hints"),
+        for (grade, title) in [
+            (Grade::Identified, "missing"),
+            (Grade::Ambiguous, "one of these"),
+            (Grade::Effective, "the error falls with it, though the cause may be another"),
+            (Grade::Hint, "hints"),
         ] {
             let effects: Vec<_> =
-                found.effects.iter().filter(|effect| effect.status == status).collect();
+                found.effects.iter().filter(|effect| effect.grade == grade).collect();
             if !effects.is_empty() {
                 writeln!(f, "{TITLE}{title}{TITLE:#}")?;
                 effects.into_iter().try_for_each(|effect| write_effect(f, effect))?;
@@ -122,7 +123,7 @@ fn write_effect(f: &mut fmt::Formatter<'_>, effect: &EffectFinding) -> fmt::Resu
         write!(f, "  gain {mean:.0} ± {se:.0} nats")?;
     }
     writeln!(f)?;
-    if matches!(effect.status, Status::Present | Status::Possible) {
+    if matches!(effect.grade, Grade::Identified | Grade::Ambiguous | Grade::Effective) {
         parameters.iter().try_for_each(|parameter| write_parameter(f, parameter))?;
     }
     if !why.is_empty() {
@@ -147,12 +148,12 @@ fn write_parameter(f: &mut fmt::Formatter<'_>, parameter: &ParameterFinding) -> 
 /// The effects that are not claimed: named alone, for `--json` has their limits.
 fn write_rest(f: &mut fmt::Formatter<'_>, effects: &[EffectFinding]) -> fmt::Result {
     // A limit with a reason is of an effect that is seen.
-    for (status, is_seen, title) in [
-        (Status::Bounded, true, "seen, but too small to matter (why: -o diagnosis.json)"),
-        (Status::Bounded, false, "not seen (their limits: -o diagnosis.json)"),
-        (Status::NotTestable, true, "not testable with these pushes (pushlab check says why)"),
+    for (grade, is_seen, title) in [
+        (Grade::BelowDetectionLimit, true, "looked at, and not claimed (why: -o diagnosis.json)"),
+        (Grade::BelowDetectionLimit, false, "not seen (their limits: -o diagnosis.json)"),
+        (Grade::NotTestable, true, "not testable with these pushes (pushlab check says why)"),
     ] {
-        let ids = effects.iter().filter(|effect| effect.status == status);
+        let ids = effects.iter().filter(|effect| effect.grade == grade);
         let ids = ids.filter(|effect| effect.why.is_empty() != is_seen);
         let ids: Vec<&str> = ids.map(|effect| effect.id.as_str()).collect();
         if !ids.is_empty() {

@@ -157,14 +157,14 @@ fn told_if_other(found: &Diagnosis, origin: &Origin, model: &Path, terminal: &Te
 impl Args {
     /// What the pushes are for, and what is claimed besides.
     fn aim<'a>(&'a self, found: &'a Diagnosis) -> Result<(Aim, Vec<&'a str>)> {
-        let named: Vec<&str> = found.named.iter().map(String::as_str).collect();
+        let named: Vec<&str> = found.identified.iter().map(String::as_str).collect();
         let Some(target) = self.target.as_deref() else {
             let aim = Aim::of(found)?;
             let known = if matches!(aim, Aim::Rivals(_)) { named } else { Vec::new() };
             return Ok((aim, known));
         };
         let target = by_id(target)?.info().id;
-        let firsts = found.one_of.iter().filter_map(|group| group.first());
+        let firsts = found.ambiguous.iter().filter_map(|group| group.first());
         let known: Vec<&str> = named.iter().copied().chain(firsts.map(String::as_str)).collect();
         let ids = vec![target.to_owned()];
         Ok(match known.contains(&target) {

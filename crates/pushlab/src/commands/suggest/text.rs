@@ -80,7 +80,7 @@ fn write_precisions(f: &mut fmt::Formatter<'_>, precisions: &[Precision]) -> fmt
              many random ones",
             one.now, one.expected, one.with_random
         )?;
-        let (now, then) = (one.smallest_detectable_now, one.smallest_detectable);
+        let (now, then) = (one.detection_limit_now, one.detection_limit);
         let usual = one.usual;
         writeln!(
             f,

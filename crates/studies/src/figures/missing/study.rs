@@ -5,8 +5,9 @@ use std::sync::Mutex;
 
 use anyhow::Result;
 use diagnosis::{
-    DiagnoseSettings, Fit, FitSettings, NoiseFloor, NoiseModel, Observations, Predictions,
-    RepeatTolerance, ScreenSettings, ScreenedEffect, diagnose, fit_with_noise, noise_floor, screen,
+    DiagnoseSettings, Fit, FitSettings, Intervals, NoiseFloor, NoiseModel, Observations,
+    Predictions, RepeatTolerance, ScreenSettings, ScreenedEffect, diagnose, fit_with_noise,
+    noise_floor, screen,
 };
 use effects::by_id;
 use models::{Analytical, Description, PushModel};
@@ -58,13 +59,13 @@ impl Study {
     pub(crate) fn of(observations: Observations, friction: f64) -> Result<Option<Self>> {
         let nominal = Analytical::nominal(friction)?.describe()?;
         let found = diagnose(&observations, &nominal, &DiagnoseSettings::default())?.diagnosis;
-        if found.named.is_empty() {
+        if found.identified.is_empty() {
             return Ok(None);
         }
         let fitted = observations.part(&found.split.fit)?;
         let aside = observations.part(&found.split.confirm)?;
-        let stages = stages(&fitted, &nominal, &found.named)?;
-        let best = &stages[found.named.len()];
+        let stages = stages(&fitted, &nominal, &found.identified)?;
+        let best = &stages[found.identified.len()];
         let predictions = Predictions::of(&best.model, &[], &observations)?;
         let floor = noise_floor(&observations, &predictions, &RepeatTolerance::default())?;
         Ok(Some(Self { aside, stages, floor, sentence: found.sentence, observations }))
@@ -76,7 +77,7 @@ fn stages(fitted: &Observations, nominal: &Description, named: &[String]) -> Res
     let first = NoiseModel::learn(nominal, &[], fitted)?;
     let free: Vec<&str> = named.iter().map(String::as_str).collect();
     let stage = |n: usize| {
-        let (intervals, resemblances) = (false, false);
+        let (intervals, resemblances) = (Intervals::None, false);
         let settings = FitSettings { intervals, resemblances, ..FitSettings::default() };
         let fit = fit_with_noise(fitted, nominal, &free[..n], &first, &settings)?;
         let Fit { description, with_nuisances: model, .. } = fit;

@@ -2,10 +2,12 @@
 
 use std::fmt::Write as _;
 
-use diagnosis::{Diagnosis, EffectFinding, ParameterFinding, Status, Verdict};
+use diagnosis::{Diagnosis, EffectFinding, Grade, ParameterFinding, Verdict};
 
 use super::{Ends, Error};
 
+/// More are places that a picture tells better.
+const MOST_VALUES: usize = 4;
 /// Hints that are told of an object.
 const MOST_HINTS: usize = 4;
 
@@ -30,14 +32,14 @@ pub(in crate::real_comparison) fn text(ends: &[Ends]) -> String {
 const HEAD: &str = "
 ## What is missing in long pushes of every shape
 
-What `pushlab diagnose` says of the pushes of the section before. Compared is the motion alone. Neither sessions nor the order of the pushes nor repeats
-are known: every push is a cluster of its own, and the noise is an estimate from neighbors. Of each
-object's pushes every second or third is taken for the diagnosis, so that no more than 150 are. Each object
-is diagnosed by itself, with μp = 0.25 and uniform pressure to begin with.
+What `pushlab diagnose` says of the pushes of the section before. Compared is the motion alone. Neither
+sessions nor the order of the pushes nor repeats are known: every push is a cluster of its own, and the
+noise is an estimate from neighbors. Of each object's pushes every second or third is taken for the
+diagnosis, so that no more than 150 are. Each object is diagnosed by itself, with μp = 0.25 and uniform
+pressure to begin with.
 
-Mean distance and mean angle between the predicted and the measured end, before and after what held-out
-pushes confirm is added (where that closes less than half of the gap it is no more than a hint), on the
-quarter of the pushes that the diagnosis holds out.
+Mean distance and mean angle between the predicted and the measured end, before and after all that
+`pushlab add --all` takes is added, on the quarter of the pushes that the diagnosis holds out.
 
 | object | pushes, flips | verdict | named | before | after |
 |---|---|---|---|---|---|
@@ -62,27 +64,21 @@ fn row(one: &Ends) -> String {
 
 fn verdict(verdict: Verdict) -> &'static str {
     match verdict {
-        Verdict::Named => "named",
-        Verdict::OneOf => "one of a group",
-        Verdict::StructureUnexplained => "structure unexplained",
+        Verdict::Identified => "identified",
+        Verdict::Ambiguous => "ambiguous",
+        Verdict::Effective => "effective",
+        Verdict::Unexplained => "unexplained",
         Verdict::NoneFound => "none found",
-        Verdict::Weak => "weak",
+        Verdict::Inconclusive => "inconclusive",
     }
 }
 
 fn named(found: &Diagnosis) -> String {
-    let groups = found.one_of.iter().map(|group| group.join(" or "));
-    let named: Vec<String> = found.named.iter().cloned().chain(groups).collect();
-    let is_confirmed = |effect: &&EffectFinding| {
-        effect.status == Status::Weak && effect.log_density_gain.is_some()
-    };
-    let hints: Vec<&str> =
-        found.effects.iter().filter(is_confirmed).map(|effect| effect.id.as_str()).collect();
-    match (named.is_empty(), hints.is_empty()) {
-        (false, _) => named.join(", "),
-        (true, false) => format!("– (confirmed, not claimed: {})", hints.join(", ")),
-        (true, true) => "–".to_owned(),
-    }
+    let groups = found.ambiguous.iter().map(|group| group.join(" or "));
+    let effective = found.effective.iter().map(|id| format!("{id} (effective)"));
+    let named: Vec<String> =
+        found.identified.iter().cloned().chain(groups).chain(effective).collect();
+    if named.is_empty() { "–".to_owned() } else { named.join(", ") }
 }
 
 /// The mean of the objects' errors, each object counted once.
@@ -103,12 +99,12 @@ fn means(ends: &[Ends]) -> String {
 
 /// What is claimed with its values, and hints with what speaks against each.
 fn hints(found: &Diagnosis) -> String {
-    let is = |status: Status| found.effects.iter().filter(move |one| one.status == status);
+    let is = |grade: Grade| found.effects.iter().filter(move |one| one.grade == grade);
     let mut text = String::new();
-    for effect in is(Status::Present).chain(is(Status::Possible)) {
+    for effect in is(Grade::Identified).chain(is(Grade::Ambiguous)).chain(is(Grade::Effective)) {
         let _ = writeln!(text, "- {}: {}", effect.id, values(effect));
     }
-    for effect in is(Status::Weak).take(MOST_HINTS) {
+    for effect in is(Grade::Hint).take(MOST_HINTS) {
         let why = if effect.why.is_empty() { "not sure enough" } else { &effect.why };
         let _ = writeln!(text, "- hint: {} ({why})", effect.id);
     }
@@ -129,5 +125,8 @@ fn values(effect: &EffectFinding) -> String {
         let ends = ends.map(|(low, high)| format!(" ({} to {})", number(low), number(high)));
         Some(format!("{name} {}{unit}{}", number((*estimate)?), ends.unwrap_or_default()))
     };
+    if effect.parameters.len() > MOST_VALUES {
+        return effect.why.clone();
+    }
     effect.parameters.iter().filter_map(value).collect::<Vec<_>>().join(", ")
 }

@@ -4,7 +4,7 @@ mod charts;
 mod signatures;
 
 use ::report::{ReportError, Section};
-use diagnosis::{Diagnosis, EffectFinding, Gain, Leftover, ParameterFinding, Status, Verdict};
+use diagnosis::{Diagnosis, EffectFinding, Gain, Grade, Leftover, ParameterFinding, Verdict};
 use effects::by_id;
 
 pub(super) use self::signatures::Signatures;
@@ -30,7 +30,7 @@ pub(super) fn section(found: &Diagnosis, signatures: &Signatures) -> Result<Sect
     for note in &signatures.notes {
         section = section.text(note);
     }
-    let claimed = rows(found, |effect| matches!(effect.status, Status::Present | Status::Possible));
+    let claimed = rows(found, |effect| is_added(effect.grade));
     if !claimed.is_empty() {
         let head = ["effect", "said", "p", "gain in nats", "gap closed", "values (95 %)"];
         section = section.table(&head, claimed);
@@ -40,8 +40,8 @@ pub(super) fn section(found: &Diagnosis, signatures: &Signatures) -> Result<Sect
     Ok(rest(found, section))
 }
 
-const GAINS: &str = "Gain in log predictive density by each effect, in nats, on the held-out pushes, \
-     with one standard error. It says how much better these pushes are predicted with the effect \
+const GAINS: &str = "Gain in log predictive density by each effect, in nats, on pushes that no fit \
+     has seen, with one standard error. It says how much better these pushes are predicted with the effect \
      than without; it does not say how large the effect is, and a gain of many hundred is no more \
      true than one of fifty: more pushes make it longer.";
 const ERRORS: &str = "Error of a step before and after the claimed effects are added, on the held-out \
@@ -56,37 +56,48 @@ const SIGNATURES: &str = "What each effect changes, beside what the model misses
 /// What a verdict means, and what it does not.
 fn reading(verdict: Verdict) -> &'static str {
     match verdict {
-        Verdict::Named => {
-            "Named: the effect is surer than chance allows in one of a hundred sets, matters beside \
+        Verdict::Identified => {
+            "Identified: the effect is surer than chance allows in one of a hundred sets, matters beside \
              the noise, has an interval without “off”, has no rival that explains as much, and \
              predicts held-out pushes. It is not proof that the part of the rig behind \
              it is broken: an effect that the library does not know can look the same."
         }
-        Verdict::OneOf => {
-            "One of these: something is missing, and the pushes cannot tell which effect of the \
+        Verdict::Ambiguous => {
+            "Ambiguous: something is missing, and the pushes cannot tell which effect of the \
              group it is. The first of the list is not likelier than the others. `pushlab suggest` \
              tells which pushes would decide."
         }
-        Verdict::StructureUnexplained => {
-            "Structure unexplained: the model fails in a way that no effect of the library removes. \
+        Verdict::Effective => {
+            "Effective: the error on held-out pushes falls with the effect, but another cause may be \
+             behind it: its size differs from place to place, or most of the error is left. Add it to \
+             predict better; do not take its name for the cause."
+        }
+        Verdict::Unexplained => {
+            "Unexplained: the model fails in a way that no effect of the library removes. \
              An effect in the tables below is a hint then, and adding it would be wrong."
         }
         Verdict::NoneFound => {
             "None found: nothing is missing that these pushes could show. It does not mean that \
              nothing is missing: see the limits, and what cannot be tested."
         }
-        Verdict::Weak => {
-            "Weak: there are hints, and none passes every rule. To add one because it is the best of \
+        Verdict::Inconclusive => {
+            "Inconclusive: there are hints, and none passes every rule. To add one because it is the best of \
              them would be to choose by chance."
         }
     }
 }
 
+/// Whether `add --all` may take it.
+fn is_added(grade: Grade) -> bool {
+    matches!(grade, Grade::Identified | Grade::Ambiguous | Grade::Effective)
+}
+
 fn rows(found: &Diagnosis, is_told: impl Fn(&&EffectFinding) -> bool) -> Vec<Vec<String>> {
     let row = |effect: &EffectFinding| {
-        let said = match effect.status {
-            Status::Present => "missing",
-            Status::Possible => "one of a group",
+        let said = match effect.grade {
+            Grade::Identified => "missing",
+            Grade::Ambiguous => "one of a group",
+            Grade::Effective => "effective",
             _ => "",
         };
         let gain = effect.log_density_gain;
@@ -124,11 +135,11 @@ fn measure(unit: &str) -> Measure {
 /// What may be taken for what is claimed.
 fn alike(found: &Diagnosis, section: Section) -> Section {
     let mut rows = Vec::new();
-    let is_claimed = |status| matches!(status, Status::Present | Status::Possible);
-    for effect in found.effects.iter().filter(|effect| is_claimed(effect.status)) {
+    let is_claimed = |grade| matches!(grade, Grade::Identified | Grade::Ambiguous);
+    for effect in found.effects.iter().filter(|effect| is_claimed(effect.grade)) {
         let known = by_id(&effect.id).map(|known| known.info().confounders).unwrap_or_default();
         let in_group = |other: &str| {
-            found.one_of.iter().any(|g| g.contains(&effect.id) && g.iter().any(|id| id == other))
+            found.ambiguous.iter().any(|g| g.contains(&effect.id) && g.iter().any(|id| id == other))
         };
         for rival in &effect.rivals {
             let when = known.iter().find(|one| one.id == rival);
@@ -169,14 +180,14 @@ fn left(leftover: &Leftover) -> String {
 
 /// Hints, limits, and what cannot be tested.
 fn rest(found: &Diagnosis, mut section: Section) -> Section {
-    let of = |status: Status| found.effects.iter().filter(move |effect| effect.status == status);
-    let hints: Vec<_> = of(Status::Weak).map(|e| vec![e.id.clone(), e.why.clone()]).collect();
+    let of = |grade: Grade| found.effects.iter().filter(move |effect| effect.grade == grade);
+    let hints: Vec<_> = of(Grade::Hint).map(|e| vec![e.id.clone(), e.why.clone()]).collect();
     if !hints.is_empty() {
         section = section
             .text("Hints, which are not claimed, and what speaks against each:")
             .table(&["effect", "why it is not claimed"], hints);
     }
-    let limits = of(Status::Bounded).map(|effect| {
+    let limits = of(Grade::BelowDetectionLimit).map(|effect| {
         let values: Vec<String> = effect.parameters.iter().filter_map(value).collect();
         vec![effect.id.clone(), values.join("; ")]
     });
@@ -190,7 +201,7 @@ fn rest(found: &Diagnosis, mut section: Section) -> Section {
             .table(&["effect", "change from the model (95 %)"], limits);
     }
     let silent: Vec<_> =
-        of(Status::NotTestable).map(|e| vec![e.id.clone(), e.why.clone()]).collect();
+        of(Grade::NotTestable).map(|e| vec![e.id.clone(), e.why.clone()]).collect();
     if silent.is_empty() {
         return section;
     }

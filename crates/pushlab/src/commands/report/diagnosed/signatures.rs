@@ -34,8 +34,8 @@ impl Signatures {
         observations: &Observations,
         floor: &NoiseFloor,
     ) -> Result<Self> {
-        let groups = found.one_of.iter().flatten();
-        let ids: Vec<&String> = found.named.iter().chain(groups).take(MOST).collect();
+        let groups = found.ambiguous.iter().flatten();
+        let ids: Vec<&String> = found.identified.iter().chain(groups).take(MOST).collect();
         let (mut drawings, mut notes) = (Vec::new(), Vec::new());
         let base = Predictions::of(model, &[], observations)?;
         let comparison = compare(observations, &base, floor, &MapSettings::default())?;
