@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use dataset::{RecordingSet, ingest};
 use diagnosis::{DiagnoseSettings, Observations, Verdict, diagnose, steady_ingest};
-use effects::{Channel, Effect, EffectInfo, Nuisance, Parameter, Sliding, Stage};
+use effects::{Channel, Effect, EffectInfo, Nuisance, Origin, Parameter, Sliding, Stage};
 use models::{Analytical, PushModel};
 
 /// Friction that grows towards one place of the table.
@@ -19,6 +19,7 @@ static INFO: EffectInfo = EffectInfo {
     equation: "μ(x) = μs (1 + s exp(−|x|²/(2 r²))), r = 30 mm",
     source: "made up",
     stages: &[Stage::Local],
+    origin: Origin::Table,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[Parameter::number("surplus", "1", "At its middle", (0.0, 0.5), (0.0, 5.0))],
     confounders: &[],

@@ -18,6 +18,8 @@ mod screen;
 
 mod fit;
 
+mod remains;
+
 mod decide;
 
 mod suggest;
@@ -47,9 +49,8 @@ pub use data::step_checks::{Doubt, DoubtfulSteps};
 pub use data::step_suspicions::step_suspicions;
 pub use data::tolerances::Tolerances;
 pub use decide::{
-    Clusters, DataUsed, DiagnoseSettings, Diagnosed, Diagnosis, EffectFinding, ErrorFall, Gain,
-    Grade, Leftover, MadeBy, MadeFrom, MotionError, NoiseOrigin, ParameterFinding, Verdict,
-    diagnose,
+    Clusters, DataUsed, DiagnoseSettings, Diagnosed, Diagnosis, EffectFinding, ErrorFall, Grade,
+    Leftover, MadeBy, MadeFrom, MotionError, NoiseOrigin, ParameterFinding, Verdict, diagnose,
 };
 pub use error::DiagnosisError;
 pub use fit::{
@@ -62,11 +63,13 @@ pub use noise::whitening::{PushCovariance, Whitening};
 pub use predict::predictions::Predictions;
 pub use predict::push_ends::{PushEnd, PushEnds, Spread, push_ends};
 pub use predict::rollout::{Rollout, roll_out};
+pub use remains::{OriginShare, Remains};
 pub use screen::screen;
 pub use screen::screened::{
     Calibration, LookAlikes, Nuisance, Screen, ScreenSettings, ScreenedCoordinate, ScreenedEffect,
 };
 pub use screen::untestable::{NotTestable, Reason};
+pub use statistics::gain::Gain;
 pub use suggest::{
     Aim, Precision, Separation, SuggestSettings, SuggestedPush, Suggestion, suggest,
 };

@@ -5,8 +5,8 @@ use std::error::Error;
 use std::sync::Arc;
 
 use effects::{
-    Channel, Effect, EffectInfo, Nuisance, Object, Parameter, PushPhysics, Rig, Sliding, Stage,
-    StepInput, Surface, Track,
+    Channel, Effect, EffectInfo, Nuisance, Object, Origin, Parameter, PushPhysics, Rig, Sliding,
+    Stage, StepInput, Surface, Track,
 };
 use nalgebra::{DMatrix, Vector2};
 use planar::{Pose, Shape, Twist};
@@ -36,6 +36,7 @@ static INFO: EffectInfo = EffectInfo {
     equation: "μ(x) = μs (1 + g (m(x) − 1)), with m(x) the map, 1 in the mean, and g its gain",
     source: "a tribometer on the table",
     stages: &[Stage::Local],
+    origin: Origin::Table,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[Parameter::number("gain", "1", "1 for the map as it is", (0.0, 1.0), (0.0, 3.0))],
     confounders: &[],

@@ -27,7 +27,7 @@ pub use effect::parameter::{Coordinate, Frame, Off, Parameter, Role};
 pub use effect::setting::Setting;
 pub use effect::spread::{Spread, deviations};
 pub use effect::support::{LogTensor, Support};
-pub use effect::{Confounder, Effect, EffectInfo, IntoEffect, Sliding, Snapshot, Stage};
+pub use effect::{Confounder, Effect, EffectInfo, IntoEffect, Origin, Sliding, Snapshot, Stage};
 pub use error::EffectError;
 pub use object::Object;
 pub use object::spots::Spot;

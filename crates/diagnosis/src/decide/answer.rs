@@ -4,7 +4,7 @@ use dataset::Suspicion;
 use models::{Cluster, Split};
 use serde::{Deserialize, Serialize};
 
-use crate::{FloorSource, NoiseModel, Observations, Runs};
+use crate::{FloorSource, Gain, NoiseModel, Observations, Remains, Runs};
 
 /// What a diagnosis found; written and read as `diagnosis.json` (docs/diagnosis.schema.json).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,6 +36,9 @@ pub struct Diagnosis {
     pub effects: Vec<EffectFinding>,
     /// What the best model leaves over.
     pub leftover: Leftover,
+    /// What of the rig the error that the effects leave comes from; none of fewer than eight clusters.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remains: Option<Remains>,
     /// Where the noise was learnt.
     pub noise: NoiseOrigin,
     /// What was used.
@@ -144,16 +147,6 @@ pub enum Grade {
     BelowDetectionLimit,
     /// These data cannot show it.
     NotTestable,
-}
-
-/// A mean with its standard error.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Gain {
-    /// The sum over clusters, none of which counts for more than 10, in nats.
-    pub mean: f64,
-    /// Its standard error, from whole clusters.
-    pub se: f64,
 }
 
 /// What was found of a parameter.

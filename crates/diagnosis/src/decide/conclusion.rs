@@ -2,16 +2,17 @@
 
 use models::Description;
 
+use super::ErrorFall;
 use super::confirmation::Aside;
 use super::constancy::varies;
 use super::found::{Accepted, Choice, Found, Progress, Refused, ids};
 use super::rules::{Objection, Rules};
 use super::search::Search;
-use super::{ErrorFall, Gain};
 use crate::fit::Refit;
+use crate::remains::{RemainSettings, remains};
 use crate::{
-    DiagnosisError, EffectFit, Fit, Intervals, NoiseModel, NuisanceFit, Screen, ScreenedEffect,
-    Undetermined,
+    DiagnosisError, EffectFit, Fit, Gain, Intervals, NoiseModel, NuisanceFit, Reason, Remains,
+    Screen, ScreenedEffect, Undetermined,
 };
 
 impl Search<'_> {
@@ -166,7 +167,7 @@ impl Search<'_> {
                     gap_closed: Some((without.rms() - after.rms()) / (before.rms() - 1.0)),
                 });
             }
-            let doubted = accepted.iter().filter(|one| !Rules::confirms(&one.gain));
+            let doubted = accepted.iter().filter(|one| !one.gain.is_sure());
             let least = doubted.min_by(|a, b| a.gain.mean.total_cmp(&b.gain.mean));
             let Some(Accepted { id, gain, .. }) = least else {
                 let error = aside.fall(&before, &after, &descriptions[1], self.all)?;
@@ -210,6 +211,21 @@ impl Search<'_> {
             [Err(why), _] | [_, Err(why)] => return Err(why),
         };
         Ok(Rules::gains(self.fitted, &parts))
+    }
+
+    /// What of the rig the error comes from that the last model leaves in all of the set.
+    pub(super) fn remains(&self, found: &Found) -> Result<Option<Remains>, DiagnosisError> {
+        let untested = |id: &str| {
+            let mut effects = found.last_screen.effects.iter().filter(|one| one.id == id);
+            effects.find_map(|one| one.not_testable.as_ref()).map(|why| why.reason)
+        };
+        let settings = RemainSettings {
+            own: &self.settings.own,
+            tolerances: self.settings.screen.tolerances,
+            seed: self.settings.seed,
+        };
+        let is_testable = |id: &str| untested(id) != Some(Reason::NoCovariate);
+        remains(&found.with_nuisances, self.all, &found.noise, is_testable, &settings)
     }
 
     /// The model with the next effect of a group in the place of one that is not confirmed; none

@@ -2,7 +2,7 @@
 
 use models::Description;
 
-use super::{DiagnoseSettings, ErrorFall, Gain, MotionError};
+use super::{DiagnoseSettings, ErrorFall, MotionError};
 use crate::data::clusters::ClusterMean;
 use crate::{
     DiagnosisError, NoiseModel, Observations, Predictions, RepeatTolerance, Whitening, noise_floor,
@@ -28,9 +28,6 @@ pub(super) struct Outcome {
     si: MotionError,
 }
 
-/// Largest gain of one cluster, in nats: 20 000 to 1. Where a model misses by many standard
-/// deviations, the tails of the noise decide, which nobody knows, and few pushes hold it all.
-const MOST_OF_ONE: f64 = 10.0;
 const UNIT: &str = "whitened RMS, confirmation pushes";
 
 impl<'a> Aside<'a> {
@@ -114,24 +111,13 @@ impl Outcome {
     }
 }
 
-impl Gain {
-    /// Of the gains of clusters, none of which says more than [`MOST_OF_ONE`].
-    pub(super) fn of(gains: &[f64]) -> Self {
-        let n = gains.len() as f64;
-        let capped = || gains.iter().map(|gain| gain.clamp(-MOST_OF_ONE, MOST_OF_ONE));
-        let mean = capped().sum::<f64>() / n;
-        let squares = capped().map(|gain| (gain - mean).powi(2)).sum::<f64>();
-        Self { mean: n * mean, se: (n * squares / (n - 1.0).max(1.0)).sqrt() }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
 
-    use super::{Aside, Gain};
+    use super::Aside;
     use crate::synthetic::recorded;
-    use crate::{DiagnoseSettings, NoiseModel, split};
+    use crate::{DiagnoseSettings, Gain, NoiseModel, split};
 
     #[test]
     fn what_confirms_is_counted_by_sessions() {

@@ -2,10 +2,10 @@
 
 use models::Description;
 
+use super::ErrorFall;
 use super::constancy::Varies;
 use super::rules::Objection;
-use super::{ErrorFall, Gain};
-use crate::{EffectFit, NoiseModel, Screen};
+use crate::{EffectFit, Gain, NoiseModel, Screen};
 
 /// What a search found.
 pub(super) struct Found {

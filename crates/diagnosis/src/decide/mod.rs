@@ -25,8 +25,8 @@ use effects::Effect;
 use models::{Description, Split};
 
 pub use self::answer::{
-    Clusters, DataUsed, Diagnosis, EffectFinding, ErrorFall, Gain, Grade, Leftover, MadeBy,
-    MadeFrom, MotionError, NoiseOrigin, ParameterFinding, Verdict,
+    Clusters, DataUsed, Diagnosis, EffectFinding, ErrorFall, Grade, Leftover, MadeBy, MadeFrom,
+    MotionError, NoiseOrigin, ParameterFinding, Verdict,
 };
 
 use self::claims::{Claims, claims};
@@ -119,6 +119,7 @@ pub fn diagnose(
     let search = Search { model, all, fitted, aside, settings };
     let found = search.run()?;
     let left = leftover(&found, (fitted, aside), settings)?;
+    let remains = search.remains(&found)?;
     let claims: Claims = claims(&found, &left);
     let members = members(&found, &claims, fitted, model, settings);
     let effects = findings(&found, (&claims, &members), settings);
@@ -127,7 +128,7 @@ pub fn diagnose(
         made_by: None,
         warnings: Vec::new(),
         verdict: claims.verdict,
-        sentence: sentence(&claims, &effects, &found.error, &left),
+        sentence: sentence(&claims, &effects, &found.error, (&left, remains.as_ref())),
         identified: claims.identified.iter().map(|id| (*id).to_owned()).collect(),
         ambiguous: claims
             .groups
@@ -138,6 +139,7 @@ pub fn diagnose(
         error: found.error.clone(),
         effects,
         leftover: left.summary(),
+        remains,
         noise: NoiseOrigin::of(&found.noise),
         data: DataUsed {
             pushes_used: observations.pushes().len() + second.map_or(0, |set| set.pushes().len()),

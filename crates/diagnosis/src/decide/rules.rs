@@ -2,8 +2,7 @@
 
 use std::fmt;
 
-use super::Gain;
-use crate::{DiagnosisError, Fit, Observations, Undetermined};
+use crate::{DiagnosisError, Fit, Gain, Observations, Undetermined};
 
 /// Rules for an effect that explains more than those before it.
 pub(super) struct Rules {
@@ -74,9 +73,6 @@ impl Rules {
     pub(super) const SHARE_APART: f64 = 0.05;
     /// Share of what an effect explains alone that is its own if it explains it beside another, too.
     pub(super) const OWN_SHARE: f64 = 0.5;
-    /// Least gain in log density on pushes that no fit has seen, in nats and in standard errors.
-    const GAIN: f64 = 4.0;
-    const GAIN_OVER_SE: f64 = 1.64;
 
     /// What speaks against an effect by its size alone.
     pub(super) fn objection(&self, p: f64, gain: f64, size: f64) -> Option<Objection> {
@@ -128,7 +124,7 @@ impl Rules {
             [Err(why), _] | [_, Err(why)] => return Some(why.into()),
         };
         let gain = Gain::of(&Self::gains(observations, &[without, with]));
-        (!Self::confirms(&gain)).then_some(Objection::NotPredictive { gain })
+        (!gain.is_sure()).then_some(Objection::NotPredictive { gain })
     }
 
     /// The gain of each cluster, in nats, from its pushes' parts of the sums of two models.
@@ -136,11 +132,6 @@ impl Rules {
         let of_push = |push: &usize| 0.5 * (without[*push] - with[*push]);
         let clusters = observations.pushes_of_clusters().into_iter();
         clusters.map(|pushes| pushes.iter().map(of_push).sum()).collect()
-    }
-
-    /// Whether pushes that no fit has seen miss an effect.
-    pub(super) fn confirms(gain: &Gain) -> bool {
-        gain.mean >= Self::GAIN.max(Self::GAIN_OVER_SE * gain.se)
     }
 }
 
@@ -225,16 +216,6 @@ mod tests {
         let sessions = recorded(15).0;
         let name = sessions.name_of_cluster(3);
         assert!(name.starts_with("the session of push "), "{name}");
-    }
-
-    #[test]
-    fn few_pushes_confirm_nothing_however_much_they_gain() {
-        let gains =
-            |n: usize| (0..20).map(|k| if k < n { 4000.0 } else { 0.0 }).collect::<Vec<_>>();
-        let [few, many] = [2, 12].map(|n| Gain::of(&gains(n)));
-        assert_eq!((few.mean, many.mean), (20.0, 120.0));
-        assert!(!Rules::confirms(&few) && Rules::confirms(&many));
-        assert!(!Rules::confirms(&Gain { mean: 3.0, se: 0.1 }));
     }
 
     #[test]

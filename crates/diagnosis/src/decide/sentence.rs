@@ -5,13 +5,14 @@ use effects::by_id;
 use super::claims::Claims;
 use super::leftover::Left;
 use super::{EffectFinding, ErrorFall, Grade, ParameterFinding, Verdict};
+use crate::Remains;
 
 /// One or two sentences that say what the verdict says, with sizes in mm, degrees and ms.
 pub(super) fn sentence(
     claims: &Claims,
     effects: &[EffectFinding],
     error: &ErrorFall,
-    left: &Left,
+    (left, remains): (&Left, Option<&Remains>),
 ) -> String {
     let told =
         |id: &str| effects.iter().find(|effect| effect.id == id).map_or(id.into(), with_size);
@@ -63,7 +64,7 @@ pub(super) fn sentence(
             Verdict::Unexplained => "Most of all it",
             _ => "Something is left that no effect explains: the model",
         };
-        text += &format!(" {what} {where_}.");
+        text += &format!(" {what} {where_}.{}", remains.map_or_else(String::new, mostly_from));
     }
     if claims.verdict == Verdict::Inconclusive && left.is_far_off() {
         text += &format!(
@@ -85,6 +86,12 @@ fn lowers(effective: &[(&'static str, String)], told: &impl Fn(&str) -> String) 
         all.join("; and with "),
         why.join("; ")
     )
+}
+
+/// What of the rig most of what is left comes from, if any is sure to.
+fn mostly_from(remains: &Remains) -> String {
+    let Some(main) = remains.main() else { return String::new() };
+    format!(" Of what can be predicted of it most comes from the {}.", main.origin.name())
 }
 
 /// What adding the effects does to the error.

@@ -4,13 +4,12 @@ use std::f64::consts::SQRT_2;
 
 use effects::{Channel, Effect, Stage, SupportPoints};
 
-use super::Gain;
 use super::found::{Choice, Progress, Refused};
 use super::rules::{Objection, Rules};
 use super::search::Search;
 use crate::fit::Refit;
 use crate::predict::candidates::follow_from_points;
-use crate::{DiagnosisError, Screen, ScreenedEffect};
+use crate::{DiagnosisError, Gain, Screen, ScreenedEffect};
 
 /// Pushes for each number that says where an object rests, below which nothing is asked of it.
 const PUSHES_A_NUMBER: usize = 4;
@@ -56,7 +55,7 @@ impl Search<'_> {
         });
         let objection = match &found {
             Err(why) => Some(Objection::Unsettled { why: why.to_string() }),
-            Ok(_) if !Rules::confirms(&gain) => Some(Objection::NotPredictive { gain }),
+            Ok(_) if !gain.is_sure() => Some(Objection::NotPredictive { gain }),
             Ok(_) => (p > Rules::NAME).then_some(Objection::NotSure { p }),
         };
         let (Ok(there), None) = (found, &objection) else {

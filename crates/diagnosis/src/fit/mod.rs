@@ -34,10 +34,10 @@ pub use self::per_push::{SpreadFit, fit_per_push};
 pub(crate) use self::pulls::Pulls;
 pub(crate) use self::refit::{Refit, Trial};
 pub use self::resemblance::Resemblance;
+pub(crate) use self::robust::Robust;
 
 use self::estimates::estimates;
 use self::problem::Problem;
-use self::robust::Robust;
 use self::space::Space;
 use crate::{DiagnosisError, NoiseModel, Observations, Tolerances, Undetermined, Whitening};
 

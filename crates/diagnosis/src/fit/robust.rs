@@ -15,7 +15,7 @@ use dataset::quantile;
 /// # Source
 /// Huber (1964), Robust estimation of a location parameter, Annals of Mathematical Statistics 35.
 #[derive(Clone, Debug)]
-pub(super) struct Robust {
+pub(crate) struct Robust {
     rows: Vec<Range<usize>>,
     threshold: f64,
 }
@@ -25,12 +25,12 @@ const HUBER: f64 = 3.0;
 
 impl Robust {
     /// With the threshold at three times the typical residual, which is at least the noise.
-    pub(super) fn at(rows: &[Range<usize>], z: &DVector<f64>) -> Self {
+    pub(crate) fn at(rows: &[Range<usize>], z: &DVector<f64>) -> Self {
         Self { rows: rows.to_vec(), threshold: HUBER * spread(rows, z) }
     }
 
     /// The typical residual in standard deviations of the noise.
-    pub(super) fn scale(&self) -> f64 {
+    pub(crate) fn scale(&self) -> f64 {
         self.threshold / HUBER
     }
 
@@ -46,7 +46,7 @@ impl Robust {
     }
 
     /// The weights wᵢ with which ∂F/∂zᵢ = 2 wᵢ zᵢ.
-    pub(super) fn weights(&self, z: &DVector<f64>) -> DVector<f64> {
+    pub(crate) fn weights(&self, z: &DVector<f64>) -> DVector<f64> {
         let mut weights = DVector::repeat(z.len(), 1.0);
         for rows in &self.rows {
             let of_push = self.weight(self.radius(rows, z));

@@ -49,6 +49,16 @@ impl Candidates {
         own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
+        Self::among(tested().iter().chain(own), model, own, observations)
+    }
+
+    /// The same of some effects.
+    pub(crate) fn among<'a>(
+        some: impl Iterator<Item = &'a Arc<dyn Effect>>,
+        model: &Description,
+        own: &[Arc<dyn Effect>],
+        observations: &Observations,
+    ) -> Result<Self, DiagnosisError> {
         let first_step = &observations.steps[0].input;
         let physics =
             ChannelModel::new(model, observations.support, own)?.physics(&first_step.object)?;
@@ -60,7 +70,7 @@ impl Candidates {
             has_spots && !has(id) && follow_from_points().contains(&id)
         };
         let mut found = Self::default();
-        for effect in tested().iter().chain(own).filter(|effect| !follows(effect)) {
+        for effect in some.filter(|effect| !follows(effect)) {
             let about = effect.info();
             let first = found.directions.len();
             for (index, coordinate) in

@@ -30,7 +30,25 @@ impl Tangent {
         own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
-        let candidates = Candidates::of(model, own, observations)?;
+        Self::at(Candidates::of(model, own, observations)?, model, own, observations)
+    }
+
+    /// The same by some effects.
+    pub(crate) fn among<'a>(
+        some: impl Iterator<Item = &'a Arc<dyn Effect>>,
+        model: &Description,
+        own: &[Arc<dyn Effect>],
+        observations: &Observations,
+    ) -> Result<Self, DiagnosisError> {
+        Self::at(Candidates::among(some, model, own, observations)?, model, own, observations)
+    }
+
+    fn at(
+        candidates: Candidates,
+        model: &Description,
+        own: &[Arc<dyn Effect>],
+        observations: &Observations,
+    ) -> Result<Self, DiagnosisError> {
         let of_push = push_directions()?;
         let directions: Vec<Direction> =
             of_push.iter().chain(&candidates.directions).cloned().collect();

@@ -22,7 +22,7 @@ impl CellRange {
     }
 
     /// Every range of an axis, the short ones first.
-    fn all(n_cells: usize, is_periodic: bool) -> impl Iterator<Item = Self> {
+    pub(crate) fn all(n_cells: usize, is_periodic: bool) -> impl Iterator<Item = Self> {
         (1..=n_cells).flat_map(move |n| {
             let wraps = is_periodic && n < n_cells;
             let n_starts = if wraps { n_cells } else { n_cells - n + 1 };
@@ -30,7 +30,7 @@ impl CellRange {
         })
     }
 
-    fn cells(self, n_cells: usize) -> impl Iterator<Item = usize> {
+    pub(crate) fn cells(self, n_cells: usize) -> impl Iterator<Item = usize> {
         (self.first..self.first + self.n).map(move |cell| cell % n_cells)
     }
 }

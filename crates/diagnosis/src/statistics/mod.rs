@@ -2,6 +2,7 @@
 
 pub(crate) mod blocks;
 pub(crate) mod box_search;
+pub(crate) mod gain;
 pub(crate) mod map_test;
 pub(crate) mod mixture;
 pub(crate) mod quantile;

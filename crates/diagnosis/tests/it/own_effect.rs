@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use diagnosis::{Fit, FitSettings, Intervals, NoiseModel, Observations, fit};
 use effects::{
-    Channel, Effect, EffectInfo, MeasurementModel, Nuisance, Parameter, Stage, StepInput,
+    Channel, Effect, EffectInfo, MeasurementModel, Nuisance, Origin, Parameter, Stage, StepInput,
 };
 use models::{Analytical, PushModel};
 use nalgebra::Vector2;
@@ -25,6 +25,7 @@ const INFO: EffectInfo = EffectInfo {
     equation: "f_measured = f + c d, with d the direction",
     source: "made up",
     stages: &[Stage::Measurement],
+    origin: Origin::Measurement,
     reaches: &[Channel::Force],
     parameters: &[Parameter::number("pull", "N", "Along the direction", (0.0, 0.1), (-5.0, 5.0))],
     confounders: &[],

@@ -1,9 +1,6 @@
 //! A push that begins before the touch.
 
-use crate::{
-    Channel, Confounder, Effect, EffectInfo, Geometry, Nuisance, Off, Parameter, Role, Stage,
-    StepInput,
-};
+use crate::{Channel, Confounder, Effect, EffectInfo, Geometry, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput};
 
 /// Approach gap: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +14,7 @@ static INFO: EffectInfo = EffectInfo {
     equation: "The object rests until the pusher has moved by g, in m, towards it.",
     source: "Kinematics of a pusher that moves before it touches.",
     stages: &[Stage::Geometry],
+    origin: Origin::Contact,
     reaches: &[Channel::Motion, Channel::Force, Channel::Gap],
     parameters: &[Parameter {
         name: "gap",

@@ -1,9 +1,6 @@
 //! Friction that depends on the direction over the body.
 
-use crate::{
-    Channel, Confounder, Effect, EffectInfo, Frame, LogTensor, Nuisance, Off, Parameter, Role,
-    Snapshot, Stage, Support,
-};
+use crate::{Channel, Confounder, Effect, EffectInfo, Frame, LogTensor, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage, Support};
 
 /// Anisotropy of the body: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +17,7 @@ static INFO: EffectInfo = EffectInfo {
         ratio^−½) R(φ)ᵀ, φ the direction in the body.",
     source: "Zmitrowicz (1981), A theoretical model of anisotropic dry friction, Wear 73(1).",
     stages: &[Stage::Support],
+    origin: Origin::Support,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[
         Parameter {

@@ -1,9 +1,6 @@
 //! A force that acts beside the nearest point.
 
-use crate::{
-    Channel, Confounder, Effect, EffectInfo, Geometry, Nuisance, Off, Parameter, Role, Stage,
-    StepInput,
-};
+use crate::{Channel, Confounder, Effect, EffectInfo, Geometry, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput};
 
 /// Bias of the contact point: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +15,7 @@ static INFO: EffectInfo = EffectInfo {
     source: "Geometry of a leaning pin; for the sensitivity of the turn to the contact point see \
         Mason (1986), Int. J. Robotics Research 5(3).",
     stages: &[Stage::Geometry],
+    origin: Origin::Contact,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[Parameter {
         name: "shift",

@@ -1,8 +1,6 @@
 //! Corners that are round.
 
-use crate::{
-    Channel, Effect, EffectInfo, Geometry, Nuisance, Off, Parameter, Role, Stage, StepInput,
-};
+use crate::{Channel, Effect, EffectInfo, Geometry, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput};
 
 /// Rounded corners: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +16,7 @@ static INFO: EffectInfo = EffectInfo {
     source: "de Berg, Cheong, van Kreveld & Overmars (2008), Computational Geometry, chapter 13, \
         for Minkowski sums.",
     stages: &[Stage::Geometry],
+    origin: Origin::Contact,
     reaches: &[Channel::Motion, Channel::Force, Channel::Gap],
     parameters: &[Parameter {
         name: "radius",

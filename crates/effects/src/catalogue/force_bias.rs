@@ -2,10 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::{
-    Channel, Effect, EffectInfo, Frame, MeasurementModel, Nuisance, Off, Parameter, Role, Stage,
-    StepInput,
-};
+use crate::{Channel, Effect, EffectInfo, Frame, MeasurementModel, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput};
 
 /// Bias of the force sensor: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +18,7 @@ static INFO: EffectInfo = EffectInfo {
         recursive total least-squares approach, IROS, which estimates the sensor's offsets with \
         the load.",
     stages: &[Stage::Measurement],
+    origin: Origin::Measurement,
     reaches: &[Channel::Force],
     parameters: &[
         Parameter {

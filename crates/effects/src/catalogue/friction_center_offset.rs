@@ -2,10 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::{
-    Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Off, Parameter, Role, Snapshot,
-    Stage, Support,
-};
+use crate::{Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage, Support};
 
 /// Offset of the center of friction: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +22,7 @@ static INFO: EffectInfo = EffectInfo {
     source: "Yoshikawa & Kurisu (1991), Identification of the center of friction from pushing an \
         object by a mobile robot, IROS.",
     stages: &[Stage::Support],
+    origin: Origin::Support,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[
         Parameter {

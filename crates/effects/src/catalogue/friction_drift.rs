@@ -1,8 +1,6 @@
 //! Friction that changes in the course of a set.
 
-use crate::{
-    Channel, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot, Stage, Support,
-};
+use crate::{Channel, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage, Support};
 
 /// Drift of friction: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +16,7 @@ static INFO: EffectInfo = EffectInfo {
     source: "Yu, Bauza, Fazeli & Rodriguez (2016), More than a million ways to be pushed, IROS, \
         which shows friction over time.",
     stages: &[Stage::Support],
+    origin: Origin::Time,
     reaches: &[Channel::Force],
     parameters: &[Parameter {
         name: "change",

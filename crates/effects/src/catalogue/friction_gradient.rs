@@ -2,10 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::{
-    Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Off, Parameter, Role, Snapshot,
-    Stage, Support,
-};
+use crate::{Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage, Support};
 
 /// Gradient of friction over the table: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +19,7 @@ static INFO: EffectInfo = EffectInfo {
     source: "Yu, Bauza, Fazeli & Rodriguez (2016), More than a million ways to be pushed, IROS, \
         which maps friction over the table.",
     stages: &[Stage::Support],
+    origin: Origin::Table,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[
         Parameter {

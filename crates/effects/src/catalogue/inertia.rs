@@ -1,6 +1,6 @@
 //! An object that takes time to start and to stop.
 
-use crate::{Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Stage};
+use crate::{Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Stage};
 
 /// Inertia: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +19,7 @@ static INFO: EffectInfo = EffectInfo {
         dynamic manipulation; Alexander (1977), SIAM J. Numerical Analysis 14(6), for the time \
         step.",
     stages: &[Stage::Dynamics],
+    origin: Origin::Dynamics,
     reaches: &[Channel::Motion, Channel::Force, Channel::Gap],
     parameters: &[Parameter {
         name: "kappa",

@@ -1,9 +1,6 @@
 //! Between the ellipsoid and the exact surface of uniform pressure.
 
-use crate::{
-    Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot, Stage,
-    Support,
-};
+use crate::{Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage, Support};
 
 /// Shape of the limit surface: see [`EffectInfo`] for its physics.
 ///
@@ -28,6 +25,7 @@ static INFO: EffectInfo = EffectInfo {
         & Cutkosky (1996), Practical force-motion models for sliding manipulation, Int. J. \
         Robotics Research 15(6).",
     stages: &[Stage::Support],
+    origin: Origin::Support,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[Parameter {
         name: "lambda",

@@ -2,10 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::{
-    Channel, Confounder, Effect, EffectInfo, Frame, MeasurementModel, Nuisance, Off, Parameter,
-    Role, Stage, StepInput, Tolerance,
-};
+use crate::{Channel, Confounder, Effect, EffectInfo, Frame, MeasurementModel, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput, Tolerance};
 
 /// Offset of the tracked frame: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +19,7 @@ static INFO: EffectInfo = EffectInfo {
     source: "Tsai & Lenz (1989), A new technique for fully autonomous and efficient 3D robotics \
         hand/eye calibration, IEEE Trans. Robotics and Automation 5(3), for calibrated frames.",
     stages: &[Stage::Measurement],
+    origin: Origin::Measurement,
     reaches: &[Channel::Motion, Channel::Force, Channel::Gap],
     parameters: &[
         Parameter {

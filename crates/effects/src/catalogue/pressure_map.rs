@@ -1,8 +1,6 @@
 //! A map of the pressure under an object.
 
-use crate::{
-    Channel, Confounder, Effect, EffectInfo, Nuisance, Object, Off, Parameter, Role, Spot, Stage,
-};
+use crate::{Channel, Confounder, Effect, EffectInfo, Nuisance, Object, Off, Origin, Parameter, Role, Spot, Stage};
 
 /// Pressure map: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,6 +61,7 @@ static INFO: EffectInfo = EffectInfo {
     source: "Goyal, Ruina & Papadopoulos (1991), Planar sliding with dry friction, part 1, Wear 143; \
         Lynch (1993), Estimating the friction parameters of pushed objects, IROS.",
     stages: &[Stage::Pressure],
+    origin: Origin::Support,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &CELLS,
     confounders: &[Confounder {

@@ -1,9 +1,6 @@
 //! Pressure nearer to the rim or to the middle.
 
-use crate::{
-    Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot, Stage,
-    StepInput, Support,
-};
+use crate::{Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage, StepInput, Support};
 
 /// Pressure radius: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +17,7 @@ static INFO: EffectInfo = EffectInfo {
     source: "Mason (1986), Mechanics and planning of manipulator pushing operations, Int. J. \
         Robotics Research 5(3); Lee & Cutkosky (1991), Fixture planning with friction.",
     stages: &[Stage::Support],
+    origin: Origin::Support,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[Parameter {
         name: "ratio",

@@ -1,9 +1,6 @@
 //! A push above the table.
 
-use crate::{
-    Channel, Confounder, ContactLaw, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot,
-    Stage,
-};
+use crate::{Channel, Confounder, ContactLaw, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage};
 
 /// Height of the push: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +15,7 @@ static INFO: EffectInfo = EffectInfo {
         depends on it in turn; h the height of the contact above the table, in m.",
     source: "Statics of a rigid object; Lynch (1999), Toppling manipulation, ICRA, for where it ends.",
     stages: &[Stage::Contact],
+    origin: Origin::Contact,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[Parameter {
         name: "height",

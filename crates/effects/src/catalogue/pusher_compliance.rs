@@ -1,9 +1,6 @@
 //! A pusher that yields.
 
-use crate::{
-    Channel, Confounder, ContactLaw, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot,
-    Stage, Tolerance,
-};
+use crate::{Channel, Confounder, ContactLaw, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage, Tolerance};
 
 /// Compliance of the pusher: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +17,7 @@ static INFO: EffectInfo = EffectInfo {
     source: "Whitney (1982), Quasi-static assembly of compliantly supported rigid parts, J. \
         Dynamic Systems, Measurement, and Control 104(1).",
     stages: &[Stage::Contact],
+    origin: Origin::Contact,
     reaches: &[Channel::Motion, Channel::Force, Channel::Gap],
     parameters: &[Parameter {
         name: "compliance",

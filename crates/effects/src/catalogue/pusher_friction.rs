@@ -1,8 +1,6 @@
 //! Another friction between pusher and object.
 
-use crate::{
-    Channel, ContactLaw, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot, Stage,
-};
+use crate::{Channel, ContactLaw, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage};
 
 /// Friction with the pusher: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +15,7 @@ static INFO: EffectInfo = EffectInfo {
     source: "Lynch, Maekawa & Tanie (1992), Manipulation and active sensing by pushing using \
         tactile feedback, IROS.",
     stages: &[Stage::Contact],
+    origin: Origin::Contact,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[Parameter {
         name: "friction",

@@ -1,8 +1,6 @@
 //! A friction cone that leans to one side.
 
-use crate::{
-    Channel, ContactLaw, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot, Stage,
-};
+use crate::{Channel, ContactLaw, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage};
 
 /// Asymmetry of the pusher friction: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +16,7 @@ static INFO: EffectInfo = EffectInfo {
     source: "Zmitrowicz (1981), A theoretical model of anisotropic dry friction, Wear 73(1), for \
         friction that differs between the two senses of a direction.",
     stages: &[Stage::Contact],
+    origin: Origin::Contact,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[Parameter {
         name: "asymmetry",

@@ -1,9 +1,6 @@
 //! A pusher of another radius.
 
-use crate::{
-    Channel, Confounder, Effect, EffectInfo, Geometry, Nuisance, Off, Parameter, Role, Stage,
-    StepInput, Tolerance,
-};
+use crate::{Channel, Confounder, Effect, EffectInfo, Geometry, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput, Tolerance};
 
 /// Pusher radius: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +14,7 @@ static INFO: EffectInfo = EffectInfo {
     equation: "R = R₀ + excess, with R₀ the stated radius, in m.",
     source: "Montana (1988), The kinematics of contact and grasp, Int. J. Robotics Research 7(3).",
     stages: &[Stage::Geometry],
+    origin: Origin::Contact,
     reaches: &[Channel::Motion, Channel::Force, Channel::Gap],
     parameters: &[Parameter {
         name: "excess",

@@ -1,9 +1,6 @@
 //! A pusher that sticks harder than it slides.
 
-use crate::{
-    Channel, Confounder, ContactLaw, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot,
-    Stage,
-};
+use crate::{Channel, Confounder, ContactLaw, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage};
 
 /// Stiction of the pusher: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +18,7 @@ static INFO: EffectInfo = EffectInfo {
     source: "Canudas de Wit, Olsson, Åström & Lischinsky (1995), A new model for control of systems \
         with friction, IEEE Trans. Automatic Control 40(3), its curve of steady sliding.",
     stages: &[Stage::Contact],
+    origin: Origin::Contact,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[
         Parameter {

@@ -1,8 +1,6 @@
 //! Friction that grows with the logarithm of speed.
 
-use crate::{
-    Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Sliding, Stage,
-};
+use crate::{Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Sliding, Stage};
 
 /// Friction that depends on speed: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +18,7 @@ static INFO: EffectInfo = EffectInfo {
         Ruina (1983), Slip instability and state variable friction laws, J. Geophysical Research \
         88(B12).",
     stages: &[Stage::Local],
+    origin: Origin::Dynamics,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[
         Parameter {

@@ -1,9 +1,6 @@
 //! Object poses that come late.
 
-use crate::{
-    Channel, Confounder, Effect, EffectInfo, MeasurementModel, Nuisance, Off, Parameter, Role,
-    Stage, StepInput, Tolerance,
-};
+use crate::{Channel, Confounder, Effect, EffectInfo, MeasurementModel, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput, Tolerance};
 
 /// Latency of the object stream: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +16,7 @@ static INFO: EffectInfo = EffectInfo {
         after the step goes on at the velocity of its ends.",
     source: "Olson (2010), A passive solution to the sensor synchronization problem, IROS.",
     stages: &[Stage::Measurement],
+    origin: Origin::Measurement,
     reaches: &[Channel::Motion, Channel::Force, Channel::Gap],
     parameters: &[Parameter {
         name: "latency",

@@ -1,8 +1,6 @@
 //! Another friction between object and table.
 
-use crate::{
-    Channel, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot, Stage, Support,
-};
+use crate::{Channel, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage, Support};
 
 /// Friction with the table: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +16,7 @@ static INFO: EffectInfo = EffectInfo {
         m/s².",
     source: "Yu, Bauza, Fazeli & Rodriguez (2016), More than a million ways to be pushed, IROS.",
     stages: &[Stage::Support],
+    origin: Origin::Table,
     reaches: &[Channel::Force],
     parameters: &[Parameter {
         name: "friction",

@@ -2,10 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::{
-    Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Object, Off, Parameter, Role, Spot,
-    Stage,
-};
+use crate::{Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Object, Off, Origin, Parameter, Role, Spot, Stage};
 
 /// Support points: see [`EffectInfo`] for their physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,6 +67,7 @@ static INFO: EffectInfo = EffectInfo {
         than 1 in all are in proportion.",
     source: "Goyal, Ruina & Papadopoulos (1991), Planar sliding with dry friction, part 1, Wear 143.",
     stages: &[Stage::Pressure],
+    origin: Origin::Support,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: POINTS.as_flattened(),
     confounders: &[

@@ -1,8 +1,6 @@
 //! Friction with the table that is larger at low speed.
 
-use crate::{
-    Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Sliding, Stage,
-};
+use crate::{Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Sliding, Stage};
 
 /// Stiction of the support: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +18,7 @@ static INFO: EffectInfo = EffectInfo {
         with friction, IEEE Trans. Automatic Control 40(3); Armstrong-Hélouvry, Dupont & Canudas de \
         Wit (1994), Automatica 30(7).",
     stages: &[Stage::Local],
+    origin: Origin::Dynamics,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[
         Parameter {

@@ -3,9 +3,7 @@
 use nalgebra::Vector2;
 use planar::Wrench;
 
-use crate::{
-    Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Off, Parameter, Role, Snapshot, Stage,
-};
+use crate::{Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage};
 
 /// Tilt of the table: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +20,7 @@ static INFO: EffectInfo = EffectInfo {
     source: "Erdmann & Mason (1988), An exploration of sensorless manipulation, IEEE J. Robotics \
         and Automation 4(4), for gravity along a tilted plane against friction.",
     stages: &[Stage::Load],
+    origin: Origin::Table,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[
         Parameter {

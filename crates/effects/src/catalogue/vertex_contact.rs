@@ -2,10 +2,7 @@
 
 use planar::Shape;
 
-use crate::{
-    Channel, Confounder, ContactLaw, Effect, EffectInfo, Nuisance, Off, Parameter, Role, Snapshot,
-    Stage,
-};
+use crate::{Channel, Confounder, ContactLaw, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage};
 
 /// Contact at a vertex: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +17,7 @@ static INFO: EffectInfo = EffectInfo {
     equation: "Within the distance of an edge's end, sliding inwards: sticks, whatever the friction.",
     source: "Geometry: at a vertex the contact normal is any between those of its two edges.",
     stages: &[Stage::Contact],
+    origin: Origin::Contact,
     reaches: &[Channel::Motion, Channel::Force],
     parameters: &[Parameter {
         name: "distance",

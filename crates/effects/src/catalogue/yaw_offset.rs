@@ -1,9 +1,6 @@
 //! A tracked frame that is turned against the outline.
 
-use crate::{
-    Channel, Effect, EffectInfo, MeasurementModel, Nuisance, Off, Parameter, Role, Stage,
-    StepInput, Tolerance,
-};
+use crate::{Channel, Effect, EffectInfo, MeasurementModel, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput, Tolerance};
 
 /// Turn of the tracked frame: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +15,7 @@ static INFO: EffectInfo = EffectInfo {
     source: "Tsai & Lenz (1989), A new technique for fully autonomous and efficient 3D robotics \
         hand/eye calibration, IEEE Trans. Robotics and Automation 5(3), for calibrated frames.",
     stages: &[Stage::Measurement],
+    origin: Origin::Measurement,
     reaches: &[Channel::Motion, Channel::Force, Channel::Gap],
     parameters: &[Parameter {
         name: "yaw",

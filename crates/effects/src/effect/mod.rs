@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector2;
 use planar::{Pose, Wrench};
+use serde::{Deserialize, Serialize};
 
 use crate::effect::parameter::{coordinates, from_coordinates, to_coordinates};
 use crate::{
@@ -181,6 +182,42 @@ impl Stage {
     ];
 }
 
+/// What of a rig an effect comes from: where to look for what is missing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Origin {
+    /// How the object rests, and rubs, whichever way it lies.
+    Support,
+    /// What pusher and object do to each other.
+    Contact,
+    /// The table: its friction from place to place, its directions, its slope.
+    Table,
+    /// Speed and acceleration.
+    Dynamics,
+    /// What changes while the pushes are made.
+    Time,
+    /// How motion and force are measured.
+    Measurement,
+}
+
+impl Origin {
+    /// Every origin.
+    pub const ALL: [Self; 6] =
+        [Self::Support, Self::Contact, Self::Table, Self::Dynamics, Self::Time, Self::Measurement];
+
+    /// Name for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Support => "support",
+            Self::Contact => "contact",
+            Self::Table => "table",
+            Self::Dynamics => "dynamics",
+            Self::Time => "time",
+            Self::Measurement => "measurement",
+        }
+    }
+}
+
 /// What an effect says about itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffectInfo {
@@ -196,6 +233,8 @@ pub struct EffectInfo {
     pub source: &'static str,
     /// Where it acts.
     pub stages: &'static [Stage],
+    /// What of the rig it comes from.
+    pub origin: Origin,
     /// What can show it; no other channel changes with it.
     pub reaches: &'static [Channel],
     /// Its parameters.

@@ -177,6 +177,9 @@ fn tell(record: &Record) -> Result<String> {
     if let Some(answer) = record.outcome.answer() {
         text += &format!("sentence: {}\n", answer.sentence);
         text += &format!("leftover: {}\n", serde_json::to_string(&answer.leftover)?);
+        if let Some(remains) = &answer.remains {
+            text += &format!("remains:  {}\n", serde_json::to_string(remains)?);
+        }
         text += &format!("error:    {}\n", serde_json::to_string(&answer.error)?);
         for effect in answer.effects.iter().filter(|effect| effect.is_told()) {
             text += &format!("  {}\n", serde_json::to_string(effect)?);

@@ -6,7 +6,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use diagnosis::{Diagnosis, ErrorFall, Grade, Leftover, ParameterFinding, Verdict};
+use diagnosis::{Diagnosis, ErrorFall, Grade, Leftover, ParameterFinding, Remains, Verdict};
 use serde::{Deserialize, Serialize};
 
 use super::case::{Case, Family, Setup};
@@ -63,6 +63,8 @@ pub(super) struct Answer {
     pub(super) sentence: String,
     pub(super) error: ErrorFall,
     pub(super) leftover: Leftover,
+    #[serde(default)]
+    pub(super) remains: Option<Remains>,
     pub(super) effects: Vec<Told>,
 }
 
@@ -111,6 +113,7 @@ impl From<Diagnosis> for Answer {
             sentence,
             error,
             leftover,
+            remains,
             effects,
             ..
         } = found;
@@ -124,7 +127,17 @@ impl From<Diagnosis> for Answer {
             parameters: effect.parameters,
         };
         let effects = effects.into_iter().map(told).collect();
-        Self { verdict, identified, ambiguous, effective, sentence, error, leftover, effects }
+        Self {
+            verdict,
+            identified,
+            ambiguous,
+            effective,
+            sentence,
+            error,
+            leftover,
+            remains,
+            effects,
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use super::oracle::Oracle;
 use super::power::Power;
 use super::record::{Outcome, Record};
 use super::row::{Mark, Row, median_row, row};
-use super::score::{Score, intervals, is_right};
+use super::score::{Score, finds_origin, intervals, is_right};
 use super::trial::over_floor;
 use super::variant::Variant;
 
@@ -96,7 +96,7 @@ fn one_hidden(records: &[Record]) -> [Row; 5] {
     ]
 }
 
-fn others_hidden(records: &[Record]) -> [Row; 7] {
+fn others_hidden(records: &[Record]) -> [Row; 8] {
     let (pairs, outside) = (of(records, Family::Pair), of(records, Family::Outside));
     let is_large = |record: &&Record| record.visibility.is_some_and(|size| size >= LARGE);
     let narrow = of(records, Family::Narrow);
@@ -115,6 +115,11 @@ fn others_hidden(records: &[Record]) -> [Row; 7] {
             "outside the catalogue, 0.6 of the noise or more: none of these",
             ("≥ 80 %", Mark::AtLeast(0.8)),
             outside.clone().filter(is_large).map(as_asked),
+        ),
+        row(
+            "outside the catalogue: what is left comes most of all from where it does",
+            ("≥ 80 %", Mark::AtLeast(0.8)),
+            outside.clone().filter_map(|record| Some((line(record), finds_origin(record)?))),
         ),
         row("outside the catalogue: a wrong name", SELDOM, outside.map(is_wrong)),
         row("narrow design: a single name claimed", RARE, narrow.clone().map(claims_one)),

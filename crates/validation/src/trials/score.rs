@@ -1,7 +1,7 @@
 //! Whether an answer is right.
 
 use diagnosis::{Grade, Verdict};
-use effects::by_id;
+use effects::{Origin, by_id};
 
 use super::case::Family;
 use super::record::{Answer, Outcome, Record};
@@ -19,6 +19,18 @@ const EQUIVALENTS: [(&str, &[&str]); 4] = [
     ("liquid-film", &["rate-dependent-friction", "support-stiction"]),
     ("chipped-corner", &["edge-rounding"]),
     ("cable-drag", &["table-tilt"]),
+];
+
+/// What of a rig effects outside the catalogue come from.
+const ORIGINS: [(&str, Origin); 8] = [
+    ("cable-drag", Origin::Table),
+    ("chipped-corner", Origin::Contact),
+    ("flexing-tip", Origin::Contact),
+    ("liquid-film", Origin::Dynamics),
+    ("magnet", Origin::Table),
+    ("sticky-spot", Origin::Table),
+    ("wobbling-foot", Origin::Support),
+    ("worn-groove", Origin::Table),
 ];
 
 /// Three intervals of 95 % that are so much wider hold three numbers 19 times in 20.
@@ -106,6 +118,14 @@ pub(super) fn is_right(record: &Record) -> bool {
     }
 }
 
+/// Whether most of what is left comes from where an effect outside the catalogue comes from; none where
+/// nothing is sure to be left.
+pub(super) fn finds_origin(record: &Record) -> Option<bool> {
+    let (_, origin) = ORIGINS.iter().find(|(id, _)| *id == record.about)?;
+    let main = record.outcome.answer()?.remains.as_ref()?.main()?;
+    Some(main.origin == *origin)
+}
+
 /// Whether a group is an effect with documented look-alikes of it.
 fn is_class_of(group: &[String], id: &str) -> bool {
     let documents = |one: &str, other: &str| {
@@ -191,6 +211,7 @@ pub(super) mod tests {
             sentence: String::new(),
             error: ErrorFall::default(),
             leftover: Leftover { p: None, covariate: None },
+            remains: None,
             effects: named.iter().map(told).collect(),
         }
     }

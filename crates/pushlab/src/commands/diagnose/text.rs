@@ -3,7 +3,8 @@
 use std::fmt;
 
 use diagnosis::{
-    Clusters, Diagnosis, EffectFinding, ErrorFall, Gain, Grade, MotionError, ParameterFinding,
+    Clusters, Diagnosis, EffectFinding, ErrorFall, Gain, Grade, MotionError, OriginShare,
+    ParameterFinding, Remains,
 };
 use models::Cluster;
 
@@ -73,8 +74,34 @@ impl fmt::Display for Answer<'_> {
                 effects.into_iter().try_for_each(|effect| write_effect(f, effect))?;
             }
         }
-        write_rest(f, &found.effects)
+        write_rest(f, &found.effects)?;
+        found.remains.as_ref().map_or(Ok(()), |remains| write_remains(f, remains))
     }
+}
+
+/// What of the rig the error comes from that the claimed effects leave.
+fn write_remains(f: &mut fmt::Formatter<'_>, remains: &Remains) -> fmt::Result {
+    let Remains { gain, share, smooth, origins } = remains;
+    write!(f, "{TITLE}what is left{TITLE:#}")?;
+    if !gain.is_sure() && !smooth.is_sure() {
+        return writeln!(f, ": nothing that held-out pushes would be predicted better by");
+    }
+    let percent = 100.0 * share;
+    writeln!(f, ": {percent:.0} % of the squared error; on held-out pushes it is predicted by")?;
+    for OriginShare { origin, gain, alone, last_in, at } in origins {
+        let Gain { mean, se } = gain;
+        write!(f, "  {:12} gain {mean:.0} ± {se:.0} nats", origin.name())?;
+        if let (Some(alone), Some(last_in), true) = (alone, last_in, gain.is_sure()) {
+            let (alone, last_in) = (100.0 * alone, 100.0 * last_in);
+            write!(f, ", {alone:.0} % of all; {last_in:.0} % by nothing else")?;
+        }
+        match at {
+            Some(at) => writeln!(f, "; most {at}")?,
+            None => writeln!(f)?,
+        }
+    }
+    let Gain { mean, se } = smooth;
+    writeln!(f, "  any smooth function of place, direction and speed: {mean:.0} ± {se:.0} nats")
 }
 
 /// What is taken for independent, where that is not the pushes.

@@ -1,0 +1,288 @@
+//! What each origin of errors could add to a model's predictions.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use effects::{
+    Effect, FrictionCenterOffset, Origin, PressureRadius, PusherFriction, SupportFriction,
+    SupportPoints, all,
+};
+use models::Description;
+use nalgebra::{DMatrix, DVector};
+
+use crate::predict::tangent::Tangent;
+use crate::{Covariate, DiagnosisError, Observations, Tolerances, Whitening};
+
+/// What is added to a number of a step by one of a component's numbers.
+struct Column {
+    base: Base,
+    /// Index of what it is multiplied with.
+    factor: usize,
+}
+
+#[derive(Clone, Copy)]
+enum Base {
+    /// A coordinate of an effect, in sizes that are met.
+    Coordinate(usize),
+    /// A number of every step, in its noise.
+    Number(usize),
+}
+
+/// Numbers that every fit leaves open, and the free components of all origins.
+pub(super) struct Columns<'a> {
+    observations: &'a Observations,
+    whitening: &'a Whitening,
+    tangent: &'a Tangent,
+    /// Coordinates of what every fit leaves open, and the variance known beforehand, if any.
+    open: Vec<(usize, Option<f64>)>,
+    scale: Vec<f64>,
+    columns: Vec<Column>,
+    /// Functions of where and how each step is.
+    factors: Vec<Vec<f64>>,
+    noise: [f64; 7],
+    /// The columns of each origin, in the order of [`Origin::ALL`].
+    pub(super) origins: Vec<Range<usize>>,
+    /// The columns of anything smooth in where a step touches and whither it goes.
+    pub(super) smooth: Range<usize>,
+}
+
+/// A function that is the same everywhere.
+const EVEN: usize = 0;
+
+/// Where a step touches and whither it goes, −1 to 1, and their products up to the third degree.
+const DEGREES: [(i32, i32); 10] =
+    [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)];
+
+/// A model linearised by everything that a component may move.
+pub(super) fn tangent_of_all(
+    model: &Description,
+    own: &[Arc<dyn Effect>],
+    observations: &Observations,
+) -> Result<Tangent, DiagnosisError> {
+    let points = SupportPoints.info().id;
+    let is_on_points = model.effects.iter().any(|effect| effect.id == points);
+    let known = all().iter().filter(|effect| is_on_points || effect.info().id != points);
+    Tangent::among(known.chain(own), model, own, observations)
+}
+
+impl<'a> Columns<'a> {
+    pub(super) fn of(
+        tangent: &'a Tangent,
+        (observations, whitening): (&'a Observations, &'a Whitening),
+        is_testable: impl Fn(&str) -> bool,
+        tolerances: Tolerances,
+    ) -> Self {
+        let candidates = &tangent.candidates;
+        let mut open = Vec::new();
+        for candidate in &candidates.effects {
+            let known = tolerances.of(candidate.effect.info()).filter(|sd| sd.is_finite());
+            let is_free = tolerances.of(candidate.effect.info()) == Some(f64::INFINITY);
+            let variance = known.filter(|_| !candidate.is_in_model).map(|sd| sd * sd);
+            if candidate.is_in_model || is_free || known.is_some() {
+                open.extend(candidate.coordinates.clone().map(|k| (k, variance)));
+            }
+        }
+        let mut found = Self {
+            observations,
+            whitening,
+            tangent,
+            open,
+            // A prior of three times what is met.
+            scale: candidates.prior_sd.iter().map(|sd| sd / 3.0).collect(),
+            columns: Vec::new(),
+            factors: vec![vec![1.0; observations.n_steps()]],
+            noise: noise_of(whitening),
+            origins: Vec::new(),
+            smooth: 0..0,
+        };
+        let first = found.places();
+        found.add_origins(&first, &is_testable);
+        found.add_smooth(&first);
+        found
+    }
+
+    /// Factors: place along the edge and direction, table, orientation, speed and order.
+    fn places(&mut self) -> Places {
+        let observations = self.observations;
+        let of_contact = |degrees: (i32, i32)| {
+            let at = |step: usize| {
+                let p = 2.0 * observations.value_of(Covariate::P, step) - 1.0;
+                let b = observations.value_of(Covariate::Beta, step).sin();
+                p.powi(degrees.0) * b.powi(degrees.1)
+            };
+            (0..observations.n_steps()).map(at).collect::<Vec<f64>>()
+        };
+        let contact: Vec<usize> =
+            DEGREES.iter().map(|degrees| self.factor(of_contact(*degrees))).collect();
+        let mut along = |covariate: Covariate, of: fn(f64) -> f64| {
+            let values =
+                observations.knows(covariate).then(|| observations.values_of(covariate))?;
+            standard(values.into_iter().map(of).collect()).map(|values| self.factor(values))
+        };
+        let mut several = |all: &[Along]| -> Vec<usize> {
+            all.iter().filter_map(|(covariate, of)| along(*covariate, *of)).collect()
+        };
+        let mut table = several(&[(Covariate::TableX, |x| x), (Covariate::TableY, |y| y)]);
+        let turned =
+            several(&[(Covariate::Orientation, f64::cos), (Covariate::Orientation, f64::sin)]);
+        let speed = several(&[(Covariate::Speed, f64::ln)]);
+        let order =
+            several(&[(Covariate::Time, |t| t), (Covariate::Time, |t| (2.0 * t - 1.0).powi(2))]);
+        if let [x, y] = table[..] {
+            for [one, other] in [[x, x], [x, y], [y, y]] {
+                let product = self.factors[one].iter().zip(&self.factors[other]);
+                let product = product.map(|(one, other)| one * other).collect();
+                table.push(self.factor(product));
+            }
+        }
+        Places { contact, table, turned, speed, order }
+    }
+
+    fn factor(&mut self, values: Vec<f64>) -> usize {
+        self.factors.push(values);
+        self.factors.len() - 1
+    }
+
+    fn add_origins(&mut self, places: &Places, is_testable: &impl Fn(&str) -> bool) {
+        let candidates = &self.tangent.candidates.effects;
+        let is_shown = |id: &str| is_testable(id);
+        for origin in Origin::ALL {
+            let start = self.columns.len();
+            let factors: Vec<usize> = match origin {
+                Origin::Contact => places.contact[..6].to_vec(),
+                Origin::Table => [&[EVEN], places.table.as_slice()].concat(),
+                Origin::Measurement => [&[EVEN], places.turned.as_slice()].concat(),
+                Origin::Support | Origin::Dynamics | Origin::Time => vec![EVEN],
+            };
+            let own = candidates.iter().filter(|one| {
+                let about = one.effect.info();
+                about.origin == origin && is_shown(about.id)
+            });
+            let own: Vec<usize> = own.flat_map(|one| one.coordinates.clone()).collect();
+            self.add(&own, &factors);
+            // What may be another one at another speed, or later.
+            let changes = match origin {
+                Origin::Dynamics => &places.speed,
+                Origin::Time => &places.order,
+                _ => &Vec::new(),
+            };
+            let numbers: Vec<usize> = candidates
+                .iter()
+                .filter(|one| changing().contains(&one.effect.info().id))
+                .flat_map(|one| one.coordinates.clone())
+                .collect();
+            self.add(&numbers, changes);
+            self.origins.push(start..self.columns.len());
+        }
+    }
+
+    fn add(&mut self, coordinates: &[usize], factors: &[usize]) {
+        let is_moved =
+            |k: &&usize| self.tangent.slopes(**k).iter().flatten().any(|slope| *slope != 0.0);
+        let coordinates: Vec<usize> = coordinates.iter().filter(is_moved).copied().collect();
+        let all = coordinates.iter().flat_map(|k| factors.iter().map(|factor| (*k, *factor)));
+        let of = |(k, factor)| Column { base: Base::Coordinate(k), factor };
+        self.columns.extend(all.map(of));
+    }
+
+    fn add_smooth(&mut self, places: &Places) {
+        let start = self.columns.len();
+        for number in (0..self.noise.len()).filter(|number| self.noise[*number] > 0.0) {
+            let factors = places.contact.iter().chain(&places.speed).copied();
+            let of = |factor| Column { base: Base::Number(number), factor };
+            self.columns.extend(factors.map(of));
+        }
+        self.smooth = start..self.columns.len();
+    }
+
+    /// Gains of rows, a vector each push, added up over those of each step.
+    pub(super) fn of_steps(&self, of_rows: &[DVector<f64>]) -> Vec<f64> {
+        let mut of_steps = vec![0.0; self.observations.n_steps()];
+        for (push, gains) in of_rows.iter().enumerate() {
+            let entries = self.whitening.entries(push).iter().zip(gains.iter());
+            entries.for_each(|((step, _), gain)| of_steps[*step] += gain);
+        }
+        of_steps
+    }
+
+    /// The precision of each open number beforehand, in its scale.
+    pub(super) fn beliefs(&self) -> Vec<f64> {
+        /// Stands for none, and keeps what no number sees determined.
+        const NONE: f64 = 1e-6;
+        let of = |(k, variance): &(usize, Option<f64>)| {
+            variance.map_or(NONE, |variance| self.scale[*k].powi(2) / variance)
+        };
+        self.open.iter().map(of).collect()
+    }
+
+    /// Whitened residual, open numbers and components of a push, a column each.
+    pub(super) fn of_push(&self, push: usize) -> DMatrix<f64> {
+        let entries = self.whitening.entries(push);
+        let n_open = self.open.len();
+        let slope = |k: usize, step: usize, number: usize| {
+            self.scale[k] * self.tangent.slopes(k)[step][number]
+        };
+        let columns =
+            DMatrix::from_fn(entries.len(), 1 + n_open + self.columns.len(), |row, column| {
+                let (step, number) = entries[row];
+                if column == 0 {
+                    let observed = self.observations.steps[step].observed[number];
+                    let predicted = self.tangent.linearisation.predicted[step][number];
+                    return observed.unwrap_or_default() - predicted;
+                }
+                if let Some((k, _)) = self.open.get(column - 1) {
+                    return slope(*k, step, number);
+                }
+                let Column { base, factor } = &self.columns[column - 1 - n_open];
+                let of_base = match base {
+                    Base::Coordinate(k) => slope(*k, step, number),
+                    Base::Number(own) if *own == number => self.noise[number],
+                    Base::Number(_) => 0.0,
+                };
+                of_base * self.factors[*factor][step]
+            });
+        self.whitening.whiten_columns(push, columns)
+    }
+}
+
+/// A covariate, and what is taken of it.
+type Along = (Covariate, fn(f64) -> f64);
+
+/// Indices of factors.
+struct Places {
+    contact: Vec<usize>,
+    table: Vec<usize>,
+    turned: Vec<usize>,
+    speed: Vec<usize>,
+    order: Vec<usize>,
+}
+
+/// Numbers of a rig that may change with speed or while pushes are made.
+fn changing() -> [&'static str; 4] {
+    [
+        PusherFriction.info().id,
+        SupportFriction.info().id,
+        PressureRadius.info().id,
+        FrictionCenterOffset.info().id,
+    ]
+}
+
+/// The typical standard deviation of each number; 0 of one that is not observed.
+fn noise_of(whitening: &Whitening) -> [f64; 7] {
+    let mut sums = [(0.0, 0_usize); 7];
+    for (_, number, sd) in whitening.sd() {
+        sums[number].0 += sd * sd;
+        sums[number].1 += 1;
+    }
+    sums.map(|(sum, n)| (sum / n.max(1) as f64).sqrt())
+}
+
+/// Less its mean, over its standard deviation; none where it hardly differs.
+fn standard(mut values: Vec<f64>) -> Option<Vec<f64>> {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let sd = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n).sqrt();
+    let least = 1e-3 * mean.abs().max(1e-3);
+    values.iter_mut().for_each(|value| *value = (*value - mean) / sd);
+    (sd > least).then_some(values)
+}

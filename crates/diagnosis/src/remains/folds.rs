@@ -1,0 +1,160 @@
+//! Parts of the pushes, each predicted by what is fitted to the others.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
+
+use super::columns::Columns;
+use super::ridge::Normal;
+use crate::fit::Robust;
+
+/// Parts of the clusters.
+const N_FOLDS: usize = 5;
+
+pub(super) struct Folds {
+    folds: Vec<Fold>,
+    n_pushes: usize,
+}
+
+struct Fold {
+    /// The components' numbers beside the open ones, of all other pushes.
+    others: Normal,
+    /// Of each push of its own: what the open numbers alone leave, and what each number of a component adds
+    /// while they follow.
+    own: Vec<(usize, DVector<f64>, DMatrix<f64>)>,
+}
+
+/// What a component gains in each row of each push, in nats.
+pub(super) struct Gains {
+    pub(super) of_rows: Vec<DVector<f64>>,
+    /// Squares without the component.
+    square: f64,
+}
+
+impl Folds {
+    /// Of whole clusters, each a list of pushes; `rows` are those of each push.
+    pub(super) fn new(
+        columns: &Columns,
+        (rows, mut clusters): (Vec<Range<usize>>, Vec<Vec<usize>>),
+        seed: u64,
+    ) -> Self {
+        clusters.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
+        let pushes = weighted(columns, &rows);
+        let part = |fold: usize| clusters.iter().skip(fold).step_by(N_FOLDS).flatten().copied();
+        let parts: Vec<Vec<usize>> = (0..N_FOLDS).map(|fold| part(fold).collect()).collect();
+        let products: Vec<DMatrix<f64>> =
+            parts.par_iter().map(|part| product(&pushes, part)).collect();
+        let zero = DMatrix::zeros(products[0].nrows(), products[0].ncols());
+        let whole = products.iter().fold(zero, |sum, part| sum + part);
+        let fold = |(part, own): (&Vec<usize>, &DMatrix<f64>)| {
+            Fold::new(&pushes, part, &(&whole - own), &columns.beliefs())
+        };
+        let folds = parts.iter().zip(&products).filter_map(fold).collect();
+        Self { folds, n_pushes: pushes.len() }
+    }
+
+    /// The groups' variances by each fold; none where they are not determined.
+    pub(super) fn variances(&self, groups: &[Range<usize>]) -> Option<Vec<Vec<f64>>> {
+        let (columns, groups) = packed(groups);
+        self.folds.par_iter().map(|fold| fold.others.of(&columns).variances(&groups)).collect()
+    }
+
+    /// What groups of columns gain where they have these variances in each fold.
+    pub(super) fn gains(&self, groups: &[Range<usize>], variances: &[Vec<f64>]) -> Option<Gains> {
+        let (columns, groups) = packed(groups);
+        let mut found = Gains { of_rows: vec![DVector::zeros(0); self.n_pushes], square: 0.0 };
+        for (fold, variances) in self.folds.iter().zip(variances) {
+            let change = fold.others.of(&columns).mean(&groups, variances)?;
+            for (push, left, added) in &fold.own {
+                let then = left - added.select_columns(&columns) * &change;
+                found.square += left.norm_squared();
+                found.of_rows[*push] =
+                    left.zip_map(&then, |left, then| 0.5 * (left * left - then * then));
+            }
+        }
+        Some(found)
+    }
+
+    /// What columns gain alone.
+    pub(super) fn alone(&self, columns: &Range<usize>) -> Option<Gains> {
+        let groups = std::slice::from_ref(columns);
+        self.gains(groups, &self.variances(groups)?)
+    }
+}
+
+impl Gains {
+    /// Share of the squares that is taken off.
+    pub(super) fn share_of_square(&self) -> f64 {
+        let falls: f64 = self.of_rows.iter().map(|gains| 2.0 * gains.sum()).sum();
+        (falls / self.square).clamp(0.0, 1.0)
+    }
+}
+
+impl Fold {
+    /// `product` is that of all columns, over the pushes of the other folds; none where the open numbers are
+    /// not determined.
+    fn new(
+        pushes: &[DMatrix<f64>],
+        own: &[usize],
+        product: &DMatrix<f64>,
+        beliefs: &[f64],
+    ) -> Option<Self> {
+        let n_open = beliefs.len();
+        let n = product.ncols() - 1 - n_open;
+        let mut open = product.view((1, 1), (n_open, n_open)).into_owned();
+        beliefs.iter().enumerate().for_each(|(k, precision)| open[(k, k)] += precision);
+        let open = open.cholesky()?;
+        let cross = product.view((1, 1 + n_open), (n_open, n)).into_owned();
+        let right = product.view((1, 0), (n_open, 1)).column(0).into_owned();
+        let (shares, estimate) = (open.solve(&cross), open.solve(&right));
+        let information = product.view((1 + n_open, 1 + n_open), (n, n)) - cross.tr_mul(&shares);
+        let pull = product.view((1 + n_open, 0), (n, 1)).column(0) - shares.tr_mul(&right);
+        let of_push = |push: &usize| {
+            let all = &pushes[*push];
+            let of_open = all.columns(1, n_open);
+            let left = all.column(0) - of_open * &estimate;
+            (*push, left, all.columns(1 + n_open, n) - of_open * &shares)
+        };
+        let own = own.par_iter().map(of_push).collect();
+        Some(Self { others: Normal { information, pull }, own })
+    }
+}
+
+/// Whitened columns of each push, with the say that its rows have in a robust fit and in units of the
+/// typical residual.
+fn weighted(columns: &Columns, rows: &[Range<usize>]) -> Vec<DMatrix<f64>> {
+    let mut pushes: Vec<DMatrix<f64>> =
+        (0..rows.len()).into_par_iter().map(|push| columns.of_push(push)).collect();
+    let residuals: Vec<f64> =
+        pushes.iter().flat_map(|push| push.column(0).iter().copied().collect::<Vec<_>>()).collect();
+    let residuals = DVector::from_vec(residuals);
+    let robust = Robust::at(rows, &residuals);
+    let weights = robust.weights(&residuals).map(|weight| weight.sqrt() / robust.scale());
+    for (push, rows) in pushes.iter_mut().zip(rows) {
+        let of_push = weights.rows(rows.start, rows.len());
+        push.column_iter_mut().for_each(|mut column| column.component_mul_assign(&of_push));
+    }
+    pushes
+}
+
+fn product(pushes: &[DMatrix<f64>], part: &[usize]) -> DMatrix<f64> {
+    let n = pushes[0].ncols();
+    let zero = DMatrix::zeros(n, n);
+    part.iter().fold(zero, |sum, push| sum + pushes[*push].tr_mul(&pushes[*push]))
+}
+
+/// The columns of groups one after the other, and the groups among them.
+fn packed(groups: &[Range<usize>]) -> (Vec<usize>, Vec<Range<usize>>) {
+    let columns: Vec<usize> = groups.iter().flat_map(Clone::clone).collect();
+    let mut start = 0;
+    let packed = groups.iter().map(|group| {
+        start += group.len();
+        start - group.len()..start
+    });
+    let packed = packed.collect();
+    (columns, packed)
+}

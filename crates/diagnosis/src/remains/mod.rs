@@ -1,0 +1,196 @@
+//! A fitted model and its noise go in, what of the rig the error that it leaves comes from comes out:
+//! every origin has a component that is free to take any form, and gains what it gains on held-out pushes.
+
+mod columns;
+mod folds;
+mod place;
+mod ridge;
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use effects::{Effect, Origin};
+use models::Description;
+use serde::{Deserialize, Serialize};
+
+use self::columns::{Columns, tangent_of_all};
+use self::folds::{Folds, Gains};
+use self::place::place;
+use crate::data::split::clusters;
+use crate::{DiagnosisError, Gain, NoiseModel, Observations, Tolerances};
+
+/// What of the rig the error that a model leaves comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Remains {
+    /// What free components of all origins together gain on held-out pushes, in nats.
+    pub gain: Gain,
+    /// Share of the squared error, in units of the noise, that they take off.
+    pub share: f64,
+    /// What any smooth function of place along the edge, direction and speed gains.
+    pub smooth: Gain,
+    /// Every origin that has a component, that of the largest gain first.
+    pub origins: Vec<OriginShare>,
+}
+
+/// How much of what is left an origin holds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OriginShare {
+    /// What of the rig.
+    pub origin: Origin,
+    /// What its component gains alone, in nats.
+    pub gain: Gain,
+    /// That as a share of what all together gain; none where that is not sure.
+    pub alone: Option<f64>,
+    /// Share of what all together gain that is lost without it; none where that is not sure.
+    pub last_in: Option<f64>,
+    /// Where it gains most, in words; none where that is nowhere in particular.
+    pub at: Option<String>,
+}
+
+/// How remains are looked at.
+pub(crate) struct RemainSettings<'a> {
+    /// Effects besides those of the catalogue.
+    pub(crate) own: &'a [Arc<dyn Effect>],
+    pub(crate) tolerances: Tolerances,
+    /// Seed of the parts, each predicted by a fit to the others.
+    pub(crate) seed: u64,
+}
+
+/// Fewer clusters show no structure.
+const FEWEST_CLUSTERS: usize = 8;
+
+/// What of the rig the error comes from that a model leaves, beside noise learnt about it.
+///
+/// Each origin has a component: the pressure under the object cell by cell, friction and place of the
+/// contact as functions of place and direction, and so on, as large as makes the pushes that it is fitted
+/// to likeliest; the numbers that every fit leaves open follow. `is_testable` tells effects that the data may
+/// show. None of fewer than eight clusters, and where nothing can be fitted.
+///
+/// # Errors
+/// `Model` for what the model refuses; `NotACovariance`.
+pub(crate) fn remains(
+    model: &Description,
+    observations: &Observations,
+    noise: &NoiseModel,
+    is_testable: impl Fn(&str) -> bool,
+    settings: &RemainSettings,
+) -> Result<Option<Remains>, DiagnosisError> {
+    let members = clusters(observations);
+    if members.len() < FEWEST_CLUSTERS {
+        return Ok(None);
+    }
+    let tangent = tangent_of_all(model, settings.own, observations)?;
+    let whitening = noise.whitening_at(observations, &tangent.linearisation)?;
+    let columns =
+        Columns::of(&tangent, (observations, &whitening), is_testable, settings.tolerances);
+    let folds = Folds::new(&columns, (whitening.rows(), members), settings.seed);
+    Ok(shares(&folds, &columns, observations))
+}
+
+fn shares(folds: &Folds, columns: &Columns, observations: &Observations) -> Option<Remains> {
+    let used = || Origin::ALL.into_iter().zip(&columns.origins).filter(|(_, own)| !own.is_empty());
+    let groups: Vec<Range<usize>> = used().map(|(_, own)| own.clone()).collect();
+    let variances = folds.variances(&groups)?;
+    let all = folds.gains(&groups, &variances)?;
+    let gain = all.of_clusters(observations);
+    let share = |part: f64| gain.is_sure().then(|| (part / gain.mean).clamp(0.0, 1.0));
+    let of_origin = |(index, (origin, own)): (usize, (Origin, &Range<usize>))| {
+        let alone = folds.alone(own)?;
+        let without = folds.gains(
+            &all_but(&groups, index),
+            &variances.iter().map(|fold| all_but(fold, index)).collect::<Vec<_>>(),
+        )?;
+        let (of_own, without) =
+            (alone.of_clusters(observations), without.of_clusters(observations));
+        let at = || place(&columns.of_steps(&alone.of_rows), observations);
+        Some(OriginShare {
+            origin,
+            gain: of_own,
+            alone: share(of_own.mean),
+            last_in: share(gain.mean - without.mean),
+            at: of_own.is_sure().then(at).flatten(),
+        })
+    };
+    let mut origins: Vec<OriginShare> = used().enumerate().filter_map(of_origin).collect();
+    origins.sort_by(|a, b| b.gain.mean.total_cmp(&a.gain.mean));
+    let smooth = folds.alone(&columns.smooth)?.of_clusters(observations);
+    Some(Remains { gain, share: all.share_of_square(), smooth, origins })
+}
+
+fn all_but<T: Clone>(all: &[T], index: usize) -> Vec<T> {
+    all.iter().enumerate().filter(|(k, _)| *k != index).map(|(_, one)| one.clone()).collect()
+}
+
+impl Remains {
+    /// The origin that holds most, if any is sure to hold something.
+    pub fn main(&self) -> Option<&OriginShare> {
+        self.origins.first().filter(|one| one.gain.is_sure())
+    }
+}
+
+impl Gains {
+    fn of_clusters(&self, observations: &Observations) -> Gain {
+        let mut of_clusters = vec![0.0; observations.n_clusters()];
+        for (cluster, gains) in observations.clusters_of_pushes().into_iter().zip(&self.of_rows) {
+            of_clusters[cluster] += gains.sum();
+        }
+        Gain::of(&of_clusters)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use effects::{Origin, Setting, by_id};
+    use models::ModelEffect;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    use super::{RemainSettings, Remains, remains};
+    use crate::synthetic::{NOISE, normal, recorded};
+    use crate::{NoiseModel, Predictions, Tolerances};
+
+    /// What is left of pushes of the nominal model with an effect that it lacks, if any.
+    fn left_of(hidden: Option<&str>) -> Remains {
+        let (mut observations, model) = recorded(1);
+        let mut truth = model.clone();
+        if let Some(id) = hidden {
+            let about = by_id(id).unwrap().info();
+            let values: Vec<f64> = about.parameters.iter().map(|one| one.typical).collect();
+            truth.effects.push(ModelEffect::from(Setting::new(about, &values)));
+        }
+        let predicted = Predictions::of(&truth, &[], &observations).unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        for (step, predicted) in observations.steps.iter_mut().zip(predicted.steps()) {
+            for (number, value) in step.observed.iter_mut().enumerate() {
+                let made = predicted[number].map(|at| at + NOISE[number] * normal(&mut rng));
+                *value = value.and(made);
+            }
+        }
+        let noise = NoiseModel::learn(&model, &[], &observations).unwrap();
+        let settings = RemainSettings { own: &[], tolerances: Tolerances::default(), seed: 1 };
+        remains(&model, &observations, &noise, |_| true, &settings).unwrap().unwrap()
+    }
+
+    #[test]
+    fn what_is_left_comes_most_from_where_an_effect_does() {
+        for (id, origin) in [
+            ("table-anisotropy", Origin::Table),
+            ("pusher-friction-asymmetry", Origin::Contact),
+            ("body-anisotropy", Origin::Support),
+            ("force-bias", Origin::Measurement),
+        ] {
+            let found = left_of(Some(id));
+            let main = found.main().unwrap();
+            assert_eq!(main.origin, origin, "{id}: {found:?}");
+            assert!(main.alone.is_some_and(|share| share > 0.5), "{id}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn nothing_is_left_of_what_the_model_has() {
+        let found = left_of(None);
+        assert!(found.main().is_none() && found.share < 0.01, "{found:?}");
+    }
+}
