@@ -36,7 +36,8 @@ pub struct Diagnosis {
     pub effects: Vec<EffectFinding>,
     /// What the best model leaves over.
     pub leftover: Leftover,
-    /// What of the rig the error that the effects leave comes from; none of fewer than eight clusters.
+    /// What of the rig the error that the effects leave comes from; none of fewer than eight clusters,
+    /// and where a fifth of them holds all that is known of some number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remains: Option<Remains>,
     /// Where the noise was learnt.

@@ -149,8 +149,12 @@ impl Search<'_> {
             for choice in &progress.chosen {
                 let other = whole.roughly_without(&[choice.id])?;
                 let without = aside.outcome(&other.descriptions()?[1])?;
-                let gains =
-                    [self.left_out(&other, &whole)?, aside.gains(&without, &after)].concat();
+                // Of what rests on one cluster those held out decide alone.
+                let left_out = match self.left_out(&other, &whole) {
+                    Err(DiagnosisError::OneCluster { .. }) => Vec::new(),
+                    gains => gains?,
+                };
+                let gains = [left_out, aside.gains(&without, &after)].concat();
                 let effect = fit.effects.iter().find(|effect| effect.id == choice.id);
                 let Some(effect) = effect.cloned() else { continue };
                 let p_adjusted = match self.nominal_within(choice.id).is_some() {
@@ -198,18 +202,16 @@ impl Search<'_> {
 
 impl Search<'_> {
     /// The gain of each cluster fitted to by `with` over `without`, when the numbers of both are fitted
-    /// without it; none where the others leave a number open.
+    /// without it.
+    ///
+    /// # Errors
+    /// `OneCluster` where the others leave a number open.
     pub(super) fn left_out(
         &self,
         without: &Refit,
         with: &Refit,
     ) -> Result<Vec<f64>, DiagnosisError> {
-        let parts = match [without.left_out(with), with.left_out(with)] {
-            [Ok(without), Ok(with)] => [without, with],
-            [Err(DiagnosisError::OneCluster { .. }), _]
-            | [_, Err(DiagnosisError::OneCluster { .. })] => return Ok(Vec::new()),
-            [Err(why), _] | [_, Err(why)] => return Err(why),
-        };
+        let parts = [without.left_out(with)?, with.left_out(with)?];
         Ok(Rules::gains(self.fitted, &parts))
     }
 

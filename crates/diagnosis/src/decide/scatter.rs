@@ -66,12 +66,7 @@ impl Scaled {
         let model = &found.with_nuisances;
         let predictions = Predictions::of(model, &settings.own, observations)?;
         let whitening: Whitening = found.noise.whitening(model, &settings.own, observations)?;
-        let (mut sums, mut counts) = ([0.0; 7], [0_usize; 7]);
-        for (_, number, sd) in whitening.sd() {
-            sums[number] += sd * sd;
-            counts[number] += 1;
-        }
-        let typical: [f64; 7] = std::array::from_fn(|k| (sums[k] / counts[k].max(1) as f64).sqrt());
+        let typical = whitening.typical_sd();
         let all = predictions.residuals(observations)?;
         let mut residuals = vec![[None; 7]; all.len()];
         for (step, number, sd) in whitening.sd() {

@@ -39,23 +39,25 @@ impl Search<'_> {
         }
         let follow: Vec<&'static str> =
             follow_from_points().into_iter().filter(|id| !carries(id)).collect();
-        let found = here.borne_by(effect, &follow);
+        let found = here.borne_by(effect, &follow).map_err(Objection::from);
         let n_tests = screen.effects.iter().filter(|one| one.not_testable.is_none()).count();
-        let gains = found.as_ref().ok().map(|there| self.left_out(here, there)).transpose()?;
-        let gain = Gain::of(&gains.unwrap_or_default());
-        let p = p_of(&gain, n_tests + 1);
+        let gain = found.as_ref().map_err(Clone::clone).and_then(|there| {
+            let gains = self.left_out(here, there).map_err(Objection::from)?;
+            Ok(Gain::of(&gains))
+        });
+        let p = gain.as_ref().map_or(1.0, |gain| p_of(gain, n_tests + 1));
         progress.first_screen.effects.push(ScreenedEffect {
             id,
             not_testable: None,
-            statistic: 2.0 * gain.mean.max(0.0),
+            statistic: gain.as_ref().map_or(0.0, |gain| 2.0 * gain.mean.max(0.0)),
             freedom: N_NUMBERS,
             p,
             p_adjusted: p,
             coordinates: Vec::new(),
         });
-        let objection = match &found {
-            Err(why) => Some(Objection::Unsettled { why: why.to_string() }),
-            Ok(_) if !gain.is_sure() => Some(Objection::NotPredictive { gain }),
+        let objection = match gain {
+            Err(why) => Some(why),
+            Ok(gain) if !gain.is_sure() => Some(Objection::NotPredictive { gain }),
             Ok(_) => (p > Rules::NAME).then_some(Objection::NotSure { p }),
         };
         let (Ok(there), None) = (found, &objection) else {

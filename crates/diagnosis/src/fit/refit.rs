@@ -360,7 +360,7 @@ mod tests {
         let push_of = observations.push_of.clone();
         let steps = observations.steps.iter_mut().zip(predicted.steps());
         for ((step, predicted), push) in steps.zip(push_of) {
-            // DuplicateEffect the noise that is expected, and every fourth push far off.
+            // Twice the noise that is expected, and every fourth push far off.
             let sd = if push % 4 == 0 { 40.0 } else { 2.0 };
             for (number, value) in step.observed.iter_mut().enumerate() {
                 let made = predicted[number].map(|at| at + sd * NOISE[number] * normal(&mut rng));

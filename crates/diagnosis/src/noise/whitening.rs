@@ -106,6 +106,16 @@ impl Whitening {
         self.blocks.iter().flat_map(of).collect()
     }
 
+    /// The root mean square of the standard deviations of each number; 0 of one that is not observed.
+    pub(crate) fn typical_sd(&self) -> [f64; 7] {
+        let mut sums = [(0.0, 0_usize); 7];
+        for (_, number, sd) in self.sd() {
+            sums[number].0 += sd * sd;
+            sums[number].1 += 1;
+        }
+        sums.map(|(sum, n)| (sum / n.max(1) as f64).sqrt())
+    }
+
     /// ln |Σ| of each push.
     pub(crate) fn log_determinants(&self) -> Vec<f64> {
         self.blocks.iter().map(|block| block.factor.ln_determinant()).collect()

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use effects::Effect;
+use effects::{Effect, tested};
 use models::Description;
 
 use crate::predict::candidates::Candidates;
@@ -30,7 +30,7 @@ impl Tangent {
         own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
-        Self::at(Candidates::of(model, own, observations)?, model, own, observations)
+        Self::among(tested().iter().chain(own), model, own, observations)
     }
 
     /// The same by some effects.
@@ -40,15 +40,7 @@ impl Tangent {
         own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
-        Self::at(Candidates::among(some, model, own, observations)?, model, own, observations)
-    }
-
-    fn at(
-        candidates: Candidates,
-        model: &Description,
-        own: &[Arc<dyn Effect>],
-        observations: &Observations,
-    ) -> Result<Self, DiagnosisError> {
+        let candidates = Candidates::among(some, model, own, observations)?;
         let of_push = push_directions()?;
         let directions: Vec<Direction> =
             of_push.iter().chain(&candidates.directions).cloned().collect();

@@ -91,7 +91,7 @@ impl<'a> Columns<'a> {
             scale: candidates.prior_sd.iter().map(|sd| sd / 3.0).collect(),
             columns: Vec::new(),
             factors: vec![vec![1.0; observations.n_steps()]],
-            noise: noise_of(whitening),
+            noise: whitening.typical_sd(),
             origins: Vec::new(),
             smooth: 0..0,
         };
@@ -265,16 +265,6 @@ fn changing() -> [&'static str; 4] {
         PressureRadius.info().id,
         FrictionCenterOffset.info().id,
     ]
-}
-
-/// The typical standard deviation of each number; 0 of one that is not observed.
-fn noise_of(whitening: &Whitening) -> [f64; 7] {
-    let mut sums = [(0.0, 0_usize); 7];
-    for (_, number, sd) in whitening.sd() {
-        sums[number].0 += sd * sd;
-        sums[number].1 += 1;
-    }
-    sums.map(|(sum, n)| (sum / n.max(1) as f64).sqrt())
 }
 
 /// Less its mean, over its standard deviation; none where it hardly differs.

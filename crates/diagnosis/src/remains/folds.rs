@@ -36,12 +36,13 @@ pub(super) struct Gains {
 }
 
 impl Folds {
-    /// Of whole clusters, each a list of pushes; `rows` are those of each push.
+    /// Of whole clusters, each a list of pushes; `rows` are those of each push. None where some part leaves
+    /// the open numbers undetermined.
     pub(super) fn new(
         columns: &Columns,
         (rows, mut clusters): (Vec<Range<usize>>, Vec<Vec<usize>>),
         seed: u64,
-    ) -> Self {
+    ) -> Option<Self> {
         clusters.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
         let pushes = weighted(columns, &rows);
         let part = |fold: usize| clusters.iter().skip(fold).step_by(N_FOLDS).flatten().copied();
@@ -53,8 +54,8 @@ impl Folds {
         let fold = |(part, own): (&Vec<usize>, &DMatrix<f64>)| {
             Fold::new(&pushes, part, &(&whole - own), &columns.beliefs())
         };
-        let folds = parts.iter().zip(&products).filter_map(fold).collect();
-        Self { folds, n_pushes: pushes.len() }
+        let folds = parts.iter().zip(&products).map(fold).collect::<Option<_>>()?;
+        Some(Self { folds, n_pushes: pushes.len() })
     }
 
     /// The groups' variances by each fold; none where they are not determined.

@@ -86,7 +86,7 @@ pub(crate) fn remains(
     let columns =
         Columns::of(&tangent, (observations, &whitening), is_testable, settings.tolerances);
     let folds = Folds::new(&columns, (whitening.rows(), members), settings.seed);
-    Ok(shares(&folds, &columns, observations))
+    Ok(folds.and_then(|folds| shares(&folds, &columns, observations)))
 }
 
 fn shares(folds: &Folds, columns: &Columns, observations: &Observations) -> Option<Remains> {
@@ -113,7 +113,7 @@ fn shares(folds: &Folds, columns: &Columns, observations: &Observations) -> Opti
             at: of_own.is_sure().then(at).flatten(),
         })
     };
-    let mut origins: Vec<OriginShare> = used().enumerate().filter_map(of_origin).collect();
+    let mut origins: Vec<OriginShare> = used().enumerate().map(of_origin).collect::<Option<_>>()?;
     origins.sort_by(|a, b| b.gain.mean.total_cmp(&a.gain.mean));
     let smooth = folds.alone(&columns.smooth)?.of_clusters(observations);
     Some(Remains { gain, share: all.share_of_square(), smooth, origins })

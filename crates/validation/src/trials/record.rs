@@ -105,18 +105,6 @@ impl Record {
 
 impl From<Diagnosis> for Answer {
     fn from(found: Diagnosis) -> Self {
-        let Diagnosis {
-            verdict,
-            identified,
-            ambiguous,
-            effective,
-            sentence,
-            error,
-            leftover,
-            remains,
-            effects,
-            ..
-        } = found;
         let told = |effect: diagnosis::EffectFinding| Told {
             id: effect.id,
             grade: effect.grade,
@@ -126,17 +114,16 @@ impl From<Diagnosis> for Answer {
             rivals: effect.rivals,
             parameters: effect.parameters,
         };
-        let effects = effects.into_iter().map(told).collect();
         Self {
-            verdict,
-            identified,
-            ambiguous,
-            effective,
-            sentence,
-            error,
-            leftover,
-            remains,
-            effects,
+            verdict: found.verdict,
+            identified: found.identified,
+            ambiguous: found.ambiguous,
+            effective: found.effective,
+            sentence: found.sentence,
+            error: found.error,
+            leftover: found.leftover,
+            remains: found.remains,
+            effects: found.effects.into_iter().map(told).collect(),
         }
     }
 }

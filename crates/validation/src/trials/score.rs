@@ -118,12 +118,11 @@ pub(super) fn is_right(record: &Record) -> bool {
     }
 }
 
-/// Whether most of what is left comes from where an effect outside the catalogue comes from; none where
-/// nothing is sure to be left.
-pub(super) fn finds_origin(record: &Record) -> Option<bool> {
-    let (_, origin) = ORIGINS.iter().find(|(id, _)| *id == record.about)?;
-    let main = record.outcome.answer()?.remains.as_ref()?.main()?;
-    Some(main.origin == *origin)
+/// Whether most of what is left comes surely from where an effect outside the catalogue comes from.
+pub(super) fn finds_origin(record: &Record) -> bool {
+    let answer = record.outcome.answer();
+    let main = answer.and_then(|answer| answer.remains.as_ref()?.main());
+    main.is_some_and(|main| ORIGINS.contains(&(record.about.as_str(), main.origin)))
 }
 
 /// Whether a group is an effect with documented look-alikes of it.
