@@ -1,6 +1,9 @@
 //! A push that begins before the touch.
 
-use crate::{Channel, Confounder, Effect, EffectInfo, Geometry, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Geometry, Nuisance, Off, Origin, Parameter, Role,
+    Stage, StepInput,
+};
 
 /// Approach gap: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,9 @@
 //! Friction that depends on the direction over the body.
 
-use crate::{Channel, Confounder, Effect, EffectInfo, Frame, LogTensor, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage, Support};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Frame, LogTensor, Nuisance, Off, Origin, Parameter,
+    Role, Snapshot, Stage, Support,
+};
 
 /// Anisotropy of the body: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,9 @@
 //! A force that acts beside the nearest point.
 
-use crate::{Channel, Confounder, Effect, EffectInfo, Geometry, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Geometry, Nuisance, Off, Origin, Parameter, Role,
+    Stage, StepInput,
+};
 
 /// Bias of the contact point: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,8 @@
 //! Corners that are round.
 
-use crate::{Channel, Effect, EffectInfo, Geometry, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput};
+use crate::{
+    Channel, Effect, EffectInfo, Geometry, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput,
+};
 
 /// Rounded corners: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,10 @@
 
 use nalgebra::Vector2;
 
-use crate::{Channel, Effect, EffectInfo, Frame, MeasurementModel, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput};
+use crate::{
+    Channel, Effect, EffectInfo, Frame, MeasurementModel, Nuisance, Off, Origin, Parameter, Role,
+    Stage, StepInput,
+};
 
 /// Bias of the force sensor: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

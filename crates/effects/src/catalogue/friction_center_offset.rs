@@ -2,7 +2,10 @@
 
 use nalgebra::Vector2;
 
-use crate::{Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage, Support};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Off, Origin, Parameter, Role,
+    Snapshot, Stage, Support,
+};
 
 /// Offset of the center of friction: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

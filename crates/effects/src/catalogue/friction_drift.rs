@@ -1,6 +1,8 @@
 //! Friction that changes in the course of a set.
 
-use crate::{Channel, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage, Support};
+use crate::{
+    Channel, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage, Support,
+};
 
 /// Drift of friction: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,8 @@
 //! An object that takes time to start and to stop.
 
-use crate::{Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Stage};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Stage,
+};
 
 /// Inertia: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,9 @@
 //! Between the ellipsoid and the exact surface of uniform pressure.
 
-use crate::{Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage, Support};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot,
+    Stage, Support,
+};
 
 /// Shape of the limit surface: see [`EffectInfo`] for its physics.
 ///

@@ -2,7 +2,10 @@
 
 use nalgebra::Vector2;
 
-use crate::{Channel, Confounder, Effect, EffectInfo, Frame, MeasurementModel, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput, Tolerance};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Frame, MeasurementModel, Nuisance, Off, Origin,
+    Parameter, Role, Stage, StepInput, Tolerance,
+};
 
 /// Offset of the tracked frame: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

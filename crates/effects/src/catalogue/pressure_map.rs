@@ -1,6 +1,9 @@
 //! A map of the pressure under an object.
 
-use crate::{Channel, Confounder, Effect, EffectInfo, Nuisance, Object, Off, Origin, Parameter, Role, Spot, Stage};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Nuisance, Object, Off, Origin, Parameter, Role, Spot,
+    Stage,
+};
 
 /// Pressure map: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

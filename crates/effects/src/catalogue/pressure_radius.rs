@@ -1,6 +1,9 @@
 //! Pressure nearer to the rim or to the middle.
 
-use crate::{Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage, StepInput, Support};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot,
+    Stage, StepInput, Support,
+};
 
 /// Pressure radius: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

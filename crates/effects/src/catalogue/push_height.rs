@@ -1,6 +1,9 @@
 //! A push above the table.
 
-use crate::{Channel, Confounder, ContactLaw, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage};
+use crate::{
+    Channel, Confounder, ContactLaw, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role,
+    Snapshot, Stage,
+};
 
 /// Height of the push: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

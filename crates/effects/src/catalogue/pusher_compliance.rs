@@ -1,6 +1,9 @@
 //! A pusher that yields.
 
-use crate::{Channel, Confounder, ContactLaw, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage, Tolerance};
+use crate::{
+    Channel, Confounder, ContactLaw, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role,
+    Snapshot, Stage, Tolerance,
+};
 
 /// Compliance of the pusher: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

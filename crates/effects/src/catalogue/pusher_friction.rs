@@ -1,6 +1,9 @@
 //! Another friction between pusher and object.
 
-use crate::{Channel, ContactLaw, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage};
+use crate::{
+    Channel, ContactLaw, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot,
+    Stage,
+};
 
 /// Friction with the pusher: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,9 @@
 //! A friction cone that leans to one side.
 
-use crate::{Channel, ContactLaw, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage};
+use crate::{
+    Channel, ContactLaw, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot,
+    Stage,
+};
 
 /// Asymmetry of the pusher friction: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

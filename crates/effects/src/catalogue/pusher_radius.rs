@@ -1,6 +1,9 @@
 //! A pusher of another radius.
 
-use crate::{Channel, Confounder, Effect, EffectInfo, Geometry, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput, Tolerance};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Geometry, Nuisance, Off, Origin, Parameter, Role,
+    Stage, StepInput, Tolerance,
+};
 
 /// Pusher radius: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,9 @@
 //! A pusher that sticks harder than it slides.
 
-use crate::{Channel, Confounder, ContactLaw, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage};
+use crate::{
+    Channel, Confounder, ContactLaw, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role,
+    Snapshot, Stage,
+};
 
 /// Stiction of the pusher: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,8 @@
 //! Friction that grows with the logarithm of speed.
 
-use crate::{Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Sliding, Stage};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Sliding, Stage,
+};
 
 /// Friction that depends on speed: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,9 @@
 //! Object poses that come late.
 
-use crate::{Channel, Confounder, Effect, EffectInfo, MeasurementModel, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput, Tolerance};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, MeasurementModel, Nuisance, Off, Origin, Parameter,
+    Role, Stage, StepInput, Tolerance,
+};
 
 /// Latency of the object stream: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

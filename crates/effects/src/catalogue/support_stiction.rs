@@ -1,6 +1,8 @@
 //! Friction with the table that is larger at low speed.
 
-use crate::{Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Sliding, Stage};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Sliding, Stage,
+};
 
 /// Stiction of the support: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

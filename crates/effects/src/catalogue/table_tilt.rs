@@ -3,7 +3,10 @@
 use nalgebra::Vector2;
 use planar::Wrench;
 
-use crate::{Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Off, Origin, Parameter, Role, Snapshot, Stage};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Off, Origin, Parameter, Role,
+    Snapshot, Stage,
+};
 
 /// Tilt of the table: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,9 @@
 //! A tracked frame that is turned against the outline.
 
-use crate::{Channel, Effect, EffectInfo, MeasurementModel, Nuisance, Off, Origin, Parameter, Role, Stage, StepInput, Tolerance};
+use crate::{
+    Channel, Effect, EffectInfo, MeasurementModel, Nuisance, Off, Origin, Parameter, Role, Stage,
+    StepInput, Tolerance,
+};
 
 /// Turn of the tracked frame: see [`EffectInfo`] for its physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
