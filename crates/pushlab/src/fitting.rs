@@ -1,6 +1,7 @@
 //! A model fitted to the part of a recording set that fits may see.
 
 mod result;
+mod spread;
 
 use std::path::{Path, PathBuf};
 
