@@ -32,7 +32,8 @@ pub(crate) struct StepSource {
 /// What is known of a set or a table beside what it says itself.
 #[derive(Clone, Default, clap::Args)]
 pub(crate) struct Known {
-    /// Manifest of the set that a step table is of; else dataset.toml beside it
+    /// Manifest that says what a step table does not: the object, the pusher and the table that it is of;
+    /// else dataset.toml beside it
     #[arg(long, value_name = "FILE")]
     manifest: Option<PathBuf>,
     /// What is known of public data, for recordings or a table of others
