@@ -68,7 +68,7 @@ pub use screen::screen;
 pub use screen::screened::{
     Calibration, LookAlikes, Nuisance, Screen, ScreenSettings, ScreenedCoordinate, ScreenedEffect,
 };
-pub use screen::untestable::{NotTestable, Reason};
+pub use screen::untestable::{NotTestable, Reason, lacking};
 pub use statistics::gain::Gain;
 pub use suggest::{
     Aim, Precision, Separation, SuggestSettings, SuggestedPush, Suggestion, suggest,

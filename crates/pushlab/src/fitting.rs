@@ -1,15 +1,16 @@
 //! A model fitted to the part of a recording set that fits may see.
 
 mod result;
+mod spread;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use diagnosis::{
-    Fit, FitSettings, Intervals, NoiseModel, Observations, SpreadFit, fit_per_push, fit_with_noise,
-    split,
+    Fit, FitSettings, Intervals, NoiseModel, NotTestable, Observations, SpreadFit, fit_per_push,
+    fit_with_noise, lacking, split,
 };
-use effects::EffectInfo;
+use effects::{EffectInfo, by_id};
 use models::{ModelFile, Split};
 use output::OutputFile;
 
@@ -70,11 +71,26 @@ impl Fitting {
         self.fit_with(model, free, &self.settings())
     }
 
+    /// Refuses an effect that no fit to this set can tell of, whatever its size.
+    ///
+    /// # Errors
+    /// If what it depends on was not measured, as a diagnosis says it.
+    pub(crate) fn testable(&self, about: &EffectInfo) -> Result<()> {
+        if let Some(NotTestable { because, measure, .. }) = lacking(&self.train, about) {
+            let id = about.id;
+            bail!("{id} is not testable with these pushes, because {because}; measure {measure}");
+        }
+        Ok(())
+    }
+
     fn settings(&self) -> FitSettings {
         FitSettings { priors: !self.is_known, ..FitSettings::default() }
     }
 
     fn fit_with(&self, model: &ModelFile, free: &[&str], settings: &FitSettings) -> Result<Fit> {
+        for effect in free {
+            self.testable(by_id(effect)?.info())?;
+        }
         let description = &model.description;
         let noise = NoiseModel::learn(description, &settings.own, &self.train)?;
         Ok(fit_with_noise(&self.train, description, free, &noise, settings)?)
@@ -85,6 +101,7 @@ impl Fitting {
     /// # Errors
     /// What the fit says.
     pub(crate) fn per_push(&self, model: &ModelFile, effect: &str) -> Result<SpreadFit> {
+        self.testable(by_id(effect)?.info())?;
         Ok(fit_per_push(&self.train, &model.description, effect, &FitSettings::default())?)
     }
 

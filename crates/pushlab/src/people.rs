@@ -18,6 +18,40 @@ pub(crate) fn behind_number(unit: &str) -> String {
     if unit == "1" { String::new() } else { format!(" {unit}") }
 }
 
+/// A number in four significant digits, without zeros that say nothing.
+pub(crate) fn four_digits(value: f64) -> String {
+    let rounded = format!("{value:.3e}");
+    let number: f64 = rounded.parse().unwrap_or(value);
+    match number.abs() {
+        // The shortest text that is the rounded number.
+        1e-4..1e6 => number.to_string(),
+        0.0 => "0".to_owned(),
+        _ => format!("{number:e}"),
+    }
+}
+
+/// A text with the first twelve of the digits of each SHA-256 in it.
+pub(crate) fn short_digests(text: &str) -> String {
+    const DIGITS: usize = 64;
+    const SHOWN: usize = 12;
+    let mut short = String::with_capacity(text.len());
+    let mut word = String::new();
+    for letter in text.chars().map(Some).chain([None]) {
+        match letter {
+            Some(letter) if letter.is_ascii_alphanumeric() => word.push(letter),
+            other => {
+                let is_digest =
+                    word.len() == DIGITS && word.chars().all(|digit| digit.is_ascii_hexdigit());
+                short += if is_digest { &word[..SHOWN] } else { &word };
+                short.extend(is_digest.then_some('…'));
+                short.extend(other);
+                word.clear();
+            }
+        }
+    }
+    short
+}
+
 /// A number of SI units per unit for people, and that unit.
 pub(crate) fn people(unit: &str) -> (f64, &str) {
     match unit {
@@ -32,7 +66,31 @@ pub(crate) fn people(unit: &str) -> (f64, &str) {
 
 #[cfg(test)]
 mod tests {
-    use super::lines;
+    use super::{four_digits, lines, short_digests};
+
+    #[test]
+    fn numbers_have_four_digits_and_digests_twelve() {
+        for (value, text) in [
+            (0.594235601750097, "0.5942"),
+            (1.0, "1"),
+            (0.0, "0"),
+            (-1234.56, "-1235"),
+            (123456.0, "123500"),
+            (2.34567e-5, "2.346e-5"),
+            (9.99999e-5, "0.0001"),
+            (1e6, "1e6"),
+            (0.25, "0.25"),
+        ] {
+            assert_eq!(four_digits(value), text);
+        }
+        let digest = "0123456789abcdef".repeat(4);
+        assert_eq!(
+            short_digests(&format!("a (sha256:{digest}, by b) {digest}")),
+            "a (sha256:0123456789ab…, by b) 0123456789ab…"
+        );
+        let others = format!("{digest}0 g{} ü", &digest[1..]);
+        assert_eq!(short_digests(&others), others);
+    }
 
     #[test]
     fn lines_are_as_long_as_words_allow() {

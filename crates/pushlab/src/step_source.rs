@@ -32,7 +32,8 @@ pub(crate) struct StepSource {
 /// What is known of a set or a table beside what it says itself.
 #[derive(Clone, Default, clap::Args)]
 pub(crate) struct Known {
-    /// Manifest of the set that a step table is of; else dataset.toml beside it
+    /// Manifest that says what a step table does not: the object, the pusher and the table that it is of;
+    /// else dataset.toml beside it
     #[arg(long, value_name = "FILE")]
     manifest: Option<PathBuf>,
     /// What is known of public data, for recordings or a table of others
@@ -105,6 +106,8 @@ impl Reading {
 
 /// Observed steps, with what was read for them.
 pub(crate) struct Steps {
+    /// Of the set, in its manifest.
+    pub(crate) name: String,
     pub(crate) observations: Observations,
     pub(crate) inputs: Vec<Input>,
     /// Pushes of the recordings; none of a table.
@@ -202,7 +205,8 @@ impl StepSource {
             Reading::Steady => Observations::steady(&table, set.manifest())?,
             Reading::Plain(_) => Observations::of(&table, set.manifest())?,
         };
-        Ok(Steps { observations, inputs, n_pushes: Some(n_pushes), suspicions })
+        let name = set.manifest().name.clone();
+        Ok(Steps { name, observations, inputs, n_pushes: Some(n_pushes), suspicions })
     }
 }
 
@@ -231,8 +235,9 @@ pub(crate) fn open_set(
 }
 
 impl Steps {
-    fn of_table(observations: Observations, inputs: Vec<Input>) -> Self {
-        Self { observations, inputs, n_pushes: None, suspicions: Vec::new() }
+    fn of_table(name: &str, observations: Observations, inputs: Vec<Input>) -> Self {
+        let (name, suspicions) = (name.to_owned(), Vec::new());
+        Self { name, observations, inputs, n_pushes: None, suspicions }
     }
 
     /// A table of others, and the pusher.
@@ -245,7 +250,7 @@ impl Steps {
         let files = std::iter::once(path).chain(from.map(PathBuf::as_path));
         let inputs = files.map(Input::file).collect::<Result<_>>()?;
         let observations = Observations::of_mapped(&table, mapping)?;
-        Ok((Self::of_table(observations, inputs), mapping.pusher))
+        Ok((Self::of_table(&mapping.name, observations, inputs), mapping.pusher))
     }
 
     /// A table of `pushlab ingest`, or one whose mapping lies beside it, and the pusher.
@@ -271,7 +276,8 @@ impl Steps {
         if let Some(known) = preset.and_then(Preset::manifest) {
             let manifest = known?;
             let observations = Observations::of(&table, &manifest)?;
-            return Ok((Self::of_table(observations, vec![Input::file(path)?]), manifest.pusher));
+            let steps = Self::of_table(&manifest.name, observations, vec![Input::file(path)?]);
+            return Ok((steps, manifest.pusher));
         }
         let manifest_path = manifest.unwrap_or(&beside);
         let manifest = Manifest::read(manifest_path).with_context(|| {
@@ -283,7 +289,7 @@ impl Steps {
         })?;
         let inputs = [path, manifest_path].into_iter().map(Input::file).collect::<Result<_>>()?;
         let observations = Observations::of(&table, &manifest)?;
-        Ok((Self::of_table(observations, inputs), manifest.pusher))
+        Ok((Self::of_table(&manifest.name, observations, inputs), manifest.pusher))
     }
 }
 

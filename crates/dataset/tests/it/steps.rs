@@ -1,6 +1,6 @@
 //! From recordings with a known motion to rows: values, signs, symmetries, formats, threads.
 
-use crate::made::{HALF_SIDE, Made, write_set};
+use crate::made::{HALF_SIDE, Made, RADIUS, write_set};
 use dataset::{
     Curve, Flags, ForceZero, IngestReport, IngestSettings, Phase, Recording, RecordingSet,
     RecordingWriter, StepLength, StepRow, Table, all_writers, ingest, ingest_each, provenance,
@@ -53,6 +53,46 @@ fn a_known_push_becomes_its_steps() {
         assert_near(force.mean.normal, made.force[0], 5e-3, "normal force");
         assert_near(force.mean.tangential, made.force[1], 5e-3, "tangential force");
         assert_near(force.start.normal, made.force[0], 0.02, "normal force at the start");
+    }
+}
+
+/// A set of one recording whose manifest has a point for a pusher.
+fn run_point(made: Made) -> (Table, IngestReport) {
+    let dir = tempfile::tempdir().unwrap();
+    write_set(dir.path(), "csv", &[made.recording("push-0000")]);
+    let path = dir.path().join("dataset.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let point = text.replace(&format!("radius_m = {RADIUS}"), "radius_m = 0.0");
+    assert_ne!(point, text);
+    std::fs::write(&path, point).unwrap();
+    ingest(&RecordingSet::open(dir.path()).unwrap(), &IngestSettings::default()).unwrap()
+}
+
+#[test]
+fn a_point_pushes_like_any_pusher_even_where_it_seems_to_be_inside() {
+    // On the outline, and a tracking error outside and inside of it.
+    for radius in [0.0, 2e-5, -2e-5] {
+        let made = Made { radius, ..Made::default() };
+        let (table, report) = run_point(made);
+        assert!(report.summary.excluded.is_empty(), "{radius}: {:?}", report.summary.excluded);
+        let push = &report.recordings[0].pushes[0];
+        assert_near(push.contact_start_s, made.touch(), 0.01, "start of contact");
+        assert_near(push.contact_end_s, made.stop(), 0.011, "end of contact");
+        assert_eq!(table.rows.iter().filter(|row| row.dt == 0.2).count(), 5, "{radius}");
+        for row in &table.rows[1..4] {
+            let t0 = row.t - 1000.0;
+            assert_eq!((row.edge, row.phase), (1, Phase::Contact));
+            assert_near(row.p, 0.5 - made.contact_y / (2.0 * HALF_SIDE), 1e-4, "p");
+            assert_near(row.beta, -made.yaw_rate * (t0 - made.touch()), 3e-4, "beta");
+            assert_near(row.dtheta, made.yaw_rate * 0.2, 1e-5, "dtheta");
+            assert_near(row.gap_start, radius, 2e-6, "gap");
+            assert_near(row.slip, 0.0, 2e-5, "slip");
+            let normal = made.object(t0).rotate(&Vector2::x());
+            assert_near(row.contact_normal.dot(&normal), 1.0, 1e-6, "normal");
+            let force = row.force.unwrap();
+            assert_near(force.mean.normal, made.force[0], 5e-3, "normal force");
+            assert_near(force.mean.tangential, made.force[1], 5e-3, "tangential force");
+        }
     }
 }
 

@@ -70,22 +70,47 @@ impl MotionErrors {
         self.of_each(&missed(observations, model, own)?)
     }
 
-    /// The covariance of motions about a model's, to fit it with.
+    /// The covariance of motions about a model's, to fit it with; of what else was observed that of the
+    /// noise, which is taken for independent of them.
     ///
     /// # Errors
     /// As [`MotionErrors::learn`]; `NotACovariance`.
     pub fn whitening(
         &self,
+        noise: &Whitening,
         observations: &Observations,
         model: &Description,
         own: &[Arc<dyn Effect>],
     ) -> Result<Whitening, DiagnosisError> {
         let all = missed(observations, model, own)?;
-        let covariance = |missed: &Missed| {
-            let entries = missed.steps.iter().flat_map(|step| (0..3).map(|number| (*step, number)));
-            (entries.collect(), self.covariance(missed))
+        let covariance = |(push, missed): (usize, &Missed)| {
+            let (entries, mut covariance) = noise.covariance(push);
+            let of_motions = self.covariance(missed);
+            let place = |(step, number): &(usize, usize)| {
+                let step = missed.steps.iter().position(|own| own == step)?;
+                (*number < 3).then_some(3 * step + number)
+            };
+            let places: Vec<Option<usize>> = entries.iter().map(place).collect();
+            for (row, one) in places.iter().enumerate() {
+                for (column, other) in places.iter().enumerate() {
+                    match (one, other) {
+                        (Some(one), Some(other)) => {
+                            covariance[(row, column)] = of_motions[(*one, *other)];
+                        }
+                        (None, None) => {}
+                        _ => covariance[(row, column)] = 0.0,
+                    }
+                }
+            }
+            (entries, covariance)
         };
-        Whitening::new(all.iter().map(covariance))
+        Whitening::new(all.iter().enumerate().map(covariance))
+    }
+
+    /// The covariance of all errors of a single step, in m² and rad²: where they have tails, the square of
+    /// their scale, which far steps do not raise.
+    pub fn of_step(&self) -> Matrix3<f64> {
+        self.rest + self.shared
     }
 
     pub(super) fn of_missed(all: &[Missed], tails: Option<f64>) -> Result<Self, DiagnosisError> {
@@ -234,7 +259,8 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::{Missed, MotionErrors};
-    use crate::synthetic::normal;
+    use crate::NoiseModel;
+    use crate::synthetic::{normal, recorded};
 
     /// Errors of pushes of several steps, of standard deviations that steps have alone and that they share.
     fn pushes(n_pushes: usize, n_steps: usize, alone: [f64; 3], shared: [f64; 3]) -> Vec<Missed> {
@@ -287,6 +313,36 @@ mod tests {
         // Many degrees of freedom are a normal distribution.
         let t = MotionErrors { tails: Some(1e7), ..common };
         assert!((t.of_push(0, whole).unwrap() - other).abs() < 1e-4);
+    }
+
+    #[test]
+    fn motions_have_the_errors_that_were_learnt_and_forces_those_of_the_noise() {
+        let (observations, model) = recorded(1);
+        let noise = NoiseModel::learn(&model, &[], &observations).unwrap();
+        let noise = noise.whitening(&model, &[], &observations).unwrap();
+        let (rest, shared) = (Matrix3::from_diagonal_element(4e-6), Matrix3::from_element(1e-6));
+        let errors = MotionErrors { rest, shared, tails: Some(4.0) };
+        let found = errors.whitening(&noise, &observations, &model, &[]).unwrap();
+        let mut n_forces = 0;
+        for push in 0..observations.pushes().len() {
+            let ((entries, covariance), (_, before)) =
+                (found.covariance(push), noise.covariance(push));
+            for (row, one) in entries.iter().enumerate() {
+                n_forces += usize::from(one.1 == 3);
+                for (column, other) in entries.iter().enumerate() {
+                    let expected = match (one.1 < 3, other.1 < 3) {
+                        (true, true) if one == other => 5e-6,
+                        (true, true) => 1e-6,
+                        (false, false) => before[(row, column)],
+                        _ => 0.0,
+                    };
+                    let size = covariance[(row, row)].max(covariance[(column, column)]);
+                    let off = (covariance[(row, column)] - expected).abs();
+                    assert!(off < 1e-9 * size, "{one:?} {other:?} {off}");
+                }
+            }
+        }
+        assert!(n_forces > 100, "{n_forces}");
     }
 
     #[test]

@@ -65,6 +65,13 @@ impl Whitening {
         &self.blocks[push].entries
     }
 
+    /// The numbers of a push that are used, and their covariance.
+    pub(crate) fn covariance(&self, push: usize) -> PushCovariance {
+        let Block { entries, factor } = &self.blocks[push];
+        let lower = factor.l();
+        (entries.clone(), &lower * lower.transpose())
+    }
+
     /// The used ones among the numbers of each step, whitened, push after push.
     pub fn whiten(&self, values: &[[f64; 7]]) -> DVector<f64> {
         let mut white = DVector::zeros(self.n_numbers());

@@ -89,8 +89,9 @@ pub(crate) fn untestable(
 /// Pushes whose speeds differ by a smaller factor are at one speed.
 const ONE_SPEED: f64 = 1.5;
 
-/// The reason, if what an effect depends on does not differ or is not known.
-fn lacking(observations: &Observations, about: &EffectInfo) -> Option<NotTestable> {
+/// The reason, if what an effect depends on does not differ in these observations or is not known, such
+/// as the object's orientation for what acts along directions of the table.
+pub fn lacking(observations: &Observations, about: &EffectInfo) -> Option<NotTestable> {
     let lacks = |because: &str, measure: &str| {
         let (because, measure) = (because.to_owned(), measure.to_owned());
         Some(NotTestable { reason: Reason::NoCovariate, because, measure })

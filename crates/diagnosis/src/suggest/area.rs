@@ -17,6 +17,8 @@ pub(super) struct Reach {
     pub(super) travel: f64,
     /// In m.
     pub(super) pusher_radius: f64,
+    /// Whether the object's poses before and after a push are all that is recorded of it.
+    pub(super) is_of_ends: bool,
 }
 
 /// Steps of a push that is worth doing.
@@ -59,13 +61,16 @@ impl Reach {
             },
             travel: settings.travel.unwrap_or_else(|| usual_travel(observations)),
             pusher_radius: observations.steps[0].input.pusher_radius,
+            is_of_ends: observations.places[0].is_whole,
         }
     }
 }
 
 /// The median way of a push, in whole mm.
 fn usual_travel(observations: &Observations) -> f64 {
-    let mut ways = vec![FIRST_WAY; observations.pushes.len()];
+    // Steps begin behind the first touch, a whole push before it.
+    let first = if observations.places[0].is_whole { 0.0 } else { FIRST_WAY };
+    let mut ways = vec![first; observations.pushes.len()];
     for (step, push) in observations.push_of.iter().enumerate() {
         ways[*push] += observations.way(step);
     }

@@ -22,6 +22,7 @@ impl Planned {
             quantile(sd.collect(), 0.5).unwrap_or_default()
         };
         let pose_sd = [0, 1].map(|end| [sd(end, 0), sd(end, 1)]);
+        let is_of_ends = observations.places[0].is_whole;
         let (mut steps, mut places, mut push_of) = (Vec::new(), Vec::new(), Vec::new());
         for (push, Route { push: SuggestedPush { edge, speed, .. }, steps: own }) in
             routes.iter().enumerate()
@@ -39,7 +40,7 @@ impl Planned {
                     beta: *beta,
                     speed: *speed,
                     pose_sd,
-                    is_whole: false,
+                    is_whole: is_of_ends,
                 });
                 push_of.push(push);
             }

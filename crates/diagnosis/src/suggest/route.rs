@@ -142,7 +142,26 @@ impl Rig<'_> {
         let travel = push.travel.min((1e3 * course.good_way).floor() / 1e3);
         let path_w = self.path(&push, travel);
         let push = SuggestedPush { travel, path_w, ..push };
-        Some(Route { push, steps: course.steps })
+        let steps = if self.reach.is_of_ends { vec![self.whole(&push)?] } else { course.steps };
+        Some(Route { push, steps })
+    }
+
+    /// The push in one step, for sets that know no more of it than its ends.
+    fn whole(&self, push: &SuggestedPush) -> Option<RouteStep> {
+        let [start, _, end] = push.path_w;
+        let input = StepInput {
+            object: self.object.clone(),
+            pusher_radius: self.reach.pusher_radius,
+            pose_wb: push.pose_wb,
+            twist_wb: Twist::default(),
+            track: Track::straight(start, end, (end - start).norm() / push.speed),
+            touching: false,
+            since_contact: 0.0,
+            progress: 0.5,
+            session: 0,
+        };
+        let predicted = self.physics.predict(&input).ok()?.to_array();
+        Some(RouteStep { input, place: [push.p, push.angle], predicted })
     }
 
     /// The push as the model expects it, step by step; none where it cannot be predicted.

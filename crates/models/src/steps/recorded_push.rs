@@ -18,7 +18,7 @@ pub struct RecordedPush {
     pub name: String,
     /// What was pushed, with all that effects act on.
     pub pushed: Pushed,
-    /// The pusher's way, with a step from row to row.
+    /// The pusher's way, with a step from row to row, or to the next kink of a whole push.
     pub path: PushPath,
     /// Measured poses of B in W, at the start and after each step.
     pub poses_wb: Vec<Pose>,
@@ -82,8 +82,12 @@ fn recorded(
             shapes[shapes.len() - 1].clone()
         }
     };
-    let starts = steps.iter().map(|(row, _)| (row.t, row.pusher_start));
-    let way: Vec<_> = starts.chain([(last.t + last.dt, last.pusher_end)]).collect();
+    let points = |(row, _): &(&StepRow, &ChannelObservation)| {
+        let kinks: Vec<_> = row.pusher_way.iter().map(|(t, place)| (row.t + t, *place)).collect();
+        [(row.t, row.pusher_start)].into_iter().chain(kinks)
+    };
+    let ways = steps.iter().flat_map(points);
+    let way: Vec<_> = ways.chain([(last.t + last.dt, last.pusher_end)]).collect();
     let observed = |(row, step): &(&StepRow, &ChannelObservation)| {
         let input = StepInput::of(step.input.clone(), shape.clone())?;
         Ok(StepObservation { input, outputs: Vector3::new(row.dx, row.dy, row.dtheta) })

@@ -8,7 +8,7 @@ use effects::Spread;
 use models::Cluster;
 use serde::Serialize;
 
-use crate::people::behind_number;
+use crate::people::{behind_number, four_digits};
 use crate::terminal::TITLE;
 
 /// A fit and the file that it was written to.
@@ -118,7 +118,10 @@ fn write_nuisance(f: &mut fmt::Formatter<'_>, nuisance: &NuisanceFit) -> fmt::Re
     let unit = behind_number(unit);
     match *nominal == 0.0 {
         true => writeln!(f, "  {id} {name}: {value:.1e} ± {se:.0e}{unit}"),
-        false => writeln!(f, "  {id} {name}: {value:.3} ± {se:.3}{unit}, nominal {nominal}"),
+        false => {
+            let nominal = four_digits(*nominal);
+            writeln!(f, "  {id} {name}: {value:.3} ± {se:.3}{unit}, nominal {nominal}")
+        }
     }
 }
 

@@ -116,6 +116,19 @@ fn what_a_table_of_others_cannot_tell_is_said() {
     );
     let found = result["findings"].as_array().unwrap();
     assert!(found.iter().any(|one| one["sentence"].as_str().unwrap().starts_with("moves")));
+    // As little can a fit tell what acts along directions of the table.
+    for id in ["table-anisotropy", "table-tilt", "friction-gradient"] {
+        let says = "because it depends on how the object lies on the table, and its orientation is not \
+                    known; measure the object's pose on the table";
+        let fit = ["add", id, "--fit", "table.csv", "--preset", "mit-table", "-o", "added.toml"];
+        for more in [&[][..], &["--per-push"]] {
+            let refused = set.error(&[&fit[..], more].concat());
+            assert!(
+                refused.contains(says) && refused.contains(&format!("{id} is not testable")),
+                "{refused}"
+            );
+        }
+    }
     let refused = set.error(&["compare", "table.csv"]);
     assert!(refused.contains("give --preset mit-table, or --mapping FILE"), "{refused}");
 }

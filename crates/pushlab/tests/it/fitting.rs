@@ -53,6 +53,28 @@ fn a_fitted_effect_lowers_the_error_of_pushes_that_no_fit_has_seen() {
 }
 
 #[test]
+fn values_beside_a_spread_are_weighted_by_what_it_leaves_and_old_scatter_goes() {
+    let set = pushes();
+    let add = |model: &str, to: &str| {
+        let add = ["add", "pusher-friction", "--per-push", "--fit", "pushes", "--model", model];
+        result(&set.done(&[&add[..], &["-o", to, "--json"]].concat()).stdout)
+    };
+    let fitted = add("model.toml", "spread.toml");
+    assert!(!set.read("spread.toml").contains("scatter_per_m"));
+    // By the noise of repeats alone it is 6.1: the ellipsoid misses the exact patch.
+    let after = fitted["whitened_rms"][1].as_f64().unwrap();
+    assert!((0.8..3.0).contains(&after), "{}", fitted["whitened_rms"]);
+    let old = "[[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 900.0]]";
+    set.edit("model.toml", "[base]", &format!("[base]\nscatter_per_m = {old}"));
+    add("model.toml", "renewed.toml");
+    let text = set.read("renewed.toml");
+    let scatter = text.lines().find_map(|line| line.strip_prefix("scatter_per_m = ")).unwrap();
+    let scatter: Vec<Vec<f64>> = serde_json::from_str(scatter).unwrap();
+    // A tenth of the way, and a tenth of a degree a millimeter, at the most.
+    assert!(scatter[0][0] > 0.0 && scatter[0][0] < 0.01 && scatter[2][2] < 3.0, "{scatter:?}");
+}
+
+#[test]
 fn values_by_hand_are_checked_and_raise_the_error_where_they_are_wrong() {
     let set = pushes();
     let add = |values: [&'static str; 2]| {

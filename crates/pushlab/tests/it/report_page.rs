@@ -41,7 +41,7 @@ fn the_page_shows_errors_pushes_parameters_and_their_origin() {
         "On the outline",
         "All 60 pushes",
         "table-anisotropy ratio",
-        "<code>report pushes --model model.toml --model grain.toml --step 0.2s</code>",
+        "<code>report pushes --model model.toml --model grain.toml</code>",
         "64 inputs with their SHA-256",
         "Rows excluded: 31 short",
         "6 repeats of 2 pushes",

@@ -119,6 +119,45 @@ fn ends_are_ingested_compared_and_added_to_like_any_other_set() {
 }
 
 #[test]
+fn ends_are_suggested_reported_and_simulated_like_any_other_set() {
+    let set = pushes();
+    set.done(&["models", "init", "ends"]);
+    let found = json(&set, &["diagnose", "ends", "-o", "diagnosis.json"]);
+    assert_eq!(found["identified"], serde_json::json!(["friction-center-offset"]), "{found}");
+    let suggest = ["suggest", "--from", "diagnosis.json", "-n", "15", "--force"];
+    let suggested = json(&set, &suggest);
+    assert_eq!(suggested["aim"], "precision");
+    let pushes = suggested["pushes"].as_array().unwrap();
+    assert!(pushes.len() == 15 && pushes.iter().all(|push| push["travel"] == 0.04), "{suggested}");
+    // A push that is suggested tells no more than its ends do: 15 well chosen ones beside 45.
+    let suggested = json(&set, &[&suggest[..], &["--for", "pusher-friction"]].concat());
+    let known = &suggested["precisions"][0];
+    let [so_far, expected] = ["now", "expected"].map(|key| known[key].as_f64().unwrap());
+    assert!((0.65..0.95).contains(&(expected / so_far)), "{known}");
+    let report = ["report", "ends", "--from", "diagnosis.json"];
+    let written = json(&set, &report);
+    assert_eq!((&written["n_pushes"], &written["n_played"]), (&60.into(), &60.into()));
+    let page = set.read("report.html");
+    assert!(page.contains("friction-center-offset") && page.contains("<title>ends: models"));
+    set.done(&["add", "--from", "diagnosis.json", "-o", "added.toml"]);
+    let end = |model: &str, n_most: usize| {
+        let file = format!("{model}.toml");
+        let simulate = ["simulate", "ends", "--particles", "20", "--model", &file, "-o", model];
+        let simulated = json(&set, &[&simulate[..], &["--push", "pushes_shape=square#7"]].concat());
+        let push = &simulated["pushes"][0];
+        // In steps of 4 mm at the most, from the start to the only other pose that was measured.
+        assert!((10..=n_most).contains(&push["moments"].as_array().unwrap().len()), "{push}");
+        push["end"]["error"][0].as_f64().unwrap()
+    };
+    let [before, after] = ["model", "added"].map(|model| end(model, 12));
+    assert!(after < 3e-4 && before > 2.0 * after, "{before} {after}");
+    let poses = set.read("added/poses.csv");
+    let measured =
+        poses.lines().filter(|line| line.starts_with("pushes") && !line.ends_with(",,,"));
+    assert_eq!(measured.count(), 2);
+}
+
+#[test]
 fn what_ends_cannot_be_asked_is_refused_with_what_to_give() {
     let set = pushes();
     let refused = |arguments: &[&str], code: i32, says: &str| {
@@ -128,8 +167,25 @@ fn what_ends_cannot_be_asked_is_refused_with_what_to_give() {
     };
     refused(&["ingest", "ends", "--step", "4mm"], 2, "leave out --step and --curve");
     set.done(&["models", "init", "ends"]);
-    refused(&["compare", "ends", "--step", "4mm"], 2, "a push of which the ends are known is one");
-    refused(&["ingest", "ends/pushes.csv"], 1, "give --preset, or the folder of a dataset.toml");
+    let one = "a push of which the ends are known is one";
+    refused(&["compare", "ends", "--step", "4mm"], 2, one);
+    refused(&["report", "ends", "--step", "4mm"], 2, one);
+    let file = "ends/pushes.csv";
+    for command in [
+        &["ingest", file][..],
+        &["report", file],
+        &["models", "init", file, "-o", "other.toml"],
+        &["simulate", file, "-o", "rolled"],
+    ] {
+        refused(command, 1, "give --preset, or the folder of a dataset.toml");
+    }
+    let together = ["simulate", "ends", "--correlation", "ends", "-o", "rolled"];
+    refused(&together, 1, "do not tell how the errors of steps go together");
+    let unknown = ["simulate", "ends", "--push", "pushes_shape=square#99", "-o", "rolled"];
+    refused(&unknown, 1, "has no push pushes_shape=square#99; it has pushes_shape=square#0");
+    let path = ["simulate", "arc.csv", "--preset", "mit-endpoints", "-o", "rolled"];
+    set.write("arc.csv", "t_s,x_m,y_m\n");
+    refused(&path, 2, "--preset are for recorded pushes");
     refused(&["ingest", "set", "--shape", "hex"], 2, "--preset");
     set.edit("ends/pushes.csv", ",0.02\n", ",2cm/s\n");
     refused(&["ingest", "ends"], 1, "pushes.csv:2: speed_m_s is `2cm/s`, expected a finite number");

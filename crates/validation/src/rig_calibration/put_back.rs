@@ -63,3 +63,61 @@ fn turn(angle: f64, direction: &Vector2<f64>, grain: &Grain) -> f64 {
     }
     0.5 * (low + high)
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Rotation2, Vector2};
+    use planar::Pose;
+    use plant::Grain;
+
+    use super::{ALLOWED, SLOT, put_back};
+
+    /// Where a push began that ended too far away to go on from there.
+    fn far() -> Pose {
+        Pose::new(0.0, -1.01 * ALLOWED, 0.3)
+    }
+
+    /// An object at an angle, whose slot is dragged by 150 mm towards the middle from where the object itself
+    /// is right behind it, but for a turn about the slot.
+    fn behind(angle: f64, turned: f64) -> Pose {
+        let slot = Rotation2::new(angle) * SLOT;
+        let held = -0.15 * slot.normalize();
+        Pose { position: held - Rotation2::new(turned) * slot, angle: angle + turned }
+    }
+
+    #[test]
+    fn an_object_near_the_middle_stays_and_another_comes_to_it_by_its_slot() {
+        let end = Pose::new(0.09, -0.04, 2.0);
+        let near = Pose::new(0.99 * ALLOWED, 0.0, 1.0);
+        assert_eq!(put_back(&near, &end, &Grain::default()), end);
+        let grain = Grain { ratio: 1.3, direction: 0.4 };
+        let back = put_back(&far(), &end, &grain);
+        assert!(back.transform_point(&SLOT).norm() < 1e-12, "{back:?}");
+        assert!(back.position != Vector2::zeros() && back.angle != end.angle);
+    }
+
+    #[test]
+    fn an_object_right_behind_its_slot_does_not_turn_on_an_even_table() {
+        for angle in [-2.0, 0.1, 3.0] {
+            let back = put_back(&far(), &behind(angle, 0.0), &Grain::default());
+            assert!((back.angle - angle).abs() < 1e-6, "{angle} {back:?}");
+            // Neither does it where the grain goes the same way, for that is as even to both sides.
+            let along = angle + SLOT.y.atan2(SLOT.x);
+            let grain = |direction| Grain { ratio: 1.5, direction };
+            let back = put_back(&far(), &behind(angle, 0.0), &grain(along));
+            assert!((back.angle - angle).abs() < 1e-6, "{angle} {back:?}");
+            let back = put_back(&far(), &behind(angle, 0.0), &grain(along + 0.7));
+            assert!((back.angle - angle).abs() > 1e-2, "{angle} {back:?}");
+        }
+    }
+
+    #[test]
+    fn an_object_turns_in_behind_its_slot_alike_from_both_sides() {
+        let turned = |by: f64| put_back(&far(), &behind(0.5, by), &Grain::default()).angle - 0.5;
+        for by in [0.2, 0.6] {
+            let left = turned(by);
+            assert!(left > 0.0 && left < 0.5 * by, "{by} {left}");
+            assert!((left + turned(-by)).abs() < 1e-6, "{by} {left}");
+        }
+    }
+}

@@ -31,6 +31,8 @@ pub(crate) struct Made {
     pub(crate) mirrored: bool,
     /// Stamps of the robot, the object and the force per second.
     pub(crate) rates: [f64; 3],
+    /// Of the pusher, in m: less than 0 of a point that seems to be inside of the outline.
+    pub(crate) radius: f64,
 }
 
 pub(crate) const REST: f64 = 0.3;
@@ -49,6 +51,7 @@ impl Default for Made {
             scene: Pose::new(0.3, -0.2, 0.7),
             mirrored: false,
             rates: [250.0, 100.0, 100.0],
+            radius: RADIUS,
         }
     }
 }
@@ -69,7 +72,7 @@ impl Made {
 
     fn pusher(&self, t: f64) -> Vector2<f64> {
         let way = self.speed * (t - REST).clamp(0.0, self.stop() - REST);
-        let start = -HALF_SIDE - RADIUS - APPROACH;
+        let start = -HALF_SIDE - self.radius - APPROACH;
         self.place(&Vector2::new(start + way, self.contact_y))
     }
 
@@ -78,8 +81,8 @@ impl Made {
         let pushed = self.pushed(t);
         let angle = self.yaw_rate * pushed;
         let turn = Pose::new(0.0, 0.0, angle);
-        let pusher = Vector2::new(-HALF_SIDE - RADIUS + self.speed * pushed, self.contact_y);
-        let contact = pusher + RADIUS * turn.rotate(&Vector2::x());
+        let pusher = Vector2::new(-HALF_SIDE - self.radius + self.speed * pushed, self.contact_y);
+        let contact = pusher + self.radius * turn.rotate(&Vector2::x());
         let origin = contact - turn.rotate(&Vector2::new(-HALF_SIDE, self.contact_y));
         let position = self.place(&origin);
         let sign = if self.mirrored { -1.0 } else { 1.0 };

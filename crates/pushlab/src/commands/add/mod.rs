@@ -153,7 +153,7 @@ fn per_push(
     }
     let found = fitting.per_push(&model, about.id)?;
     model.description = found.description.clone();
-    let fit = fitting.fit_values(&model, &[about.id])?.determined()?;
+    let fit = fitting.beside_spread(&model, about.id, &found)?.determined()?;
     let name = format!("{} + {} per push", model.name, about.id);
     let fitted = fitting.write(fit, name, destination)?.with_spread(&found);
     terminal.finish(&origin, &fitted, &fitted)

@@ -70,7 +70,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     readable(&args.model)?;
     origin.inputs.push(Input::file(&args.model)?);
     let model = ModelFile::read(&args.model)?;
-    let Steps { observations, inputs, n_pushes, mut suspicions } =
+    let Steps { observations, inputs, n_pushes, mut suspicions, .. } =
         args.source.read(Reading::Steady, terminal)?;
     origin.inputs.extend(inputs);
     warn_of_narrowness(&observations, terminal);

@@ -3,14 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use dataset::{MANIFEST_NAME, Manifest, ObjectChoice, ObjectSupport, Preset, TableMapping};
+use clap::builder::PossibleValuesParser;
+use dataset::{
+    MANIFEST_NAME, Manifest, ObjectChoice, ObjectSupport, Preset, TableMapping, is_end_points,
+};
 use models::{Description, Estimate, ModelFile};
+use planar::MIT_NAMES;
 
 use super::parameters::Parameters;
 use crate::command_line::preset_parser;
 use crate::destination::{Force, Inputs};
 use crate::file_ending;
 use crate::origin::{Input, Origin, TOOL, readable};
+use crate::step_source::open_set;
 use crate::terminal::{TITLE, Terminal};
 use crate::wrong_usage::WrongUsage;
 
@@ -18,15 +23,20 @@ use crate::wrong_usage::WrongUsage;
 ///
 /// The quasi-static push with the pusher's friction from the manifest, on the limit surface of what the
 /// manifest says that the object rests on: the ellipsoid of uniform pressure if it says nothing.
+/// Poses before and after pushes do not tell what was pushed: name --preset, or the folder of a manifest.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// Recording set, or its dataset.toml
+    /// Recording set, or its dataset.toml; a file of poses before and after pushes with --preset
     #[arg(required_unless_present = "preset")]
     set: Option<PathBuf>,
-    /// Take the nominal values of a public data set instead
-    #[arg(long, value_name = "NAME", value_parser = preset_parser(), conflicts_with = "set")]
+    /// Take the nominal values of a public data set, whatever a manifest says
+    #[arg(long, value_name = "NAME", value_parser = preset_parser())]
     preset: Option<Preset>,
+    /// Of public data about several shapes, this one
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(MIT_NAMES),
+          requires_all = ["preset", "set"])]
+    shape: Option<String>,
     /// Where to write the model; `-` is standard output
     #[arg(short, long, value_name = "FILE", default_value = "model.toml",
           value_parser = file_ending::or_standard(file_ending::model))]
@@ -39,20 +49,37 @@ const EXAMPLES: &str = "\
 Examples:
   pushlab models init pushes
   pushlab models init pushes/dataset.toml -o nominal.toml
-  pushlab models init --preset mit-push -o mit.toml";
+  pushlab models init --preset mit-push -o mit.toml
+  pushlab models init plywood.csv --preset mit-endpoints --shape hex -o mit.toml";
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let terminal = terminal.beside([args.output.as_path()])?;
-    let inputs = args.set.iter().fold(Inputs::default(), |inputs, set| inputs.with_set(set, None));
+    let with = |inputs: Inputs, set: &PathBuf| inputs.with_set(set, args.preset);
+    let inputs = args.set.iter().fold(Inputs::default(), with);
     let destination = args.force.file(&args.output, &inputs)?;
     let mut origin = Origin::new("models init")
+        .words(args.set.iter().map(|set| set.display().to_string()))
         .option("preset", args.preset.map(Preset::name))
-        .words(args.set.iter().map(|set| set.display().to_string()));
+        .option("shape", &args.shape);
     let nominal = match (&args.set, args.preset) {
-        (_, Some(preset)) => Nominal::of_preset(preset)?,
+        (None, Some(preset)) => Nominal::of_preset(preset)?,
+        (Some(set), Some(preset)) => {
+            readable(set)?;
+            match preset {
+                Preset::MitTable => Nominal::of_preset(preset)?,
+                // Of a preset for recordings, these have to be some.
+                _ => {
+                    let set = open_set(set, args.preset, args.shape.as_deref())?;
+                    Nominal::of(set.manifest().clone(), format!("preset {}", preset.name()))
+                }
+            }
+        }
         (Some(set), None) => {
             let path = if set.is_dir() { set.join(MANIFEST_NAME) } else { set.clone() };
             readable(&path)?;
+            if is_end_points(&path) {
+                open_set(&path, None, None)?;
+            }
             let nominal = Nominal::of_manifest(&path)?;
             origin.inputs.push(Input::file(&path)?);
             nominal

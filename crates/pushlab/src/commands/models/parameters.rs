@@ -9,7 +9,7 @@ use models::{
 };
 use serde::Serialize;
 
-use crate::people::behind_number;
+use crate::people::{behind_number, four_digits, short_digests};
 use crate::terminal::TITLE;
 use crate::unexplained::shares;
 
@@ -191,11 +191,14 @@ impl fmt::Display for Parameters {
         for Parameter { name, value, se, unit, source } in &self.parameters {
             let unit = behind_number(unit);
             let value = match value {
-                Some(value) if *se > 0.0 => format!("{value} ± {se}{unit}"),
-                Some(value) => format!("{value}{unit}"),
+                Some(value) if *se > 0.0 => {
+                    format!("{} ± {}{unit}", four_digits(*value), four_digits(*se))
+                }
+                Some(value) => format!("{}{unit}", four_digits(*value)),
                 None => "of the object".to_owned(),
             };
-            let source = if source.is_empty() { String::new() } else { format!("  ({source})") };
+            let source = short_digests(source);
+            let source = if source.is_empty() { source } else { format!("  ({source})") };
             writeln!(f, "  {name}: {value}{source}")?;
         }
         if let Some(process) = self.process {
@@ -206,6 +209,7 @@ impl fmt::Display for Parameters {
             writeln!(f, "  share that no physics explains: {}", shares(unexplained))?;
         }
         if let Some(Parts { set, seed, n_fit, n_confirm, .. }) = &self.split {
+            let set = short_digests(set);
             writeln!(f, "  fitted to {n_fit} pushes of recordings with sha256:{set};")?;
             writeln!(f, "  {n_confirm} others are kept to confirm it (seed {seed})")?;
         }

@@ -19,8 +19,8 @@ pub(crate) struct Args {
     /// Model file
     #[arg(default_value = "model.toml", value_parser = file_ending::model)]
     model: PathBuf,
-    /// Manifest, or recording set, with the object: its center of friction and characteristic length by the
-    /// model are shown too
+    /// Manifest, or recording set, that says which object is pushed: to show, too, what the model makes of
+    /// that object, its center of friction and its characteristic length c
     #[arg(long, value_name = "FILE")]
     manifest: Option<PathBuf>,
 }

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use ::report::{Page, Provenance};
 use anyhow::{Context, Result, bail};
-use dataset::{IngestSettings, RecordingSet, Suspicion};
+use dataset::Suspicion;
 use diagnosis::{
     Comparison, Diagnosis, MapSettings, NoiseFloor, Observations, OutlineMap, Predictions,
     PushEnds, RepeatTolerance, Rollout, compare, noise_floor, outline_maps, push_ends, roll_out,
@@ -25,13 +25,12 @@ use serde::Serialize;
 use self::diagnosed::Signatures;
 use self::headline::Headline;
 use super::compare::Part;
-use crate::destination::{Force, Inputs};
+use crate::destination::Force;
 use crate::diagnosis_file;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
-use crate::recorded_steps::RecordedSteps;
 use crate::step_size::StepSize;
-use crate::suspected::{suspected, warn};
+use crate::step_source::{Reading, StepSource, Steps};
 use crate::terminal::Terminal;
 
 /// Show how models do on recordings: one HTML page, to be read without a network
@@ -41,8 +40,8 @@ use crate::terminal::Terminal;
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// Recording set: a folder with dataset.toml
-    set: PathBuf,
+    #[command(flatten)]
+    source: StepSource,
     /// Model file; several may be given, the first is the one that others are seen beside
     #[arg(long, value_name = "FILE", default_value = "model.toml",
           value_parser = file_ending::model)]
@@ -54,9 +53,9 @@ pub(crate) struct Args {
     /// Answer of `pushlab diagnose` about this set and the first model: what is missing
     #[arg(long, value_name = "DIAGNOSIS", alias = "diagnosis", value_parser = file_ending::json)]
     from: Option<PathBuf>,
-    /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm)
-    #[arg(long, value_name = "LENGTH", default_value = "200ms", allow_hyphen_values = true)]
-    step: StepSize,
+    /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm); else 200ms
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    step: Option<StepSize>,
     #[command(flatten)]
     force: Force,
 }
@@ -66,7 +65,8 @@ Examples:
   pushlab report pushes --model model.toml -o report.html
   pushlab report pushes --model model.toml --model better.toml -o report.html
   pushlab report pushes --model model.toml --from diagnosis.json -o report.html
-  pushlab report pushes --step 4mm --json";
+  pushlab report pushes --step 4mm --json
+  pushlab report plywood.csv --preset mit-endpoints --shape hex --model mit.toml";
 
 /// What is compared, and on what.
 struct Report {
@@ -109,7 +109,7 @@ struct Written {
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let terminal = &terminal.beside([args.output.as_path()])?;
     let files = args.model.iter().chain(&args.from);
-    let inputs = Inputs::default().with_set(&args.set, None).with(files);
+    let inputs = args.source.inputs().with(files);
     let destination = args.force.file(&args.output, &inputs)?;
     let mut origin = args.origin();
     let mut files = Vec::new();
@@ -120,23 +120,19 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     }
     let diagnosis = args.from.as_ref();
     let diagnosis = diagnosis.map(|path| diagnosis_file::read(path, &mut origin)).transpose()?;
-    readable(&args.set)?;
-    let set = RecordingSet::open(&args.set)?;
-    let suspicions = suspected(&set);
-    warn(&suspicions, terminal);
-    let settings = IngestSettings { step: args.step.0, ..IngestSettings::default() };
-    let recorded = RecordedSteps::read(&set, &settings, terminal)?;
-    origin.inputs.extend(recorded.inputs);
-    let observations = Observations::of(&recorded.table, set.manifest())?;
+    let reading = Reading::Plain(args.step);
+    let Steps { name, observations, inputs, suspicions, .. } =
+        args.source.read(reading, terminal)?;
+    origin.inputs.extend(inputs);
     if let Some(path) = args
         .from
         .as_ref()
         .filter(|_| diagnosis.as_ref().is_some_and(|found| !observations.are_of(&found.split)))
     {
-        bail!("{} is about other recordings than {}", path.display(), args.set.display());
+        bail!("{} is about other recordings than {}", path.display(), args.source.set.display());
     }
     let diagnosis = diagnosis.map(|found| (found, observations.clone()));
-    let mut report = Report::of(set.manifest().name.clone(), files, observations)?;
+    let mut report = Report::of(name, files, observations)?;
     report.suspicions = suspicions;
     let report = report.with_diagnosis(diagnosis)?;
     let (html, written) = report.written(&origin, &args.output)?;
@@ -284,9 +280,10 @@ impl std::fmt::Display for Written {
 impl Args {
     fn origin(&self) -> Origin {
         Origin::new("report")
-            .path(&self.set)
+            .path(&self.source.set)
+            .words(self.source.words())
             .paths("model", &self.model)
             .paths("from", &self.from)
-            .option("step", [self.step])
+            .option("step", self.step)
     }
 }

@@ -62,7 +62,7 @@ fn top_view(rolled: &Rolled) -> Panel {
     match &rolled.measured_wb {
         Some(measured) => {
             let way: Vec<[f64; 2]> =
-                measured.iter().map(|pose| (MM * pose.position).into()).collect();
+                measured.iter().flatten().map(|pose| (MM * pose.position).into()).collect();
             panel.with(Line::through(&way).color(Color::INK).width(1.8).label("measured"))
         }
         None => panel,
@@ -97,10 +97,12 @@ fn angle(rolled: &Rolled) -> Panel {
     match &rolled.measured_wb {
         Some(measured) => {
             // Counted from the median, for the measured angle may have any turn.
-            let near = |(pose, middle): (&planar::Pose, &f64)| {
-                middle + planar::wrap_angle(pose.angle - middle.to_radians()).to_degrees()
+            let near = |(pose, (time, middle)): (&Option<planar::Pose>, (&f64, &f64))| {
+                let beyond = planar::wrap_angle(pose.as_ref()?.angle - middle.to_radians());
+                Some((*time, middle + beyond.to_degrees()))
             };
-            let angles: Vec<f64> = measured.iter().zip(&middle).map(near).collect();
+            let found = measured.iter().zip(times.iter().zip(&middle)).filter_map(near);
+            let (times, angles): (Vec<f64>, Vec<f64>) = found.unzip();
             panel.with(Line::new(&times, &angles).color(Color::INK).label("measured"))
         }
         None => panel,

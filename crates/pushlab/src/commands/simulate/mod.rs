@@ -13,15 +13,18 @@ mod tasks;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
+use clap::builder::PossibleValuesParser;
+use dataset::Preset;
 use models::{ContactGap, ModelFile, PushModel, RollOutSettings, StepCorrelation, StepErrors};
 use output::PartFolder;
+use planar::MIT_NAMES;
 
 use self::method::{Method, tabulated};
 use self::place::Place;
 use self::result::{How, Simulated};
 use self::rolled::Rolled;
 use self::tasks::Source;
-use crate::command_line::seed_parser;
+use crate::command_line::{preset_parser, seed_parser};
 use crate::destination::{Inputs, folder};
 use crate::document::document;
 use crate::file_ending;
@@ -34,11 +37,20 @@ use crate::terminal::Terminal;
 /// Particles go along the pusher's path, each with a contact of its own at every step, and draw their
 /// motion from the model. Pushes are those of a recording set, which are compared with what was
 /// measured, or one along a path from a file. With --matched a Gaussian goes along the path instead.
+/// Of pushes of which the ends alone are known, the end is what is compared.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// Recording set (a folder with dataset.toml), or a path of the pusher (.csv, .toml)
+    /// Recording set (a folder with dataset.toml, or a file of poses before and after pushes with
+    /// --preset), or a path of the pusher (.csv, .toml)
     source: PathBuf,
+    /// What is known of public data, for recordings
+    #[arg(long, value_name = "NAME", value_parser = preset_parser())]
+    preset: Option<Preset>,
+    /// Of public data about several shapes, the pushes of this one alone
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(MIT_NAMES),
+          requires = "preset")]
+    shape: Option<String>,
     /// Model file
     #[arg(long, value_name = "FILE", default_value = "model.toml",
           value_parser = file_ending::model)]
@@ -67,8 +79,8 @@ pub(crate) struct Args {
     /// they are taken for independent, which is too sure of whole pushes
     #[arg(long, value_name = "SET")]
     correlation: Option<PathBuf>,
-    /// Longest step of a path: a way (4mm) or a time (200ms); of recordings as of `compare`; else as
-    /// long as the model's
+    /// Longest step of a path, or of a push of which the ends are known: a way (4mm) or a time (200ms);
+    /// of other recordings as of `compare`; else as long as the model's
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<StepSize>,
     /// Of a path: manifest with object, pusher and table
@@ -89,12 +101,13 @@ Examples:
   pushlab simulate pushes --model gp.toml --correlation pushes --push push-007#0 -o out
   pushlab simulate pushes --model gp.toml --fast --particles 1000000 -o out
   pushlab simulate pushes --model gp.toml --matched exact --correlation pushes -o out
+  pushlab simulate plywood.csv --preset mit-endpoints --shape hex --model mit.toml -o out
   pushlab simulate arc.toml --manifest pushes/dataset.toml --model gp.toml --particles 10000 -o out
 A path file: kind = \"spline\", speed_mm_s = 20, points_mm = [[-60, 0], [-20, 10], [40, 0]]";
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let files = args.manifest.iter().chain([&args.model]);
-    let mut inputs = Inputs::default().with_set(&args.source, None).with(files);
+    let mut inputs = Inputs::default().with_set(&args.source, args.preset).with(files);
     if let Some(set) = &args.correlation {
         inputs = inputs.with_set(set, None);
     }
@@ -149,7 +162,6 @@ impl Args {
             errors: correlation
                 .map_or(StepErrors::Independent, |found| StepErrors::Held(found.clone())),
             gap: correlation.map_or_else(ContactGap::default, |found| found.gap),
-            touching: source.is_recorded,
             ..RollOutSettings::default()
         }
     }
@@ -158,6 +170,8 @@ impl Args {
         let has_particles = self.matched.is_none();
         Origin::new("simulate")
             .path(&self.source)
+            .option("preset", self.preset.map(Preset::name))
+            .option("shape", &self.shape)
             .paths("model", [&self.model])
             .option("matched", self.matched.map(Method::name))
             .option("particles", has_particles.then_some(self.particles))

@@ -69,9 +69,8 @@ pub(super) fn motion_log(rolled: &Rolled, origin: &Origin) -> Result<Vec<u8>> {
         let mut messages = vec![pose_in_frame(time, &pusher), pose_in_frame(time, &mean)];
         messages.extend(rolled.snapshots.as_ref().map(|all| poses_in_frame(time, &all[index])));
         messages.push(outlines(time, rolled, &pusher, &mean));
-        if let Some(measured) = &rolled.measured_wb {
-            messages.push(pose_in_frame(time, &measured[index]));
-        }
+        let measured = rolled.measured_wb.as_ref().and_then(|measured| measured[index]);
+        messages.extend(measured.map(|measured| pose_in_frame(time, &measured)));
         for (channel_id, message) in channels.iter().zip(messages) {
             let (channel_id, sequence) = (*channel_id, index as u32);
             let header = MessageHeader { channel_id, sequence, log_time: time, publish_time: time };
@@ -174,9 +173,9 @@ mod tests {
             start_wb: Pose::default(),
             measured_wb: Some(vec![Pose::new(0.1, 0.0, 0.3); 6]),
             pose_sd: [[0.0; 2]; 2],
+            touching: true,
         };
-        let settings =
-            RollOutSettings { n_particles: 7, touching: true, ..RollOutSettings::default() };
+        let settings = RollOutSettings { n_particles: 7, ..RollOutSettings::default() };
         task.roll_out(&Analytical::nominal(0.25).unwrap(), &settings, matched).unwrap()
     }
 

@@ -33,9 +33,8 @@ pub(super) fn table(rolled: &[Rolled]) -> Result<Vec<u8>> {
             let counts =
                 [events.pushed, events.touched, events.at_vertex, events.lost, events.unseen];
             cells.extend(counts.iter().map(usize::to_string));
-            cells.extend(match &one.measured_wb {
-                Some(measured) => {
-                    let pose = measured[index];
+            cells.extend(match one.measured_wb.as_ref().and_then(|measured| measured[index]) {
+                Some(pose) => {
                     [pose.position.x, pose.position.y, pose.angle].map(|value| value.to_string())
                 }
                 None => [const { String::new() }; 3],

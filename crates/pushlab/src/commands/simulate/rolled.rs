@@ -26,10 +26,12 @@ pub(super) struct Task {
     pub(super) pushed: Pushed,
     pub(super) path: PushPath,
     pub(super) start_wb: Pose,
-    /// Of a recorded push, at the start and after each step.
+    /// Of a recorded push, at the start and after each step, or at its ends alone.
     pub(super) measured_wb: Option<Vec<Pose>>,
     /// Of the measured start and end: in m, and in rad.
     pub(super) pose_sd: [[f64; 2]; 2],
+    /// Whether it starts in contact, whatever its poses say.
+    pub(super) touching: bool,
 }
 
 /// A push rolled out.
@@ -43,7 +45,8 @@ pub(super) struct Rolled {
     pub(super) quantiles: Vec<Vec<[f64; 3]>>,
     /// At each moment; none without particles.
     pub(super) snapshots: Option<Vec<Snapshot>>,
-    pub(super) measured_wb: Option<Vec<Pose>>,
+    /// Of a recorded push at each moment, where it was measured.
+    pub(super) measured_wb: Option<Vec<Option<Pose>>>,
     /// Of a recorded push.
     pub(super) end: Option<MeasuredEnd>,
 }
@@ -79,7 +82,8 @@ impl Task {
         settings: &RollOutSettings,
         matched: Option<Method>,
     ) -> Result<Rolled> {
-        let settings = RollOutSettings { start_sd: self.pose_sd[0], ..settings.clone() };
+        let (start_sd, touching) = (self.pose_sd[0], self.touching);
+        let settings = RollOutSettings { start_sd, touching, ..settings.clone() };
         let roll_out = RollOut { model, pushed: &self.pushed, settings: &settings };
         let Motion { moments, quantiles, snapshots, level } = match matched {
             Some(method) => self.matched(&roll_out, method)?,
@@ -96,10 +100,10 @@ impl Task {
             outline: self.pushed.shape.outline(120),
             pusher_radius: model.true_outline(&self.pushed)?.pusher_radius(),
             path: self.path,
+            measured_wb: self.measured_wb.map(|poses| at_moments(&poses, moments.len())),
             moments,
             quantiles,
             snapshots,
-            measured_wb: self.measured_wb,
             end,
         })
     }
@@ -156,6 +160,18 @@ impl Task {
         }
         Ok(Motion { moments, quantiles, snapshots: None, level })
     }
+}
+
+/// The measured pose at each of so many moments: at the first and the last where there are no others.
+fn at_moments(poses: &[Pose], n_moments: usize) -> Vec<Option<Pose>> {
+    if poses.len() == n_moments {
+        return poses.iter().copied().map(Some).collect();
+    }
+    let mut found = vec![None; n_moments];
+    if let ([first, .., last], [start, .., end]) = (poses, found.as_mut_slice()) {
+        (*start, *end) = (Some(*first), Some(*last));
+    }
+    found
 }
 
 fn place(pose: &Pose) -> [f64; 3] {

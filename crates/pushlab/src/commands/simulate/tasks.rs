@@ -5,11 +5,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Result, bail, ensure};
-use dataset::{IngestSettings, Manifest, RecordingSet, StepLength, SupportSpec};
+use dataset::{IngestSettings, Manifest, Preset, StepLength, SupportSpec, is_end_points};
 use diagnosis::Observations;
 use effects::Object;
 use models::{
-    ModelFile, PushModel, Pushed, RecordedPush, SeenSteps, StepCorrelation, StepSelection,
+    ModelFile, PushModel, PushPath, Pushed, RecordedPush, SeenSteps, StepCorrelation, StepSelection,
 };
 use planar::Pose;
 
@@ -19,6 +19,7 @@ use super::rolled::Task;
 use crate::origin::{Input, Origin, readable};
 use crate::recorded_steps::RecordedSteps;
 use crate::step_size::StepSize;
+use crate::step_source::open_set;
 use crate::terminal::Terminal;
 use crate::wrong_usage::WrongUsage;
 
@@ -26,8 +27,6 @@ use crate::wrong_usage::WrongUsage;
 pub(super) struct Source {
     pub(super) tasks: Vec<Task>,
     pub(super) support: SupportSpec,
-    /// Whether they were recorded, from a start in contact.
-    pub(super) is_recorded: bool,
     /// The longest step, in m.
     pub(super) longest: f64,
     measured_on: Option<Vec<RecordedPush>>,
@@ -51,29 +50,40 @@ impl Source {
     ) -> Result<Self> {
         let effects = !file.description.effects.is_empty();
         let seen = file.description.weights.as_ref().and_then(|weights| weights.seen.as_ref());
-        if !args.source.is_dir() {
+        if !args.source.is_dir() && !is_end_points(&args.source) {
             return Self::along_path(args, seen, effects, origin, terminal);
         }
         if args.manifest.is_some() || args.object.is_some() {
             bail!(WrongUsage("--manifest and --object are for a path; a set has its own"));
         }
-        let set = Recorded::read(&args.source, args.step, file, origin, terminal)?;
+        let known = (args.preset, args.shape.as_deref());
+        let set = Recorded::read((&args.source, known), args.step, file, origin, terminal)?;
         let support = set.support;
         let same = |path: &Path| path.canonicalize().ok() == args.source.canonicalize().ok();
         let chosen = set.chosen(args, args.correlation.as_deref().is_some_and(same))?;
         let measured_on = match args.correlation.as_deref() {
             Some(path) if same(path) => {
+                set.has_steps(path)?;
                 let names: HashSet<&str> = chosen.iter().map(|push| push.name.as_str()).collect();
                 let others = set.unseen.iter().filter(|push| !names.contains(push.name.as_str()));
                 Some(others.cloned().collect())
             }
-            Some(path) => Some(Recorded::read(path, args.step, file, origin, terminal)?.unseen),
+            Some(path) => Some(Recorded::steps_of(path, args.step, file, origin, terminal)?),
             None => None,
         };
-        let longest = chosen.iter().flat_map(|push| &push.steps);
-        let longest = longest.map(|step| step.input.distance()).fold(USUAL_STEP, f64::max);
-        let tasks = chosen.into_iter().map(|push| Task::recorded(push, effects)).collect();
-        Ok(Self { tasks, support, is_recorded: true, longest, measured_on })
+        let longest = match set.is_of_ends {
+            true => {
+                let of = |push: &RecordedPush| longest(args.step, seen, &push.path);
+                chosen.iter().map(of).fold(f64::INFINITY, f64::min)
+            }
+            false => {
+                let steps = chosen.iter().flat_map(|push| &push.steps);
+                steps.map(|step| step.input.distance()).fold(USUAL_STEP, f64::max)
+            }
+        };
+        let of = |push| Task::recorded(push, set.is_of_ends, effects);
+        let tasks = chosen.into_iter().map(of).collect();
+        Ok(Self { tasks, support, longest, measured_on })
     }
 
     fn along_path(
@@ -83,8 +93,8 @@ impl Source {
         origin: &mut Origin,
         terminal: &Terminal,
     ) -> Result<Self> {
-        if !args.push.is_empty() {
-            bail!(WrongUsage("--push is for recorded pushes; a path is one push"));
+        if !args.push.is_empty() || args.preset.is_some() {
+            bail!(WrongUsage("--push and --preset are for recorded pushes; a path is one push"));
         }
         let Some(manifest_path) = &args.manifest else {
             bail!(WrongUsage("a path does not tell what is pushed; give a set's --manifest"));
@@ -99,12 +109,7 @@ impl Source {
             Object::new(shape.clone(), spec.mass, spec.moment_of_inertia, spec.center_of_mass)?;
         let object = effects.then(|| Arc::new(object));
         let pushed = Pushed { shape, pusher_radius: manifest.pusher.radius, object };
-        let usual = seen.map_or(USUAL_STEP, |seen| seen.way[1]);
-        let longest = match args.step.map(|StepSize(step)| step) {
-            None => usual,
-            Some(StepLength::Distance(way)) => way,
-            Some(StepLength::Time(time)) => time * path.length() / path.duration(),
-        };
+        let longest = longest(args.step, seen, &path);
         let name = args.source.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let start_wb = match (args.object, object_wb) {
             (Some(place), _) => place.pose_wb(),
@@ -112,14 +117,14 @@ impl Source {
             // As the help of --object says.
             (None, None) => Pose::new(0.0, 0.0, 0.0),
         };
-        let (measured_wb, pose_sd) = (None, [[0.0; 2]; 2]);
-        let task = Task { name, pushed, path, start_wb, measured_wb, pose_sd };
+        let (measured_wb, pose_sd, touching) = (None, [[0.0; 2]; 2], false);
+        let task = Task { name, pushed, path, start_wb, measured_wb, pose_sd, touching };
         let measured_on = match args.correlation.as_deref() {
-            Some(set) => Some(Recorded::read(set, None, None, origin, terminal)?.unseen),
+            Some(set) => Some(Recorded::steps_of(set, None, None, origin, terminal)?),
             None => None,
         };
         let support = manifest.support;
-        Ok(Self { tasks: vec![task], support, is_recorded: false, longest, measured_on })
+        Ok(Self { tasks: vec![task], support, longest, measured_on })
     }
 
     /// How the errors of the steps of a push go together, where that was asked for.
@@ -132,18 +137,37 @@ impl Source {
     }
 }
 
+/// The longest step along a path, in m: as asked for, else as the model has seen.
+fn longest(step: Option<StepSize>, seen: Option<&SeenSteps>, path: &PushPath) -> f64 {
+    match step.map(|StepSize(step)| step) {
+        None => seen.map_or(USUAL_STEP, |seen| seen.way[1]),
+        Some(StepLength::Distance(way)) => way,
+        Some(StepLength::Time(time)) => time * path.length() / path.duration(),
+    }
+}
+
 impl Task {
-    fn recorded(push: RecordedPush, effects: bool) -> Self {
+    /// Recorded steps begin in contact, a push of which the ends are known where its outlines say.
+    fn recorded(push: RecordedPush, is_of_ends: bool, effects: bool) -> Self {
         let RecordedPush { name, mut pushed, path, poses_wb, pose_sd, .. } = push;
         if !effects {
             pushed.object = None;
         }
-        Self { name, pushed, path, start_wb: poses_wb[0], measured_wb: Some(poses_wb), pose_sd }
+        let start_wb = poses_wb[0];
+        let center_b = start_wb.inverse_transform_point(&path.start_w());
+        let touching =
+            !is_of_ends || pushed.shape.contact(&center_b, pushed.pusher_radius).gap <= 0.0;
+        Self { name, pushed, path, start_wb, measured_wb: Some(poses_wb), pose_sd, touching }
     }
 }
 
+/// A set's path, and what is known of public data in it.
+type Named<'a> = (&'a Path, (Option<Preset>, Option<&'a str>));
+
 /// The pushes of a set.
 struct Recorded {
+    /// Whether the ends of each push alone are known.
+    is_of_ends: bool,
     support: SupportSpec,
     all: Vec<RecordedPush>,
     /// Those that the model has not seen, where it tells; else all.
@@ -152,24 +176,26 @@ struct Recorded {
 
 impl Recorded {
     fn read<'a>(
-        path: &Path,
+        (path, (preset, shape)): Named<'_>,
         step: Option<StepSize>,
         file: impl Into<Option<&'a ModelFile>>,
         origin: &mut Origin,
         terminal: &Terminal,
     ) -> Result<Self> {
         readable(path)?;
-        let set = RecordingSet::open(path)?;
+        let set = open_set(path, preset, shape)?;
+        let is_of_ends = set.is_of_end_points();
         let usual = IngestSettings::default();
-        let step = step.map_or(usual.step, |StepSize(step)| step);
+        let step = step.filter(|_| !is_of_ends).map_or(usual.step, |StepSize(step)| step);
         let settings = IngestSettings { step, ..usual };
         let RecordedSteps { table, inputs, .. } = RecordedSteps::read(&set, &settings, terminal)?;
         origin.inputs.extend(inputs);
         let manifest = set.manifest();
         let selection = StepSelection::default();
         let mut all = selection.pushes(&table, &manifest.object, manifest.pusher.radius)?;
-        all.retain(|push| push.steps.len() >= FEWEST_STEPS);
-        ensure!(!all.is_empty(), "{} has no push of two steps or more", path.display());
+        all.retain(|push| is_of_ends || push.steps.len() >= FEWEST_STEPS);
+        let least = if is_of_ends { "" } else { " of two steps or more" };
+        ensure!(!all.is_empty(), "{} has no push{least}", path.display());
         let split = file.into().and_then(|file| file.split.as_ref());
         let is_of = |split: &&models::Split| {
             Observations::of(&table, manifest).is_ok_and(|observations| observations.are_of(split))
@@ -181,7 +207,30 @@ impl Recorded {
             }
             None => all.clone(),
         };
-        Ok(Self { support: manifest.support, all, unseen })
+        Ok(Self { is_of_ends, support: manifest.support, all, unseen })
+    }
+
+    /// The pushes of a set that the model has not seen, to measure on how errors of steps go together.
+    fn steps_of<'a>(
+        path: &Path,
+        step: Option<StepSize>,
+        file: impl Into<Option<&'a ModelFile>>,
+        origin: &mut Origin,
+        terminal: &Terminal,
+    ) -> Result<Vec<RecordedPush>> {
+        let set = Self::read((path, (None, None)), step, file, origin, terminal)?;
+        set.has_steps(path)?;
+        Ok(set.unseen)
+    }
+
+    fn has_steps(&self, path: &Path) -> Result<()> {
+        ensure!(
+            !self.is_of_ends,
+            "{} has poses before and after pushes, which do not tell how the errors of steps go \
+             together; name a set of recordings with --correlation, or leave it out",
+            path.display()
+        );
+        Ok(())
     }
 
     /// The pushes to roll out; no more than a half where the others are to be measured on.
@@ -198,8 +247,9 @@ impl Recorded {
             found.cloned().ok_or_else(|| {
                 let known: Vec<_> = self.all.iter().take(5).map(|p| p.name.as_str()).collect();
                 anyhow::anyhow!(
-                    "{} has no push {name} of two steps or more; it has {}{}",
+                    "{} has no push {name}{}; it has {}{}",
                     args.source.display(),
+                    if self.is_of_ends { "" } else { " of two steps or more" },
                     known.join(", "),
                     if self.all.len() > 5 { ", …" } else { "" }
                 )

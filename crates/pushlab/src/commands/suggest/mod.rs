@@ -159,7 +159,10 @@ impl Args {
     fn aim<'a>(&'a self, found: &'a Diagnosis) -> Result<(Aim, Vec<&'a str>)> {
         let named: Vec<&str> = found.identified.iter().map(String::as_str).collect();
         let Some(target) = self.target.as_deref() else {
-            let aim = Aim::of(found)?;
+            let aim = Aim::of(found).with_context(|| {
+                let from = self.from.display();
+                format!("{from} alone tells not what to push for; name an effect with --for EFFECT")
+            })?;
             let known = if matches!(aim, Aim::Rivals(_)) { named } else { Vec::new() };
             return Ok((aim, known));
         };
