@@ -17,6 +17,8 @@ pub(super) struct Minimum {
     pub(super) weights: DVector<f64>,
     /// SᵀWS: half the second derivatives of what is minimised.
     pub(super) curvature: DMatrix<f64>,
+    /// SᵀWz, 0 of shares that a bound holds: what pulls on, where a jump ends the way down.
+    pub(super) pull: DVector<f64>,
     /// Slopes of all numbers that are not frozen.
     pub(super) whole: DMatrix<f64>,
     pub(super) iterations: usize,
@@ -275,15 +277,19 @@ impl Problem<'_> {
         whole: DMatrix<f64>,
         iterations: usize,
     ) -> Minimum {
-        let Quadratic { mut moved, mut slopes, weights, mut curvature, decrement, .. } = quadratic;
+        let Quadratic { mut moved, mut slopes, weights, mut curvature, mut pull, decrement } =
+            quadratic;
         let all = self.moved();
         let is_kept = |column: &usize| self.shares[all[*column]] || moved.contains(&all[*column]);
         let columns: Vec<usize> = (0..all.len()).filter(is_kept).collect();
         if columns.len() > moved.len() {
             (slopes, curvature) = curved(&whole, &columns, &weights);
-            moved = columns.iter().map(|column| all[*column]).collect();
+            let kept: Vec<usize> = columns.iter().map(|column| all[*column]).collect();
+            let of = |k: &usize| moved.iter().position(|own| own == k).map_or(0.0, |own| pull[own]);
+            pull = DVector::from_iterator(kept.len(), kept.iter().map(of));
+            moved = kept;
         }
-        Minimum { at, moved, slopes, weights, curvature, whole, iterations, decrement }
+        Minimum { at, moved, slopes, weights, curvature, pull, whole, iterations, decrement }
     }
 
     fn fit_widths(&self, widths: &mut [f64], at: &Quadratic, from: &Evaluation, to: &Evaluation) {

@@ -12,6 +12,9 @@ impl Minimum {
     /// How far the numbers move in one Newton step when some rows are left out: δ = (A − A₁)⁻¹u,
     /// with A the curvature, u and A₁ the rows' share of the slope and of A. None where the other
     /// rows do not determine every number.
+    ///
+    /// Where a push that jumps ends the way down, its secant pulls on without end: what is left of all
+    /// pulls is its doing, and not counted.
     pub(super) fn shift_without(&self, rows: &[usize]) -> Option<DVector<f64>> {
         let own = self.slopes.select_rows(rows);
         let mut weighted = own.clone();
@@ -29,7 +32,13 @@ impl Minimum {
         if scaled.nrows() > 0 && scaled.symmetric_eigenvalues().min() < LEAST_LEFT {
             return None;
         }
-        Some(left.cholesky()?.solve(&weighted.tr_mul(&z)))
+        let pull = weighted.tr_mul(&z);
+        let settled = &pull - &self.pull;
+        let [of_pull, of_settled] = [&pull, &settled].map(|pull| {
+            root.solve_lower_triangular(pull).map_or(f64::INFINITY, |scaled| scaled.norm())
+        });
+        let own = if of_settled < of_pull { settled } else { pull };
+        Some(left.cholesky()?.solve(&own))
     }
 }
 
@@ -51,6 +60,7 @@ mod tests {
             whole: slopes.clone(),
             slopes: slopes.clone(),
             curvature,
+            pull: DVector::zeros(slopes.ncols()),
             iterations: 1,
             decrement: 0.0,
         }
@@ -71,6 +81,22 @@ mod tests {
         for k in 0..2 {
             let expected = all.at.x[k] - shift[k];
             assert!((without.at.x[k] - expected).abs() < 1e-12, "{k}");
+        }
+    }
+
+    #[test]
+    fn a_shift_without_a_row_that_jumps_leads_to_the_minimum_of_the_others() {
+        let slopes = DMatrix::from_fn(9, 2, number);
+        let b = DVector::from_fn(9, |row, _| number(row, 11));
+        let others: Vec<usize> = (1..9).collect();
+        let without = minimum(&slopes.select_rows(&others), &b.select_rows(&others));
+        // The other side of the jump is not seen: it pulls by far more than where it is.
+        let mut jumps = minimum(&slopes, &b);
+        jumps.at.z[0] += 40.0;
+        jumps.pull = slopes.tr_mul(&jumps.at.z);
+        let shift = jumps.shift_without(&[0]).unwrap();
+        for k in 0..2 {
+            assert!((without.at.x[k] - (jumps.at.x[k] - shift[k])).abs() < 1e-12, "{k}");
         }
     }
 
