@@ -115,6 +115,11 @@ pub struct EffectFinding {
     pub id: String,
     /// What may be said of it.
     pub grade: Grade,
+    /// Whether it is there and hardly seen: it changes every number of a step by less than 0.3 of its
+    /// noise, and is not known to close a twentieth of the gap. The model carries it; the verdict and the
+    /// lists of names leave it out.
+    #[serde(default)]
+    pub small: bool,
     /// Probability of as strong a sign of any effect where none is missing; none if not tested. By
     /// flips of the signs of whole clusters; of a nominal number that is claimed by its estimate and
     /// standard error, times the number of effects asked for.

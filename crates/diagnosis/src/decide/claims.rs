@@ -1,10 +1,10 @@
 //! What may be claimed.
 
-use super::Verdict;
 use super::constancy::Varies;
-use super::found::Found;
+use super::found::{Accepted, Found};
 use super::leftover::Left;
-use crate::{EffectFit, ParameterFit};
+use super::{Grade, Verdict};
+use crate::{EffectFit, Gain, ParameterFit, Remains};
 
 /// What may be claimed of a set.
 pub(super) struct Claims {
@@ -14,13 +14,15 @@ pub(super) struct Claims {
     pub(super) groups: Vec<Vec<&'static str>>,
     /// Effects that lower the error, and why another cause may be behind it.
     pub(super) effective: Vec<(&'static str, String)>,
+    /// Those of them that are there and hardly seen stand here alone.
+    pub(super) small: Vec<(&'static str, Grade, String)>,
     /// Whether something is left that no effect explains.
     pub(super) is_left: bool,
 }
 
-/// Share of the gap that has to close, where something is left, for what closes it to be the cause.
-const HALF: f64 = 0.5;
-const MUCH_LEFT: &str = "most of the error is left, and what causes that may cause this, too";
+/// Share of an effect's gain that more freedom of what it comes from brings where it stands for another
+/// effect of the same kind.
+const QUARTER: f64 = 0.25;
 
 /// Half-width of a place's interval, in the mean distance of the pressure, from which other places do as
 /// well.
@@ -47,18 +49,46 @@ fn wide_places(effect: &EffectFit) -> Option<String> {
     })
 }
 
+/// Why what an effect explains may have another cause, by what free components take off the error beside it.
+///
+/// Both are counted in squares of the whitened error, for gains of clusters are bounded.
+fn more_is_left(one: &Accepted, after: f64, remains: &Remains) -> Option<String> {
+    let Remains { gain: all, share, origins, .. } = remains;
+    let square = |gain: &Gain| share * (gain.mean / all.mean).min(1.0) * after * after;
+    let told = |gain: &Gain| format!("{:.0} ± {:.0} nats", gain.mean, gain.se);
+    if !all.is_sure() {
+        return None;
+    }
+    let mut sure = origins.iter().filter(|origin| origin.gain.is_sure());
+    let own = sure.find(|origin| Some(origin.origin) == one.origin);
+    if let Some(own) = own.filter(|own| square(&own.gain) >= QUARTER * one.square) {
+        let (name, gain) = (own.origin.name(), told(&own.gain));
+        return Some(format!("more freedom of the {name} beside it gains {gain}"));
+    }
+    let is_more = !one.is_small && square(all) >= one.square;
+    is_more.then(|| {
+        let gain = told(all);
+        format!("more is left ({gain}) than it explains, and what causes that may cause this, too")
+    })
+}
+
 /// The verdict.
-pub(super) fn claims(found: &Found, left: &Left) -> Claims {
+pub(super) fn claims(found: &Found, (left, remains): (&Left, Option<&Remains>)) -> Claims {
     let is_left = left.is_left();
-    let is_much_left = is_left || left.is_far_off();
-    let closes = found.error.gap_closed.is_none_or(|closed| closed >= HALF);
     let (mut identified, mut groups, mut effective) = (Vec::new(), Vec::new(), Vec::new());
+    let mut small = Vec::new();
     for one in &found.accepted {
         // One of a group may vary where another of it does not.
         let varies = one.varies.as_ref().filter(|_| one.rivals.is_empty());
         let doubt = varies.map(Varies::sentence).or_else(|| wide_places(&one.effect));
-        let doubt = doubt.or_else(|| (is_much_left && !closes).then(|| MUCH_LEFT.to_owned()));
+        let doubt = doubt.or_else(|| more_is_left(one, found.error.after, remains?));
         match doubt {
+            doubt if one.is_small => {
+                let alone =
+                    if one.rivals.is_empty() { Grade::Identified } else { Grade::Ambiguous };
+                let grade = if doubt.is_some() { Grade::Effective } else { alone };
+                small.push((one.id, grade, doubt.unwrap_or_default()));
+            }
             Some(why) => effective.push((one.id, why)),
             None if one.rivals.is_empty() => identified.push(one.id),
             None => groups.push([&[one.id], one.rivals.as_slice()].concat()),
@@ -78,5 +108,5 @@ pub(super) fn claims(found: &Found, left: &Left) -> Claims {
     } else {
         Verdict::NoneFound
     };
-    Claims { verdict, identified, groups, effective, is_left }
+    Claims { verdict, identified, groups, effective, small, is_left }
 }

@@ -3,7 +3,7 @@
 use models::Description;
 
 use super::ErrorFall;
-use super::confirmation::Aside;
+use super::confirmation::{Aside, Outcome};
 use super::constancy::varies;
 use super::found::{Accepted, Choice, Found, Progress, Refused, ids};
 use super::rules::{Objection, Rules};
@@ -35,7 +35,8 @@ impl Search<'_> {
         progress.refused.retain(|one| !one.objection.is_hint() || !is_explained(one.id));
         let numbers = self.wrong_numbers(here, &mut progress)?;
         // Their probability is known once they are asked for.
-        let as_choice = |id: &&'static str| Choice { id, p_adjusted: 1.0, rivals: Vec::new() };
+        let as_choice =
+            |id: &&'static str| Choice { id, p_adjusted: 1.0, rivals: Vec::new(), is_small: false };
         progress.chosen.splice(..0, numbers.iter().map(as_choice));
         let whole = here.asking(&ids(&progress.chosen)).settled()?;
         let (whole, fit) = self.without_open(whole, &mut progress)?;
@@ -131,6 +132,46 @@ impl Search<'_> {
         }
     }
 
+    /// The gain of each cluster, left out of a fit or held out.
+    fn gain(
+        &self,
+        (without, with): (&Refit, &Refit),
+        held_out: Vec<f64>,
+    ) -> Result<Gain, DiagnosisError> {
+        match self.left_out(without, with) {
+            // Of what rests on one cluster those held out decide alone.
+            Err(DiagnosisError::OneCluster { .. }) => Ok(Gain::of(&held_out)),
+            gains => Ok(Gain::of(&[gains?, held_out].concat())),
+        }
+    }
+
+    /// An effect as fitted, with what it gains and the errors before, after and without it.
+    fn accepted(
+        &self,
+        choice: &Choice,
+        effect: EffectFit,
+        (whole, screen): (&Refit, &Screen),
+        (gain, [before, after, without]): (Gain, [f64; 3]),
+    ) -> Accepted {
+        let id = choice.id;
+        let p_adjusted = match self.nominal_within(id).is_some() {
+            true => p_of_number(&effect, screen),
+            false => choice.p_adjusted,
+        };
+        Accepted {
+            id,
+            p_adjusted,
+            rivals: choice.rivals.clone(),
+            effect,
+            gain,
+            varies: whole.pulls(id).and_then(|pulls| varies(&pulls, self.fitted)),
+            origin: self.effect(id).map(|effect| effect.info().origin),
+            is_small: choice.is_small,
+            square: without * without - after * after,
+            gap_closed: Some((without - after) / (before - 1.0)),
+        }
+    }
+
     /// Takes out, the least first, what the held-out pushes do not miss.
     fn confirmed(
         &self,
@@ -147,29 +188,15 @@ impl Search<'_> {
             let (before, after) = (aside.outcome(&base)?, aside.outcome(&descriptions[1])?);
             let mut accepted = Vec::new();
             for choice in &progress.chosen {
+                let known = fit.effects.iter().find(|effect| effect.id == choice.id);
+                let Some(effect) = known.cloned() else { continue };
                 let other = whole.roughly_without(&[choice.id])?;
                 let without = aside.outcome(&other.descriptions()?[1])?;
-                // Of what rests on one cluster those held out decide alone.
-                let left_out = match self.left_out(&other, &whole) {
-                    Err(DiagnosisError::OneCluster { .. }) => Vec::new(),
-                    gains => gains?,
-                };
-                let gains = [left_out, aside.gains(&without, &after)].concat();
-                let effect = fit.effects.iter().find(|effect| effect.id == choice.id);
-                let Some(effect) = effect.cloned() else { continue };
-                let p_adjusted = match self.nominal_within(choice.id).is_some() {
-                    true => p_of_number(&effect, &progress.first_screen),
-                    false => choice.p_adjusted,
-                };
-                accepted.push(Accepted {
-                    id: choice.id,
-                    p_adjusted,
-                    rivals: choice.rivals.clone(),
-                    effect,
-                    gain: Gain::of(&gains),
-                    varies: whole.pulls(choice.id).and_then(|pulls| varies(&pulls, self.fitted)),
-                    gap_closed: Some((without.rms() - after.rms()) / (before.rms() - 1.0)),
-                });
+                let gains = aside.gains(&without, &after);
+                let rms = [&before, &after, &without].map(Outcome::rms);
+                let gain = self.gain((&other, &whole), gains)?;
+                let models = (&whole, &progress.first_screen);
+                accepted.push(self.accepted(choice, effect, models, (gain, rms)));
             }
             let doubted = accepted.iter().filter(|one| !one.gain.is_sure());
             let least = doubted.min_by(|a, b| a.gain.mean.total_cmp(&b.gain.mean));
@@ -177,6 +204,9 @@ impl Search<'_> {
                 let error = aside.fall(&before, &after, &descriptions[1], self.all)?;
                 if error.gap_closed.is_none() {
                     accepted.iter_mut().for_each(|one| one.gap_closed = None);
+                }
+                for one in &mut accepted {
+                    one.is_small &= one.gap_closed.is_none_or(|closed| closed < SMALL_SHARE);
                 }
                 return Ok(Confirmed { accepted, error, descriptions, with_doubted });
             };
@@ -215,19 +245,23 @@ impl Search<'_> {
         Ok(Rules::gains(self.fitted, &parts))
     }
 
+    /// How free components are fitted to what a model leaves.
+    pub(super) fn remain_settings(&self) -> RemainSettings<'_> {
+        RemainSettings {
+            own: &self.settings.own,
+            tolerances: self.settings.screen.tolerances,
+            seed: self.settings.seed,
+        }
+    }
+
     /// What of the rig the error comes from that the last model leaves in all of the set.
     pub(super) fn remains(&self, found: &Found) -> Result<Option<Remains>, DiagnosisError> {
         let untested = |id: &str| {
             let mut effects = found.last_screen.effects.iter().filter(|one| one.id == id);
             effects.find_map(|one| one.not_testable.as_ref()).map(|why| why.reason)
         };
-        let settings = RemainSettings {
-            own: &self.settings.own,
-            tolerances: self.settings.screen.tolerances,
-            seed: self.settings.seed,
-        };
         let is_testable = |id: &str| untested(id) != Some(Reason::NoCovariate);
-        remains(&found.with_nuisances, self.all, &found.noise, is_testable, &settings)
+        remains(&found.with_nuisances, self.all, &found.noise, is_testable, &self.remain_settings())
     }
 
     /// The model with the next effect of a group in the place of one that is not confirmed; none
@@ -270,6 +304,9 @@ impl Search<'_> {
         miss > 2.0 * tolerance * nuisance.nominal.abs() + 2.0 * nuisance.se
     }
 }
+
+/// Share of the gap that nothing small closes.
+const SMALL_SHARE: f64 = 0.05;
 
 /// What the held-out pushes confirm.
 struct Confirmed {

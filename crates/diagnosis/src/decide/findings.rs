@@ -46,8 +46,11 @@ impl Finding<'_> {
         let last = found.last_screen.effects.iter().find(|effect| effect.id == id);
         let is_hint = last.is_some_and(|effect| effect.p_adjusted <= Rules::HINT);
         let objection = self.objection(accepted);
+        let small = claims.small.iter().find(|(one, ..)| *one == id);
         let grade = if self.screened.not_testable.is_some() {
             Grade::NotTestable
+        } else if let Some((_, grade, _)) = small {
+            *grade
         } else if claims.identified.contains(&id) {
             Grade::Identified
         } else if claims.effective.iter().any(|(one, _)| *one == id) {
@@ -63,7 +66,10 @@ impl Finding<'_> {
         let why = match (&self.screened.not_testable, objection) {
             (Some(why), _) => format!("{}; measure {}", why.because, why.measure),
             (None, Some(objection)) => objection.to_string(),
-            (None, None) => effective.map(|(_, why)| why.clone()).unwrap_or_default(),
+            (None, None) => {
+                let of_small = small.map(|(.., why)| why.clone());
+                of_small.or(effective.map(|(_, why)| why.clone())).unwrap_or_default()
+            }
         };
         let is_tested = self.screened.not_testable.is_none();
         let p_adjusted = accepted.map(|k| found.accepted[k].p_adjusted);
@@ -73,6 +79,7 @@ impl Finding<'_> {
         EffectFinding {
             id: id.to_owned(),
             grade,
+            small: small.is_some(),
             p_adjusted,
             gap_closed: accepted.and_then(|k| found.accepted[k].gap_closed),
             log_density_gain: accepted.map(|k| found.accepted[k].gain),

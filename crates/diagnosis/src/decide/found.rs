@@ -1,5 +1,6 @@
 //! What a search has found.
 
+use effects::Origin;
 use models::Description;
 
 use super::ErrorFall;
@@ -40,10 +41,16 @@ pub(super) struct Accepted {
     pub(super) effect: EffectFit,
     /// What pushes that no fit has seen lose without it, all others fitted anew.
     pub(super) gain: Gain,
+    /// What the mean square of the whitened error rises by without it.
+    pub(super) square: f64,
     /// Share of the gap to the floor that opens without it.
     pub(super) gap_closed: Option<f64>,
     /// Over what its size differs.
     pub(super) varies: Option<Varies>,
+    /// What of the rig it comes from; none of an effect that no list has.
+    pub(super) origin: Option<Origin>,
+    /// What it changes is hardly seen.
+    pub(super) is_small: bool,
 }
 
 /// An effect that passed the screen and was not added.
@@ -58,6 +65,8 @@ pub(super) struct Choice {
     pub(super) id: &'static str,
     pub(super) p_adjusted: f64,
     pub(super) rivals: Vec<&'static str>,
+    /// What it changes is hardly seen, though it is there.
+    pub(super) is_small: bool,
 }
 
 /// How far a search has come.
@@ -68,6 +77,11 @@ pub(super) struct Progress {
 }
 
 impl Progress {
+    /// How many of the effects chosen are small, or are not.
+    pub(super) fn n_chosen(&self, is_small: bool) -> usize {
+        self.chosen.iter().filter(|one| one.is_small == is_small).count()
+    }
+
     /// Whether an effect was taken out again because later ones explain what it did.
     pub(super) fn was_superfluous(&self, id: &str) -> bool {
         let mut refused = self.refused.iter();

@@ -93,7 +93,8 @@ pub struct Diagnosed {
 /// with the nominal numbers, and the best one that obeys every rule is added, up to three times; then
 /// points on which the object rests are tried in the place of what follows from them. An effect stays if it
 /// predicts the held-out clusters, and the others each by a fit without it, better. It is identified if
-/// its size is the same all over the set and not most of the error is left, and effective else.
+/// its size is the same all over the set, if more freedom of what it comes from brings little more, and if no
+/// more is left than it explains; effective else. What is there and hardly seen is carried along, marked small.
 ///
 /// # Errors
 /// `TooFewPushes`; `OtherKind` for a second set that cannot confirm; `Model` for a learnt model or what an effect refuses; `NotConverged`.
@@ -120,7 +121,7 @@ pub fn diagnose(
     let found = search.run()?;
     let left = leftover(&found, (fitted, aside), settings)?;
     let remains = search.remains(&found)?;
-    let claims: Claims = claims(&found, &left);
+    let claims: Claims = claims(&found, (&left, remains.as_ref()));
     let members = members(&found, &claims, fitted, model, settings);
     let effects = findings(&found, (&claims, &members), settings);
     let diagnosis = Diagnosis {

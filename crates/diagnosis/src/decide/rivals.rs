@@ -78,7 +78,7 @@ impl Search<'_> {
     pub(super) fn with_a_rival<'a>(&self, there: Refit<'a>, progress: &mut Progress) -> Refit<'a> {
         let most = there.objective() + Rules::APART * there.scale().powi(2);
         let last = progress.chosen.len() - 1;
-        let Choice { id: last_id, rivals, p_adjusted } = progress.chosen[last].clone();
+        let Choice { id: last_id, rivals, p_adjusted, is_small } = progress.chosen[last].clone();
         for id in ids(&progress.chosen[..last]) {
             let mut alone: Vec<(&'static str, Refit<'a>)> = Vec::new();
             for rival in &rivals {
@@ -92,7 +92,7 @@ impl Search<'_> {
             let also: Vec<&'static str> = alone.iter().skip(1).map(|one| one.0).collect();
             if let Some((rival, model)) = alone.into_iter().next() {
                 progress.chosen.retain(|one| ![id, last_id].contains(&one.id));
-                progress.chosen.push(Choice { id: rival, p_adjusted, rivals: also });
+                progress.chosen.push(Choice { id: rival, p_adjusted, rivals: also, is_small });
                 for id in [id, last_id] {
                     progress.refused.push(Refused { id, objection: Objection::Superfluous });
                 }

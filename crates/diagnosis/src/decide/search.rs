@@ -10,6 +10,7 @@ use super::found::{Choice, Found, Progress, Refused, ids};
 use super::rules::{Objection, Rules};
 use crate::fit::{Refit, Trial};
 use crate::predict::tangent::Tangent;
+use crate::remains::noise_beside;
 use crate::screen::screen_at;
 use crate::{DiagnosisError, FitSettings, Intervals, NoiseModel, Observations, Screen, Whitening};
 
@@ -36,6 +37,8 @@ pub(super) struct Tried<'a> {
 const MOST_TRIALS: usize = 6;
 /// An effect whose score is a smaller share of the largest is not tried.
 const LEAST_SHARE: f64 = 0.05;
+/// Effects that are there and hardly seen, kept so that they do not pass for others.
+const MOST_SMALL: usize = 2;
 /// Trials within this of the best, in units of the sum and as a share of the fall, go on to their
 /// minimum.
 const FINALIST: (f64, f64) = (50.0, 0.2);
@@ -54,7 +57,7 @@ impl Search<'_> {
     fn forward_step(&self, from: &Refit, mut progress: Progress) -> Result<Found, DiagnosisError> {
         let (noise, whitening, screen) = self.linearised(&self.screened(from)?)?;
         let here = from.rewhitened(&whitening)?;
-        let is_full = progress.chosen.len() == self.settings.most_effects;
+        let is_full = progress.n_chosen(false) == self.settings.most_effects;
         let next = if is_full { None } else { self.next(&here, &screen, &mut progress)? };
         let Some((choice, there)) = next else {
             return match self.on_points(&here, &screen, &mut progress)? {
@@ -76,32 +79,60 @@ impl Search<'_> {
         progress: &mut Progress,
     ) -> Result<Option<(Choice, Refit<'a>)>, DiagnosisError> {
         let gain_so_far = gain_so_far(here, progress)?;
-        let rules = Rules { gain_so_far, is_first: progress.chosen.is_empty() };
+        let rules = Rules { gain_so_far, is_first: progress.n_chosen(false) == 0 };
         let tried = self.tried(here, screen, progress)?;
+        let mut small = Vec::new();
         for (index, Tried { trial, without, size }) in tried.iter().enumerate() {
-            let (id, without) = (trial.id(), without.as_ref().unwrap_or(here));
-            let screened = screen.effects.iter().find(|effect| effect.id == id);
-            let p_adjusted = screened.map_or(1.0, |effect| effect.p_adjusted);
-            let gain = without.misfit_by(here) - trial.objective();
-            let mut objection = rules.objection(p_adjusted, gain, *size);
-            // An effect whose refit does not settle is no explanation.
-            if objection.is_none() {
-                match here.with(trial) {
-                    Err(why) => objection = Some(Objection::Unsettled { why: why.to_string() }),
-                    Ok(there) => {
-                        objection = self.objection_to(without, &there, id)?;
-                        if objection.is_none() {
-                            let rivals = self.rivals(&tried, index, here, &there)?;
-                            return Ok(Some((Choice { id, p_adjusted, rivals }, there)));
-                        }
+            let id = trial.id();
+            let p_adjusted = screen.p_of(id);
+            let gain = without.as_ref().unwrap_or(here).misfit_by(here) - trial.objective();
+            let objection = match rules.objection(p_adjusted, gain, *size) {
+                None => match self.chosen(here, &tried, index)? {
+                    Ok((rivals, there)) => {
+                        let choice = Choice { id, p_adjusted, rivals, is_small: false };
+                        return Ok(Some((choice, there)));
                     }
-                }
+                    Err(objection) => objection,
+                },
+                Some(objection) => objection,
+            };
+            if objection.is_of_size() && p_adjusted <= Rules::NAME {
+                small.push(index);
             }
             // What no screen saw was tried as a rival alone.
-            let seen = objection.filter(|_| p_adjusted <= Rules::HINT);
-            progress.refused.extend(seen.map(|objection| Refused { id, objection }));
+            if p_adjusted <= Rules::HINT {
+                progress.refused.push(Refused { id, objection });
+            }
+        }
+        let room = MOST_SMALL.saturating_sub(progress.n_chosen(true));
+        for index in small.into_iter().take(room) {
+            if let Ok((rivals, there)) = self.chosen(here, &tried, index)? {
+                let id = tried[index].trial.id();
+                let p_adjusted = screen.p_of(id);
+                return Ok(Some((Choice { id, p_adjusted, rivals, is_small: true }, there)));
+            }
         }
         Ok(None)
+    }
+
+    /// The model with an effect at its minimum, and what explains as much; or what speaks against it.
+    fn chosen<'a>(
+        &self,
+        here: &Refit<'a>,
+        tried: &[Tried<'a>],
+        index: usize,
+    ) -> Result<Result<(Vec<&'static str>, Refit<'a>), Objection>, DiagnosisError> {
+        let Tried { trial, without, .. } = &tried[index];
+        let there = match here.with(trial) {
+            Ok(there) => there,
+            // An effect whose refit does not settle is no explanation.
+            Err(why) => return Ok(Err(Objection::Unsettled { why: why.to_string() })),
+        };
+        let without = without.as_ref().unwrap_or(here);
+        if let Some(objection) = self.objection_to(without, &there, trial.id())? {
+            return Ok(Err(objection));
+        }
+        Ok(Ok((self.rivals(tried, index, here, &there)?, there)))
     }
 
     /// What speaks against an effect by its estimate and by what it predicts.
@@ -256,7 +287,7 @@ impl Search<'_> {
         about: &Description,
     ) -> Result<(NoiseModel, Whitening, Screen), DiagnosisError> {
         let tangent = Tangent::of(about, &self.settings.own, self.fitted)?;
-        let noise = NoiseModel::learn_at(&tangent, self.fitted)?;
+        let noise = noise_beside(&tangent, self.fitted, &self.remain_settings())?;
         let whitening = noise.whitening_at(self.fitted, &tangent.linearisation)?;
         let screen = screen_at(&tangent, self.fitted, &whitening, &self.settings.screen);
         Ok((noise, whitening, screen))

@@ -14,10 +14,34 @@ pub(super) fn sentence(
     error: &ErrorFall,
     (left, remains): (&Left, Option<&Remains>),
 ) -> String {
-    let told =
-        |id: &str| effects.iter().find(|effect| effect.id == id).map_or(id.into(), with_size);
+    let told = |id: &str| told(id, effects);
+    let mut text = verdict(claims, effects, error);
+    if let Some(where_) = left.told().filter(|_| claims.is_left) {
+        let what = match claims.verdict {
+            Verdict::Unexplained => "Most of all it",
+            _ => "Something is left that no effect explains: the model",
+        };
+        text += &format!(" {what} {where_}.{}", remains.map_or_else(String::new, mostly_from));
+    }
+    if !claims.small.is_empty() {
+        let small: Vec<String> = claims.small.iter().map(|(id, ..)| told(id)).collect();
+        text += &format!(" There as well, though hardly seen: {}.", small.join("; and "));
+    }
+    if claims.verdict == Verdict::Inconclusive && left.is_far_off() {
+        text += &format!(
+            " Some pushes are missed by far more than their noise (error {:.1} times the noise), \
+             too few to tell what they share: `pushlab compare` lists the worst.",
+            error.after
+        );
+    }
+    text
+}
+
+/// What the verdict says.
+fn verdict(claims: &Claims, effects: &[EffectFinding], error: &ErrorFall) -> String {
+    let told = |id: &str| told(id, effects);
     let list = |ids: &[&'static str]| ids.iter().map(|id| told(id)).collect::<Vec<_>>();
-    let mut text = match claims.verdict {
+    match claims.verdict {
         Verdict::Identified => {
             let mut text = format!("Missing: {}", list(&claims.identified).join("; and "));
             for group in &claims.groups {
@@ -58,22 +82,12 @@ pub(super) fn sentence(
                 "There are hints{of}, but nothing that these pushes make sure; more pushes would."
             )
         }
-    };
-    if let Some(where_) = left.told().filter(|_| claims.is_left) {
-        let what = match claims.verdict {
-            Verdict::Unexplained => "Most of all it",
-            _ => "Something is left that no effect explains: the model",
-        };
-        text += &format!(" {what} {where_}.{}", remains.map_or_else(String::new, mostly_from));
     }
-    if claims.verdict == Verdict::Inconclusive && left.is_far_off() {
-        text += &format!(
-            " Some pushes are missed by far more than their noise (error {:.1} times the noise), \
-             too few to tell what they share: `pushlab compare` lists the worst.",
-            error.after
-        );
-    }
-    text
+}
+
+/// An effect in words.
+fn told(id: &str, effects: &[EffectFinding]) -> String {
+    effects.iter().find(|effect| effect.id == id).map_or(id.into(), with_size)
 }
 
 /// As "The error falls with …, but its cause may be another one: …".

@@ -68,7 +68,7 @@ impl Search<'_> {
             progress.refused.push(Refused { id: one.id, objection: Objection::Superfluous });
         }
         progress.chosen.retain(|one| !follow.contains(&one.id));
-        progress.chosen.push(Choice { id, p_adjusted: p, rivals: Vec::new() });
+        progress.chosen.push(Choice { id, p_adjusted: p, rivals: Vec::new(), is_small: false });
         Ok(Some(there))
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use effects::Effect;
 use models::Description;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde::Serialize;
 
@@ -70,7 +70,7 @@ fn is_none(n: &usize) -> bool {
 
 /// Closer than for a floor: what a model misses must cancel, and it may be large.
 const REPEATS: RepeatTolerance = RepeatTolerance { distance: 1e-3, angle: 0.02, speed: 0.05 };
-/// Pairs of neighbours that are used at most.
+/// Pairs of neighbours, and pushes without their like, that are used at most.
 const MOST_PAIRS: usize = 60;
 
 impl NoiseModel {
@@ -88,19 +88,21 @@ impl NoiseModel {
         own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
-        Self::learn_at(&Tangent::of(model, own, observations)?, observations)
+        Self::learn_at(&Tangent::of(model, own, observations)?, observations, None)
     }
 
-    /// The same with slopes that are known.
+    /// The same with slopes that are known, and also from what a flexible fit leaves of each push, if that is
+    /// given.
     pub(crate) fn learn_at(
         tangent: &Tangent,
         observations: &Observations,
+        left: Option<&[DVector<f64>]>,
     ) -> Result<Self, DiagnosisError> {
         let shapes = shapes(observations, &tangent.linearisation);
         let groups = repeat_groups(observations);
         let n_repeats = groups.iter().map(|group| group.len() - 1).sum::<usize>();
         let data = Data { observations, tangent, shapes: &shapes };
-        let (source, groups, blocks) = if n_repeats >= FEWEST_REPEATS {
+        let (source, groups, mut blocks) = if n_repeats >= FEWEST_REPEATS {
             let blocks: Vec<Block> = groups.iter().map(|group| data.repeats(group)).collect();
             (FloorSource::Repeats, groups, blocks)
         } else {
@@ -109,6 +111,11 @@ impl NoiseModel {
             let groups = pairs.iter().map(|pair| pair.to_vec()).collect();
             (FloorSource::Neighbours, groups, blocks)
         };
+        if let Some(left) = left {
+            let n_fixed = blocks.first().map_or(0, |block| block.fixed.ncols());
+            let some = (0..left.len()).step_by(left.len().div_ceil(MOST_PAIRS).max(1));
+            blocks.extend(some.map(|push| data.left(&left[push], (push, n_fixed))));
+        }
         let prior: Vec<_> = SOURCES.iter().map(Source::prior).collect();
         let found = variances(&blocks, &prior);
         let n_pushes = groups.iter().map(Vec::len).sum();
@@ -250,6 +257,15 @@ impl Data<'_> {
         });
         let vectors = DMatrix::from_column_slice(vectors.nrows(), 1, vectors.as_slice());
         Block { shapes: mean_shapes(&members), vectors, fixed }
+    }
+
+    /// What a flexible fit leaves of a push, beside so many columns of other blocks.
+    fn left(&self, left: &DVector<f64>, (push, n_fixed): (usize, usize)) -> Block {
+        Block {
+            shapes: mean_shapes(std::slice::from_ref(&self.shapes[push])),
+            vectors: DMatrix::from_column_slice(left.len(), 1, left.as_slice()),
+            fixed: DMatrix::zeros(left.len(), n_fixed),
+        }
     }
 
     /// The numbers that all members have, by step of the push, and observed less predicted: a

@@ -217,31 +217,34 @@ impl<'a> Columns<'a> {
 
     /// Whitened residual, open numbers and components of a push, a column each.
     pub(super) fn of_push(&self, push: usize) -> DMatrix<f64> {
+        self.whitening.whiten_columns(push, self.plain(push))
+    }
+
+    /// The same as they are, in SI units.
+    pub(super) fn plain(&self, push: usize) -> DMatrix<f64> {
         let entries = self.whitening.entries(push);
         let n_open = self.open.len();
         let slope = |k: usize, step: usize, number: usize| {
             self.scale[k] * self.tangent.slopes(k)[step][number]
         };
-        let columns =
-            DMatrix::from_fn(entries.len(), 1 + n_open + self.columns.len(), |row, column| {
-                let (step, number) = entries[row];
-                if column == 0 {
-                    let observed = self.observations.steps[step].observed[number];
-                    let predicted = self.tangent.linearisation.predicted[step][number];
-                    return observed.unwrap_or_default() - predicted;
-                }
-                if let Some((k, _)) = self.open.get(column - 1) {
-                    return slope(*k, step, number);
-                }
-                let Column { base, factor } = &self.columns[column - 1 - n_open];
-                let of_base = match base {
-                    Base::Coordinate(k) => slope(*k, step, number),
-                    Base::Number(own) if *own == number => self.noise[number],
-                    Base::Number(_) => 0.0,
-                };
-                of_base * self.factors[*factor][step]
-            });
-        self.whitening.whiten_columns(push, columns)
+        DMatrix::from_fn(entries.len(), 1 + n_open + self.columns.len(), |row, column| {
+            let (step, number) = entries[row];
+            if column == 0 {
+                let observed = self.observations.steps[step].observed[number];
+                let predicted = self.tangent.linearisation.predicted[step][number];
+                return observed.unwrap_or_default() - predicted;
+            }
+            if let Some((k, _)) = self.open.get(column - 1) {
+                return slope(*k, step, number);
+            }
+            let Column { base, factor } = &self.columns[column - 1 - n_open];
+            let of_base = match base {
+                Base::Coordinate(k) => slope(*k, step, number),
+                Base::Number(own) if *own == number => self.noise[number],
+                Base::Number(_) => 0.0,
+            };
+            of_base * self.factors[*factor][step]
+        })
     }
 }
 

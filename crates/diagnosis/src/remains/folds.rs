@@ -14,6 +14,8 @@ use crate::fit::Robust;
 
 /// Parts of the clusters.
 const N_FOLDS: usize = 5;
+/// Share of the numbers that a fit leaves free at least: where it takes more, what is left tells no noise.
+const LEAST_FREEDOM: f64 = 0.25;
 
 pub(super) struct Folds {
     folds: Vec<Fold>,
@@ -21,6 +23,8 @@ pub(super) struct Folds {
 }
 
 struct Fold {
+    /// What each component's number takes of the open ones, and the open ones without components.
+    open: (DMatrix<f64>, DVector<f64>),
     /// The components' numbers beside the open ones, of all other pushes.
     others: Normal,
     /// Of each push of its own: what the open numbers alone leave, and what each number of a component adds
@@ -44,7 +48,7 @@ impl Folds {
         seed: u64,
     ) -> Option<Self> {
         clusters.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
-        let pushes = weighted(columns, &rows);
+        let (pushes, _) = weighted(columns, &rows);
         let part = |fold: usize| clusters.iter().skip(fold).step_by(N_FOLDS).flatten().copied();
         let parts: Vec<Vec<usize>> = (0..N_FOLDS).map(|fold| part(fold).collect()).collect();
         let products: Vec<DMatrix<f64>> =
@@ -87,6 +91,33 @@ impl Folds {
     }
 }
 
+/// What is left of each push where every origin has its component and the open numbers are fitted, with the
+/// say that the push has in a robust fit; in SI units, made larger by what a fit of so many numbers takes
+/// of the noise. None where the numbers are not determined.
+pub(super) fn left_by_all(columns: &Columns, rows: &[Range<usize>]) -> Option<Vec<DVector<f64>>> {
+    let (pushes, says) = weighted(columns, rows);
+    let all: Vec<usize> = (0..pushes.len()).collect();
+    let beliefs = columns.beliefs();
+    let whole = Fold::new(&pushes, &[], &product(&pushes, &all), &beliefs)?;
+    let mut groups = columns.origins.clone();
+    groups.push(columns.smooth.clone());
+    groups.retain(|group| !group.is_empty());
+    let variances = whole.others.variances(&groups)?;
+    let change = whole.others.mean(&groups, &variances)?;
+    let n: usize = rows.iter().map(Range::len).sum();
+    let n_free = whole.others.determined(&groups, &variances)? + beliefs.len() as f64;
+    let growth = (n as f64 / (n as f64 - n_free).max(LEAST_FREEDOM * n as f64)).sqrt();
+    let (shares, estimate) = &whole.open;
+    let open = estimate - shares * &change;
+    let of_push = |push: usize| {
+        let plain = columns.plain(push);
+        let of_open = plain.columns(1, open.len()) * &open;
+        let of_components = plain.columns(1 + open.len(), change.len()) * &change;
+        (plain.column(0) - of_open - of_components) * (growth * says[push])
+    };
+    Some((0..rows.len()).into_par_iter().map(of_push).collect())
+}
+
 impl Gains {
     /// Share of the squares that is taken off.
     pub(super) fn share_of_square(&self) -> f64 {
@@ -121,25 +152,32 @@ impl Fold {
             (*push, left, all.columns(1 + n_open, n) - of_open * &shares)
         };
         let own = own.par_iter().map(of_push).collect();
-        Some(Self { others: Normal { information, pull }, own })
+        Some(Self { open: (shares, estimate), others: Normal { information, pull }, own })
     }
 }
 
 /// Whitened columns of each push, with the say that its rows have in a robust fit and in units of the
-/// typical residual.
-fn weighted(columns: &Columns, rows: &[Range<usize>]) -> Vec<DMatrix<f64>> {
+/// typical residual; and the say of each push as a whole.
+fn weighted(columns: &Columns, rows: &[Range<usize>]) -> (Vec<DMatrix<f64>>, Vec<f64>) {
     let mut pushes: Vec<DMatrix<f64>> =
         (0..rows.len()).into_par_iter().map(|push| columns.of_push(push)).collect();
     let residuals: Vec<f64> =
         pushes.iter().flat_map(|push| push.column(0).iter().copied().collect::<Vec<_>>()).collect();
     let residuals = DVector::from_vec(residuals);
     let robust = Robust::at(rows, &residuals);
-    let weights = robust.weights(&residuals).map(|weight| weight.sqrt() / robust.scale());
+    let weights = robust.weights(&residuals).map(f64::sqrt);
+    let say = |rows: &Range<usize>| {
+        let of_rows = [&weights.component_mul(&residuals), &residuals]
+            .map(|all| all.rows(rows.start, rows.len()).norm());
+        of_rows[0] / of_rows[1].max(f64::MIN_POSITIVE)
+    };
+    let says = rows.iter().map(say).collect();
+    let weights = weights / robust.scale();
     for (push, rows) in pushes.iter_mut().zip(rows) {
         let of_push = weights.rows(rows.start, rows.len());
         push.column_iter_mut().for_each(|mut column| column.component_mul_assign(&of_push));
     }
-    pushes
+    (pushes, says)
 }
 
 fn product(pushes: &[DMatrix<f64>], part: &[usize]) -> DMatrix<f64> {

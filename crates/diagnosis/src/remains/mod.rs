@@ -14,9 +14,10 @@ use models::Description;
 use serde::{Deserialize, Serialize};
 
 use self::columns::{Columns, tangent_of_all};
-use self::folds::{Folds, Gains};
+use self::folds::{Folds, Gains, left_by_all};
 use self::place::place;
 use crate::data::split::clusters;
+use crate::predict::tangent::Tangent;
 use crate::{DiagnosisError, Gain, NoiseModel, Observations, Tolerances};
 
 /// What of the rig the error that a model leaves comes from.
@@ -87,6 +88,28 @@ pub(crate) fn remains(
         Columns::of(&tangent, (observations, &whitening), is_testable, settings.tolerances);
     let folds = Folds::new(&columns, (whitening.rows(), members), settings.seed);
     Ok(folds.and_then(|folds| shares(&folds, &columns, observations)))
+}
+
+/// Noise learnt from repeats or neighbours, and from what is left of each push where every origin has its
+/// component.
+///
+/// Repeats in one place agree better than pushes all over the table do, for what varies from place to place
+/// is the same in each. What no free component explains is noise, wherever it is.
+///
+/// # Errors
+/// `NotACovariance`.
+pub(crate) fn noise_beside(
+    tangent: &Tangent,
+    observations: &Observations,
+    settings: &RemainSettings,
+) -> Result<NoiseModel, DiagnosisError> {
+    let noise = NoiseModel::learn_at(tangent, observations, None)?;
+    let whitening = noise.whitening_at(observations, &tangent.linearisation)?;
+    let columns = Columns::of(tangent, (observations, &whitening), |_| true, settings.tolerances);
+    match left_by_all(&columns, &whitening.rows()) {
+        Some(left) => NoiseModel::learn_at(tangent, observations, Some(&left)),
+        None => Ok(noise),
+    }
 }
 
 fn shares(folds: &Folds, columns: &Columns, observations: &Observations) -> Option<Remains> {

@@ -54,6 +54,12 @@ impl Normal {
         Some(mean_at(&factor, &root, &self.pull))
     }
 
+    /// How many numbers the data determine.
+    pub(super) fn determined(&self, groups: &[Range<usize>], variances: &[f64]) -> Option<f64> {
+        let (factor, _) = self.factor(groups, variances)?;
+        Some(self.pull.len() as f64 - factor.inverse().trace())
+    }
+
     /// The same of some of the columns, the groups in their order.
     pub(super) fn of(&self, columns: &[usize]) -> Self {
         let information = crate::statistics::score::pick(&self.information, columns, columns);

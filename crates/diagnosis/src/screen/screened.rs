@@ -31,6 +31,13 @@ pub struct Screen {
     pub look_alikes: Vec<LookAlikes>,
 }
 
+impl Screen {
+    /// The adjusted probability of an effect; 1 of one that the screen does not know.
+    pub(crate) fn p_of(&self, id: &str) -> f64 {
+        self.effects.iter().find(|effect| effect.id == id).map_or(1.0, |effect| effect.p_adjusted)
+    }
+}
+
 /// How probabilities were found: by flipping the signs of whole clusters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Calibration {

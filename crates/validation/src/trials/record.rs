@@ -73,6 +73,9 @@ pub(super) struct Answer {
 pub(super) struct Told {
     pub(super) id: String,
     pub(super) grade: Grade,
+    /// Whether it is there and hardly seen.
+    #[serde(default)]
+    pub(super) small: bool,
     pub(super) p: Option<f64>,
     pub(super) gain: Option<[f64; 2]>,
     pub(super) why: String,
@@ -108,6 +111,7 @@ impl From<Diagnosis> for Answer {
         let told = |effect: diagnosis::EffectFinding| Told {
             id: effect.id,
             grade: effect.grade,
+            small: effect.small,
             p: effect.p_adjusted,
             gain: effect.log_density_gain.map(|gain| [gain.mean, gain.se]),
             why: effect.why,
@@ -138,8 +142,15 @@ impl Told {
 impl Answer {
     /// Every effect that is named or in a group.
     pub(super) fn claimed(&self) -> BTreeSet<&str> {
-        let groups = self.ambiguous.iter().flatten();
-        self.identified.iter().chain(groups).map(String::as_str).collect()
+        let groups = self.ambiguous.iter().flatten().map(String::as_str);
+        self.named().chain(groups).collect()
+    }
+
+    /// Every effect that is named, what is hardly seen, too.
+    pub(super) fn named(&self) -> impl Iterator<Item = &str> {
+        let is_named = |effect: &&Told| effect.small && effect.grade == Grade::Identified;
+        let small = self.effects.iter().filter(is_named).map(|effect| effect.id.as_str());
+        self.identified.iter().map(String::as_str).chain(small)
     }
 
     pub(super) fn told(&self, id: &str) -> Option<&Told> {

@@ -77,12 +77,13 @@ impl Score {
             right.extend(*same);
         }
         let is_found = |id: &&str| {
-            let names = answer.identified.iter().any(|name| name == id);
+            let names = answer.named().any(|name| name == *id);
             names || answer.ambiguous.iter().any(|group| is_class_of(group, id))
         };
-        let is_wrong = |name: &&String| !right.contains(&name.as_str());
-        let mut wrong: Vec<String> = answer.identified.iter().filter(is_wrong).cloned().collect();
-        let groups = answer.ambiguous.iter().filter(|group| group.iter().all(|id| is_wrong(&id)));
+        let is_wrong = |name: &&str| !right.contains(name);
+        let mut wrong: Vec<String> = answer.named().filter(is_wrong).map(str::to_owned).collect();
+        let are_wrong = |group: &&Vec<String>| group.iter().all(|id| is_wrong(&id.as_str()));
+        let groups = answer.ambiguous.iter().filter(are_wrong);
         wrong.extend(groups.map(|group| format!("one of {}", group.join(", "))));
         Self { found: hidden.iter().map(is_found).collect(), wrong }
     }
@@ -196,6 +197,7 @@ pub(super) mod tests {
         let told = |id: &&str| Told {
             id: (*id).to_owned(),
             grade: Grade::Identified,
+            small: false,
             p: Some(0.001),
             gain: None,
             why: String::new(),

@@ -13,7 +13,7 @@ pub(super) enum Asked<'a> {
     One(&'a str),
     /// Those that are identified.
     Identified,
-    /// Those that lower the error as well, and the first of each group.
+    /// Those that lower the error as well, the first of each group, and what is there and hardly seen.
     All,
 }
 
@@ -31,7 +31,8 @@ pub(super) fn chosen(found: &Diagnosis, asked: &Asked) -> Result<Vec<ModelEffect
         Asked::Identified => identified.collect(),
         Asked::All => {
             let firsts = found.ambiguous.iter().filter_map(|group| group.first());
-            let others = firsts.chain(&found.effective).map(String::as_str);
+            let small = found.effects.iter().filter(|effect| effect.small).map(|effect| &effect.id);
+            let others = firsts.chain(&found.effective).chain(small).map(String::as_str);
             identified.chain(others).collect()
         }
     };

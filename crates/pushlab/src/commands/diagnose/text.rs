@@ -62,13 +62,17 @@ impl fmt::Display for Answer<'_> {
         }
         write_error(f, &found.error)?;
         for (grade, title) in [
-            (Grade::Identified, "missing"),
-            (Grade::Ambiguous, "one of these"),
-            (Grade::Effective, "the error falls with it, though the cause may be another"),
-            (Grade::Hint, "hints"),
+            (Some(Grade::Identified), "missing"),
+            (Some(Grade::Ambiguous), "one of these"),
+            (Some(Grade::Effective), "the error falls with it, though the cause may be another"),
+            (None, "there as well, though hardly seen"),
+            (Some(Grade::Hint), "hints"),
         ] {
-            let effects: Vec<_> =
-                found.effects.iter().filter(|effect| effect.grade == grade).collect();
+            let is_told = |effect: &&EffectFinding| match grade {
+                Some(grade) => effect.grade == grade && !effect.small,
+                None => effect.small,
+            };
+            let effects: Vec<_> = found.effects.iter().filter(is_told).collect();
             if !effects.is_empty() {
                 writeln!(f, "{TITLE}{title}{TITLE:#}")?;
                 effects.into_iter().try_for_each(|effect| write_effect(f, effect))?;

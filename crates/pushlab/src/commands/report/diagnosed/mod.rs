@@ -95,6 +95,7 @@ fn is_added(grade: Grade) -> bool {
 fn rows(found: &Diagnosis, is_told: impl Fn(&&EffectFinding) -> bool) -> Vec<Vec<String>> {
     let row = |effect: &EffectFinding| {
         let said = match effect.grade {
+            _ if effect.small => "there, hardly seen",
             Grade::Identified => "missing",
             Grade::Ambiguous => "one of a group",
             Grade::Effective => "effective",
