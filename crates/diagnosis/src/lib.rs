@@ -4,6 +4,8 @@
 mod error;
 mod undetermined;
 
+mod cut_offs;
+
 mod statistics;
 
 mod data;

@@ -5,10 +5,8 @@ use std::hash::Hash;
 
 use models::{ChannelObservation, Cluster};
 
+use crate::cut_offs::FEWEST_SESSIONS;
 use crate::statistics::quantile::student_975;
-
-/// Sessions of which a quarter says something.
-const FEWEST_SESSIONS: usize = 12;
 
 /// What shares errors, and its index for each step of a whole set.
 pub(crate) fn clusters(steps: &[ChannelObservation], push_of: &[usize]) -> (Cluster, Vec<usize>) {

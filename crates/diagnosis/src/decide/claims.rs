@@ -4,6 +4,7 @@ use super::constancy::Varies;
 use super::found::{Accepted, Found};
 use super::leftover::Left;
 use super::{Grade, Verdict};
+use crate::cut_offs::{MORE_FREEDOM, WIDE};
 use crate::{EffectFit, Gain, ParameterFit, Remains};
 
 /// What may be claimed of a set.
@@ -19,14 +20,6 @@ pub(super) struct Claims {
     /// Whether something is left that no effect explains.
     pub(super) is_left: bool,
 }
-
-/// Share of an effect's gain that more freedom of what it comes from brings where it stands for another
-/// effect of the same kind.
-const QUARTER: f64 = 0.25;
-
-/// Half-width of a place's interval, in the mean distance of the pressure, from which other places do as
-/// well.
-const WIDE: f64 = 0.2;
 
 /// What is known of where an object rests, where its places are not.
 fn wide_places(effect: &EffectFit) -> Option<String> {
@@ -61,7 +54,7 @@ fn more_is_left(one: &Accepted, after: f64, remains: &Remains) -> Option<String>
     }
     let mut sure = origins.iter().filter(|origin| origin.gain.is_sure());
     let own = sure.find(|origin| Some(origin.origin) == one.origin);
-    if let Some(own) = own.filter(|own| square(&own.gain) >= QUARTER * one.square) {
+    if let Some(own) = own.filter(|own| square(&own.gain) >= MORE_FREEDOM * one.square) {
         let (name, gain) = (own.origin.name(), told(&own.gain));
         return Some(format!("more freedom of the {name} beside it gains {gain}"));
     }

@@ -8,6 +8,7 @@ use super::constancy::varies;
 use super::found::{Accepted, Choice, Found, Progress, Refused, ids};
 use super::rules::{Objection, Rules};
 use super::search::Search;
+use crate::cut_offs::{HINT, NAME, SIZE, SMALL_SHARE, TOLERANCES};
 use crate::fit::Refit;
 use crate::remains::{RemainSettings, remains};
 use crate::{
@@ -29,9 +30,8 @@ impl Search<'_> {
         noise: NoiseModel,
     ) -> Result<Found, DiagnosisError> {
         // What the last model explains is no hint any more.
-        let is_explained = |id: &str| {
-            last_screen.effects.iter().any(|one| one.id == id && one.p_adjusted > Rules::HINT)
-        };
+        let is_explained =
+            |id: &str| last_screen.effects.iter().any(|one| one.id == id && one.p_adjusted > HINT);
         progress.refused.retain(|one| !one.objection.is_hint() || !is_explained(one.id));
         let numbers = self.wrong_numbers(here, &mut progress)?;
         // Their probability is known once they are asked for.
@@ -78,7 +78,7 @@ impl Search<'_> {
             let id = nuisance.id;
             let is_right_beside = |one: &&(&'static str, Vec<&'static str>)| !one.1.contains(&id);
             let size = here.size_against(id, &[nuisance.nominal])?;
-            let objection = if size < Rules::SIZE {
+            let objection = if size < SIZE {
                 Some(Objection::Small { size })
             } else if is_mean_friction(here, &nuisance) {
                 Some(Objection::MeanFriction)
@@ -293,7 +293,7 @@ impl Search<'_> {
             |one: &&EffectFit| self.nominal_within(one.id).is_some() && is_chosen(one.id);
         let numbers = fit.effects.iter().filter(is_number);
         let with_p = numbers.map(|one| (one.id, p_of_number(one, &progress.first_screen)));
-        let unsure = with_p.into_iter().find(|(_, p)| *p > Rules::NAME);
+        let unsure = with_p.into_iter().find(|(_, p)| *p > NAME);
         unsure.map(|(id, p)| (id, Objection::NotSure { p }))
     }
 
@@ -301,12 +301,9 @@ impl Search<'_> {
     fn is_wrong(&self, nuisance: &NuisanceFit) -> bool {
         let Some(tolerance) = self.nominal_within(nuisance.id) else { return false };
         let miss = (nuisance.value - nuisance.nominal).abs();
-        miss > 2.0 * tolerance * nuisance.nominal.abs() + 2.0 * nuisance.se
+        miss > TOLERANCES * (tolerance * nuisance.nominal.abs() + nuisance.se)
     }
 }
-
-/// Share of the gap that nothing small closes.
-const SMALL_SHARE: f64 = 0.05;
 
 /// What the held-out pushes confirm.
 struct Confirmed {

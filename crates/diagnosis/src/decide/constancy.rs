@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::cut_offs::{DIFFERENT, DIFFERENT_SHARE, FEWEST_IN_GROUP, N_GROUPS};
 use crate::fit::Pulls;
 use crate::statistics::quantile::normal_of_chi_square;
 use crate::{Covariate, Observations};
@@ -23,15 +24,8 @@ const ALONG: [Covariate; 6] = [
     Covariate::Speed,
     Covariate::Orientation,
 ];
-const N_GROUPS: usize = 5;
-/// Fewer pushes in a group tell little of its size.
-const FEWEST: usize = 4;
 /// Pushes of the usual scatter that stand beside a group's own, whose scatter few pushes do not tell.
 const USUAL: f64 = 5.0;
-/// The normal quantile at 1 % over the number of ways to group.
-const SURE: f64 = 2.93;
-/// Share of the size by which it may differ: models of rigs are not truer.
-const MOST: f64 = 0.25;
 
 impl Varies {
     pub(super) fn sentence(&self) -> String {
@@ -52,7 +46,7 @@ pub(super) fn varies(pulls: &Pulls, observations: &Observations) -> Option<Varie
     let differs = |over: &Covariate| {
         let groups = groups(observations, *over)?;
         let (z, share) = spread(pulls, &groups)?;
-        (z >= SURE && share >= MOST).then_some((z, Varies { over: *over, share }))
+        (z >= DIFFERENT && share >= DIFFERENT_SHARE).then_some((z, Varies { over: *over, share }))
     };
     let found = ALONG.iter().filter_map(differs);
     found.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, varies)| varies)
@@ -75,7 +69,7 @@ fn groups(observations: &Observations, over: Covariate) -> Option<Vec<Vec<usize>
     let parts: Vec<&[(f64, usize)]> = (0..N_GROUPS).map(part).collect();
     let (low, high) = (parts[0].last()?.0, parts[N_GROUPS - 1].first()?.0);
     let is_one = high - low <= 1e-3 * high.abs().max(low.abs());
-    (n >= FEWEST * N_GROUPS && !is_one)
+    (n >= FEWEST_IN_GROUP * N_GROUPS && !is_one)
         .then(|| parts.iter().map(|part| part.iter().map(|(_, push)| *push).collect()).collect())
 }
 
@@ -154,7 +148,7 @@ mod tests {
         let is_sure = |seed: u64| {
             let (pulls, groups) = pulls(100, |_| 0.0, seed);
             let (z, share) = spread(&pulls, &groups).unwrap();
-            z >= super::SURE && share >= super::MOST
+            z >= super::DIFFERENT && share >= super::DIFFERENT_SHARE
         };
         // Chance is 0.17 % each: 3 or more of 400 come once in 33 such tests.
         assert!((0..400).filter(|seed| is_sure(*seed)).count() <= 3);
@@ -168,7 +162,7 @@ mod tests {
         };
         let (z, share) = found(0.4);
         // Standard deviation of −2 … 2 is 1.58.
-        assert!(z > super::SURE && (0.5..0.8).contains(&share), "{z} {share}");
-        assert!(found(0.05).1 < super::MOST);
+        assert!(z > super::DIFFERENT && (0.5..0.8).contains(&share), "{z} {share}");
+        assert!(found(0.05).1 < super::DIFFERENT_SHARE);
     }
 }

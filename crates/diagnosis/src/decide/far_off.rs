@@ -11,6 +11,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::DiagnoseSettings;
 use super::found::Found;
+use crate::cut_offs::{FAR, FEWEST_FAR, MOST_FAR};
 use crate::{DiagnosisError, Observations, Predictions};
 
 /// What pushes that are missed by far have in common.
@@ -45,11 +46,6 @@ struct Worst {
     time: f64,
 }
 
-/// Standard deviations that no noise misses by.
-const FAR: f64 = 8.0;
-/// Fewer pushes share anything by chance; more are no exception.
-const FEWEST: usize = 3;
-const LARGEST_SHARE: f64 = 0.25;
 /// Draws of as many pushes at random.
 const N_DRAWS: usize = 1999;
 
@@ -112,8 +108,8 @@ fn worst_steps(
 /// The likeliest thing that the pushes missed by far share; none if there are too few or too many.
 fn shared(pushes: &[Worst], seed: u64) -> Option<Shared> {
     let far: Vec<usize> = (0..pushes.len()).filter(|push| pushes[*push].error >= FAR).collect();
-    let n_most = (LARGEST_SHARE * pushes.len() as f64) as usize;
-    if far.len() < FEWEST || far.len() > n_most {
+    let n_most = (MOST_FAR * pushes.len() as f64) as usize;
+    if far.len() < FEWEST_FAR || far.len() > n_most {
         return None;
     }
     let draws = draws(pushes, &far, seed);

@@ -6,8 +6,9 @@ use effects::{Effect, Off, by_id_with};
 
 use super::claims::Claims;
 use super::found::Found;
-use super::rules::{Objection, Rules};
+use super::rules::Objection;
 use super::{DiagnoseSettings, EffectFinding, Grade, ParameterFinding};
+use crate::cut_offs::HINT;
 use crate::statistics::quantile::student_975;
 use crate::{EffectFit, ParameterFit, ScreenedCoordinate, ScreenedEffect};
 
@@ -44,7 +45,7 @@ impl Finding<'_> {
         let (found, claims) = (self.found, self.claims);
         let accepted = found.accepted.iter().position(|one| one.id == id);
         let last = found.last_screen.effects.iter().find(|effect| effect.id == id);
-        let is_hint = last.is_some_and(|effect| effect.p_adjusted <= Rules::HINT);
+        let is_hint = last.is_some_and(|effect| effect.p_adjusted <= HINT);
         let objection = self.objection(accepted);
         let small = claims.small.iter().find(|(one, ..)| *one == id);
         let grade = if self.screened.not_testable.is_some() {

@@ -2,9 +2,9 @@
 
 use super::far_off::{Shared, shared_by_far_off};
 use super::found::Found;
-use super::rules::Rules;
 use super::scatter::gathered_again;
 use super::{DiagnoseSettings, Leftover};
+use crate::cut_offs::{FAR_OFF, HINT, LEFT_SHARE, MISSES, NAME};
 use crate::{
     Concentration, DiagnosisError, MapSettings, NoiseFloor, Observations, Predictions,
     RepeatTolerance, compare, noise_floor,
@@ -43,7 +43,7 @@ impl Structure {
         let map_settings = MapSettings { seed: settings.seed, ..MapSettings::default() };
         let comparison = compare(observations, predictions, floor, &map_settings)?;
         let p = comparison.maps.iter().map(|map| map.p_adjusted).min_by(f64::total_cmp);
-        let sure = comparison.findings.iter().filter(|finding| finding.p_adjusted <= Rules::NAME);
+        let sure = comparison.findings.iter().filter(|finding| finding.p_adjusted <= NAME);
         let share = sure.clone().map(|finding| finding.share).fold(0.0, f64::max);
         let sentence = sure.map(|finding| finding.sentence.clone()).next();
         Ok(Self { p, sentence, share })
@@ -53,14 +53,6 @@ impl Structure {
         self.p.is_some_and(|p| p <= level)
     }
 }
-
-/// Structure that matters is 0.6 of the noise: it adds a sixth to the whitened error, or is a fifth of
-/// what is left of some number. On recordings with nothing hidden less than that is seen, for a model
-/// of a rig is never quite the rig.
-const MISSES: f64 = 1.15;
-const SHARE: f64 = 0.2;
-/// Whitened error that no noise has.
-const FAR_OFF: f64 = 1.5;
 
 /// Looks for structure in what the confirmed model leaves of the pushes that it was fitted to.
 pub(super) fn leftover(
@@ -76,10 +68,10 @@ pub(super) fn leftover(
         Structure::of(&predictions, fitted, &floor, settings)
     });
     let with_doubted = with_doubted.transpose()?;
-    let is_doubted_enough = with_doubted.is_some_and(|with| !with.is_surer_than(Rules::NAME));
+    let is_doubted_enough = with_doubted.is_some_and(|with| !with.is_surer_than(NAME));
     let gathered = gathered_again(found, (fitted, aside), &floor, settings)?;
     let shared = shared_by_far_off(found, [fitted, aside], settings)?;
-    let shared = shared.filter(|shared| shared.p <= Rules::NAME);
+    let shared = shared.filter(|shared| shared.p <= NAME);
     Ok(Left { structure, is_doubted_enough, rms: found.error.after, gathered, shared })
 }
 
@@ -90,20 +82,20 @@ impl Left {
     }
 
     fn has_structure(&self) -> bool {
-        let matters = self.structure.share >= SHARE || self.rms >= MISSES;
-        self.structure.is_surer_than(Rules::NAME) && matters && !self.is_doubted_enough
+        let matters = self.structure.share >= LEFT_SHARE || self.rms >= MISSES;
+        self.structure.is_surer_than(NAME) && matters && !self.is_doubted_enough
     }
 
     /// Whether errors gather somewhere, without a sign of their own, on the held-out pushes as well.
     fn scatters(&self) -> bool {
         let share = self.gathered.as_ref().map_or(0.0, |region| region.error_share);
-        share >= SHARE && self.rms >= MISSES
+        share >= LEFT_SHARE && self.rms >= MISSES
     }
 
     /// Whether something may be left.
     pub(super) fn is_hint(&self) -> bool {
-        let is_seen = self.structure.is_surer_than(Rules::HINT);
-        let matters = self.structure.share >= 0.5 * SHARE || self.rms >= MISSES;
+        let is_seen = self.structure.is_surer_than(HINT);
+        let matters = self.structure.share >= 0.5 * LEFT_SHARE || self.rms >= MISSES;
         self.is_far_off() || is_seen && matters
     }
 

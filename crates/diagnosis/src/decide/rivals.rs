@@ -1,13 +1,14 @@
 //! Effects that explain as much as the best one.
 
 use super::found::{Choice, Progress, Refused, ids};
-use super::rules::{Objection, Rules};
+use super::rules::Objection;
 use super::search::{Search, Tried};
+use crate::cut_offs::{APART, OWN_SHARE, SHARE_APART, SIZE};
 use crate::fit::Refit;
 use crate::{DiagnosisError, Screen};
 
 impl Search<'_> {
-    /// Effects that explain nearly as much as one of those tried: within [`Rules::APART`] in twice the
+    /// Effects that explain nearly as much as one of those tried: within [`APART`] in twice the
     /// log likelihood; of confounders within a share of what it explains, for a model of a rig
     /// is not true enough to tell them apart by less.
     ///
@@ -20,8 +21,8 @@ impl Search<'_> {
         here: &Refit,
         there: &Refit,
     ) -> Result<Vec<&'static str>, DiagnosisError> {
-        let (winner, apart) = (&tried[best].trial, Rules::APART * there.scale().powi(2));
-        let of_alike = Rules::SHARE_APART * (here.objective() - winner.objective());
+        let (winner, apart) = (&tried[best].trial, APART * there.scale().powi(2));
+        let of_alike = SHARE_APART * (here.objective() - winner.objective());
         let mut rivals = Vec::new();
         for (index, Tried { trial: other, .. }) in tried.iter().enumerate() {
             let bound = match self.are_known_alike(winner.id(), other.id()) {
@@ -35,7 +36,7 @@ impl Search<'_> {
             // What cannot be predicted beside the winner is no second effect.
             let beside =
                 there.trial(&other.effect).map_or(0.0, |both| there.objective() - both.objective());
-            if beside < Rules::OWN_SHARE * alone {
+            if beside < OWN_SHARE * alone {
                 rivals.push(other.id());
             }
         }
@@ -58,7 +59,7 @@ impl Search<'_> {
         screen: &Screen,
         progress: &Progress,
     ) -> Vec<&'static str> {
-        let large = tried.iter().filter(|one| one.size >= Rules::SIZE);
+        let large = tried.iter().filter(|one| one.size >= SIZE);
         let Some(best) = large.min_by(|a, b| a.cost().total_cmp(&b.cost())) else {
             return Vec::new();
         };
@@ -76,7 +77,7 @@ impl Search<'_> {
 
     /// A model with a rival of the last effect that does without an earlier one, if there is one.
     pub(super) fn with_a_rival<'a>(&self, there: Refit<'a>, progress: &mut Progress) -> Refit<'a> {
-        let most = there.objective() + Rules::APART * there.scale().powi(2);
+        let most = there.objective() + APART * there.scale().powi(2);
         let last = progress.chosen.len() - 1;
         let Choice { id: last_id, rivals, p_adjusted, is_small } = progress.chosen[last].clone();
         for id in ids(&progress.chosen[..last]) {

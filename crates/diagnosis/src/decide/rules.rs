@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::cut_offs::{HINT, LARGE, LATER_SHARE, NAME, SIZE, TOLERANCES};
 use crate::{DiagnosisError, Fit, Gain, Observations, Undetermined};
 
 /// Rules for an effect that explains more than those before it.
@@ -43,7 +44,7 @@ impl Objection {
             | Self::WithinTolerance { .. }
             | Self::Superfluous
             | Self::MeanFriction => false,
-            Self::NotSure { p } => *p <= Rules::HINT,
+            Self::NotSure { p } => *p <= HINT,
             Self::NotConfirmed { gain } | Self::NotPredictive { gain } => gain.mean >= gain.se,
             Self::OneCluster { .. }
             | Self::RightBeside { .. }
@@ -64,29 +65,14 @@ impl From<DiagnosisError> for Objection {
 }
 
 impl Rules {
-    /// Largest probability of a name, and of a hint.
-    pub(super) const NAME: f64 = 0.01;
-    pub(super) const HINT: f64 = 0.05;
-    /// Least difference of predictions over the noise; and what needs no other merit.
-    pub(super) const SIZE: f64 = 0.3;
-    const LARGE: f64 = 0.75;
-    /// Least share of the gain so far that a later effect has to add.
-    const SHARE: f64 = 0.01;
-    /// Difference in twice the log likelihood that tells effects apart.
-    pub(super) const APART: f64 = 6.0;
-    /// Share of what an effect explains by which a confounder has to fall behind.
-    pub(super) const SHARE_APART: f64 = 0.05;
-    /// Share of what an effect explains alone that is its own if it explains it beside another, too.
-    pub(super) const OWN_SHARE: f64 = 0.5;
-
     /// What speaks against an effect by its size alone.
     pub(super) fn objection(&self, p: f64, gain: f64, size: f64) -> Option<Objection> {
         let share = gain / self.gain_so_far;
-        if size < Self::SIZE {
+        if size < SIZE {
             Some(Objection::Small { size })
-        } else if p > Self::NAME {
+        } else if p > NAME {
             Some(Objection::NotSure { p })
-        } else if !self.is_first && share < Self::SHARE && size < Self::LARGE {
+        } else if !self.is_first && share < LATER_SHARE && size < LARGE {
             Some(Objection::LittleMore { share })
         } else {
             None
@@ -103,13 +89,13 @@ impl Rules {
             None | Some(Undetermined::LooksLike { .. }) => {}
             Some(why) => return Some(Objection::Undetermined { why: why.to_string() }),
         }
-        if effect.p > Self::NAME {
+        if effect.p > NAME {
             return Some(Objection::NotSure { p: effect.p });
         }
         let tolerance = tolerance.filter(|tolerance| tolerance.is_finite())?;
         let is_within = |parameter: &&crate::ParameterFit| {
             let off = parameter.off.unwrap_or_default();
-            (parameter.value - off).abs() <= 2.0 * tolerance + 2.0 * parameter.se
+            (parameter.value - off).abs() <= TOLERANCES * (tolerance + parameter.se)
         };
         let mut within = effect.parameters.iter().filter(is_within);
         let n_within = within.clone().count();

@@ -3,6 +3,7 @@
 use super::DiagnoseSettings;
 use super::found::Found;
 use crate::compare::comparison::gathered;
+use crate::cut_offs::{FEWEST_GATHERED, GATHERED};
 use crate::{
     Concentration, DiagnosisError, MapSettings, NoiseFloor, Observations, Predictions, Whitening,
 };
@@ -14,11 +15,6 @@ struct Scaled {
     typical: [f64; 7],
     predictions: Predictions,
 }
-
-/// Mean square in a region, in variances of the noise, from which something is wrong there.
-const LEAST_SQUARE: f64 = 4.0;
-/// Steps in the region, of held-out pushes, that have to say the same.
-const FEWEST_AGAIN: usize = 3;
 
 /// The region in which most squared error gathers that noise would not, on the pushes fitted to and
 /// again on those held out.
@@ -47,14 +43,14 @@ fn is_seen_again(
     residual: impl Fn(usize) -> Option<f64>,
     typical: f64,
 ) -> bool {
-    let least = LEAST_SQUARE * typical.powi(2);
+    let least = GATHERED * typical.powi(2);
     let squares: Vec<f64> = (0..aside.n_steps())
         .filter(|step| region.conditions.iter().all(|one| one.holds(aside, *step)))
         .filter_map(residual)
         .map(|residual| residual * residual)
         .collect();
     let mean = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
-    region.rms.powi(2) >= least && squares.len() >= FEWEST_AGAIN && mean >= least
+    region.rms.powi(2) >= least && squares.len() >= FEWEST_GATHERED && mean >= least
 }
 
 impl Scaled {

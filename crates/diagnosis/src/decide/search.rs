@@ -8,6 +8,7 @@ use models::Description;
 use super::DiagnoseSettings;
 use super::found::{Choice, Found, Progress, Refused, ids};
 use super::rules::{Objection, Rules};
+use crate::cut_offs::{APART, HINT, MOST_SMALL, NAME, SIZE};
 use crate::fit::{Refit, Trial};
 use crate::predict::tangent::Tangent;
 use crate::remains::noise_beside;
@@ -37,8 +38,6 @@ pub(super) struct Tried<'a> {
 const MOST_TRIALS: usize = 6;
 /// An effect whose score is a smaller share of the largest is not tried.
 const LEAST_SHARE: f64 = 0.05;
-/// Effects that are there and hardly seen, kept so that they do not pass for others.
-const MOST_SMALL: usize = 2;
 /// Trials within this of the best, in units of the sum and as a share of the fall, go on to their
 /// minimum.
 const FINALIST: (f64, f64) = (50.0, 0.2);
@@ -96,11 +95,11 @@ impl Search<'_> {
                 },
                 Some(objection) => objection,
             };
-            if objection.is_of_size() && p_adjusted <= Rules::NAME {
+            if objection.is_of_size() && p_adjusted <= NAME {
                 small.push(index);
             }
             // What no screen saw was tried as a rival alone.
-            if p_adjusted <= Rules::HINT {
+            if p_adjusted <= HINT {
                 progress.refused.push(Refused { id, objection });
             }
         }
@@ -168,7 +167,7 @@ impl Search<'_> {
         }
         let least = tried.iter().map(Tried::cost).fold(f64::INFINITY, f64::min);
         let near = FINALIST.0.max(FINALIST.1 * (here.objective() - least));
-        let is_finalist = |one: &Tried| one.size >= Rules::SIZE && one.cost() < least + near;
+        let is_finalist = |one: &Tried| one.size >= SIZE && one.cost() < least + near;
         // A single one needs no exact comparison.
         let is_close = tried.iter().filter(|one| is_finalist(one)).count() > 1;
         for one in tried.iter_mut().filter(|one| is_close && is_finalist(one)) {
@@ -227,7 +226,7 @@ impl Search<'_> {
             effect.not_testable.is_none()
                 && !self.is_nominal(effect.id)
                 && !progress.was_superfluous(effect.id)
-                && effect.p_adjusted <= Rules::HINT
+                && effect.p_adjusted <= HINT
                 && effect.statistic >= LEAST_SHARE * largest
         };
         let worth = screen.effects.iter().filter(is_worth).map(|effect| effect.id);
@@ -254,8 +253,7 @@ impl Search<'_> {
         let last = progress.chosen.len() - 1;
         for id in ids(&progress.chosen[..last]) {
             let without = there.roughly_without(&[id])?;
-            if without.misfit_by(&there) - there.objective() < Rules::APART * there.scale().powi(2)
-            {
+            if without.misfit_by(&there) - there.objective() < APART * there.scale().powi(2) {
                 progress.chosen.retain(|one| one.id != id);
                 progress.refused.push(Refused { id, objection: Objection::Superfluous });
                 return Ok(without);

@@ -5,14 +5,13 @@ use std::f64::consts::SQRT_2;
 use effects::{Channel, Effect, Stage, SupportPoints};
 
 use super::found::{Choice, Progress, Refused};
-use super::rules::{Objection, Rules};
+use super::rules::Objection;
 use super::search::Search;
+use crate::cut_offs::{NAME, PUSHES_A_NUMBER};
 use crate::fit::Refit;
 use crate::predict::candidates::follow_from_points;
 use crate::{DiagnosisError, Gain, Screen, ScreenedEffect};
 
-/// Pushes for each number that says where an object rests, below which nothing is asked of it.
-const PUSHES_A_NUMBER: usize = 4;
 /// Of four points: places and shares.
 const N_NUMBERS: usize = 11;
 
@@ -58,7 +57,7 @@ impl Search<'_> {
         let objection = match gain {
             Err(why) => Some(why),
             Ok(gain) if !gain.is_sure() => Some(Objection::NotPredictive { gain }),
-            Ok(_) => (p > Rules::NAME).then_some(Objection::NotSure { p }),
+            Ok(_) => (p > NAME).then_some(Objection::NotSure { p }),
         };
         let (Ok(there), None) = (found, &objection) else {
             progress.refused.extend(objection.map(|objection| Refused { id, objection }));

@@ -12,15 +12,14 @@ use super::problem::Problem;
 use super::resemblance::{Resemblance, resemblances};
 use super::sandwich::Sandwich;
 use super::search::Found;
-use super::{EffectFit, Fit, FitSettings, Intervals, NuisanceFit, ParameterFit, SIGNIFICANT};
+use super::{EffectFit, Fit, FitSettings, Intervals, NuisanceFit, ParameterFit};
+use crate::cut_offs::{ALIKE, NAME};
 use crate::statistics::quantile::{fisher_tail, student_975, student_tail};
 use crate::undetermined::Undetermined;
 use crate::{DiagnosisError, Observations};
 
 /// A 95 % interval in standard errors.
 const WIDTH: f64 = 3.92;
-/// Correlation of signatures beyond which two effects are one to the data.
-const ALIKE: f64 = 0.98;
 
 /// A minimum with what it leaves open.
 struct Ending<'a> {
@@ -136,7 +135,7 @@ impl Ending<'_> {
         let unseen = self.unseen(index);
         let has_intervals = settings.intervals != Intervals::None
             && unseen.is_none()
-            && (p <= SIGNIFICANT || !has_direction(member));
+            && (p <= NAME || !has_direction(member));
         let (values, covariances) = self.values(index);
         let mut parameters = Vec::new();
         for (k, (parameter, value)) in member.parameters().iter().zip(values).enumerate() {

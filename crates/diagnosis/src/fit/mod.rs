@@ -39,6 +39,7 @@ pub(crate) use self::robust::Robust;
 use self::estimates::estimates;
 use self::problem::Problem;
 use self::space::Space;
+use crate::cut_offs::NAME;
 use crate::{DiagnosisError, NoiseModel, Observations, Tolerances, Undetermined, Whitening};
 
 /// What a fit moves beside what it is asked for, and what it tells.
@@ -166,9 +167,6 @@ pub struct NuisanceFit {
     pub se: f64,
 }
 
-/// A significant effect is smaller by chance in one of a hundred sets.
-const SIGNIFICANT: f64 = 0.01;
-
 /// Fits effects and nominal parameters of an analytical model to observed steps.
 ///
 /// `free` are ids of effects: those that the model carries start from its values, others from
@@ -256,7 +254,7 @@ impl Fit {
                 Some(Undetermined::NoChannel { .. } | Undetermined::Invisible)
             )
         };
-        let nothing = self.effects.iter().filter(is_seen).find(|effect| effect.p > SIGNIFICANT);
+        let nothing = self.effects.iter().filter(is_seen).find(|effect| effect.p > NAME);
         match nothing {
             Some(EffectFit { id, p, .. }) => {
                 let why = Undetermined::NotDistinct { p: *p };

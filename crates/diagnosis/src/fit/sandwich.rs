@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use super::descent::Minimum;
 use super::problem::Problem;
+use crate::cut_offs::MODEL_TOLERANCE;
 use crate::{DiagnosisError, Observations};
 
 /// What estimates leave open, in the numbers that were moved.
@@ -14,9 +15,6 @@ pub(super) struct Sandwich {
     /// By the curvature alone, as if the noise were known.
     pub(super) of_curvature: DMatrix<f64>,
 }
-
-/// Share of an estimate's size by which models of rigs miss the truth.
-const MODEL_TOLERANCE: f64 = 0.01;
 
 impl Sandwich {
     /// The jackknife over clusters, in one Newton step each.

@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use self::columns::{Columns, tangent_of_all};
 use self::folds::{Folds, Gains, left_by_all};
 use self::place::place;
+use crate::cut_offs::FEWEST_CLUSTERS;
 use crate::data::split::clusters;
 use crate::predict::tangent::Tangent;
 use crate::{DiagnosisError, Gain, NoiseModel, Observations, Tolerances};
@@ -58,9 +59,6 @@ pub(crate) struct RemainSettings<'a> {
     /// Seed of the parts, each predicted by a fit to the others.
     pub(crate) seed: u64,
 }
-
-/// Fewer clusters show no structure.
-const FEWEST_CLUSTERS: usize = 8;
 
 /// What of the rig the error comes from that a model leaves, beside noise learnt about it.
 ///

@@ -3,6 +3,7 @@
 use effects::{Channel, Effect, EffectInfo, Frame, FrictionGradient, Role, Stage};
 use serde::Serialize;
 
+use crate::cut_offs::ONE_SPEED;
 use crate::data::coverage::Coverage;
 use crate::predict::candidates::{Candidate, Candidates};
 use crate::statistics::score::DETECTABLE;
@@ -85,9 +86,6 @@ pub(crate) fn untestable(
     let measure = advice(&Coverage::of(observations), about, lacks_force);
     Some(NotTestable { reason, because, measure })
 }
-
-/// Pushes whose speeds differ by a smaller factor are at one speed.
-const ONE_SPEED: f64 = 1.5;
 
 /// The reason, if what an effect depends on does not differ in these observations or is not known, such
 /// as the object's orientation for what acts along directions of the table.

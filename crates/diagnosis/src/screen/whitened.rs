@@ -4,6 +4,7 @@ use models::Cluster;
 use nalgebra::{DMatrix, DVector};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
+use crate::cut_offs::NAME;
 use crate::data::split::clusters;
 use crate::predict::candidates::{Candidate, Candidates};
 use crate::predict::tangent::Tangent;
@@ -255,14 +256,11 @@ impl Calibration {
     fn of(cluster: Cluster, n_clusters: usize, n_flips: usize, n_tests: usize) -> Self {
         let of_flips = n_tests.max(1) as f64 / (1 + n_flips) as f64;
         let smallest_p = of_flips.max(of_all_flips(n_clusters, n_tests)).min(1.0);
-        let needed = (1..).find(|n| of_all_flips(*n, n_tests) <= LEVEL).unwrap_or(n_clusters);
+        let needed = (1..).find(|n| of_all_flips(*n, n_tests) <= NAME).unwrap_or(n_clusters);
         let clusters_missing = needed.saturating_sub(n_clusters);
         Self { cluster, n_clusters, n_flips, n_tests, smallest_p, clusters_missing }
     }
 }
-
-/// Probability that no name may exceed.
-const LEVEL: f64 = 0.01;
 
 /// What all flips of so many clusters give an effect that every cluster shows.
 ///

@@ -1,5 +1,6 @@
 //! Log predictive density that clusters gain from one model to another.
 
+use crate::cut_offs::{MOST_OF_ONE, SURE_NATS, SURE_SE};
 use serde::{Deserialize, Serialize};
 
 /// Log predictive density that held-out pushes gain, in nats, with its standard error.
@@ -11,13 +12,6 @@ pub struct Gain {
     /// Its standard error, from whole clusters.
     pub se: f64,
 }
-
-/// Largest gain of one cluster, in nats: 20 000 to 1. Where a model misses by many standard
-/// deviations, the tails of the noise decide, which nobody knows, and few pushes hold it all.
-const MOST_OF_ONE: f64 = 10.0;
-/// Least gain that is sure, in nats and in standard errors.
-const LEAST: f64 = 4.0;
-const LEAST_OVER_SE: f64 = 1.64;
 
 impl Gain {
     /// Of the gains of clusters, none of which says more than 10 nats.
@@ -31,7 +25,7 @@ impl Gain {
 
     /// Whether pushes that no fit has seen are predicted better for sure.
     pub fn is_sure(&self) -> bool {
-        self.mean >= LEAST.max(LEAST_OVER_SE * self.se)
+        self.mean >= SURE_NATS.max(SURE_SE * self.se)
     }
 }
 
