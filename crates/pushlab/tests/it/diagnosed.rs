@@ -93,6 +93,38 @@ fn what_a_diagnosis_names_is_added_and_compared_on_the_pushes_that_confirmed_it(
 }
 
 #[test]
+fn the_page_tells_where_the_rest_comes_from_and_what_speaks_against_a_cause() {
+    let (set, mut diagnosis) = diagnosed();
+    let gain = |mean: f64| json!({ "mean": mean, "se": 10.0 });
+    let origin = |origin: &str, mean: f64, at: Value| json!({ "origin": origin, "gain": gain(mean), "alone": 0.6, "last_in": 0.4, "at": at });
+    diagnosis["remains"] = json!({
+        "gain": gain(100.0), "share": 0.25, "smooth": gain(5.0),
+        "origins": [origin("support", 60.0, json!("at p > 0.8")), origin("table", 3.0, Value::Null)],
+    });
+    // What is hardly seen is in no list of names, and is added with all the others.
+    (diagnosis["verdict"], diagnosis["identified"]) = ("ambiguous".into(), json!([]));
+    diagnosis["effects"][0]["small"] = true.into();
+    diagnosis["effects"][1]["why"] = "its size differs by 40 % over yaw".into();
+    set.write("d.json", &diagnosis.to_string());
+    set.done(&["report", "pushes", "--from", "d.json"]);
+    let page = set.read("report.html");
+    for part in [
+        "they take off 25 % of the squared error",
+        "gains nothing sure",
+        "60 ± 10",
+        "at p &gt; 0.8",
+        "its size differs by 40 % over yaw",
+        "there, hardly seen",
+    ] {
+        assert!(page.contains(part), "no {part}");
+    }
+    // No share of what is not sure.
+    assert_eq!((page.matches("60 %").count(), page.matches("40 %").count()), (1, 2));
+    set.done(&["add", "--all", "--from", "d.json", "-o", "all.toml"]);
+    assert_eq!(set.read("all.toml").matches("id = \"limit-surface-shape\"").count(), 1);
+}
+
+#[test]
 fn the_page_shows_what_is_missing_beside_what_the_model_misses() {
     let (set, mut diagnosis) = diagnosed();
     diagnosis["sentence"] = "Missing: </script><script>alert(1)</script>".into();

@@ -92,10 +92,10 @@ fn write_remains(f: &mut fmt::Formatter<'_>, remains: &Remains) -> fmt::Result {
     }
     let percent = 100.0 * share;
     writeln!(f, ": {percent:.0} % of the squared error; on held-out pushes it is predicted by")?;
-    for OriginShare { origin, gain, alone, last_in, at } in origins {
-        let Gain { mean, se } = gain;
+    let (sure, unsure): (Vec<_>, Vec<_>) = origins.iter().partition(|one| one.gain.is_sure());
+    for OriginShare { origin, gain: Gain { mean, se }, alone, last_in, at } in sure {
         write!(f, "  {:12} gain {mean:.0} ± {se:.0} nats", origin.name())?;
-        if let (Some(alone), Some(last_in), true) = (alone, last_in, gain.is_sure()) {
+        if let (Some(alone), Some(last_in)) = (alone, last_in) {
             let (alone, last_in) = (100.0 * alone, 100.0 * last_in);
             write!(f, ", {alone:.0} % of all; {last_in:.0} % by nothing else")?;
         }
@@ -103,6 +103,10 @@ fn write_remains(f: &mut fmt::Formatter<'_>, remains: &Remains) -> fmt::Result {
             Some(at) => writeln!(f, "; most {at}")?,
             None => writeln!(f)?,
         }
+    }
+    if !unsure.is_empty() {
+        let names: Vec<&str> = unsure.iter().map(|one| one.origin.name()).collect();
+        writeln!(f, "  nothing sure by {}", names.join(", "))?;
     }
     let Gain { mean, se } = smooth;
     writeln!(f, "  any smooth function of place, direction and speed: {mean:.0} ± {se:.0} nats")

@@ -1,6 +1,7 @@
 //! What a diagnosis says: what is missing, how sure that is, and what else it could be.
 
 mod charts;
+mod remains;
 mod signatures;
 
 use ::report::{ReportError, Section};
@@ -35,8 +36,16 @@ pub(super) fn section(found: &Diagnosis, signatures: &Signatures) -> Result<Sect
         let head = ["effect", "said", "p", "gain in nats", "gap closed", "values (95 %)"];
         section = section.table(&head, claimed);
     }
+    let doubted = found.effects.iter().filter(|one| is_added(one.grade) && !one.why.is_empty());
+    let doubted: Vec<_> = doubted.map(|one| vec![one.id.clone(), one.why.clone()]).collect();
+    if !doubted.is_empty() {
+        section = section.table(&["effect", "why its cause may be another"], doubted);
+    }
     section = alike(found, section);
     section = section.text(&left(&found.leftover));
+    if let Some(remains) = &found.remains {
+        section = remains::told(remains, section);
+    }
     Ok(rest(found, section))
 }
 
@@ -69,7 +78,7 @@ fn reading(verdict: Verdict) -> &'static str {
         }
         Verdict::Effective => {
             "Effective: the error on held-out pushes falls with the effect, but another cause may be \
-             behind it: its size differs from place to place, or most of the error is left. Add it to \
+             behind it: the table says why. Add it to \
              predict better; do not take its name for the cause."
         }
         Verdict::Unexplained => {
