@@ -30,11 +30,6 @@ pub(super) enum Objection {
 }
 
 impl Objection {
-    /// Whether the effect may well be there, and hardly matters.
-    pub(super) fn is_of_size(&self) -> bool {
-        matches!(self, Self::Small { .. } | Self::LittleMore { .. })
-    }
-
     /// Whether the effect may be missing none the less: not one that is seen and does not matter, nor
     /// one that a fit takes for chance or that held-out pushes do not miss.
     pub(super) fn is_hint(&self) -> bool {

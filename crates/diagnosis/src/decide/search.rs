@@ -95,7 +95,9 @@ impl Search<'_> {
                 },
                 Some(objection) => objection,
             };
-            if objection.is_of_size() && p_adjusted <= NAME {
+            // One of a group is no second effect beside another of it.
+            let is_rival = progress.chosen.iter().any(|one| one.rivals.contains(&id));
+            if matches!(objection, Objection::Small { .. }) && p_adjusted <= NAME && !is_rival {
                 small.push(index);
             }
             // What no screen saw was tried as a rival alone.
@@ -258,6 +260,10 @@ impl Search<'_> {
                 progress.refused.push(Refused { id, objection: Objection::Superfluous });
                 return Ok(without);
             }
+        }
+        // What is hardly seen tells no groups apart.
+        if progress.chosen[last].is_small {
+            return Ok(there);
         }
         Ok(self.with_a_rival(there, progress))
     }

@@ -91,12 +91,11 @@ impl NoiseModel {
         Self::learn_at(&Tangent::of(model, own, observations)?, observations, None)
     }
 
-    /// The same with slopes that are known, and also from what a flexible fit leaves of each push, if that is
-    /// given.
+    /// The same with slopes that are known, and also from what a flexible fit leaves of pushes, if that is given.
     pub(crate) fn learn_at(
         tangent: &Tangent,
         observations: &Observations,
-        left: Option<&[DVector<f64>]>,
+        left: Option<&[(usize, DVector<f64>)]>,
     ) -> Result<Self, DiagnosisError> {
         let shapes = shapes(observations, &tangent.linearisation);
         let groups = repeat_groups(observations);
@@ -113,8 +112,12 @@ impl NoiseModel {
         };
         if let Some(left) = left {
             let n_fixed = blocks.first().map_or(0, |block| block.fixed.ncols());
-            let some = (0..left.len()).step_by(left.len().div_ceil(MOST_PAIRS).max(1));
-            blocks.extend(some.map(|push| data.left(&left[push], (push, n_fixed))));
+            // What repeats itself says more exactly by how much it differs.
+            let repeats = repeat_groups(observations);
+            let is_alone = |push: usize| !repeats.iter().any(|group| group.contains(&push));
+            let alone: Vec<_> = left.iter().filter(|(push, _)| is_alone(*push)).collect();
+            let some = alone.iter().step_by(alone.len().div_ceil(MOST_PAIRS).max(1));
+            blocks.extend(some.map(|(push, left)| data.left(left, (*push, n_fixed))));
         }
         let prior: Vec<_> = SOURCES.iter().map(Source::prior).collect();
         let found = variances(&blocks, &prior);

@@ -16,6 +16,8 @@ use crate::fit::Robust;
 const N_FOLDS: usize = 5;
 /// Share of the numbers that a fit leaves free at least: where it takes more, what is left tells no noise.
 const LEAST_FREEDOM: f64 = 0.25;
+/// Say of a push below which it is an outlier, and tells no noise.
+const LEAST_SAY: f64 = 0.5;
 
 pub(super) struct Folds {
     folds: Vec<Fold>,
@@ -91,10 +93,13 @@ impl Folds {
     }
 }
 
-/// What is left of each push where every origin has its component and the open numbers are fitted, with the
-/// say that the push has in a robust fit; in SI units, made larger by what a fit of so many numbers takes
-/// of the noise. None where the numbers are not determined.
-pub(super) fn left_by_all(columns: &Columns, rows: &[Range<usize>]) -> Option<Vec<DVector<f64>>> {
+/// What is left of each push where every origin has its component and the open numbers are fitted, in SI
+/// units, made larger by what a fit of so many numbers takes of the noise; without pushes that hardly have a
+/// say in a robust fit. None where the numbers are not determined.
+pub(super) fn left_by_all(
+    columns: &Columns,
+    rows: &[Range<usize>],
+) -> Option<Vec<(usize, DVector<f64>)>> {
     let (pushes, says) = weighted(columns, rows);
     let all: Vec<usize> = (0..pushes.len()).collect();
     let beliefs = columns.beliefs();
@@ -110,12 +115,15 @@ pub(super) fn left_by_all(columns: &Columns, rows: &[Range<usize>]) -> Option<Ve
     let (shares, estimate) = &whole.open;
     let open = estimate - shares * &change;
     let of_push = |push: usize| {
+        if says[push] < LEAST_SAY {
+            return None;
+        }
         let plain = columns.plain(push);
         let of_open = plain.columns(1, open.len()) * &open;
         let of_components = plain.columns(1 + open.len(), change.len()) * &change;
-        (plain.column(0) - of_open - of_components) * (growth * says[push])
+        Some((push, (plain.column(0) - of_open - of_components) * growth))
     };
-    Some((0..rows.len()).into_par_iter().map(of_push).collect())
+    Some((0..rows.len()).into_par_iter().filter_map(of_push).collect())
 }
 
 impl Gains {
