@@ -181,8 +181,9 @@ fn left(leftover: &Leftover) -> String {
             )
         }
         (None, Some(p)) => format!(
-            "What is left: nothing beyond chance (p {p:.2} for as much structure in noise). That is no \
-             proof that the model is complete where no push was made."
+            "What is left: nothing beyond chance over place, angle, speed, orientation, table and time \
+             (p {p:.2} for as much structure in noise). That is no proof that the model is complete where no \
+             push was made."
         ),
         (None, None) => "What is left: there are too few pushes to look for structure.".to_owned(),
     }

@@ -25,8 +25,8 @@ pub(super) fn told(remains: &Remains, section: Section) -> Section {
     };
     section
         .text(&format!(
-            "Where the rest comes from: each origin is free to take any form, fitted to four fifths of the pushes, \
-             and predicts the last fifth. Together they take off {:.0} % of the squared error that is left, in \
+            "Where the rest comes from, looked at all at once: each origin is free to take any form, fitted to \
+             four fifths of the pushes, and predicts the last fifth. Together they take off {:.0} % of the squared error that is left, in \
              units of the noise; any smooth function of place, direction and speed gains {}. Where “alone” \
              is large and “by nothing else” small, another origin could be it as well.",
             100.0 * share,
