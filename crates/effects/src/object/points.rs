@@ -1,9 +1,12 @@
 //! Sums over the points that stand for a support, in the machine's vector registers.
 
+mod lane;
 mod local;
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use pulp::{Arch, Simd, WithSimd};
+
+use self::lane::{Lane, Register};
 
 /// A load and its derivatives by the motion.
 pub(crate) type Load = (Vector3<f64>, Matrix3<f64>);
@@ -61,6 +64,7 @@ impl Points {
     /// the order is fixed, so the bits do not depend on the machine.
     pub(crate) fn load(&self, tensor: &Matrix2<f64>, stretch: f64, motion: &Vector3<f64>) -> Load {
         let sums = Arch::new().dispatch(Forces { points: self, tensor, stretch, motion });
+        let sums = sums.map(|sums| total(&sums));
         let [x, y, turn, xx, xy, yy, x_turn, y_turn, turn_turn] = sums;
         let force = tensor.tr_mul(&Vector2::new(x, y));
         let block = tensor.tr_mul(&Matrix2::new(xx, xy, xy, yy)) * tensor;
@@ -73,7 +77,7 @@ impl Points {
 
     /// Σ of each point's share of |M r|.
     pub(crate) fn mean_norm(&self, matrix: &Matrix2<f64>) -> f64 {
-        Arch::new().dispatch(Norms { points: self, matrix })
+        total(&Arch::new().dispatch(Norms { points: self, matrix }))
     }
 }
 
@@ -86,14 +90,30 @@ struct Forces<'a> {
 }
 
 impl WithSimd for Forces<'_> {
-    type Output = [f64; 9];
+    type Output = [[f64; SIZE]; 9];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> [f64; 9] {
+    fn with_simd<S: Simd>(self, simd: S) -> [[f64; SIZE]; 9] {
         let Self { points, tensor, stretch, motion } = self;
-        sum(points.blocks.iter().map(|Block { x, y, share, spin }| {
-            move |k: usize| forces([x[k], y[k]], spin[k], share[k], tensor, stretch, motion)
-        }))
+        let mut sums = [[0.0; SIZE]; 9];
+        let one = Register::all(simd, 1.0);
+        for register in 0..SIZE / S::F64_LANES {
+            let mut added = [Register::all(simd, 0.0); 9];
+            for block in &points.blocks {
+                let x = Register::of(simd, &block.x, register);
+                let y = Register::of(simd, &block.y, register);
+                let share = Register::of(simd, &block.share, register);
+                let spin = Register::of(simd, &block.spin, register);
+                let terms = forces(one, [x, y], spin, share, tensor, stretch, motion);
+                for number in 0..9 {
+                    added[number] = added[number] + terms[number];
+                }
+            }
+            for number in 0..9 {
+                added[number].put(&mut sums[number], register);
+            }
+        }
+        sums
     }
 }
 
@@ -105,23 +125,27 @@ const AT_REST: f64 = 1e-300;
 /// and l·u, and the weight over the image's length times the elements of 1 − u uᵀ, its product with l
 /// and l·(1 − u uᵀ) l = |l × u|².
 #[inline(always)]
-fn forces(
-    [x, y]: [f64; 2],
-    spin: f64,
-    weight: f64,
+fn forces<L: Lane>(
+    one: L,
+    [x, y]: [L; 2],
+    spin: L,
+    weight: L,
     tensor: &Matrix2<f64>,
     stretch: f64,
     motion: &Vector3<f64>,
-) -> [f64; 9] {
-    let (m11, m12, m21, m22) = (tensor.m11, tensor.m12, tensor.m21, tensor.m22);
+) -> [L; 9] {
+    let (m11, m12) = (one.alike(tensor.m11), one.alike(tensor.m12));
+    let (m21, m22) = (one.alike(tensor.m21), one.alike(tensor.m22));
+    let (turn, stretch) = (one.alike(motion.z), one.alike(stretch));
     let (arm_x, arm_y) = (-stretch * y, stretch * x);
-    let (vx, vy) = (motion.x + motion.z * arm_x, motion.y + motion.z * arm_y);
+    let vx = one.alike(motion.x) + turn * arm_x;
+    let vy = one.alike(motion.y) + turn * arm_y;
     let (image_x, image_y) = (m11 * vx + m12 * vy, m21 * vx + m22 * vy);
     let (lever_x, lever_y) = (m11 * arm_x + m12 * arm_y, m21 * arm_x + m22 * arm_y);
-    let (lever_s, image_s) = (stretch * spin, motion.z * (stretch * spin));
+    let lever_s = stretch * spin;
+    let image_s = turn * lever_s;
     let square = image_x * image_x + image_y * image_y + image_s * image_s;
-    let square = if square > AT_REST { square } else { AT_REST };
-    let inverse = 1.0 / square.sqrt();
+    let inverse = square.at_least(AT_REST).inverse_root();
     let (ux, uy, us) = (image_x * inverse, image_y * inverse, image_s * inverse);
     // The components of l × u.
     let cross_x = lever_y * us - lever_s * uy;
@@ -148,41 +172,28 @@ struct Norms<'a> {
 }
 
 impl WithSimd for Norms<'_> {
-    type Output = f64;
+    type Output = [f64; SIZE];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; SIZE] {
         let Self { points, matrix: m } = self;
-        let (m11, m12, m21, m22) = (m.m11, m.m12, m.m21, m.m22);
-        let [norm] = sum(points.blocks.iter().map(|Block { x, y, share, .. }| {
-            move |k: usize| {
-                let (image_x, image_y) = (m11 * x[k] + m12 * y[k], m21 * x[k] + m22 * y[k]);
-                [share[k] * (image_x * image_x + image_y * image_y).sqrt()]
+        let mut sums = [0.0; SIZE];
+        let of = Register::all(simd, 0.0);
+        let (m11, m12, m21, m22) =
+            (of.alike(m.m11), of.alike(m.m12), of.alike(m.m21), of.alike(m.m22));
+        for register in 0..SIZE / S::F64_LANES {
+            let mut added = Register::all(simd, 0.0);
+            for block in &points.blocks {
+                let x = Register::of(simd, &block.x, register);
+                let y = Register::of(simd, &block.y, register);
+                let share = Register::of(simd, &block.share, register);
+                let (image_x, image_y) = (m11 * x + m12 * y, m21 * x + m22 * y);
+                added = added + share * (image_x * image_x + image_y * image_y).root();
             }
-        }));
-        norm
-    }
-}
-
-/// The sums of what the points at the places of each block add: one for each place, so that the
-/// compiler may take several points at once, and then over the places.
-#[inline(always)]
-fn sum<const N: usize>(blocks: impl Iterator<Item = impl Fn(usize) -> [f64; N]>) -> [f64; N] {
-    let mut sums = [[0.0; SIZE]; N];
-    for terms in blocks {
-        let mut added = [[0.0; SIZE]; N];
-        for k in 0..SIZE {
-            for (added, term) in added.iter_mut().zip(terms(k)) {
-                added[k] = term;
-            }
+            added.put(&mut sums, register);
         }
-        for (sum, added) in sums.iter_mut().zip(&added) {
-            for k in 0..SIZE {
-                sum[k] += added[k];
-            }
-        }
+        sums
     }
-    sums.map(|sums| total(&sums))
 }
 
 /// The sum over the places of a block, always in the same order.

@@ -3,7 +3,8 @@
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::{Block, Points, SIZE, forces, sum};
+use super::lane::{Lane, Register};
+use super::{Block, Points, SIZE, forces, total};
 use crate::object::points::Load;
 
 /// Relative surplus s of friction at a place that slides with a velocity, and ds/d ln |v|.
@@ -23,7 +24,7 @@ impl Points {
         motion: &Vector3<f64>,
     ) -> Load {
         let pass = LocalForces { points: self, law, tensor, stretch, motion };
-        let [x, y, turn, sides @ ..] = Arch::new().dispatch(pass);
+        let [x, y, turn, sides @ ..] = Arch::new().dispatch(pass).map(|sums| total(&sums));
         let [xx, xy, yy, x_turn, y_turn, turn_turn, growth @ ..] = sides;
         let slope = Matrix3::new(xx, xy, x_turn, xy, yy, y_turn, x_turn, y_turn, turn_turn);
         // From directions of images to those of velocities.
@@ -46,24 +47,37 @@ struct LocalForces<'a> {
 
 impl WithSimd for LocalForces<'_> {
     /// Three of the load, six of its symmetric and nine of its other derivatives.
-    type Output = [f64; 18];
+    type Output = [[f64; SIZE]; 18];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> [f64; 18] {
+    fn with_simd<S: Simd>(self, simd: S) -> [[f64; SIZE]; 18] {
         let Self { points, law, tensor, stretch, motion } = self;
-        sum(points.blocks.iter().map(|block| {
+        let mut sums = [[0.0; SIZE]; 18];
+        let (none, one) = (Register::all(simd, 0.0), Register::all(simd, 1.0));
+        let (move_x, move_y) = (one.alike(motion.x), one.alike(motion.y));
+        let (turn, stretched) = (one.alike(motion.z), one.alike(stretch));
+        for block in &points.blocks {
             let Surplus { weight, growth } = Surplus::of(block, law, stretch, motion);
-            let Block { x, y, .. } = block;
-            move |k: usize| {
-                let of = |weight| forces([x[k], y[k]], 0.0, weight, tensor, stretch, motion);
-                let (forces, growths) = (of(weight[k]), of(growth[k]));
-                let (arm_x, arm_y) = (-stretch * y[k], stretch * x[k]);
-                let (vx, vy) = (motion.x + motion.z * arm_x, motion.y + motion.z * arm_y);
+            for register in 0..SIZE / S::F64_LANES {
+                let x = Register::of(simd, &block.x, register);
+                let y = Register::of(simd, &block.y, register);
+                let weight = Register::of(simd, &weight, register);
+                let growth = Register::of(simd, &growth, register);
+                let forces_of = forces(one, [x, y], none, weight, tensor, stretch, motion);
+                let growths = forces(one, [x, y], none, growth, tensor, stretch, motion);
+                let (arm_x, arm_y) = (-stretched * y, stretched * x);
+                let (vx, vy) = (move_x + turn * arm_x, move_y + turn * arm_y);
                 let faster = [vx, vy, vx * arm_x + vy * arm_y];
-                let growth = |i: usize| growths[i / 3] * faster[i % 3];
-                std::array::from_fn(|i| if i < 9 { forces[i] } else { growth(i - 9) })
+                for number in 0..9 {
+                    let sum = Register::of(simd, &sums[number], register);
+                    (sum + forces_of[number]).put(&mut sums[number], register);
+                    let sum = Register::of(simd, &sums[9 + number], register);
+                    let grown = growths[number / 3] * faster[number % 3];
+                    (sum + grown).put(&mut sums[9 + number], register);
+                }
             }
-        }))
+        }
+        sums
     }
 }
 
