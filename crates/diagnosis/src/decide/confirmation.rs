@@ -44,7 +44,7 @@ impl<'a> Aside<'a> {
     pub(super) fn outcome(&self, model: &Description) -> Result<Outcome, DiagnosisError> {
         let own = &self.settings.own;
         let residuals =
-            Predictions::of(model, own, self.observations)?.residuals(self.observations)?;
+            Predictions::expected(model, own, self.observations)?.residuals(self.observations)?;
         let values: Vec<[f64; 7]> =
             residuals.iter().map(|step| step.map(Option::unwrap_or_default)).collect();
         let by_own = self.noise.whitening(model, own, self.observations)?;
@@ -87,7 +87,7 @@ impl<'a> Aside<'a> {
         let mean = ClusterMean::of(&before.squares);
         let se = mean.map_or(f64::INFINITY, |mean| 0.5 * mean.se / mean.mean.sqrt());
         let gap = before.rms() - 1.0;
-        let predictions = Predictions::of(best, &self.settings.own, all)?;
+        let predictions = Predictions::expected(best, &self.settings.own, all)?;
         let floor = noise_floor(all, &predictions, &RepeatTolerance::default())?;
         let [dx_m, dy_m, dtheta_rad, ..] = floor.numbers.map(|floor| floor.map(|floor| floor.rms));
         Ok(ErrorFall {

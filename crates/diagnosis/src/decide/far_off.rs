@@ -10,9 +10,8 @@ use rand::seq::index::sample;
 use rand_chacha::ChaCha8Rng;
 
 use super::DiagnoseSettings;
-use super::found::Found;
+use super::standing::Standing;
 use crate::cut_offs::{FAR, FEWEST_FAR, MOST_FAR};
-use crate::{DiagnosisError, Observations, Predictions};
 
 /// What pushes that are missed by far have in common.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,32 +53,26 @@ const N_DRAWS: usize = 1999;
 /// A chipped corner or a dent of the table spoils a few pushes entirely and all others not at all: no
 /// mean shows it. That the few lie together does.
 pub(super) fn shared_by_far_off(
-    found: &Found,
-    parts: [&Observations; 2],
+    parts: [&Standing; 2],
     settings: &DiagnoseSettings,
-) -> Result<Option<Shared>, DiagnosisError> {
+) -> Option<Shared> {
     let mut pushes: Vec<Worst> = Vec::new();
-    for observations in parts {
+    for standing in parts {
         // Sessions stay whole, so those of the parts are different ones.
-        let first = match observations.cluster {
+        let first = match standing.observations.cluster {
             Cluster::Push => 0,
             Cluster::Session => pushes.iter().map(|push| push.stratum + 1).max().unwrap_or(0),
         };
-        let own = worst_steps(found, observations, settings)?;
+        let own = worst_steps(standing);
         pushes.extend(own.into_iter().map(|one| Worst { stratum: first + one.stratum, ..one }));
     }
-    Ok(shared(&pushes, settings.seed))
+    shared(&pushes, settings.seed)
 }
 
-fn worst_steps(
-    found: &Found,
-    observations: &Observations,
-    settings: &DiagnoseSettings,
-) -> Result<Vec<Worst>, DiagnosisError> {
-    let model = &found.with_nuisances;
-    let residuals = Predictions::of(model, &settings.own, observations)?.residuals(observations)?;
+fn worst_steps(standing: &Standing) -> Vec<Worst> {
+    let Standing { observations, residuals, whitening, .. } = standing;
     let mut worst = vec![(0.0, None); observations.pushes.len()];
-    for (step, number, sd) in found.noise.whitening(model, &settings.own, observations)?.sd() {
+    for (step, number, sd) in whitening.sd() {
         let error = residuals[step][number].map_or(0.0, |residual| (residual / sd).abs());
         let of_push: &mut (f64, Option<usize>) = &mut worst[observations.push_of[step]];
         if of_push.1.is_none() || error > of_push.0 {
@@ -102,7 +95,7 @@ fn worst_steps(
             time: input.progress,
         })
     };
-    Ok(worst.into_iter().filter_map(at).collect())
+    worst.into_iter().filter_map(at).collect()
 }
 
 /// The likeliest thing that the pushes missed by far share; none if there are too few or too many.

@@ -3,6 +3,7 @@
 use super::far_off::{Shared, shared_by_far_off};
 use super::found::Found;
 use super::scatter::gathered_again;
+use super::standing::Standing;
 use super::{DiagnoseSettings, Leftover};
 use crate::cut_offs::{FAR_OFF, HINT, LEFT_SHARE, MISSES, NAME};
 use crate::{
@@ -60,17 +61,18 @@ pub(super) fn leftover(
     (fitted, aside): (&Observations, &Observations),
     settings: &DiagnoseSettings,
 ) -> Result<Left, DiagnosisError> {
-    let predictions = Predictions::of(&found.with_nuisances, &settings.own, fitted)?;
-    let floor = noise_floor(fitted, &predictions, &RepeatTolerance::default())?;
-    let structure = Structure::of(&predictions, fitted, &floor, settings)?;
+    let here = Standing::of(found, fitted, settings)?;
+    let there = Standing::of(found, aside, settings)?;
+    let floor = noise_floor(fitted, &here.predictions, &RepeatTolerance::default())?;
+    let structure = Structure::of(&here.predictions, fitted, &floor, settings)?;
     let with_doubted = found.with_doubted.as_ref().map(|model| {
-        let predictions = Predictions::of(model, &settings.own, fitted)?;
+        let predictions = Predictions::expected(model, &settings.own, fitted)?;
         Structure::of(&predictions, fitted, &floor, settings)
     });
     let with_doubted = with_doubted.transpose()?;
     let is_doubted_enough = with_doubted.is_some_and(|with| !with.is_surer_than(NAME));
-    let gathered = gathered_again(found, (fitted, aside), &floor, settings)?;
-    let shared = shared_by_far_off(found, [fitted, aside], settings)?;
+    let gathered = gathered_again([&here, &there], &floor, settings);
+    let shared = shared_by_far_off([&here, &there], settings);
     let shared = shared.filter(|shared| shared.p <= NAME);
     Ok(Left { structure, is_doubted_enough, rms: found.error.after, gathered, shared })
 }

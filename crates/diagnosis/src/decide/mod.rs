@@ -17,6 +17,7 @@ mod rules;
 mod scatter;
 mod search;
 mod sentence;
+mod standing;
 mod superset;
 
 use std::sync::Arc;

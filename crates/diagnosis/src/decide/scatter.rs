@@ -1,19 +1,16 @@
 //! Errors that gather somewhere without a sign of their own.
 
 use super::DiagnoseSettings;
-use super::found::Found;
+use super::standing::Standing;
 use crate::compare::comparison::gathered;
 use crate::cut_offs::{FEWEST_GATHERED, GATHERED};
-use crate::{
-    Concentration, DiagnosisError, MapSettings, NoiseFloor, Observations, Predictions, Whitening,
-};
+use crate::{Concentration, MapSettings, NoiseFloor, Observations};
 
 /// Errors over the standard deviations that the noise model gives them.
 struct Scaled {
     /// Times the number's typical standard deviation, so that they keep its unit.
     residuals: Vec<[Option<f64>; 7]>,
     typical: [f64; 7],
-    predictions: Predictions,
 }
 
 /// The region in which most squared error gathers that noise would not, on the pushes fitted to and
@@ -21,19 +18,19 @@ struct Scaled {
 ///
 /// A few pushes that go far wrong in one place have no mean that flips of signs would show.
 pub(super) fn gathered_again(
-    found: &Found,
-    (fitted, aside): (&Observations, &Observations),
+    [fitted, aside]: [&Standing; 2],
     floor: &NoiseFloor,
     settings: &DiagnoseSettings,
-) -> Result<Option<Concentration>, DiagnosisError> {
-    let (here, there) = (Scaled::of(found, fitted, settings)?, Scaled::of(found, aside, settings)?);
+) -> Option<Concentration> {
+    let (here, there) = (Scaled::of(fitted), Scaled::of(aside));
     let map_settings = MapSettings { seed: settings.seed, ..MapSettings::default() };
-    let regions = gathered(&here.residuals, fitted, &here.predictions, floor, &map_settings);
+    let Standing { observations, predictions, .. } = fitted;
+    let regions = gathered(&here.residuals, observations, predictions, floor, &map_settings);
     let seen = regions.into_iter().filter(|region| {
-        let number = region.number();
+        let (number, aside) = (region.number(), aside.observations);
         is_seen_again(region, aside, |step| there.residuals[step][number], here.typical[number])
     });
-    Ok(seen.max_by(|a, b| a.error_share.total_cmp(&b.error_share)))
+    seen.max_by(|a, b| a.error_share.total_cmp(&b.error_share))
 }
 
 /// Whether errors of a region's number, in its unit, are as large there on other pushes.
@@ -54,22 +51,15 @@ fn is_seen_again(
 }
 
 impl Scaled {
-    fn of(
-        found: &Found,
-        observations: &Observations,
-        settings: &DiagnoseSettings,
-    ) -> Result<Self, DiagnosisError> {
-        let model = &found.with_nuisances;
-        let predictions = Predictions::of(model, &settings.own, observations)?;
-        let whitening: Whitening = found.noise.whitening(model, &settings.own, observations)?;
-        let typical = whitening.typical_sd();
-        let all = predictions.residuals(observations)?;
+    fn of(standing: &Standing) -> Self {
+        let all = &standing.residuals;
+        let typical = standing.whitening.typical_sd();
         let mut residuals = vec![[None; 7]; all.len()];
-        for (step, number, sd) in whitening.sd() {
+        for (step, number, sd) in standing.whitening.sd() {
             residuals[step][number] =
                 all[step][number].map(|residual| residual / sd * typical[number]);
         }
-        Ok(Self { residuals, typical, predictions })
+        Self { residuals, typical }
     }
 }
 

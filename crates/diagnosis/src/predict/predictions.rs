@@ -6,6 +6,8 @@ use effects::{Effect, by_id_with};
 use models::{
     Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelError, Noise,
 };
+use rayon::iter::ParallelIterator;
+use rayon::slice::ParallelSlice;
 
 use crate::{DiagnosisError, Observations};
 
@@ -38,17 +40,32 @@ impl Predictions {
         }
     }
 
+    /// The same without variances of an analytical model, whose number of predictions grows with its parameters.
+    ///
+    /// # Errors
+    /// As [`Predictions::of`].
+    pub(crate) fn expected(
+        model: &Description,
+        own: &[Arc<dyn Effect>],
+        observations: &Observations,
+    ) -> Result<Self, DiagnosisError> {
+        match &model.base {
+            Base::Analytical(_) => {
+                let values = channels(model, own, observations)?;
+                let values: Vec<_> = values.iter().map(|values| values.map(Some)).collect();
+                Ok(Self { variances: vec![[None; 7]; values.len()], values })
+            }
+            _ => Self::of_learnt(model, own, observations),
+        }
+    }
+
     fn of_analytical(
         model: &Description,
         base: &Analytical,
         own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
-        let predict = |model: &Description| -> Result<Vec<[f64; 7]>, ModelError> {
-            let model = ChannelModel::new(model, observations.support, own)?;
-            let channels = model.predict(observations.steps.iter().map(|step| &step.input))?;
-            Ok(channels.iter().map(effects::Channels::to_array).collect())
-        };
+        let predict = |model: &Description| channels(model, own, observations);
         let values = predict(model)?;
         let mut variances = vec![[0.0; 7]; values.len()];
         for Uncertain { ends, widths } in uncertain(model, base, own)? {
@@ -117,6 +134,23 @@ impl Predictions {
         };
         Ok(self.values.iter().zip(&observations.steps).map(of).collect())
     }
+}
+
+/// The channels of each step by an analytical model.
+fn channels(
+    model: &Description,
+    own: &[Arc<dyn Effect>],
+    observations: &Observations,
+) -> Result<Vec<[f64; 7]>, ModelError> {
+    /// Steps that one worker predicts at a time.
+    const AT_A_TIME: usize = 32;
+    let model = ChannelModel::new(model, observations.support, own)?;
+    let some = |steps: &[models::ChannelObservation]| {
+        let channels = model.predict(steps.iter().map(|step| &step.input))?;
+        Ok(channels.iter().map(effects::Channels::to_array).collect::<Vec<_>>())
+    };
+    let all = observations.steps.par_chunks(AT_A_TIME).map(some);
+    Ok(all.collect::<Result<Vec<_>, ModelError>>()?.concat())
 }
 
 /// The model with one of its numbers a standard error lower and higher, or as far as its range goes.
