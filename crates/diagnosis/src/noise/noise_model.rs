@@ -16,7 +16,7 @@ use crate::predict::secants::Linearisation;
 use crate::predict::tangent::Tangent;
 use crate::statistics::blocks::Block;
 use crate::statistics::quantile::NORMAL_975;
-use crate::statistics::variances::{Variances, variances};
+use crate::statistics::variances::{Variances, variances, variances_from};
 use crate::{DiagnosisError, FloorSource, Observations, RepeatTolerance, Whitening};
 
 /// Sources of error and their sizes: what the streams' noise leaves at the ends of steps, small
@@ -91,11 +91,12 @@ impl NoiseModel {
         Self::learn_at(&Tangent::of(model, own, observations)?, observations, None)
     }
 
-    /// The same with slopes that are known, and also from what a flexible fit leaves of pushes, if that is given.
+    /// The same with slopes that are known, and also from what a flexible fit leaves of pushes under a noise
+    /// that is near, if that is given.
     pub(crate) fn learn_at(
         tangent: &Tangent,
         observations: &Observations,
-        left: Option<&[(usize, DVector<f64>)]>,
+        left: Option<(&Self, &[(usize, DVector<f64>)])>,
     ) -> Result<Self, DiagnosisError> {
         let shapes = shapes(observations, &tangent.linearisation);
         let groups = repeat_groups(observations);
@@ -110,7 +111,7 @@ impl NoiseModel {
             let groups = pairs.iter().map(|pair| pair.to_vec()).collect();
             (FloorSource::Neighbours, groups, blocks)
         };
-        if let Some(left) = left {
+        if let Some((_, left)) = left {
             let n_fixed = blocks.first().map_or(0, |block| block.fixed.ncols());
             // What repeats itself says more exactly by how much it differs.
             let repeats = repeat_groups(observations);
@@ -120,7 +121,12 @@ impl NoiseModel {
             blocks.extend(some.map(|(push, left)| data.left(left, (*push, n_fixed))));
         }
         let prior: Vec<_> = SOURCES.iter().map(Source::prior).collect();
-        let found = variances(&blocks, &prior);
+        let near: Option<Vec<f64>> =
+            left.map(|(near, _)| near.sources.iter().map(|source| source.sd.powi(2)).collect());
+        let found = match near {
+            Some(near) => variances_from(&near, &blocks, &prior),
+            None => variances(&blocks, &prior),
+        };
         let n_pushes = groups.iter().map(Vec::len).sum();
         let Variances { iterations, decrement, .. } = found;
         let sources = (0..SOURCES.len()).map(|k| ErrorSource::new(&SOURCES[k], &found, k));

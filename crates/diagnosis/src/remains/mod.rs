@@ -105,7 +105,7 @@ pub(crate) fn noise_beside(
     let whitening = noise.whitening_at(observations, &tangent.linearisation)?;
     let columns = Columns::of(tangent, (observations, &whitening), |_| true, settings.tolerances);
     match left_by_all(&columns, &whitening.rows()) {
-        Some(left) => NoiseModel::learn_at(tangent, observations, Some(&left)),
+        Some(left) => NoiseModel::learn_at(tangent, observations, Some((&noise, &left))),
         None => Ok(noise),
     }
 }
