@@ -82,6 +82,18 @@ pub enum EffectError {
         /// Names of its parameters.
         parameters: String,
     },
+    /// A parameter differs by its value from push to push and by its logarithm from place to place, or the
+    /// other way round.
+    #[error(
+        "`{parameter}` of {effect} differs from push to push and from place to place in two units; \
+         give `sd` for both or `relative_sd` for both"
+    )]
+    TwoSpreads {
+        /// Id of the effect.
+        effect: String,
+        /// Name of the parameter.
+        parameter: String,
+    },
     /// An effect was added twice.
     #[error("{effect} is already in the model; change its values instead of adding it again")]
     DuplicateEffect {

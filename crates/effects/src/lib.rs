@@ -32,6 +32,7 @@ pub use error::EffectError;
 pub use object::Object;
 pub use object::spots::Spot;
 pub use object::support_summary::SupportSummary;
+pub use predict::Predicted;
 pub use predict::push_physics::PushPhysics;
 pub use step::channels::{Channel, Channels};
 pub use step::input::StepInput;

@@ -40,7 +40,7 @@ pub use learnt::gp_push_model::GpPushModel;
 pub use learnt::slip_mixture::{Slip, SlipMixture, SlipPrediction};
 pub use learnt::step_table::TableReport;
 pub use physics::Setup;
-pub use physics::channel_model::{ChannelModel, MotionOverPushes, WeightedMotions};
+pub use physics::channel_model::{ChannelModel, MotionOverPushes, MotionsOfPushes};
 pub use process::kind::ProcessKind;
 pub use process::training::{Training, learn_options};
 pub use process::{ProcessModel, ProcessReport};

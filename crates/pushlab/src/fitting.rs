@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail, ensure};
 use diagnosis::{
-    Fit, FitSettings, Intervals, NoiseModel, NotTestable, Observations, SpreadFit, fit_per_push,
-    fit_with_noise, lacking, split,
+    Fit, FitSettings, Intervals, NoiseModel, NotTestable, Observations, fit_with_noise, lacking,
+    split,
 };
 use effects::{EffectInfo, by_id};
 use models::{ModelFile, Split};
@@ -94,15 +94,6 @@ impl Fitting {
         let description = &model.description;
         let noise = NoiseModel::learn(description, &settings.own, &self.train)?;
         Ok(fit_with_noise(&self.train, description, free, &noise, settings)?)
-    }
-
-    /// How much an effect differs from push to push: the model with it.
-    ///
-    /// # Errors
-    /// What the fit says.
-    pub(crate) fn per_push(&self, model: &ModelFile, effect: &str) -> Result<SpreadFit> {
-        self.testable(by_id(effect)?.info())?;
-        Ok(fit_per_push(&self.train, &model.description, effect, &FitSettings::default())?)
     }
 
     /// The same for a model of which only the values count.

@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::descent::Minimum;
 use super::fitted_model::put;
+use super::free_spread::FreeSpread;
 use super::interval::{Interval, Target, interval};
 use super::member::{CHART_STEP, Member, Part};
 use super::problem::Problem;
@@ -43,10 +44,13 @@ pub(super) fn estimates(
     let asked = members().filter(|(_, member)| member.part == Part::Asked);
     let effects = asked.map(|(index, _)| ending.effect(index, settings));
     let nuisances = members().filter(|(_, member)| member.part == Part::Nuisance);
-    let names = problem.space.of_each(|member| {
-        let names = member.coordinates.iter().map(|c| format!("{} {}", member.id(), c.name));
-        names.collect()
-    });
+    let names = problem.space.of_each(
+        |member| {
+            let names = member.coordinates.iter().map(|c| format!("{} {}", member.id(), c.name));
+            names.collect()
+        },
+        FreeSpread::name,
+    );
     let n_data = problem.whitening.n_numbers();
     let rms = |minimum: &Minimum| {
         (minimum.at.z.rows(0, n_data).norm_squared() / n_data.max(1) as f64).sqrt()

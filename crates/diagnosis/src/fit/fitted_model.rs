@@ -7,7 +7,7 @@ use crate::DiagnosisError;
 /// Puts an effect in the place of the one with its id, of the base's own number, or at the end.
 pub(super) fn put(model: &mut Description, effect: ModelEffect) -> Result<(), DiagnosisError> {
     if let Some(known) = model.effects.iter_mut().find(|known| known.id == effect.id) {
-        *known = ModelEffect { per_push: std::mem::take(&mut known.per_push), ..effect };
+        known.parameters = effect.parameters;
         return Ok(());
     }
     if let Base::Analytical(base) = &model.base {

@@ -5,6 +5,7 @@ mod borne;
 mod descent;
 mod estimates;
 mod fitted_model;
+mod free_spread;
 mod interval;
 mod left_out;
 mod member;

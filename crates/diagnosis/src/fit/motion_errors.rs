@@ -27,8 +27,7 @@ pub(super) struct Missed {
     /// The steps, by their number in the set.
     steps: Vec<usize>,
     miss: DVector<f64>,
-    /// What the values that differ from push to push change, each by the root of its weight: its
-    /// square is the covariance over pushes.
+    /// Deviations of pushes, whose square is the covariance over them.
     varied: DMatrix<f64>,
 }
 
@@ -208,6 +207,12 @@ impl Missed {
         self.steps.len()
     }
 
+    /// The same where a push keeps a share of the variance that it has.
+    pub(super) fn keeping(&self, share: f64) -> Self {
+        let (steps, miss) = (self.steps.clone(), self.miss.clone());
+        Self { steps, miss, varied: share.sqrt() * &self.varied }
+    }
+
     fn of_steps(&self) -> impl Iterator<Item = Vector3<f64>> + '_ {
         (0..self.n_steps()).map(|step| self.miss.fixed_rows::<3>(3 * step).into_owned())
     }
@@ -232,19 +237,17 @@ pub(super) fn missed(
     }
     let of_push = |steps: &Vec<(usize, Vector3<f64>)>| {
         let inputs = steps.iter().map(|(step, _)| &observations.steps[*step].input);
-        let varied = channels.motions_of_pushes(inputs)?;
-        let n_values = varied.iter().map(Vec::len).max().unwrap_or_default();
+        let motions = channels.motions_of_pushes(inputs)?;
+        let n_values = motions.iter().map(|(_, all)| all.len()).max().unwrap_or_default();
         let mut missed = Missed {
             steps: steps.iter().map(|(step, _)| *step).collect(),
             miss: DVector::zeros(3 * steps.len()),
             varied: DMatrix::zeros(3 * steps.len(), n_values),
         };
-        for (row, ((_, observed), values)) in steps.iter().zip(&varied).enumerate() {
-            let mean: Vector3<f64> = values.iter().map(|(weight, motion)| *weight * motion).sum();
+        for (row, ((_, observed), (mean, deviations))) in steps.iter().zip(&motions).enumerate() {
             missed.miss.fixed_rows_mut::<3>(3 * row).copy_from(&(observed - mean));
-            for (column, (weight, motion)) in values.iter().enumerate() {
-                let change = weight.sqrt() * (motion - mean);
-                missed.varied.fixed_view_mut::<3, 1>(3 * row, column).copy_from(&change);
+            for (column, change) in deviations.iter().enumerate() {
+                missed.varied.fixed_view_mut::<3, 1>(3 * row, column).copy_from(change);
             }
         }
         Ok(missed)

@@ -1,23 +1,34 @@
-//! How much a parameter differs from push to push.
+//! How much a parameter differs from push to push, and from place to place within a push.
 
 use std::collections::BTreeMap;
 
 use effects::{Effect, EffectInfo, Parameter, PusherFriction, Role, Setting, Spread, by_id_with};
 use models::{Base, Description, ModelEffect};
 
-use super::motion_errors::missed;
-use super::{FitSettings, MotionErrors};
-use crate::{DiagnosisError, Observations};
+use super::descent::{Exactness, Minimum};
+use super::estimates::estimates;
+use super::free_spread::{FreeSpread, sized};
+use super::member::Member;
+use super::motion_errors::{Missed, missed};
+use super::problem::Problem;
+use super::robust::Robust;
+use super::search::Found;
+use super::space::Space;
+use super::{Fit, FitSettings, MotionErrors};
+use crate::predict::candidates::follow_from_points;
+use crate::{DiagnosisError, NoiseModel, Observations};
 
-/// A spread that was fitted.
+/// A spread that was fitted, with the values that go with it.
 #[derive(Clone, Debug)]
 pub struct SpreadFit {
-    /// The model with it.
-    pub description: Description,
+    /// The model with it, and its values.
+    pub fit: Fit,
     /// Names of the parameters that have it.
     pub parameters: Vec<&'static str>,
-    /// How much they differ.
-    pub spread: Spread,
+    /// How much they differ from push to push.
+    pub per_push: Spread,
+    /// How much they differ from place to place, faster than a step is long.
+    pub per_place: Spread,
     /// Mean gain of log density of a cluster over no spread, in nats, and its standard error.
     pub gain: [f64; 2],
     /// What else scatters motions.
@@ -27,21 +38,30 @@ pub struct SpreadFit {
 const NOT_THERE: &str = "the model does not carry it; add it first";
 /// Sizes tried, in the typical size of the effect; logarithms as they are.
 const TRIED: [f64; 9] = [0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0];
+/// Shares of the variance that a push keeps.
+const SHARES: [f64; 9] = [0.0, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0];
 /// Of real tails, in degrees of freedom of Student's t.
 const TAILS: f64 = 4.0;
-/// Times that the gaps beside the best size are halved.
+/// Times that the gaps beside the best one are halved.
 const HALVINGS: usize = 2;
 /// Times that the largest size grows while it is the likeliest.
 const WIDENINGS: usize = 6;
+/// Fits of all values, each under the errors of the last.
+const ROUNDS: usize = 2;
 
-/// Fits by how much an effect of the model differs from push to push: the likeliest motions of all
-/// pushes, whose other errors, of each step and of the push, have Student's t with four degrees.
+/// Fits by how much an effect of the model differs from push to push and from place to place, with the values
+/// of the effect and of all that the model carries with a standard error.
 ///
-/// A friction differs by its logarithm, other parameters by their unit; the components of a vector alike.
+/// Where a number differs within the way of a step, the step moves as expected over it, and the expectation is
+/// not the motion at the mean: that tells the whole spread. What a push keeps of it moves all of its steps
+/// alike: that tells the share from push to push. Other errors, of each step and of the push, have
+/// Student's t with four degrees. A friction differs by its logarithm, other parameters by their unit; the
+/// components of a vector alike. A center of friction beside points that say where the object rests keeps its
+/// value.
 ///
 /// # Errors
 /// `NotPerPush` for an effect that the model lacks, or whose parameters are no plain numbers or vectors;
-/// `Model` for what a prediction refuses.
+/// `Model` for what a prediction refuses; as [`super::fit`].
 pub fn fit_per_push(
     observations: &Observations,
     model: &Description,
@@ -57,56 +77,177 @@ pub fn fit_per_push(
     if !about.parameters.iter().all(is_plain) {
         return refuse("its parameters are no plain numbers; choose an effect that has such alone");
     }
-    let model = carrying(model, about)?;
-    let parameters: Vec<&Parameter> = about.parameters.iter().collect();
-    let tried = |size: f64| -> Result<Tried, DiagnosisError> {
-        let spread = of_size(&parameters, size);
-        let mut model = model.clone();
-        for carried in model.effects.iter_mut().filter(|carried| carried.id == about.id) {
-            let named = parameters.iter().map(|parameter| (parameter.name.to_owned(), spread));
-            carried.per_push = if size > 0.0 { named.collect() } else { BTreeMap::new() };
-        }
-        let missed = missed(observations, &model, &settings.own)?;
+    let fitting = Fitting { observations, about, unit: unit(about), settings };
+    let none = fitting.at(carrying(model, about)?, 0.0)?;
+    let mut best = fitting.likeliest_size(none.clone())?;
+    let mut fit = fitting.values(&best)?;
+    for _ in 1..ROUNDS {
+        best = fitting.likeliest_share(fit)?;
+        fit = fitting.values(&best)?;
+    }
+    let (fit, whole) = fit;
+    let best = fitting.likeliest_share((fit.clone(), whole))?;
+    let gain = gain(&best.densities, &none.densities, observations);
+    let parameters = about.parameters.iter().map(|parameter| parameter.name).collect();
+    let [per_push, per_place] = fitting.parts(&best);
+    let spread = |mut model: Description| {
+        fitting.spread(&mut model, [per_push, per_place]);
+        model
+    };
+    let (description, with_nuisances) = (spread(fit.description), spread(fit.with_nuisances));
+    let fit = Fit { description, with_nuisances, ..fit };
+    Ok(SpreadFit { fit, parameters, per_push, per_place, gain, errors: best.errors })
+}
+
+/// The spread of size 1 of an effect's parameters: of one positive number that is never off relative.
+fn unit(about: &EffectInfo) -> Spread {
+    match about.parameters {
+        [one] if one.range.0 >= 0.0 && one.off != effects::Off::At(0.0) => Spread::RelativeSd(1.0),
+        all => Spread::Sd(all.iter().map(|one| one.typical.abs()).fold(0.0, f64::max)),
+    }
+}
+
+struct Fitting<'a> {
+    observations: &'a Observations,
+    about: &'a EffectInfo,
+    unit: Spread,
+    settings: &'a FitSettings,
+}
+
+/// A size that was tried.
+#[derive(Clone)]
+struct Tried {
+    model: Description,
+    /// Of the spread over pushes and places together.
+    size: f64,
+    /// Of its variance, what a push keeps.
+    share: f64,
+    errors: MotionErrors,
+    /// Log density of each push.
+    densities: Vec<f64>,
+}
+
+impl Tried {
+    fn sum(&self) -> f64 {
+        self.densities.iter().sum()
+    }
+}
+
+impl Fitting<'_> {
+    /// A model in which all of a spread is from push to push.
+    fn at(&self, mut model: Description, size: f64) -> Result<Tried, DiagnosisError> {
+        self.spread(&mut model, [sized(self.unit, size), sized(self.unit, 0.0)]);
+        let missed = missed(self.observations, &model, &self.settings.own)?;
         let errors = MotionErrors::of_missed(&missed, Some(TAILS))?;
         let densities = errors.of_each(&missed)?;
-        Ok(Tried {
-            size,
-            spread,
-            errors,
-            sum: densities.iter().sum(),
-            densities,
-            description: model,
-        })
-    };
-    let mut all = TRIED.into_iter().map(tried).collect::<Result<Vec<Tried>, _>>()?;
-    // The likeliest may be beyond sizes that are met.
-    for _ in 0..WIDENINGS {
-        let [.., before, last] = all.as_slice() else { break };
-        let size = 1.5 * last.size;
-        let is_allowed = parameters.iter().all(|one| of_size(&parameters, size).check(one).is_ok());
-        if last.sum <= before.sum || !is_allowed {
-            break;
-        }
-        all.push(tried(size)?);
+        Ok(Tried { model, size, share: 1.0, errors, densities })
     }
+
+    /// Puts spreads over pushes and over places into a model.
+    fn spread(&self, model: &mut Description, [per_push, per_place]: [Spread; 2]) {
+        let of = |spread: Spread| -> BTreeMap<String, Spread> {
+            let names = self.about.parameters.iter().map(|one| (one.name.to_owned(), spread));
+            if spread.is_none() { BTreeMap::new() } else { names.collect() }
+        };
+        for carried in model.effects.iter_mut().filter(|carried| carried.id == self.about.id) {
+            (carried.per_push, carried.per_place) = (of(per_push), of(per_place));
+        }
+    }
+
+    fn parts(&self, tried: &Tried) -> [Spread; 2] {
+        [tried.share, 1.0 - tried.share].map(|share| sized(self.unit, tried.size * share.sqrt()))
+    }
+
+    /// The likeliest size with the values of the model, all of it from push to push.
+    fn likeliest_size(&self, none: Tried) -> Result<Tried, DiagnosisError> {
+        let model = none.model.clone();
+        let tried = |size: f64| self.at(model.clone(), size);
+        let mut all = vec![none];
+        all.extend(TRIED.into_iter().skip(1).map(tried).collect::<Result<Vec<Tried>, _>>()?);
+        // The likeliest may be beyond sizes that are met.
+        for _ in 0..WIDENINGS {
+            let [.., before, last] = all.as_slice() else { break };
+            let size = 1.5 * last.size;
+            let is_allowed = |one: &Parameter| sized(self.unit, size).check(one).is_ok();
+            if last.sum() <= before.sum() || !self.about.parameters.iter().all(is_allowed) {
+                break;
+            }
+            all.push(tried(size)?);
+        }
+        likeliest(all, |one, other| tried(0.5 * (one.size + other.size)))
+    }
+
+    /// The likeliest share of a spread that was fitted.
+    fn likeliest_share(&self, (fit, size): (Fit, f64)) -> Result<Tried, DiagnosisError> {
+        let whole = self.at(fit.description, size)?;
+        let missed = missed(self.observations, &whole.model, &self.settings.own)?;
+        let tried = |share: f64| {
+            let part = |of: &Missed| of.keeping(share);
+            let missed: Vec<Missed> = missed.iter().map(part).collect();
+            let errors = MotionErrors::of_missed(&missed, Some(TAILS))?;
+            let densities = errors.of_each(&missed)?;
+            let mut tried = Tried { share, errors, densities, ..whole.clone() };
+            let parts = self.parts(&tried);
+            self.spread(&mut tried.model, parts);
+            Ok(tried)
+        };
+        let all = SHARES.into_iter().map(tried).collect::<Result<Vec<Tried>, _>>()?;
+        likeliest(all, |one, other| tried(0.5 * (one.share + other.share)))
+    }
+
+    /// The values, and the size of the whole spread, by the expected motions under errors that are known.
+    fn values(&self, under: &Tried) -> Result<(Fit, f64), DiagnosisError> {
+        let Self { observations, about, settings, .. } = *self;
+        let noise = NoiseModel::learn(&under.model, &settings.own, observations)?;
+        let noise = noise.whitening(&under.model, &settings.own, observations)?;
+        let whitening =
+            under.errors.whitening(&noise, observations, &under.model, &settings.own)?;
+        let asked = if self.follows(&under.model) { vec![] } else { vec![about.id] };
+        let mut space = Space::new(observations, &under.model, &asked, settings, None)?;
+        let spread = FreeSpread::new(about.id, about.parameters, self.unit, under.size);
+        let mut start = space.place(|member| member.start.clone());
+        start.push(spread.start());
+        space.spread = Some(spread);
+        let has_mixture = space.members.iter().any(Member::is_moved_mixture);
+        let exactness = if has_mixture { Exactness::Mixture } else { Exactness::Estimates };
+        let robust = Robust::at(&whitening.rows(), &whitening.whiten(&space.residuals(&start)?));
+        let mut problem = Problem::new(space, &whitening, robust);
+        let after = problem.settle(start.clone(), None, exactness)?;
+        let before = Minimum { at: problem.stand(start)?, ..after.clone() };
+        let size = problem.space.spread_at(&after.at.x).unwrap_or_default().max(0.0).sqrt();
+        let found = Found { before, after };
+        Ok((estimates(&problem, &found, observations, &under.model, settings)?, size))
+    }
+
+    /// Whether its value follows from where a model says that the object rests.
+    fn follows(&self, model: &Description) -> bool {
+        let says_where = |carried: &ModelEffect| {
+            by_id_with(&carried.id, &self.settings.own)
+                .is_ok_and(|effect| effect.info().stages.contains(&effects::Stage::Pressure))
+        };
+        follow_from_points().contains(&self.about.id) && model.effects.iter().any(says_where)
+    }
+}
+
+/// The likeliest of ordered trials, after some between it and its neighbors.
+fn likeliest(
+    mut all: Vec<Tried>,
+    between: impl Fn(&Tried, &Tried) -> Result<Tried, DiagnosisError>,
+) -> Result<Tried, DiagnosisError> {
+    let best = |all: &[Tried]| {
+        let sums = all.iter().map(Tried::sum).enumerate();
+        sums.reduce(|best, next| if next.1 > best.1 { next } else { best }).map_or(0, |best| best.0)
+    };
     for _ in 0..HALVINGS {
-        let best = all.iter().enumerate().max_by(|a, b| a.1.sum.total_cmp(&b.1.sum));
-        let Some((best, _)) = best else { break };
+        let best = best(&all);
         for right in [best + 1, best] {
             if (1..all.len()).contains(&right) {
-                all.insert(right, tried(0.5 * (all[right - 1].size + all[right].size))?);
+                all.insert(right, between(&all[right - 1], &all[right])?);
             }
         }
     }
-    let none = all[0].densities.clone();
-    let best = all.into_iter().reduce(|best, next| if next.sum > best.sum { next } else { best });
-    // There are as many as sizes at the least.
-    let Some(Tried { spread, errors, densities, description, .. }) = best else {
-        return Err(observations.too_few(0, 1));
-    };
-    let gain = gain(&densities, &none, observations);
-    let parameters = parameters.iter().map(|parameter| parameter.name).collect();
-    Ok(SpreadFit { description, parameters, spread, gain, errors })
+    let best = best(&all);
+    Ok(all.swap_remove(best))
 }
 
 /// The model with the effect, which may be the base's friction.
@@ -123,30 +264,6 @@ fn carrying(model: &Description, about: &EffectInfo) -> Result<Description, Diag
         model.effects.push(ModelEffect::from(Setting::new(about, &[friction])));
     }
     Ok(model)
-}
-
-/// A size that was tried.
-struct Tried {
-    size: f64,
-    spread: Spread,
-    errors: MotionErrors,
-    /// Log density of each push, and of all.
-    densities: Vec<f64>,
-    sum: f64,
-    description: Description,
-}
-
-/// A spread in the effect's typical size: of positive numbers that are never off relative.
-fn of_size(parameters: &[&Parameter], size: f64) -> Spread {
-    let is_positive =
-        |parameter: &&Parameter| parameter.range.0 >= 0.0 && parameter.off != effects::Off::At(0.0);
-    match parameters {
-        [one] if is_positive(one) => Spread::RelativeSd(size),
-        _ => {
-            let largest = parameters.iter().map(|parameter| parameter.typical.abs());
-            Spread::Sd(size * largest.fold(0.0, f64::max))
-        }
-    }
 }
 
 /// Mean gain of a cluster, and its standard error.
@@ -196,7 +313,7 @@ mod tests {
         }
         let fit = fit_per_push(&observations, &model, "pusher-friction", &FitSettings::default())
             .unwrap();
-        let Spread::RelativeSd(sd) = fit.spread else { panic!("{:?}", fit.spread) };
+        let Spread::RelativeSd(sd) = fit.per_push else { panic!("{:?}", fit.per_push) };
         assert_eq!(fit.parameters, ["friction"]);
         (sd, fit.gain)
     }

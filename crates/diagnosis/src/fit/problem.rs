@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::free_spread::FreeSpread;
 use super::robust::Robust;
 use super::space::Space;
 use crate::{DiagnosisError, Whitening};
@@ -31,10 +32,10 @@ pub(super) struct Evaluation {
 impl<'a> Problem<'a> {
     pub(super) fn new(space: Space<'a>, whitening: &'a Whitening, robust: Robust) -> Self {
         Self {
-            frozen: space.of_each(|member| member.frozen()),
-            shares: space.of_each(|member| member.shares()),
-            ranges: space.of_each(|member| member.ranges()),
-            secants: space.of_each(|member| member.secants()),
+            frozen: space.of_each(|member| member.frozen(), |_| false),
+            shares: space.of_each(|member| member.shares(), |_| false),
+            ranges: space.of_each(|member| member.ranges(), FreeSpread::range),
+            secants: space.of_each(|member| member.secants(), FreeSpread::secant),
             space,
             whitening,
             robust,

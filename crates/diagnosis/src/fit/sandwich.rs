@@ -55,7 +55,8 @@ impl Sandwich {
         let mut covariance = sum * ((n_clusters - 1.0) / n_clusters) + of_priors;
         covariance += minimum.decrement * &of_curvature;
         let shares = problem.space.shares(&at.x);
-        let sizes: Vec<f64> = shares.flat_map(|(member, own)| member.sizes(own)).collect();
+        let sizes = shares.flat_map(|(member, own)| member.sizes(own));
+        let sizes: Vec<f64> = sizes.chain(problem.space.spread_at(&at.x)).collect();
         for (column, &k) in moved.iter().enumerate() {
             covariance[(column, column)] += (MODEL_TOLERANCE * sizes[k]).powi(2);
         }

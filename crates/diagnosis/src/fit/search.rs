@@ -34,7 +34,8 @@ impl Problem<'_> {
         };
         let start = self.space.place(asked_from);
         let mut without = self.clone();
-        let asked = self.space.of_each(|member| vec![member.part == Part::Asked; member.len()]);
+        let asked =
+            self.space.of_each(|member| vec![member.part == Part::Asked; member.len()], |_| false);
         without.frozen.iter_mut().zip(asked).for_each(|(frozen, asked)| *frozen |= asked);
         let before = without.settle(start, None, Exactness::Sum)?;
         self.robust = without.robust;

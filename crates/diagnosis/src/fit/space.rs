@@ -1,6 +1,5 @@
 //! A model as a function of the numbers that a fit moves.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -13,6 +12,7 @@ use models::{
 };
 use rayon::prelude::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
+use super::free_spread::FreeSpread;
 use super::member::{Chart, Member, Part};
 use super::{FitSettings, supports};
 use crate::{DiagnosisError, Observations};
@@ -26,6 +26,8 @@ pub(super) struct Space<'a> {
     object_of: Vec<usize>,
     /// In the order in which they act.
     pub(super) members: Vec<Member>,
+    /// By how much a parameter differs, as one more number at the end of a place.
+    pub(super) spread: Option<FreeSpread>,
 }
 
 impl<'a> Space<'a> {
@@ -74,9 +76,12 @@ impl<'a> Space<'a> {
         }
         let started = |member: &Member| {
             let carried = model.effects.iter().find(|carried| carried.id == member.id());
-            let per_push = carried.map(|carried| carried.per_push.clone()).unwrap_or_default();
-            let setting = Setting::new(member.effect.info(), &member.start);
-            ModelEffect::from(Setting { per_push, ..setting })
+            let mut effect = ModelEffect::from(Setting::new(member.effect.info(), &member.start));
+            if let Some(carried) = carried {
+                effect.per_push.clone_from(&carried.per_push);
+                effect.per_place.clone_from(&carried.per_place);
+            }
+            effect
         };
         let is_fixed = |carried: &&ModelEffect| members.iter().all(|m| m.id() != carried.id);
         let mut effects: Vec<_> = model.effects.iter().filter(is_fixed).cloned().collect();
@@ -95,7 +100,7 @@ impl<'a> Space<'a> {
         let order = physics[0].effects().iter().map(|(effect, _)| effect.info().id);
         let order: Vec<_> = order.collect();
         members.sort_by_key(|member| order.iter().position(|id| *id == member.id()));
-        Ok(Self { observations, physics, object_of, members })
+        Ok(Self { observations, physics, object_of, members, spread: None })
     }
 
     /// The same with one more effect, at "off"; one that is a nuisance loses its prior.
@@ -142,6 +147,11 @@ impl<'a> Space<'a> {
         })
     }
 
+    /// The square of the size of the spread, if it is moved.
+    pub(super) fn spread_at(&self, x: &[f64]) -> Option<f64> {
+        self.spread.as_ref().and(x.last().copied())
+    }
+
     /// Index of a member's first number.
     pub(super) fn first(&self, member: usize) -> usize {
         self.members[..member].iter().map(Member::len).sum()
@@ -153,8 +163,12 @@ impl<'a> Space<'a> {
     }
 
     /// A number of every coordinate, in their order.
-    pub(super) fn of_each<T>(&self, of: impl Fn(&Member) -> Vec<T>) -> Vec<T> {
-        self.members.iter().flat_map(of).collect()
+    pub(super) fn of_each<T>(
+        &self,
+        of: impl Fn(&Member) -> Vec<T>,
+        of_spread: impl Fn(&FreeSpread) -> T,
+    ) -> Vec<T> {
+        self.members.iter().flat_map(of).chain(self.spread.iter().map(of_spread)).collect()
     }
 
     /// The strains of the priors at a place.
@@ -175,6 +189,11 @@ impl<'a> Space<'a> {
             for physics in &mut physics {
                 physics.set(member.id(), &values).map_err(models::ModelError::from)?;
             }
+        }
+        if let (Some(spread), Some(square)) = (&self.spread, self.spread_at(x)) {
+            let with = |physics| spread.put(physics, square);
+            let differing = physics.into_iter().map(with).collect::<Result<_, _>>();
+            physics = differing.map_err(models::ModelError::from)?;
         }
         let steps = self.observations.steps.par_iter().zip(&self.object_of);
         let residuals = steps.map(|(step, object)| {
@@ -295,6 +314,5 @@ fn unfolded(
 fn one_parameter(effect: &dyn Effect, estimate: Estimate) -> ModelEffect {
     let about = effect.info();
     let name = about.parameters[0].name.to_owned();
-    let (parameters, per_push) = ([(name, estimate)].into(), BTreeMap::new());
-    ModelEffect { id: about.id.to_owned(), parameters, per_push }
+    ModelEffect::new(about.id, [(name, estimate)].into())
 }

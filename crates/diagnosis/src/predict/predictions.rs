@@ -247,11 +247,7 @@ mod tests {
         let known = |value, se| Estimate { value, se, source: String::new() };
         let parameters = [("ax", known(0.05, se)), ("ay", known(0.0, 0.0))];
         let parameters = parameters.map(|(name, value)| (name.to_owned(), value)).into();
-        model.effects = vec![ModelEffect {
-            id: "table-tilt".to_owned(),
-            parameters,
-            per_push: Default::default(),
-        }];
+        model.effects = vec![ModelEffect::new("table-tilt", parameters)];
         model
     }
 

@@ -73,11 +73,8 @@ fn an_effect_that_is_not_there_makes_the_ends_worse() {
     let mut grain = model();
     let estimate = |value| models::Estimate::exact(value, "");
     let parameters = [("ratio", 1.3), ("direction", 0.6)];
-    grain.effects.push(ModelEffect {
-        id: "table-anisotropy".to_owned(),
-        parameters: parameters.map(|(name, value)| (name.to_owned(), estimate(value))).into(),
-        per_push: Default::default(),
-    });
+    let parameters = parameters.map(|(name, value)| (name.to_owned(), estimate(value)));
+    grain.effects.push(ModelEffect::new("table-anisotropy", parameters.into()));
     let [plain, wrong] =
         [model(), grain].map(|model| mean_error(&roll_out(&model, &[], &observations).unwrap()));
     assert!(wrong[0] > 1.5 * plain[0], "{plain:?} {wrong:?}");
@@ -93,11 +90,8 @@ fn a_model_that_knows_the_true_radius_goes_as_if_it_were_stated() {
     let mut thin = set.manifest().clone();
     thin.pusher.radius -= excess;
     let mut knows = model();
-    knows.effects.push(ModelEffect {
-        id: "pusher-radius".to_owned(),
-        parameters: [("excess".to_owned(), models::Estimate::exact(excess, ""))].into(),
-        per_push: Default::default(),
-    });
+    let parameters = [("excess".to_owned(), models::Estimate::exact(excess, ""))].into();
+    knows.effects.push(ModelEffect::new("pusher-radius", parameters));
     let stated = Observations::of(&table, set.manifest()).unwrap();
     let unstated = Observations::of(&table, &thin).unwrap();
     let one = roll_out(&model(), &[], &stated).unwrap();

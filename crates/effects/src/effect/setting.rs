@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::{EffectError, EffectInfo, Spread};
 
 /// The id of an effect and its named parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Setting {
     /// Id of the effect.
@@ -17,6 +17,9 @@ pub struct Setting {
     /// Of those that differ from push to push.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub per_push: BTreeMap<String, Spread>,
+    /// Of those that differ from place to place of the table, faster than a step is long.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub per_place: BTreeMap<String, Spread>,
 }
 
 impl Setting {
@@ -24,7 +27,7 @@ impl Setting {
     pub fn new(about: &EffectInfo, values: &[f64]) -> Self {
         let names = about.parameters.iter().map(|parameter| parameter.name.to_owned());
         let parameters = names.zip(values.iter().copied()).collect();
-        Self { id: about.id.to_owned(), parameters, per_push: BTreeMap::new() }
+        Self { id: about.id.to_owned(), parameters, ..Self::default() }
     }
 
     /// The values in the order of the effect's parameters; 0 for points and cells that are left out.
@@ -44,5 +47,22 @@ impl Setting {
         }
         let value = |name: &str| self.parameters.get(name).copied().unwrap_or_default();
         Ok(about.parameters.iter().map(|parameter| value(parameter.name)).collect())
+    }
+
+    /// Refuses a parameter of which only the logarithm differs one way, and the value the other.
+    ///
+    /// # Errors
+    /// `TwoSpreads`.
+    pub fn check_spreads(&self) -> Result<(), EffectError> {
+        let is_other = |(name, one): &(&String, &Spread)| {
+            self.per_place.get(*name).is_some_and(|other| !one.is_like(*other))
+        };
+        match self.per_push.iter().find(is_other) {
+            None => Ok(()),
+            Some((parameter, _)) => {
+                let (effect, parameter) = (self.id.clone(), parameter.clone());
+                Err(EffectError::TwoSpreads { effect, parameter })
+            }
+        }
     }
 }

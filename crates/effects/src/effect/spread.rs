@@ -1,10 +1,10 @@
-//! Parameters that differ from push to push.
+//! Parameters that differ from push to push or from place to place.
 
 use serde::{Deserialize, Serialize};
 
 use crate::{EffectError, Parameter};
 
-/// How a parameter is distributed over pushes.
+/// How a parameter is distributed over pushes, or over places of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Spread {
@@ -22,6 +22,26 @@ impl Spread {
     pub fn is_none(self) -> bool {
         let (Self::Sd(sd) | Self::RelativeSd(sd)) = self;
         sd == 0.0
+    }
+
+    /// Whether both are of the value, or of its logarithm.
+    pub(crate) fn is_like(self, other: Self) -> bool {
+        matches!(
+            (self, other),
+            (Self::Sd(_), Self::Sd(_)) | (Self::RelativeSd(_), Self::RelativeSd(_))
+        )
+    }
+
+    /// With another one that is independent of it: the spread of both, and the share of its variance.
+    pub(crate) fn and(self, other: Self) -> (Self, f64) {
+        let (Self::Sd(one) | Self::RelativeSd(one)) = self;
+        let (Self::Sd(two) | Self::RelativeSd(two)) = other;
+        let whole = one.hypot(two);
+        let both = match self {
+            Self::Sd(_) => Self::Sd(whole),
+            Self::RelativeSd(_) => Self::RelativeSd(whole),
+        };
+        (both, (one / whole).powi(2))
     }
 
     /// The parameter so many standard deviations from its value, within a range.

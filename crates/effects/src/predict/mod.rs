@@ -18,10 +18,21 @@ use nalgebra::Vector2;
 
 use crate::predict::forward::Forward;
 use crate::predict::instant::ForceBalance;
+use crate::predict::push_physics::Differing;
 use crate::{Channels, EffectError, PushPhysics, StepInput, deviations};
 
+/// The channels of a step over pushes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Predicted {
+    /// Expected.
+    pub mean: Channels,
+    /// Deviations of pushes, [`Channels::to_array`]: the covariance over pushes is the sum of their squares.
+    /// None where all pushes are the same.
+    pub deviations: Vec<[f64; 7]>,
+}
+
 impl PushPhysics {
-    /// All channels of one step, expected where parameters differ from push to push.
+    /// All channels of one step, expected where parameters differ from push to push or from place to place.
     ///
     /// The push is integrated along the pusher's path by the midpoint rule, in as many sub-steps of
     /// equal time as the path has millimeters (four or more) and cut where the pusher turns back, its
@@ -35,28 +46,37 @@ impl PushPhysics {
     /// load that friction cannot hold; `NotFinite` for numbers that overflow; a solver that did not
     /// converge.
     pub fn predict(&self, step: &StepInput) -> Result<Channels, EffectError> {
-        if self.n_drawn() == 0 {
-            return self.predict_one(step);
-        }
-        let mut mean = [0.0; 7];
-        for (weight, channels) in self.predict_varied(step)? {
-            let of = channels.to_array();
-            mean.iter_mut().zip(of).for_each(|(mean, of)| *mean += weight * of);
-        }
-        Ok(Channels::from_array(mean))
+        let Predicted { mean, .. } = self.predict_over_pushes(step)?;
+        Ok(mean)
     }
 
-    /// The channels of one step for certain values of the parameters that differ from push to push, with
-    /// weights that are together 1: their weighted mean and covariance are those over pushes, by as many
-    /// predictions. One without such parameters.
+    /// The expected channels of one step, and what pushes differ by of them: one more prediction for certain
+    /// values of each parameter that differs, the same for every step.
     ///
     /// # Errors
     /// As [`PushPhysics::predict`].
-    pub fn predict_varied(&self, step: &StepInput) -> Result<Vec<(f64, Channels)>, EffectError> {
-        let one = |(weight, numbers): (f64, Vec<f64>)| {
-            Ok((weight, self.drawn(&numbers, step).predict_one(step)?))
+    pub fn predict_over_pushes(&self, step: &StepInput) -> Result<Predicted, EffectError> {
+        let differing = self.differing();
+        if differing.is_empty() {
+            return Ok(Predicted { mean: self.predict_one(step)?, deviations: Vec::new() });
+        }
+        let places = deviations(differing.len());
+        let one = |(weight, numbers): &(f64, Vec<f64>)| {
+            let there = self.deviating(&differing, numbers, step).predict_one(step)?;
+            Ok((*weight, there.to_array(), share_of_push(&differing, numbers)))
         };
-        deviations(self.n_drawn()).into_iter().map(one).collect()
+        let all: Vec<_> = places.iter().map(one).collect::<Result<_, EffectError>>()?;
+        let mean: [f64; 7] =
+            std::array::from_fn(|k| all.iter().map(|(weight, of, _)| weight * of[k]).sum());
+        let deviation = |(weight, of, share): (f64, [f64; 7], f64)| {
+            let root = (weight * share).sqrt();
+            std::array::from_fn(|k| root * (of[k] - mean[k]))
+        };
+        let deviations = match self.n_drawn() {
+            0 => Vec::new(),
+            _ => all.into_iter().map(deviation).collect(),
+        };
+        Ok(Predicted { mean: Channels::from_array(mean), deviations })
     }
 
     fn predict_one(&self, step: &StepInput) -> Result<Channels, EffectError> {
@@ -87,5 +107,17 @@ impl PushPhysics {
     /// The first error of [`PushPhysics::predict`].
     pub fn predict_all(&self, steps: &[StepInput]) -> Result<Vec<Channels>, EffectError> {
         steps.iter().map(|step| self.predict(step)).collect()
+    }
+}
+
+/// Share of a deviation that a push keeps: that of the parameter that deviates, or of all in the middle.
+fn share_of_push(differing: &[Differing], numbers: &[f64]) -> f64 {
+    let square: f64 = numbers.iter().map(|number| number * number).sum();
+    let pairs = || differing.iter().zip(numbers);
+    match square > 0.0 {
+        true => {
+            pairs().map(|(one, number)| one.share_of_push * number * number).sum::<f64>() / square
+        }
+        false => pairs().map(|(one, _)| one.share_of_push).sum::<f64>() / numbers.len() as f64,
     }
 }

@@ -24,13 +24,31 @@ pub struct PushPhysics {
     /// For each stage, the indices of the effects that act there.
     at_stage: [Vec<usize>; Stage::ALL.len()],
     /// Parameters that differ from push to push, each by its effect and its place there.
-    spreads: Vec<(&'static str, usize, Spread)>,
+    per_push: Vec<Varying>,
+    /// The same from place to place.
+    per_place: Vec<Varying>,
+}
+
+/// A parameter that differs, by its effect and its place there.
+type Varying = (&'static str, usize, Spread);
+
+/// A parameter that differs by whatever reason: its spread over pushes and places together, and the share of
+/// the variance that a push keeps.
+pub(crate) struct Differing {
+    varying: Varying,
+    pub(crate) share_of_push: f64,
 }
 
 impl PushPhysics {
     /// The rig alone.
     pub fn new(rig: Rig) -> Self {
-        Self { rig, effects: Vec::new(), at_stage: Default::default(), spreads: Vec::new() }
+        Self {
+            rig,
+            effects: Vec::new(),
+            at_stage: Default::default(),
+            per_push: Vec::new(),
+            per_place: Vec::new(),
+        }
     }
 
     /// The same model with one more effect; `values` in the order of its parameters.
@@ -63,6 +81,28 @@ impl PushPhysics {
         parameter: &str,
         spread: Spread,
     ) -> Result<Self, EffectError> {
+        let varying = self.varying(id, parameter, spread)?;
+        put(&mut self.per_push, varying);
+        Ok(self)
+    }
+
+    /// The same model, in which a parameter of one of its effects differs from place to place of the table,
+    /// faster than a step is long: every step moves as expected over places.
+    ///
+    /// # Errors
+    /// As [`PushPhysics::with_spread`].
+    pub fn with_spread_of_places(
+        mut self,
+        id: &str,
+        parameter: &str,
+        spread: Spread,
+    ) -> Result<Self, EffectError> {
+        let varying = self.varying(id, parameter, spread)?;
+        put(&mut self.per_place, varying);
+        Ok(self)
+    }
+
+    fn varying(&self, id: &str, parameter: &str, spread: Spread) -> Result<Varying, EffectError> {
         let about = self.effects[self.index_of(id)?].0.info();
         let unknown = || EffectError::UnknownParameter {
             effect: id.to_owned(),
@@ -72,10 +112,7 @@ impl PushPhysics {
         let index = about.parameters.iter().position(|known| known.name == parameter);
         let index = index.ok_or_else(unknown)?;
         spread.check(&about.parameters[index])?;
-        self.spreads.retain(|(effect, known, _)| (*effect, *known) != (about.id, index));
-        self.spreads.push((about.id, index, spread));
-        self.spreads.sort_by_key(|(effect, parameter, _)| (place(effect), *parameter));
-        Ok(self)
+        Ok((about.id, index, spread))
     }
 
     /// How many numbers a push draws: one for each parameter that differs from push to push.
@@ -86,15 +123,54 @@ impl PushPhysics {
     /// The model of one push that has drawn these standard normal numbers, in the order in which the
     /// effects act, within what a step of it allows; parameters without a number keep their values.
     pub fn drawn(&self, numbers: &[f64], step: &StepInput) -> Self {
-        let mut one = Self { spreads: Vec::new(), ..self.clone() };
-        for ((id, parameter, spread), number) in self.drawing().zip(numbers) {
+        let mut one = self.clone();
+        one.per_push.clear();
+        one.draw(self.drawing().zip(numbers), step);
+        one
+    }
+
+    /// The model in which these parameters are so many standard deviations from their values, and all others
+    /// are the same everywhere.
+    pub(crate) fn deviating(&self, by: &[Differing], numbers: &[f64], step: &StepInput) -> Self {
+        let mut one = self.clone();
+        one.per_push.clear();
+        one.per_place.clear();
+        one.draw(by.iter().map(|one| &one.varying).zip(numbers), step);
+        one
+    }
+
+    fn draw<'a>(
+        &mut self,
+        numbers: impl Iterator<Item = (&'a Varying, &'a f64)>,
+        step: &StepInput,
+    ) {
+        for ((id, parameter, spread), number) in numbers {
             let of = |(effect, _): &&mut (Arc<dyn Effect>, _)| effect.info().id == *id;
-            if let Some((effect, values)) = one.effects.iter_mut().find(of) {
+            if let Some((effect, values)) = self.effects.iter_mut().find(of) {
                 let range = effect.range_in(*parameter, step);
                 values[*parameter] = spread.at(values[*parameter], *number, range);
             }
         }
-        one
+    }
+
+    /// Every parameter that differs from push to push or from place to place, in the order in which they act.
+    pub(crate) fn differing(&self) -> Vec<Differing> {
+        let all = self.per_push.iter().map(|one| (one, 1.0));
+        let all = all.chain(self.per_place.iter().map(|one| (one, 0.0)));
+        let mut found: Vec<Differing> = Vec::new();
+        for (varying, share_of_push) in all.filter(|(one, _)| !one.2.is_none()) {
+            let is_same =
+                |one: &&mut Differing| (one.varying.0, one.varying.1) == (varying.0, varying.1);
+            match found.iter_mut().find(is_same) {
+                None => found.push(Differing { varying: *varying, share_of_push }),
+                Some(one) => {
+                    let (whole, share) = one.varying.2.and(varying.2);
+                    (one.varying.2, one.share_of_push) = (whole, share);
+                }
+            }
+        }
+        found.sort_by_key(|one| (place(one.varying.0), one.varying.1));
+        found
     }
 
     /// Refuses values that the object or the pusher of a step does not allow.
@@ -119,8 +195,8 @@ impl PushPhysics {
         acting.any(|id| self.drawing().any(|(drawing, ..)| *drawing == id))
     }
 
-    fn drawing(&self) -> impl Iterator<Item = &(&'static str, usize, Spread)> {
-        self.spreads.iter().filter(|(.., spread)| !spread.is_none())
+    fn drawing(&self) -> impl Iterator<Item = &Varying> {
+        self.per_push.iter().filter(|(.., spread)| !spread.is_none())
     }
 
     fn index_of(&self, id: &str) -> Result<usize, EffectError> {
@@ -157,9 +233,15 @@ impl PushPhysics {
         settings.iter().try_fold(Self::new(rig), |model, setting| {
             let effect = by_id_with(&setting.id, own)?;
             let values = setting.values(effect.info())?;
-            let mut spreads = setting.per_push.iter();
-            spreads.try_fold(model.with(effect, &values)?, |model, (parameter, spread)| {
-                model.with_spread(&setting.id, parameter, *spread)
+            setting.check_spreads()?;
+            let mut of_pushes = setting.per_push.iter();
+            let model = of_pushes
+                .try_fold(model.with(effect, &values)?, |model, (parameter, spread)| {
+                    model.with_spread(&setting.id, parameter, *spread)
+                })?;
+            let mut of_places = setting.per_place.iter();
+            of_places.try_fold(model, |model, (parameter, spread)| {
+                model.with_spread_of_places(&setting.id, parameter, *spread)
             })
         })
     }
@@ -168,11 +250,15 @@ impl PushPhysics {
     pub fn settings(&self) -> Vec<Setting> {
         let setting = |(effect, values): &(Arc<dyn Effect>, Vec<f64>)| {
             let about = effect.info();
-            let own = self.spreads.iter().filter(|(id, ..)| *id == about.id);
-            let named = |(_, parameter, spread): &(_, usize, Spread)| {
-                (about.parameters[*parameter].name.to_owned(), *spread)
+            let of = |all: &[Varying]| {
+                let own = all.iter().filter(|(id, ..)| *id == about.id);
+                let named = |(_, parameter, spread): &Varying| {
+                    (about.parameters[*parameter].name.to_owned(), *spread)
+                };
+                own.map(named).collect()
             };
-            Setting { per_push: own.map(named).collect(), ..Setting::new(about, values) }
+            let (per_push, per_place) = (of(&self.per_push), of(&self.per_place));
+            Setting { per_push, per_place, ..Setting::new(about, values) }
         };
         self.effects.iter().map(setting).collect()
     }
@@ -266,6 +352,13 @@ impl PushPhysics {
     pub(crate) fn has_inertia(&self) -> bool {
         self.at(Stage::Dynamics).any(|(e, values)| e.has_inertia(values))
     }
+}
+
+/// Puts a parameter's spread in the place of the one that it had.
+fn put(all: &mut Vec<Varying>, varying: Varying) {
+    all.retain(|known| (known.0, known.1) != (varying.0, varying.1));
+    all.push(varying);
+    all.sort_by_key(|(effect, parameter, _)| (place(effect), *parameter));
 }
 
 /// Order of action: the catalogue's, then that of ids.

@@ -86,7 +86,7 @@ fn draws_and_coordinates_stay_within_what_a_step_allows() {
         let name = effect.info().parameters[0].name;
         let physics = PushPhysics::new(rig()).with(effect, &[value]).unwrap();
         let physics = physics.with_spread(id, name, Spread::Sd(sd)).unwrap();
-        assert_eq!(physics.predict_varied(&step).unwrap().len(), 5);
+        assert_eq!(physics.predict_over_pushes(&step).unwrap().deviations.len(), 5);
         let (low, high) = effect.range_in(0, &step);
         for number in [-8.0, -1.0, 1.0, 8.0] {
             let drawn = physics.drawn(&[number], &step).settings()[0].parameters[name];

@@ -15,9 +15,17 @@ pub struct ModelEffect {
     pub parameters: BTreeMap<String, Estimate>,
     /// Of those that differ from push to push.
     pub per_push: BTreeMap<String, Spread>,
+    /// Of those that differ from place to place of the table, faster than a step is long.
+    pub per_place: BTreeMap<String, Spread>,
 }
 
 impl ModelEffect {
+    /// An effect whose parameters are the same in all pushes and places.
+    pub fn new(id: &str, parameters: BTreeMap<String, Estimate>) -> Self {
+        let [per_push, per_place] = Default::default();
+        Self { id: id.to_owned(), parameters, per_push, per_place }
+    }
+
     /// The values alone.
     pub fn setting(&self) -> Setting {
         let values = self.parameters.iter().map(|(name, known)| (name.clone(), known.value));
@@ -25,14 +33,15 @@ impl ModelEffect {
             id: self.id.clone(),
             parameters: values.collect(),
             per_push: self.per_push.clone(),
+            per_place: self.per_place.clone(),
         }
     }
 }
 
 impl From<Setting> for ModelEffect {
     /// Values taken as exact, without a source.
-    fn from(Setting { id, parameters, per_push }: Setting) -> Self {
+    fn from(Setting { id, parameters, per_push, per_place }: Setting) -> Self {
         let exact = |(name, value)| (name, Estimate::exact(value, ""));
-        Self { id, parameters: parameters.into_iter().map(exact).collect(), per_push }
+        Self { id, parameters: parameters.into_iter().map(exact).collect(), per_push, per_place }
     }
 }

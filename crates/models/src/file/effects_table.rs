@@ -76,12 +76,15 @@ impl Source<'_> {
             let nothing = || Estimate::exact(0.0, "");
             parameters.entry(parameter.name.to_owned()).or_insert_with(nothing);
         }
-        let per_push = raw_parameters
-            .iter()
-            .filter_map(|(name, raw)| Some((name.clone(), raw.get_ref().per_push?)));
-        let per_push = per_push.collect();
-        let effect = ModelEffect { id: id.get_ref().clone(), parameters, per_push };
-        let checked = effect.setting().values(about).and_then(|values| about.check(&values));
+        let mut effect = ModelEffect::new(id.get_ref(), parameters);
+        for (name, raw) in raw_parameters {
+            let RawParameter { per_push, per_place, .. } = raw.get_ref();
+            effect.per_push.extend(per_push.map(|spread| (name.clone(), spread)));
+            effect.per_place.extend(per_place.map(|spread| (name.clone(), spread)));
+        }
+        let setting = effect.setting();
+        let checked = setting.values(about).and_then(|values| about.check(&values));
+        let checked = checked.and_then(|()| setting.check_spreads());
         checked.map_err(|error| self.invalid(raw.span().start, "effects", error.to_string()))?;
         Ok(effect)
     }
@@ -92,7 +95,7 @@ impl Source<'_> {
         parameter: &Parameter,
         key: &str,
     ) -> Result<Estimate, ModelError> {
-        let RawParameter { value, se, unit, source, per_push } = raw.get_ref();
+        let RawParameter { value, se, unit, source, per_push, per_place } = raw.get_ref();
         let refuse = |name: &str, problem: String| {
             Err(self.invalid(raw.span().start, &format!("{key}.{name}"), problem))
         };
@@ -107,8 +110,10 @@ impl Source<'_> {
         if !(0.0..=LARGEST_SE).contains(se) {
             return refuse("se", format!("must be from 0 to {LARGEST_SE:e}, got {se:?}"));
         }
-        if let Some(Err(error)) = per_push.map(|spread| spread.check(parameter)) {
-            return refuse("per_push", error.to_string());
+        for (key, spread) in [("per_push", per_push), ("per_place", per_place)] {
+            if let Some(Err(error)) = spread.map(|spread| spread.check(parameter)) {
+                return refuse(key, error.to_string());
+            }
         }
         match unit {
             Some(unit) if unit != parameter.unit => {

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use dataset::SupportSpec;
 use effects::{
-    Channels, Effect, EffectError, Object, PressureRadius, PushPhysics, Rig, Setting, StepInput,
-    Surface, Track, TrueOutline,
+    Channels, Effect, EffectError, Object, Predicted, PressureRadius, PushPhysics, Rig, Setting,
+    StepInput, Surface, Track, TrueOutline,
 };
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Pose, Twist};
@@ -14,8 +14,8 @@ use crate::{Analytical, Base, CharacteristicLength, Description, ModelError, Sur
 
 /// The expected motion of a step and its covariance over pushes.
 pub type MotionOverPushes = (Vector3<f64>, Matrix3<f64>);
-/// The motion of a step for certain values of what differs from push to push, each with its weight.
-pub type WeightedMotions = Vec<(f64, Vector3<f64>)>;
+/// The expected motion of a step, and deviations of pushes from it: the sum of their squares is the covariance.
+pub type MotionsOfPushes = (Vector3<f64>, Vec<Vector3<f64>>);
 
 /// An analytical model with its effects on a table: motion, contact force and contact gap.
 ///
@@ -103,30 +103,26 @@ impl ChannelModel {
         &self,
         steps: impl IntoIterator<Item = &'a StepInput>,
     ) -> Result<Vec<MotionOverPushes>, ModelError> {
-        let over_pushes = |values: WeightedMotions| {
-            let mean: Vector3<f64> = values.iter().map(|(weight, motion)| *weight * motion).sum();
-            let square = |(weight, motion): &(f64, Vector3<f64>)| {
-                let off = motion - mean;
-                *weight * off * off.transpose()
-            };
-            (mean, values.iter().map(square).sum())
+        let over_pushes = |(mean, deviations): MotionsOfPushes| {
+            (mean, deviations.iter().map(|off| off * off.transpose()).sum())
         };
         Ok(self.motions_of_pushes(steps)?.into_iter().map(over_pushes).collect())
     }
 
-    /// The motion of each step, (Δx, Δy, Δθ) in m, m and rad, for certain values of the parameters that
-    /// differ from push to push, with weights that are together 1; the same values for every step.
+    /// The motion of each step, (Δx, Δy, Δθ) in m, m and rad: expected, and deviations from it by the parameters
+    /// that differ from push to push, each for the same values of every step; none where no parameter does.
     ///
     /// # Errors
     /// As [`ChannelModel::predict`].
     pub fn motions_of_pushes<'a>(
         &self,
         steps: impl IntoIterator<Item = &'a StepInput>,
-    ) -> Result<Vec<WeightedMotions>, ModelError> {
-        let motion = |channels: &Channels| Vector3::new(channels.dx, channels.dy, channels.dtheta);
+    ) -> Result<Vec<MotionsOfPushes>, ModelError> {
         self.of_each(steps, |physics, step| {
-            let varied = physics.predict_varied(step)?;
-            Ok(varied.iter().map(|(weight, channels)| (*weight, motion(channels))).collect())
+            let Predicted { mean, deviations } = physics.predict_over_pushes(step)?;
+            let motions =
+                deviations.iter().map(|[dx, dy, dtheta, ..]| Vector3::new(*dx, *dy, *dtheta));
+            Ok((Vector3::new(mean.dx, mean.dy, mean.dtheta), motions.collect()))
         })
     }
 

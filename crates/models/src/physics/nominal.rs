@@ -56,5 +56,5 @@ fn effect(
     let names = by_id(id)?.info().parameters.iter().map(|parameter| parameter.name.to_owned());
     let known = |value: f64| Estimate::exact(value, if value == 0.0 { "" } else { source });
     let parameters = names.zip(values).map(|(name, value)| (name, known(value))).collect();
-    Ok(ModelEffect { id: id.to_owned(), parameters, per_push: Default::default() })
+    Ok(ModelEffect::new(id, parameters))
 }

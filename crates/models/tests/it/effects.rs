@@ -198,10 +198,12 @@ fn points_that_bear_nothing_are_left_out_and_spreads_are_kept() {
     let friction = Setting::new(effects::by_id("pusher-friction").unwrap().info(), &[0.25]);
     let mut friction = ModelEffect::from(friction);
     friction.per_push.insert("friction".into(), Spread::RelativeSd(0.3));
+    friction.per_place.insert("friction".into(), Spread::RelativeSd(0.4));
     file.description.effects.push(friction);
     file.write(&path).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(!text.contains("share2") && text.contains("relative_sd = 0.3"), "{text}");
+    assert!(text.contains("per_place = { relative_sd = 0.4 }"), "{text}");
     assert_eq!(ModelFile::read(&path).unwrap(), file);
     // A place without a share, and a share without a place.
     for lacking in ["share1", "y1"] {
@@ -212,17 +214,47 @@ fn points_that_bear_nothing_are_left_out_and_spreads_are_kept() {
     let spread = |words: &str| {
         let text = format!(
             "{BASE}[[effects]]\nid = \"pusher-friction\"\n\
-             parameters = {{ friction = {{ value = 0.25, per_push = {words} }} }}\n"
+             parameters = {{ friction = {{ value = 0.25, {words} }} }}\n"
         );
         read(&text)
     };
-    assert!(spread("{ sd = 0.05 }").is_ok());
     for (words, part) in
         [("{ relative_sd = 2.5 }", "2.5"), ("{ sd = -0.1 }", "-0.1"), ("{ width = 0.1 }", "width")]
     {
-        let error = spread(words).unwrap_err().to_string();
-        assert!(error.contains(part), "{error}");
+        for key in ["per_push", "per_place"] {
+            assert!(spread(&format!("{key} = {{ sd = 0.05 }}")).is_ok());
+            let error = spread(&format!("{key} = {words}")).unwrap_err().to_string();
+            assert!(error.contains(part), "{error}");
+        }
     }
+    let one = "per_push = { sd = 0.05 }, per_place = ";
+    assert!(spread(&format!("{one}{{ sd = 0.1 }}")).is_ok());
+    let error = spread(&format!("{one}{{ relative_sd = 0.1 }}")).unwrap_err().to_string();
+    assert!(
+        error.contains("`friction` of pusher-friction") && error.contains("two units"),
+        "{error}"
+    );
+}
+
+#[test]
+fn places_move_the_expected_motion_and_only_pushes_have_a_covariance() {
+    let (steps, about) = (asked(), effects::by_id("pusher-friction").unwrap().info());
+    let over = |per_push: f64, per_place: f64| {
+        let mut effect = ModelEffect::from(Setting::new(about, &[0.25]));
+        effect.per_push.insert("friction".into(), Spread::RelativeSd(per_push));
+        effect.per_place.insert("friction".into(), Spread::RelativeSd(per_place));
+        let model = ChannelModel::new(&with(vec![effect]), TABLE, &[]).unwrap();
+        model.motion_over_pushes(steps.iter().map(|(_, step)| step)).unwrap()
+    };
+    let (whole, both, places) = (over(0.5, 0.0), over(0.3, 0.4), over(0.0, 0.5));
+    let mut n_moved = 0;
+    for ((whole, both), places) in whole.iter().zip(&both).zip(&places) {
+        assert!((whole.0 - both.0).amax() < 1e-12 && (whole.0 - places.0).amax() < 1e-12);
+        assert!((0.36 * whole.1 - both.1).amax() <= 1e-9 * whole.1.amax());
+        assert_eq!(places.1, Matrix3::zeros());
+        n_moved += usize::from(whole.1.amax() > 0.0);
+    }
+    assert!(n_moved > 2, "{n_moved}");
 }
 
 #[test]

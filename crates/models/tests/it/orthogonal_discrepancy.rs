@@ -231,8 +231,7 @@ fn whole_steps(n: usize, offset: f64) -> Vec<StepObservation> {
 fn with_offset(dx: f64) -> Description {
     let exact = |value| Estimate::exact(value, "test");
     let parameters = [("dx".to_owned(), exact(dx)), ("dy".to_owned(), exact(0.0))].into();
-    let per_push = Default::default();
-    let effect = ModelEffect { id: "friction-center-offset".into(), parameters, per_push };
+    let effect = ModelEffect::new("friction-center-offset", parameters);
     Description { effects: vec![effect], ..nominal() }
 }
 

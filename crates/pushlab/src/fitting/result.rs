@@ -34,12 +34,13 @@ pub(crate) struct Fitted {
     per_push: Option<PerPush>,
 }
 
-/// By how much an effect differs from push to push.
+/// By how much an effect differs from push to push, and from place to place.
 #[derive(Serialize)]
 struct PerPush {
     parameters: Vec<&'static str>,
     #[serde(flatten)]
     spread: Spread,
+    per_place: Spread,
     /// Of the log density of a cluster, in nats.
     gain: f64,
     gain_se: f64,
@@ -48,9 +49,9 @@ struct PerPush {
 impl Fitted {
     /// The same, with what was found of the differences from push to push.
     pub(crate) fn with_spread(self, found: &SpreadFit) -> Self {
-        let SpreadFit { parameters, spread, gain: [gain, gain_se], .. } = found;
-        let (parameters, spread) = (parameters.clone(), *spread);
-        let per_push = PerPush { parameters, spread, gain: *gain, gain_se: *gain_se };
+        let SpreadFit { parameters, per_push, per_place, gain: [gain, gain_se], .. } = found;
+        let (parameters, spread, per_place) = (parameters.clone(), *per_push, *per_place);
+        let per_push = PerPush { parameters, spread, per_place, gain: *gain, gain_se: *gain_se };
         Self { per_push: Some(per_push), ..self }
     }
 
@@ -93,12 +94,14 @@ impl fmt::Display for Fitted {
                 writeln!(f, "  most like it: {} (correlation {:.2})", alike.id, alike.correlation)?;
             }
         }
-        if let Some(PerPush { parameters, spread, gain, gain_se }) = &self.per_push {
-            let size = match spread {
+        if let Some(PerPush { parameters, spread, per_place, gain, gain_se }) = &self.per_push {
+            let size = |spread: &Spread| match spread {
                 Spread::Sd(sd) => format!("by {sd:.2e} (standard deviation)"),
                 Spread::RelativeSd(sd) => format!("by a factor of e^{sd:.2} (standard deviation)"),
             };
-            writeln!(f, "  {} from push to push {size}", parameters.join(" and "))?;
+            let names = parameters.join(" and ");
+            writeln!(f, "  {names} from push to push {}", size(spread))?;
+            writeln!(f, "  {names} from place to place, faster than a step, {}", size(per_place))?;
             writeln!(f, "  log density gained: {gain:.3} ± {gain_se:.3} nats a cluster")?;
         }
         let [before, after] = self.whitened_rms;

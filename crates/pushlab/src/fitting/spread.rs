@@ -1,39 +1,31 @@
-//! The values of an effect that differs from push to push, and the scatter that is left beside it.
+//! By how much an effect differs from push to push and from place to place, and the scatter that is left.
 
 use anyhow::Result;
-use diagnosis::{Fit, FitSettings, Intervals, MotionErrors, NoiseModel, SpreadFit, fit};
+use diagnosis::{FitSettings, Intervals, MotionErrors, SpreadFit, fit_per_push};
+use effects::by_id;
 use models::{Analytical, Base, Description, ModelFile};
 use nalgebra::Matrix3;
 
 use super::Fitting;
 
 impl Fitting {
-    /// The fit of an effect's values beside the spread that was found: motions are weighted by the spread and
-    /// by the errors that it leaves.
+    /// The fit of an effect that differs, with its values and the scatter that is left beside it.
     ///
     /// # Errors
     /// What the fit says.
-    pub(crate) fn beside_spread(
-        &self,
-        model: &ModelFile,
-        effect: &str,
-        found: &SpreadFit,
-    ) -> Result<Fit> {
+    pub(crate) fn per_push(&self, model: &ModelFile, effect: &str) -> Result<SpreadFit> {
+        self.testable(by_id(effect)?.info())?;
         let settings =
             FitSettings { intervals: Intervals::None, resemblances: false, ..self.settings() };
-        let (model, own) = (&model.description, &settings.own);
-        let noise = NoiseModel::learn(model, own, &self.train)?;
-        let noise = noise.whitening(model, own, &self.train)?;
-        let whitening = found.errors.whitening(&noise, &self.train, model, own)?;
-        let mut fit = fit(&self.train, model, &[effect], &whitening, &settings)?;
+        let mut found = fit_per_push(&self.train, &model.description, effect, &settings)?;
         // The covariance of the errors of a step over the mean square of its way.
         let ways = self.train.steps().iter().map(|step| {
             let track = &step.input.track;
             (track.end() - track.start()).norm_squared()
         });
         let square = ways.sum::<f64>() / self.train.n_steps().max(1) as f64;
-        renew_scatter(&mut fit.description, &found.errors, square)?;
-        Ok(fit)
+        renew_scatter(&mut found.fit.description, &found.errors, square)?;
+        Ok(found)
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use dataset::{ObjectChoice, StepRow, TableMapping};
-use diagnosis::{FitSettings, MotionErrors, Observations, fit_per_push};
+use diagnosis::{FitSettings, Intervals, MotionErrors, Observations, fit_per_push};
 use effects::{Effect, FrictionCenterOffset, Setting};
 use models::{
     Analytical, ChannelModel, ChannelObservation, Description, ModelEffect, PushModel,
@@ -48,8 +48,8 @@ pub(super) struct Supports {
     /// The points of each fold: x and y in m, and the share.
     feet: Vec<Vec<[f64; 3]>>,
     outline: Vec<[f64; 2]>,
-    /// Of each fold: standard deviation of the center of friction from push to push, in m.
-    spreads: Vec<f64>,
+    /// Of each fold: standard deviation of the center of friction from push to push and from place to place, in m.
+    spreads: Vec<[f64; 2]>,
 }
 
 struct Table {
@@ -98,11 +98,18 @@ impl Supports {
                 true => {
                     let about = FrictionCenterOffset.info();
                     model.effects.push(ModelEffect::from(Setting::new(about, &[0.0, 0.0])));
-                    let settings = FitSettings::default();
+                    let settings = FitSettings {
+                        priors: false,
+                        intervals: Intervals::None,
+                        resemblances: false,
+                        ..FitSettings::default()
+                    };
                     let found = fit_per_push(&fitted_to, &model, about.id, &settings)?;
-                    let effects::Spread::Sd(sd) = found.spread else { unreachable!("a place") };
-                    self.spreads.push(sd);
-                    found.description
+                    let sd = |spread| match spread {
+                        effects::Spread::Sd(sd) | effects::Spread::RelativeSd(sd) => sd,
+                    };
+                    self.spreads.push([found.per_push, found.per_place].map(sd));
+                    found.fit.description
                 }
                 false => fitted(&fitted_to, model, free)?,
             };
@@ -132,16 +139,19 @@ impl Supports {
                 "| {name} | {mean:.4} | {dx:.4} | {dy:.4} | {dtheta:.4} | {normal:.3} | {student:.3} |"
             );
         }
-        let spreads: Vec<String> =
-            self.spreads.iter().map(|sd| format!("{:.1}", 1e3 * sd)).collect();
+        let of = |k: usize| {
+            let all = self.spreads.iter().map(|sd| format!("{:.1}", 1e3 * sd[k]));
+            all.collect::<Vec<String>>().join(", ")
+        };
         let _ = writeln!(
             text,
             "\nThe center of friction differs from push to push by {} mm in each direction (standard \
-             deviation, by fold).\n\n![Feet of five folds under the square](real-data-feet.svg)\n\n\
+             deviation, by fold), and from place to place, faster than a step, by {} mm.\n\n![Feet of five folds under the square](real-data-feet.svg)\n\n\
              The points of each fold, their area by the share that they bear. Folds share most of their rows: \
              that they agree does not make the places unique, for other points have nearly the same limit \
              surface.\n",
-            spreads.join(", ")
+            of(0),
+            of(1)
         );
         text
     }

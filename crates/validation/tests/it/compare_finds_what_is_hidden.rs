@@ -40,8 +40,7 @@ fn with_anisotropy(base: &Description) -> Description {
         ("ratio".to_owned(), value(RATIO)),
         ("direction".to_owned(), value(DIRECTION_DEG.to_radians())),
     ]);
-    let per_push = Default::default();
-    let effect = ModelEffect { id: "table-anisotropy".into(), parameters, per_push };
+    let effect = ModelEffect::new("table-anisotropy", parameters);
     Description { effects: vec![effect], ..base.clone() }
 }
 

@@ -1,7 +1,5 @@
 //! Effects of a diagnosis as a model carries them.
 
-use std::collections::BTreeMap;
-
 use anyhow::{Result, bail, ensure};
 use diagnosis::{Diagnosis, EffectFinding, Grade, ParameterFinding};
 use effects::{Setting, by_id};
@@ -79,8 +77,7 @@ pub(crate) fn diagnosed_effect(found: &Diagnosis, id: &str) -> Result<ModelEffec
     );
     let about = by_id(id)?.info();
     let values = parameters.iter().filter_map(|one| Some((one.name.clone(), one.estimate?)));
-    let setting =
-        Setting { id: id.to_owned(), parameters: values.collect(), per_push: BTreeMap::new() };
+    let setting = Setting { id: id.to_owned(), parameters: values.collect(), ..Setting::default() };
     let Ok(values) = setting.values(about) else {
         bail!(
             "the diagnosis does not tell the values of {id}; `pushlab add {id} --fit SET` fits them"
@@ -92,8 +89,7 @@ pub(crate) fn diagnosed_effect(found: &Diagnosis, id: &str) -> Result<ModelEffec
         let value = one.estimate.unwrap_or_default();
         (one.name.clone(), Estimate { value, se: se(one), source: source.clone() })
     };
-    let (id, per_push) = (id.to_owned(), BTreeMap::new());
-    Ok(ModelEffect { id, parameters: parameters.iter().map(estimate).collect(), per_push })
+    Ok(ModelEffect::new(id, parameters.iter().map(estimate).collect()))
 }
 
 /// The standard error, or the half-width of the interval over the normal quantile.

@@ -48,7 +48,7 @@ pub(crate) struct Args {
     fit: Option<PathBuf>,
     #[command(flatten)]
     known: Known,
-    /// Fit, too, by how much the effect's parameters differ from push to push; EFFECT may be one that
+    /// Fit, too, by how much the effect's parameters differ from push to push and from place to place; EFFECT may be one that
     /// the model carries
     #[arg(long, requires = "fit")]
     per_push: bool,
@@ -152,8 +152,7 @@ fn per_push(
         model.description = fitting.fit_values(&model, &[about.id])?.description;
     }
     let found = fitting.per_push(&model, about.id)?;
-    model.description = found.description.clone();
-    let fit = fitting.beside_spread(&model, about.id, &found)?.determined()?;
+    let fit = found.fit.clone().determined()?;
     let name = format!("{} + {} per push", model.name, about.id);
     let fitted = fitting.write(fit, name, destination)?.with_spread(&found);
     terminal.finish(&origin, &fitted, &fitted)
@@ -244,7 +243,7 @@ fn by_hand(
         }
     }
     let about = by_id(args.effect())?.info();
-    let setting = Setting { id: about.id.to_owned(), parameters, per_push: BTreeMap::new() };
+    let setting = Setting { id: about.id.to_owned(), parameters, ..Setting::default() };
     about.check(&setting.values(about)?)?;
     let mut effect = ModelEffect::from(setting);
     for estimate in effect.parameters.values_mut() {

@@ -145,13 +145,16 @@ fn of_effect(effect: &ModelEffect) -> Vec<Parameter> {
     let mut parameters: Vec<Parameter> =
         effect.parameters.iter().filter(is_something).map(parameter).collect();
     parameters.extend(of_points(effect));
-    for (name, spread) in &effect.per_push {
-        let (words, sd, unit) = match spread {
-            Spread::Sd(sd) => ("sd per push", sd, unit(name).unwrap_or("1")),
-            Spread::RelativeSd(sd) => ("relative sd per push", sd, "1"),
-        };
-        let (name, source) = (format!("{} {name}, {words}", effect.id), String::new());
-        parameters.push(Parameter { name, value: Some(*sd), se: 0.0, unit, source });
+    for (per, spreads) in [("push", &effect.per_push), ("place", &effect.per_place)] {
+        for (name, spread) in spreads {
+            let (words, sd, unit) = match spread {
+                Spread::Sd(sd) => ("sd", sd, unit(name).unwrap_or("1")),
+                Spread::RelativeSd(sd) => ("relative sd", sd, "1"),
+            };
+            let (name, source) =
+                (format!("{} {name}, {words} per {per}", effect.id), String::new());
+            parameters.push(Parameter { name, value: Some(*sd), se: 0.0, unit, source });
+        }
     }
     parameters
 }
