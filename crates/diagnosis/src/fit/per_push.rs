@@ -14,7 +14,7 @@ use super::problem::Problem;
 use super::robust::Robust;
 use super::search::Found;
 use super::space::Space;
-use super::{Fit, FitSettings, MotionErrors};
+use super::{Fit, FitSettings, Intervals, MotionErrors};
 use crate::predict::candidates::follow_from_points;
 use crate::{DiagnosisError, NoiseModel, Observations};
 
@@ -56,7 +56,7 @@ const ROUNDS: usize = 2;
 /// not the motion at the mean: that tells the whole spread. What a push keeps of it moves all of its steps
 /// alike: that tells the share from push to push. Other errors, of each step and of the push, have
 /// Student's t with four degrees. A friction differs by its logarithm, other parameters by their unit; the
-/// components of a vector alike. A center of friction beside points that say where the object rests keeps its
+/// components of a vector alike. Intervals are by standard errors. A center of friction beside points that say where the object rests keeps its
 /// value.
 ///
 /// # Errors
@@ -77,6 +77,11 @@ pub fn fit_per_push(
     if !about.parameters.iter().all(is_plain) {
         return refuse("its parameters are no plain numbers; choose an effect that has such alone");
     }
+    let intervals = match settings.intervals {
+        Intervals::None => Intervals::None,
+        Intervals::StandardErrors | Intervals::Profiles => Intervals::StandardErrors,
+    };
+    let settings = &FitSettings { intervals, resemblances: false, ..settings.clone() };
     let fitting = Fitting { observations, about, unit: unit(about), settings };
     let none = fitting.at(carrying(model, about)?, 0.0)?;
     let mut best = fitting.likeliest_size(none.clone())?;
@@ -280,42 +285,50 @@ fn gain(with: &[f64], without: &[f64], observations: &Observations) -> [f64; 2] 
 #[cfg(test)]
 mod tests {
     use effects::{Spread, by_id};
-    use models::ModelEffect;
+    use models::{ChannelModel, ModelEffect};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
     use super::fit_per_push;
+    use crate::FitSettings;
     use crate::synthetic::{NOISE, normal, recorded};
-    use crate::{FitSettings, Predictions};
 
-    /// The spread that is found of a pusher friction whose logarithm has a standard deviation a push.
-    fn found(sd: f64) -> (f64, [f64; 2]) {
+    /// The spreads from push to push and from place to place, and the gain, that are found of a pusher friction
+    /// whose logarithm has a standard deviation of a push, and one within a step, which moves as expected over it.
+    fn found(of_push: f64, of_place: f64) -> ([f64; 2], [f64; 2]) {
         let (mut observations, model) = recorded(1);
         let about = by_id("pusher-friction").unwrap().info();
         let with = |friction: f64| ModelEffect::from(effects::Setting::new(about, &[friction]));
         let mut rng = ChaCha8Rng::seed_from_u64(4);
         let n = observations.pushes.len();
-        let frictions: Vec<f64> = (0..n).map(|_| 0.25 * (sd * normal(&mut rng)).exp()).collect();
-        for (push, friction) in frictions.into_iter().enumerate() {
+        let of_pushes: Vec<f64> = (0..n).map(|_| of_push * normal(&mut rng)).collect();
+        let push_of = observations.push_of.clone();
+        for (step, push) in push_of.into_iter().enumerate() {
             let mut one = model.clone();
-            one.effects.push(with(friction));
-            let steps: Vec<usize> = (0..observations.steps.len())
-                .filter(|k| observations.push_of[*k] == push)
-                .collect();
-            let predicted = Predictions::of(&one, &[], &observations).unwrap();
-            for step in steps {
-                let motion = observations.steps[step].observed.iter_mut().take(3).zip(NOISE);
-                for ((observed, sd), made) in motion.zip(predicted.steps()[step]) {
-                    let noise = 0.3 * sd * normal(&mut rng);
-                    *observed = made.map(|at| at + noise);
-                }
+            let mut effect = with(0.25 * of_pushes[push].exp());
+            effect.per_place.insert("friction".to_owned(), Spread::RelativeSd(of_place));
+            one.effects.push(effect);
+            let channels = ChannelModel::new(&one, observations.support, &[]).unwrap();
+            let made = channels.predict([&observations.steps[step].input]).unwrap()[0].to_array();
+            let numbers = observations.steps[step].observed.iter_mut().zip(NOISE);
+            for ((observed, sd), made) in numbers.zip(made) {
+                let noise = 0.3 * sd * normal(&mut rng);
+                *observed = observed.map(|_| made + noise);
             }
         }
-        let fit = fit_per_push(&observations, &model, "pusher-friction", &FitSettings::default())
-            .unwrap();
-        let Spread::RelativeSd(sd) = fit.per_push else { panic!("{:?}", fit.per_push) };
+        let fit = fit_per_push(&observations, &model, "pusher-friction", &FitSettings::default());
+        let fit = fit.unwrap();
         assert_eq!(fit.parameters, ["friction"]);
-        (sd, fit.gain)
+        let sd = |spread| match spread {
+            Spread::RelativeSd(sd) => sd,
+            Spread::Sd(sd) => panic!("{sd}"),
+        };
+        // The model says both.
+        let carried = fit.fit.description.effects.iter().find(|one| one.id == about.id).unwrap();
+        for (of, told) in [(&carried.per_push, fit.per_push), (&carried.per_place, fit.per_place)] {
+            assert_eq!(of.get("friction").copied().unwrap_or(Spread::RelativeSd(0.0)), told);
+        }
+        ([fit.per_push, fit.per_place].map(sd), fit.gain)
     }
 
     #[test]
@@ -335,9 +348,16 @@ mod tests {
 
     #[test]
     fn a_friction_that_differs_from_push_to_push_is_told_from_one_that_does_not() {
-        let (none, [gain, _]) = found(0.0);
+        let ([none, _], [gain, _]) = found(0.0, 0.0);
         assert!(none < 0.08 && gain < 0.5, "{none} {gain}");
-        let (some, [gain, se]) = found(0.4);
+        let ([some, places], [gain, se]) = found(0.4, 0.0);
         assert!((0.25..0.6).contains(&some) && gain > 3.0 * se, "{some} {gain} {se}");
+        assert!(places < some, "{places} {some}");
+    }
+
+    #[test]
+    fn a_friction_that_differs_within_steps_is_told_by_their_mean_motion() {
+        let ([push, place], _) = found(0.0, 0.4);
+        assert!(push < 0.1 && (0.3..0.5).contains(&place), "{push} {place}");
     }
 }
