@@ -73,6 +73,13 @@ const REPEATS: RepeatTolerance = RepeatTolerance { distance: 1e-3, angle: 0.02, 
 /// Pairs of neighbours, and pushes without their like, that are used at most.
 const MOST_PAIRS: usize = 60;
 
+/// What a flexible fit leaves of pushes, each by its number, under a noise that is near.
+#[derive(Clone, Copy)]
+pub(crate) struct Left<'a> {
+    pub(crate) near: &'a NoiseModel,
+    pub(crate) of_pushes: &'a [(usize, DVector<f64>)],
+}
+
 impl NoiseModel {
     /// Learns the sizes of errors, linearised about a model; `own` are effects besides those of the
     /// catalogue.
@@ -96,7 +103,7 @@ impl NoiseModel {
     pub(crate) fn learn_at(
         tangent: &Tangent,
         observations: &Observations,
-        left: Option<(&Self, &[(usize, DVector<f64>)])>,
+        left: Option<Left>,
     ) -> Result<Self, DiagnosisError> {
         let shapes = shapes(observations, &tangent.linearisation);
         let groups = repeat_groups(observations);
@@ -111,19 +118,20 @@ impl NoiseModel {
             let groups = pairs.iter().map(|pair| pair.to_vec()).collect();
             (FloorSource::Neighbours, groups, blocks)
         };
-        if let Some((_, left)) = left {
+        if let Some(Left { of_pushes, .. }) = left {
             let n_fixed = blocks.first().map_or(0, |block| block.fixed.ncols());
             // What repeats itself says more exactly by how much it differs.
             let repeats = repeat_groups(observations);
             let is_alone = |push: usize| !repeats.iter().any(|group| group.contains(&push));
-            let alone: Vec<_> = left.iter().filter(|(push, _)| is_alone(*push)).collect();
+            let alone: Vec<_> = of_pushes.iter().filter(|(push, _)| is_alone(*push)).collect();
             let some = alone.iter().step_by(alone.len().div_ceil(MOST_PAIRS).max(1));
             blocks.extend(some.map(|(push, left)| data.left(left, (*push, n_fixed))));
         }
         let prior: Vec<_> = SOURCES.iter().map(Source::prior).collect();
-        let near: Option<Vec<f64>> =
-            left.map(|(near, _)| near.sources.iter().map(|source| source.sd.powi(2)).collect());
-        let found = match near {
+        let squares = |Left { near, .. }: Left| -> Vec<f64> {
+            near.sources.iter().map(|source| source.sd.powi(2)).collect()
+        };
+        let found = match left.map(squares) {
             Some(near) => variances_from(&near, &blocks, &prior),
             None => variances(&blocks, &prior),
         };
