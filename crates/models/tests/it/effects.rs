@@ -203,7 +203,7 @@ fn points_that_bear_nothing_are_left_out_and_spreads_are_kept() {
     file.write(&path).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(!text.contains("share2") && text.contains("relative_sd = 0.3"), "{text}");
-    assert!(text.contains("per_place = { relative_sd = 0.4 }"), "{text}");
+    assert!(text.contains("friction.per_place]\nrelative_sd = 0.4"), "{text}");
     assert_eq!(ModelFile::read(&path).unwrap(), file);
     // A place without a share, and a share without a place.
     for lacking in ["share1", "y1"] {
