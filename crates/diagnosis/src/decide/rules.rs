@@ -15,42 +15,18 @@ pub(super) struct Rules {
 /// What speaks against naming an effect.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Objection {
-    NotSure {
-        p: f64,
-    },
-    Small {
-        size: f64,
-    },
-    LittleMore {
-        share: f64,
-    },
-    Undetermined {
-        why: String,
-    },
-    WithinTolerance {
-        parameter: &'static str,
-    },
+    NotSure { p: f64 },
+    Small { size: f64 },
+    LittleMore { share: f64 },
+    Undetermined { why: String },
+    WithinTolerance { parameter: &'static str },
     MeanFriction,
-    RightBeside {
-        rival: &'static str,
-    },
-    NotPredictive {
-        gain: Gain,
-    },
-    OneCluster {
-        cluster: String,
-    },
-    NotConfirmed {
-        gain: Gain,
-    },
+    RightBeside { rival: &'static str },
+    NotPredictive { gain: Gain },
+    OneCluster { cluster: String },
+    NotConfirmed { gain: Gain },
     Superfluous,
-    /// The model misses pushes by no more than their noise, as a factor.
-    NothingLeft {
-        scale: f64,
-    },
-    Unsettled {
-        why: String,
-    },
+    Unsettled { why: String },
 }
 
 impl Objection {
@@ -62,7 +38,6 @@ impl Objection {
             | Self::LittleMore { .. }
             | Self::WithinTolerance { .. }
             | Self::Superfluous
-            | Self::NothingLeft { .. }
             | Self::MeanFriction => false,
             Self::NotSure { p } => *p <= HINT,
             Self::NotConfirmed { gain } | Self::NotPredictive { gain } => gain.mean >= gain.se,
@@ -174,10 +149,6 @@ impl fmt::Display for Objection {
             Self::OneCluster { cluster } => {
                 write!(f, "it rests on {cluster} alone: without that its fit leaves a number open")
             }
-            Self::NothingLeft { scale } => write!(
-                f,
-                "without it pushes are missed by {scale:.2} times their noise: nothing is left for it to explain"
-            ),
             Self::Superfluous => f.write_str("a later effect explains what it explained"),
             Self::Unsettled { why } => write!(f, "its fit does not settle: {why}"),
             Self::NotConfirmed { gain } => {

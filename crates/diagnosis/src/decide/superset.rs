@@ -7,7 +7,7 @@ use effects::{Channel, Effect, Stage, SupportPoints};
 use super::found::{Choice, Progress, Refused};
 use super::rules::Objection;
 use super::search::Search;
-use crate::cut_offs::{MISSES, NAME, PUSHES_A_NUMBER};
+use crate::cut_offs::{NAME, PUSHES_A_NUMBER};
 use crate::fit::Refit;
 use crate::predict::candidates::follow_from_points;
 use crate::{DiagnosisError, Gain, Screen, ScreenedEffect};
@@ -38,11 +38,7 @@ impl Search<'_> {
         }
         let follow: Vec<&'static str> =
             follow_from_points().into_iter().filter(|id| !carries(id)).collect();
-        // Another support would explain noise alone, and its fit is the longest of all.
-        let found = match here.scale() < MISSES {
-            true => Err(Objection::NothingLeft { scale: here.scale() }),
-            false => here.borne_by(effect, &follow).map_err(Objection::from),
-        };
+        let found = here.borne_by(effect, &follow).map_err(Objection::from);
         let n_tests = screen.effects.iter().filter(|one| one.not_testable.is_none()).count();
         let gain = found.as_ref().map_err(Clone::clone).and_then(|there| {
             let gains = self.left_out(here, there).map_err(Objection::from)?;

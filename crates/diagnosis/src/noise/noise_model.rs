@@ -16,7 +16,7 @@ use crate::predict::secants::Linearisation;
 use crate::predict::tangent::Tangent;
 use crate::statistics::blocks::Block;
 use crate::statistics::quantile::NORMAL_975;
-use crate::statistics::variances::{Variances, variances, variances_from};
+use crate::statistics::variances::{Variances, variances};
 use crate::{DiagnosisError, FloorSource, Observations, RepeatTolerance, Whitening};
 
 /// Sources of error and their sizes: what the streams' noise leaves at the ends of steps, small
@@ -73,13 +73,6 @@ const REPEATS: RepeatTolerance = RepeatTolerance { distance: 1e-3, angle: 0.02, 
 /// Pairs of neighbours, and pushes without their like, that are used at most.
 const MOST_PAIRS: usize = 60;
 
-/// What a flexible fit leaves of pushes, each by its number, under a noise that is near.
-#[derive(Clone, Copy)]
-pub(crate) struct Left<'a> {
-    pub(crate) near: &'a NoiseModel,
-    pub(crate) of_pushes: &'a [(usize, DVector<f64>)],
-}
-
 impl NoiseModel {
     /// Learns the sizes of errors, linearised about a model; `own` are effects besides those of the
     /// catalogue.
@@ -98,12 +91,11 @@ impl NoiseModel {
         Self::learn_at(&Tangent::of(model, own, observations)?, observations, None)
     }
 
-    /// The same with slopes that are known, and also from what a flexible fit leaves of pushes under a noise
-    /// that is near, if that is given.
+    /// The same with slopes that are known, and also from what a flexible fit leaves of pushes, if that is given.
     pub(crate) fn learn_at(
         tangent: &Tangent,
         observations: &Observations,
-        left: Option<Left>,
+        left: Option<&[(usize, DVector<f64>)]>,
     ) -> Result<Self, DiagnosisError> {
         let shapes = shapes(observations, &tangent.linearisation);
         let groups = repeat_groups(observations);
@@ -118,23 +110,17 @@ impl NoiseModel {
             let groups = pairs.iter().map(|pair| pair.to_vec()).collect();
             (FloorSource::Neighbours, groups, blocks)
         };
-        if let Some(Left { of_pushes, .. }) = left {
+        if let Some(left) = left {
             let n_fixed = blocks.first().map_or(0, |block| block.fixed.ncols());
             // What repeats itself says more exactly by how much it differs.
             let repeats = repeat_groups(observations);
             let is_alone = |push: usize| !repeats.iter().any(|group| group.contains(&push));
-            let alone: Vec<_> = of_pushes.iter().filter(|(push, _)| is_alone(*push)).collect();
+            let alone: Vec<_> = left.iter().filter(|(push, _)| is_alone(*push)).collect();
             let some = alone.iter().step_by(alone.len().div_ceil(MOST_PAIRS).max(1));
             blocks.extend(some.map(|(push, left)| data.left(left, (*push, n_fixed))));
         }
         let prior: Vec<_> = SOURCES.iter().map(Source::prior).collect();
-        let squares = |Left { near, .. }: Left| -> Vec<f64> {
-            near.sources.iter().map(|source| source.sd.powi(2)).collect()
-        };
-        let found = match left.map(squares) {
-            Some(near) => variances_from(&near, &blocks, &prior),
-            None => variances(&blocks, &prior),
-        };
+        let found = variances(&blocks, &prior);
         let n_pushes = groups.iter().map(Vec::len).sum();
         let Variances { iterations, decrement, .. } = found;
         let sources = (0..SOURCES.len()).map(|k| ErrorSource::new(&SOURCES[k], &found, k));

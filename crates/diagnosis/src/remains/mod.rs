@@ -18,7 +18,6 @@ use self::folds::{Folds, Gains, left_by_all};
 use self::place::place;
 use crate::cut_offs::FEWEST_CLUSTERS;
 use crate::data::split::clusters;
-use crate::noise::noise_model::Left;
 use crate::predict::tangent::Tangent;
 use crate::{DiagnosisError, Gain, NoiseModel, Observations, Tolerances};
 
@@ -106,10 +105,7 @@ pub(crate) fn noise_beside(
     let whitening = noise.whitening_at(observations, &tangent.linearisation)?;
     let columns = Columns::of(tangent, (observations, &whitening), |_| true, settings.tolerances);
     match left_by_all(&columns, &whitening.rows()) {
-        Some(left) => {
-            let left = Left { near: &noise, of_pushes: &left };
-            NoiseModel::learn_at(tangent, observations, Some(left))
-        }
+        Some(left) => NoiseModel::learn_at(tangent, observations, Some(&left)),
         None => Ok(noise),
     }
 }

@@ -50,12 +50,6 @@ const LONGEST_STEP: f64 = 1.5;
 /// Gilmour, Thompson & Cullis (1995), Average information REML, Biometrics 51(4).
 pub(crate) fn variances(blocks: &[Block], prior: &[LogNormal]) -> Variances {
     let believed: Vec<f64> = prior.iter().map(|prior| prior.median).collect();
-    variances_from(&believed, blocks, prior)
-}
-
-/// The same from sizes that are near.
-pub(crate) fn variances_from(near: &[f64], blocks: &[Block], prior: &[LogNormal]) -> Variances {
-    let believed: Vec<f64> = prior.iter().map(|prior| prior.median).collect();
     let is_used = |block: &&Block| {
         Solved::of(block, &believed).is_some_and(|solved| solved.square.is_finite())
     };
@@ -64,7 +58,7 @@ pub(crate) fn variances_from(near: &[f64], blocks: &[Block], prior: &[LogNormal]
     let mut problem = Problem { blocks: used, prior, held: vec![None; prior.len()] };
     let mut iterations = 0;
     while problem.held.iter().any(Option::is_none) && !problem.blocks.is_empty() {
-        match problem.climbed(near, &mut iterations) {
+        match problem.climbed(&mut iterations) {
             Ok(top) => return Variances { n_unused, iterations, ..problem.variances(&top) },
             Err(unsettled) => problem.drop(unsettled, &believed),
         }
@@ -101,12 +95,8 @@ struct Top {
 
 impl Problem<'_> {
     /// The top, or the source that is farthest from it.
-    fn climbed(&self, near: &[f64], iterations: &mut usize) -> Result<Top, usize> {
-        let start = self.prior.iter().zip(near).map(|(prior, near)| match *near > 0.0 {
-            true => near.ln(),
-            false => prior.median.ln(),
-        });
-        let mut log: Vec<f64> = start.collect();
+    fn climbed(&self, iterations: &mut usize) -> Result<Top, usize> {
+        let mut log: Vec<f64> = self.prior.iter().map(|prior| prior.median.ln()).collect();
         let mut damping = 1e-3;
         let mut here = self.at(&log).ok_or_else(|| self.first_free())?;
         for _ in 0..MAX_ITERATIONS {
