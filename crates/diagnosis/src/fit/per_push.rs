@@ -56,8 +56,8 @@ const ROUNDS: usize = 2;
 /// not the motion at the mean: that tells the whole spread. What a push keeps of it moves all of its steps
 /// alike: that tells the share from push to push. Other errors, of each step and of the push, have
 /// Student's t with four degrees. A friction differs by its logarithm, other parameters by their unit; the
-/// components of a vector alike. Intervals are by standard errors. A center of friction beside points that say where the object rests keeps its
-/// value.
+/// components of a vector alike. Intervals are by standard errors. A center of friction beside points that
+/// say where the object rests keeps its value.
 ///
 /// # Errors
 /// `NotPerPush` for an effect that the model lacks, or whose parameters are no plain numbers or vectors;
@@ -184,14 +184,15 @@ impl Fitting<'_> {
 
     /// The likeliest share of a spread that was fitted.
     fn likeliest_share(&self, (fit, size): (Fit, f64)) -> Result<Tried, DiagnosisError> {
-        let whole = self.at(fit.description, size)?;
-        let missed = missed(self.observations, &whole.model, &self.settings.own)?;
+        let mut model = fit.description;
+        self.spread(&mut model, [sized(self.unit, size), sized(self.unit, 0.0)]);
+        let missed = missed(self.observations, &model, &self.settings.own)?;
         let tried = |share: f64| {
             let part = |of: &Missed| of.keeping(share);
             let missed: Vec<Missed> = missed.iter().map(part).collect();
             let errors = MotionErrors::of_missed(&missed, Some(TAILS))?;
             let densities = errors.of_each(&missed)?;
-            let mut tried = Tried { share, errors, densities, ..whole.clone() };
+            let mut tried = Tried { model: model.clone(), size, share, errors, densities };
             let parts = self.parts(&tried);
             self.spread(&mut tried.model, parts);
             Ok(tried)

@@ -74,14 +74,15 @@ impl PushPhysics {
     /// The same model, in which a parameter of one of its effects differs from push to push.
     ///
     /// # Errors
-    /// `UnknownEffect`, `UnknownParameter`; `InvalidValue` for a spread that cannot be.
+    /// `UnknownEffect`, `UnknownParameter`; `InvalidValue` for a spread that cannot be; `TwoSpreads` beside one of
+    /// places in the other unit.
     pub fn with_spread(
         mut self,
         id: &str,
         parameter: &str,
         spread: Spread,
     ) -> Result<Self, EffectError> {
-        let varying = self.varying(id, parameter, spread)?;
+        let varying = self.varying(id, parameter, spread, &self.per_place)?;
         put(&mut self.per_push, varying);
         Ok(self)
     }
@@ -97,12 +98,19 @@ impl PushPhysics {
         parameter: &str,
         spread: Spread,
     ) -> Result<Self, EffectError> {
-        let varying = self.varying(id, parameter, spread)?;
+        let varying = self.varying(id, parameter, spread, &self.per_push)?;
         put(&mut self.per_place, varying);
         Ok(self)
     }
 
-    fn varying(&self, id: &str, parameter: &str, spread: Spread) -> Result<Varying, EffectError> {
+    /// A parameter with its spread, which adds to that of `others` if they have it.
+    fn varying(
+        &self,
+        id: &str,
+        parameter: &str,
+        spread: Spread,
+        others: &[Varying],
+    ) -> Result<Varying, EffectError> {
         let about = self.effects[self.index_of(id)?].0.info();
         let unknown = || EffectError::UnknownParameter {
             effect: id.to_owned(),
@@ -112,6 +120,11 @@ impl PushPhysics {
         let index = about.parameters.iter().position(|known| known.name == parameter);
         let index = index.ok_or_else(unknown)?;
         spread.check(&about.parameters[index])?;
+        let other = others.iter().find(|(effect, known, _)| (*effect, *known) == (about.id, index));
+        if other.is_some_and(|(.., other)| !spread.is_like(*other)) {
+            let (effect, parameter) = (id.to_owned(), parameter.to_owned());
+            return Err(EffectError::TwoSpreads { effect, parameter });
+        }
         Ok((about.id, index, spread))
     }
 
@@ -233,7 +246,6 @@ impl PushPhysics {
         settings.iter().try_fold(Self::new(rig), |model, setting| {
             let effect = by_id_with(&setting.id, own)?;
             let values = setting.values(effect.info())?;
-            setting.check_spreads()?;
             let mut of_pushes = setting.per_push.iter();
             let model = of_pushes
                 .try_fold(model.with(effect, &values)?, |model, (parameter, spread)| {

@@ -96,3 +96,18 @@ fn draws_and_coordinates_stay_within_what_a_step_allows() {
         assert_eq!(coordinate.range, (low, high), "{id}");
     }
 }
+
+#[test]
+fn spreads_of_pushes_and_places_are_in_one_unit() {
+    let physics = || {
+        let physics = PushPhysics::new(Rig::new(Surface::Ellipsoid, 0.25, 0.25).unwrap());
+        physics.with(by_id("pusher-friction").unwrap(), &[0.25]).unwrap()
+    };
+    let (id, name) = ("pusher-friction", "friction");
+    let one = physics().with_spread(id, name, Spread::Sd(0.05)).unwrap();
+    assert!(one.clone().with_spread_of_places(id, name, Spread::Sd(0.1)).is_ok());
+    let refused = one.with_spread_of_places(id, name, Spread::RelativeSd(0.1)).unwrap_err();
+    let other = physics().with_spread_of_places(id, name, Spread::RelativeSd(0.1)).unwrap();
+    assert_eq!(other.with_spread(id, name, Spread::Sd(0.05)).unwrap_err(), refused);
+    assert!(matches!(refused, EffectError::TwoSpreads { .. }), "{refused}");
+}
