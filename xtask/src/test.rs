@@ -1,10 +1,14 @@
 //! `cargo xtask test`: every test and doctest of the workspace, and their closing total.
 
 use std::fmt;
-use std::io::{self, BufRead, BufReader, Write};
-use std::process::Stdio;
+use std::io::{self, BufReader, Read, Write};
+use std::iter;
+use std::process::{Command, Stdio};
+use std::sync::{Mutex, mpsc};
+use std::thread;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
+use cargo_metadata::{Artifact, Message};
 
 use crate::cargo::cargo;
 
@@ -12,20 +16,99 @@ use crate::cargo::cargo;
 #[derive(clap::Args)]
 pub(crate) struct Args {}
 
-/// Streams the runner's output; the last line on standard output is `N passed, N failed`.
+/// Runs each test program as soon as it is compiled, as many at once as there are cores, and prints what
+/// it said when it ends; the last line on standard output is `N passed, N failed`.
 ///
 /// # Errors
 /// When a test fails, when something does not compile, or when nothing ran.
 pub(crate) fn run(_args: &Args) -> Result<()> {
-    let mut runner = cargo(&["test", "--workspace", "--no-fail-fast"])
-        .stdout(Stdio::piped())
-        .spawn()
-        .context("cannot start cargo test")?;
-    let lines = runner.stdout.take().context("cargo test has no standard output")?;
-    let total = tally(BufReader::new(lines), io::stdout())?;
-    let status = runner.wait().context("cannot wait for cargo test")?;
+    let total = Mutex::new(Total::default());
+    let (queue, programs) = mpsc::channel();
+    let programs = Mutex::new(programs);
+    let next = || programs.lock().expect("no thread panics").recv();
+    let work = || -> Result<()> {
+        iter::from_fn(|| next().ok())
+            .try_for_each(|program: Program| program.run(&total, io::stdout()))
+    };
+    let ended: Result<()> = thread::scope(|scope| {
+        let n_workers = thread::available_parallelism().map_or(1, usize::from);
+        let workers: Vec<_> = (0..n_workers).map(|_| scope.spawn(work)).collect();
+        let compiled = compile(|program| queue.send(program).context("no thread is left"));
+        drop(queue);
+        let doctests = compiled.and_then(|()| Program::doctests().run(&total, io::stdout()));
+        workers
+            .into_iter()
+            .map(|worker| worker.join().expect("no thread panics"))
+            .chain([doctests])
+            .collect()
+    });
+    let total = total.into_inner().expect("no thread panics");
     println!("{total}");
-    judge(&total, status.success())
+    ended.and_then(|()| judge(&total))
+}
+
+/// Compiles the workspace and hands each test program over when it is ready.
+fn compile(ready: impl Fn(Program) -> Result<()>) -> Result<()> {
+    let arguments = ["test", "--workspace", "--no-run", "--message-format=json-render-diagnostics"];
+    let mut compiler =
+        cargo(&arguments).stdout(Stdio::piped()).spawn().context("cannot start cargo test")?;
+    let messages = compiler.stdout.take().context("cargo test has no standard output")?;
+    for message in Message::parse_stream(BufReader::new(messages)) {
+        if let Message::CompilerArtifact(artifact) =
+            message.context("cannot read what cargo compiled")?
+        {
+            Program::of(&artifact).map_or(Ok(()), &ready)?;
+        }
+    }
+    let status = compiler.wait().context("cannot wait for cargo test")?;
+    ensure!(status.success(), "the tests do not compile: see the messages above");
+    Ok(())
+}
+
+/// Something that runs tests.
+struct Program {
+    name: String,
+    command: Command,
+}
+
+impl Program {
+    /// The program of an artifact, if it is one with tests.
+    fn of(artifact: &Artifact) -> Option<Self> {
+        let program = artifact.executable.as_ref().filter(|_| artifact.profile.test)?;
+        let package = artifact.manifest_path.parent()?;
+        let source = artifact.target.src_path.strip_prefix(package).ok()?;
+        let name = format!("{}: {source}", package.file_name()?);
+        let mut command = Command::new(program);
+        command.current_dir(package).env("CARGO_MANIFEST_DIR", package);
+        Some(Self { name, command })
+    }
+
+    fn doctests() -> Self {
+        let command = cargo(&["test", "--workspace", "--doc", "--no-fail-fast"]);
+        Self { name: "doctests".to_owned(), command }
+    }
+
+    /// Runs it to its end, prints its output in one piece and adds it up.
+    fn run(mut self, total: &Mutex<Total>, mut out: impl Write) -> Result<()> {
+        eprintln!("     Running {}", self.name);
+        let (mut reader, writer) = io::pipe()?;
+        self.command.stdout(writer.try_clone()?).stderr(writer);
+        let mut child =
+            self.command.spawn().with_context(|| format!("cannot start {}", self.name))?;
+        // Its ends of the pipe would keep it open.
+        drop(self.command);
+        let mut output = Vec::new();
+        reader.read_to_end(&mut output)?;
+        let status = child.wait()?;
+        let mut total = total.lock().expect("no thread panics");
+        writeln!(out, "== {}", self.name)?;
+        out.write_all(&output)?;
+        total.add(&output);
+        if !status.success() {
+            total.broken.push(self.name);
+        }
+        Ok(())
+    }
 }
 
 /// Sums of the runner's `test result:` lines.
@@ -34,10 +117,16 @@ struct Total {
     passed: usize,
     failed: usize,
     ignored: usize,
+    /// Programs that ended with an error.
+    broken: Vec<String>,
 }
 
 impl Total {
-    fn add(&mut self, line: &str) {
+    fn add(&mut self, output: &[u8]) {
+        String::from_utf8_lossy(output).lines().for_each(|line| self.add_line(line));
+    }
+
+    fn add_line(&mut self, line: &str) {
         let Some(counts) = line.strip_prefix("test result: ") else { return };
         let words: Vec<_> = counts.split_whitespace().collect();
         for pair in words.windows(2) {
@@ -61,32 +150,22 @@ impl fmt::Display for Total {
     }
 }
 
-/// Copies every line to `out` as it arrives, and sums the results.
-fn tally(mut lines: impl BufRead, mut out: impl Write) -> Result<Total> {
-    let mut total = Total::default();
-    let mut line = Vec::new();
-    while lines.read_until(b'\n', &mut line).context("cannot read the output of cargo test")? > 0 {
-        out.write_all(&line).context("cannot write to standard output")?;
-        total.add(&String::from_utf8_lossy(&line));
-        line.clear();
-    }
-    Ok(total)
-}
-
-fn judge(total: &Total, runner_succeeded: bool) -> Result<()> {
-    if total.failed > 0 {
-        bail!("{} failed", if total.failed == 1 { "a test" } else { "tests" });
-    }
-    ensure!(runner_succeeded, "cargo test failed outside the tests: see its messages above");
-    ensure!(total.passed > 0, "no test ran");
+fn judge(total: &Total) -> Result<()> {
+    let Total { passed, failed, broken, .. } = total;
+    ensure!(broken.is_empty() && *failed == 0, "{failed} failed, in {}", broken.join(", "));
+    ensure!(*passed > 0, "no test ran");
     Ok(())
 }
 
 #[cfg(test)]
 mod tests {
+    use std::io;
+    use std::process::Command;
+    use std::sync::Mutex;
+
     use proptest::test_runner::{Config, RngSeed};
 
-    use super::{Total, judge, tally};
+    use super::{Program, Total, judge};
 
     const OUTPUT: &str = "\nrunning 3 tests\ntest a ... ok\n\
         test result: ok. 3 passed; 0 failed; 1 ignored; 0 measured; 0 filtered out; finished in 0.01s\n\
@@ -95,31 +174,40 @@ mod tests {
 
     #[test]
     fn the_total_sums_the_result_lines_only() {
-        let mut copy = Vec::new();
-        let total = tally(OUTPUT.as_bytes(), &mut copy).expect("in memory");
-        assert_eq!(total, Total { passed: 7, failed: 2, ignored: 1 });
-        assert_eq!(copy, OUTPUT.as_bytes());
+        let mut total = Total::default();
+        total.add(OUTPUT.as_bytes());
+        assert_eq!(total, Total { passed: 7, failed: 2, ignored: 1, ..Total::default() });
     }
 
     #[test]
     fn the_last_line_states_passed_and_failed() {
-        let total = Total { passed: 7, failed: 2, ignored: 1 };
+        let total = Total { passed: 7, failed: 2, ignored: 1, ..Total::default() };
         assert_eq!(total.to_string().lines().last(), Some("7 passed, 2 failed"));
     }
 
     #[test]
+    fn a_program_is_told_in_one_piece_and_counted() {
+        let total = Mutex::new(Total::default());
+        let run = |script: &str| {
+            let mut command = Command::new("sh");
+            command.args(["-c", script]);
+            Program { name: "a: src/lib.rs".to_owned(), command }.run(&total, io::sink()).unwrap();
+        };
+        run("echo 'test result: ok. 3 passed; 0 failed;'; echo why >&2");
+        assert!(judge(&total.lock().unwrap()).is_ok());
+        run("echo 'test result: FAILED. 1 passed; 2 failed;'; exit 101");
+        let total = total.into_inner().unwrap();
+        assert_eq!((total.passed, total.failed), (4, 2));
+        assert_eq!(judge(&total).unwrap_err().to_string(), "2 failed, in a: src/lib.rs");
+    }
+
+    /// One that is killed prints no result.
+    #[test]
     fn only_a_run_with_passing_tests_and_no_failure_succeeds() {
-        let passed = Total { passed: 1, ..Total::default() };
-        let failed = Total { passed: 1, failed: 1, ignored: 0 };
-        assert!(judge(&passed, true).is_ok());
-        assert_eq!(judge(&failed, false).expect_err("failed").to_string(), "a test failed");
-        assert!(
-            judge(&passed, false)
-                .expect_err("compile error")
-                .to_string()
-                .contains("outside the tests")
-        );
-        assert_eq!(judge(&Total::default(), true).expect_err("empty").to_string(), "no test ran");
+        let killed =
+            Total { passed: 1, broken: vec!["a: src/lib.rs".to_owned()], ..Total::default() };
+        assert_eq!(judge(&killed).unwrap_err().to_string(), "0 failed, in a: src/lib.rs");
+        assert_eq!(judge(&Total::default()).unwrap_err().to_string(), "no test ran");
     }
 
     /// As `.cargo/config.toml` says.

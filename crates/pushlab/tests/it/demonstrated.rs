@@ -18,6 +18,15 @@ fn the_demo_names_what_was_hidden_and_leaves_a_report() {
         assert!(set.exists(&format!("story/{name}")), "{name}");
     }
     assert!(set.error(&demo[..5]).contains("story: the folder is not empty"));
+    // The same question gives the same answer, on one thread as on all.
+    let ask = ["diagnose", "story/pushes", "--model", "story/model.toml", "-o", "again.json"];
+    set.done(&[&ask[..], &["--jobs", "1"]].concat());
+    let [first, again] = ["story/diagnosis.json", "again.json"].map(|name| {
+        let mut answer: Value = serde_json::from_str(&set.read(name)).unwrap();
+        answer["made_by"].take();
+        answer
+    });
+    assert_eq!(first, again);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use anyhow::{Context, Result, anyhow, ensure};
 use dataset::{
@@ -13,6 +13,7 @@ use diagnosis::{Observations, steady_ingest};
 use sha2::{Digest, Sha256};
 
 use super::missing::{Study, hidden_effects};
+use super::motion::Scene;
 use validation::workspace_root;
 
 /// The seed of every random stream in the figures.
@@ -32,10 +33,14 @@ pub(crate) struct Inputs {
     quick: bool,
     /// The same pushes at other speeds, each as it would be for itself.
     faster: Vec<Inputs>,
-    ingested: OnceLock<Result<(Table, IngestReport), Arc<DatasetError>>>,
     is_users: bool,
-    study: OnceLock<Result<Option<Study>, Arc<anyhow::Error>>>,
+    ingested: Once<(Table, IngestReport)>,
+    study: Once<Study>,
+    scene: Once<Scene>,
 }
+
+/// What takes time: made when first asked for.
+struct Once<T>(OnceLock<Result<T>>);
 
 enum Source {
     Recordings(Box<RecordingSet>),
@@ -43,7 +48,7 @@ enum Source {
 }
 
 /// Why a figure cannot be drawn: the data lack what it shows.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Lacking {
     needs: &'static str,
     has: String,
@@ -76,8 +81,8 @@ impl Inputs {
     /// A path that is neither, or a table that cannot be read.
     pub(crate) fn open(path: &Path, quick: bool) -> Result<Self> {
         let (name, source) = open_source(path)?;
-        let (ingested, study) = (OnceLock::new(), OnceLock::new());
-        Ok(Self { name, source, quick, faster: Vec::new(), ingested, is_users: true, study })
+        let (ingested, study, scene) = (Once::new(), Once::new(), Once::new());
+        Ok(Self { name, source, quick, faster: Vec::new(), is_users: true, ingested, study, scene })
     }
 
     /// Whether the user has named the data.
@@ -90,24 +95,23 @@ impl Inputs {
     /// # Errors
     /// [`Lacking`] if no effect is named there; what the diagnosis says.
     pub(crate) fn study(&self) -> Result<&Study> {
-        // On a thread of its own, as the ingest.
-        let study = self.study.get_or_init(|| {
-            std::thread::scope(|scope| scope.spawn(|| self.studied().map_err(Arc::new)).join())
-                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-        });
-        match study {
-            Ok(Some(study)) => Ok(study),
-            Ok(None) => Err(self.lacking("effects that a diagnosis names")),
-            Err(error) => Err(anyhow!("{error:#}")),
-        }
+        self.study.get(|| {
+            let study = if self.is_users() {
+                Study::of(self.steady_observations()?, self.pusher()?.friction)
+            } else {
+                let set = Self::open(&hidden_effects()?, self.quick())?;
+                Study::of(set.steady_observations()?, set.pusher()?.friction)
+            };
+            study?.ok_or_else(|| self.lacking("effects that a diagnosis names"))
+        })
     }
 
-    fn studied(&self) -> Result<Option<Study>> {
-        if self.is_users() {
-            return Study::of(self.steady_observations()?, self.pusher()?.friction);
-        }
-        let set = Self::open(&hidden_effects()?, self.quick())?;
-        Study::of(set.steady_observations()?, set.pusher()?.friction)
+    /// One turn of the pushes with the models that are trained on it.
+    ///
+    /// # Errors
+    /// As [`Scene::of`].
+    pub(crate) fn scene(&self) -> Result<&Scene> {
+        self.scene.get(|| Scene::of(self))
     }
 
     /// The same pushes at higher speeds, in their order; none for data of one speed.
@@ -239,7 +243,7 @@ impl Inputs {
 
     fn own_sources(&self) -> Vec<(String, String)> {
         let table = match &self.source {
-            Source::Recordings(_) => match self.ingested.get() {
+            Source::Recordings(_) => match self.ingested.0.get() {
                 Some(Ok((table, _))) => table,
                 _ => return Vec::new(),
             },
@@ -271,17 +275,28 @@ impl Inputs {
     }
 
     fn ingested(&self, set: &RecordingSet) -> Result<&(Table, IngestReport)> {
-        let result = self.ingested.get_or_init(|| {
-            let step = StepLength::Distance(STEP_WAY);
-            let settings = IngestSettings { step, ..IngestSettings::default() };
-            // On a thread of its own: while it waits for others, a thread of the figures' pool
-            // would take up the next figure, which would wait here for this very result.
-            std::thread::scope(|scope| {
-                scope.spawn(|| ingest(set, &settings).map_err(Arc::new)).join()
-            })
-            .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        let step = StepLength::Distance(STEP_WAY);
+        let settings = IngestSettings { step, ..IngestSettings::default() };
+        self.ingested.get(|| Ok(ingest(set, &settings)?))
+    }
+}
+
+impl<T: Send + Sync> Once<T> {
+    fn new() -> Self {
+        Self(OnceLock::new())
+    }
+
+    fn get(&self, make: impl FnOnce() -> Result<T> + Send) -> Result<&T> {
+        // On a thread of its own: while it waits for others, a thread of the figures' pool would take up
+        // the next figure, which would wait here for this very result.
+        let made = self.0.get_or_init(|| {
+            std::thread::scope(|scope| scope.spawn(make).join())
+                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         });
-        result.as_ref().map_err(|error| error.clone().into())
+        made.as_ref().map_err(|error| match error.downcast_ref::<Lacking>() {
+            Some(lacking) => lacking.clone().into(),
+            None => anyhow!("{error:#}"),
+        })
     }
 }
 

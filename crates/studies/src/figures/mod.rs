@@ -244,16 +244,21 @@ mod tests {
         files
     }
 
+    /// Figures that take longest, whose own tests draw them.
+    const ELSEWHERE: [&str; 2] = ["M.4", "M.9"];
+
     #[test]
     fn every_figure_leaves_a_light_picture_its_numbers_and_its_place_on_the_page() {
         let folder = tempfile::tempdir().unwrap();
-        let files = drawn(&["--quick"], folder.path());
+        let here: Vec<&Entry> = ALL.iter().filter(|entry| !ELSEWHERE.contains(&entry.id)).collect();
+        let ids: Vec<&str> = here.iter().map(|entry| entry.id).collect();
+        let files = drawn(&["--quick", "--only", &ids.join(",")], folder.path());
         let page = fs::read_to_string(folder.path().join("index.html")).unwrap();
         // The fixtures have one speed alone; this figure is drawn in its own test.
-        let (lacking, drawn): (Vec<_>, _) = ALL.iter().partition(|entry| entry.id == "5.6");
+        let (lacking, drawn): (Vec<&Entry>, Vec<&Entry>) =
+            here.into_iter().partition(|entry| entry.id == "5.6");
         assert!(page.contains("the same pushes at several speeds"), "5.6 does not say why");
         assert!(lacking[0].claims.iter().all(|claim| page.contains(claim)), "claims are left out");
-        let drawn: Vec<&Entry> = drawn;
         for entry in drawn {
             let name = format!("figure-{}", entry.id.replace('.', "-").to_lowercase());
             let size = |extension: &str| {

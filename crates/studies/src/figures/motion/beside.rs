@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use models::{RecordedPush, RollOutSettings, StepErrors};
 use report::{Color, Figure, Panel, Table};
 
-use super::scene::{Rolled, Scene, place_of};
+use super::scene::{Rolled, place_of};
 use super::view::{cloud, mean_pose, outline, pusher, table, way};
 use crate::figures::inputs::Inputs;
 use crate::figures::sketch::Sketch;
@@ -14,7 +14,7 @@ const N_PARTICLES: usize = 300;
 const N_DRAWN: usize = 2;
 
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
-    let scene = Scene::of(inputs)?;
+    let scene = inputs.scene()?;
     let means = RollOutSettings { errors: StepErrors::None, ..scene.held(1) };
     let physics = scene.all(scene.analytical.model.as_ref(), &means)?;
     let learnt = scene.all(scene.gp.model.as_ref(), &means)?;

@@ -27,7 +27,7 @@ const N_COUNTED: usize = 200;
 const N_LEVELS: usize = 51;
 
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
-    let scene = Scene::of(inputs)?;
+    let scene = inputs.scene()?;
     let held = scene.held(N_DRAWN);
     let mut figure = Figure::new(2, 2).panel_size(400.0, 330.0);
     for wanted in WANTED {
@@ -38,9 +38,9 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let counted = RollOutSettings { n_particles: N_COUNTED, ..held };
     let independent = RollOutSettings { errors: StepErrors::Independent, ..counted.clone() };
     let curves = [
-        ("held, as measured", Color::BLUE, levels(&scene, &counted, false)?),
-        ("independent steps", Color::ORANGE, levels(&scene, &independent, false)?),
-        ("the thesis' weights", Color::VERMILION, levels(&scene, &independent, true)?),
+        ("held, as measured", Color::BLUE, levels(scene, &counted, false)?),
+        ("independent steps", Color::ORANGE, levels(scene, &independent, false)?),
+        ("the thesis' weights", Color::VERMILION, levels(scene, &independent, true)?),
     ];
     let grid: Vec<f64> = (0..N_LEVELS).map(|k| k as f64 / (N_LEVELS - 1) as f64).collect();
     let mut data = Table::new().column("level", &grid);
@@ -68,7 +68,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     );
     let alt = "Clouds of particles along three pushes, and coverage curves of three ways to draw.";
     let sketch = Sketch::new(figure.with(coverage), data, &caption, alt);
-    Ok(sketch.claim(convergence(&scene)?).claim(resampling()))
+    Ok(sketch.claim(convergence(scene)?).claim(resampling()))
 }
 
 fn panel(push: &RecordedPush, rolled: &Rolled) -> Panel {

@@ -22,7 +22,7 @@ const JARQUE_BERA_99: f64 = 9.210_340_371_976_182;
 const OUTPUTS: [(&str, f64); 3] = [("x / mm", 1e3), ("y / mm", 1e3), ("angle / °", 57.295_779_513)];
 
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
-    let scene = Scene::of(inputs)?;
+    let scene = inputs.scene()?;
     let push = scene.nearest(WANTED)?;
     let rolled = Rolled::of(scene.gp.model.as_ref(), push, &scene.held(N_PARTICLES))?;
     let end = push.poses_wb[push.poses_wb.len() - 1];
@@ -55,7 +55,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     );
     let alt = "Three histograms of the error at the end of a push.";
     let sketch = Sketch::new(figure, serde_json::Value::Object(numbers), &caption, alt);
-    Ok(sketch.claim(normality(&scene)?))
+    Ok(sketch.claim(normality(scene)?))
 }
 
 /// Jarque and Bera's test of the particles at the end of every push, output by output.

@@ -15,3 +15,5 @@ mod trained;
 pub(crate) mod vertex;
 mod view;
 pub(crate) mod without_particles;
+
+pub(crate) use self::scene::Scene;

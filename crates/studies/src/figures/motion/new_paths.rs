@@ -20,7 +20,7 @@ const N_OUTLINES: usize = 7;
 const FREE: f64 = 0.008;
 
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
-    let scene = Scene::of(inputs)?;
+    let scene = inputs.scene()?;
     let pushed = &scene.test[0].pushed;
     let settings = RollOutSettings {
         touching: false,
@@ -30,7 +30,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     };
     let mut figure = Figure::new(2, 2).panel_size(380.0, 330.0);
     let (mut names, mut columns) = (Vec::new(), vec![Vec::new(); 7]);
-    let speed = usual_speed(&scene)?;
+    let speed = usual_speed(scene)?;
     for (name, path) in paths(pushed, speed)? {
         let (mut moments, mut particles) = (Vec::new(), Vec::new());
         let roll_out = RollOut { model: scene.gp.model.as_ref(), pushed, settings: &settings };

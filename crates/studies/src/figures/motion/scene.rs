@@ -13,7 +13,7 @@ use super::trained::{Learnt, Setting, Trained, learn};
 use crate::figures::inputs::{Inputs, SEED};
 
 /// Models trained on one part of the pushes, and another part to be rolled out.
-pub(super) struct Scene {
+pub(crate) struct Scene {
     pub(super) test: Vec<RecordedPush>,
     pub(super) gp: Trained,
     pub(super) analytical: Trained,
@@ -33,7 +33,7 @@ impl Scene {
     ///
     /// # Errors
     /// As [`pushes`], and what a fit says.
-    pub(super) fn of(inputs: &Inputs) -> Result<Self> {
+    pub(crate) fn of(inputs: &Inputs) -> Result<Self> {
         let pushes = pushes(inputs)?;
         let setting = Setting { friction: inputs.pusher()?.friction, support: inputs.support()? };
         let turns = turns(&pushes);
