@@ -1,26 +1,33 @@
 //! What the figures are drawn from: the fixtures, or data of the user's.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use anyhow::{Context, Result, anyhow, ensure};
 use dataset::{
-    DatasetError, IngestReport, IngestSettings, ObjectSpec, Preset, PusherSpec, Recording,
-    RecordingSet, StepLength, SupportSpec, Table, TableMapping, ingest,
+    DatasetError, IngestReport, IngestSettings, ObjectChoice, ObjectSpec, Preset, PusherSpec,
+    Recording, RecordingSet, StepLength, SupportSpec, Table, TableMapping, ingest,
 };
 use diagnosis::{Observations, steady_ingest};
+use models::{RecordedPush, StepSelection};
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
 use sha2::{Digest, Sha256};
 
+use super::lacking::Lacking;
 use super::missing::{Study, hidden_effects};
-use super::motion::Scene;
+use super::motion::{Scene, Setting};
+pub(crate) use super::seed::SEED;
 use validation::workspace_root;
-
-/// The seed of every random stream in the figures.
-pub(crate) const SEED: u64 = 7;
 
 /// The recording set for a first look.
 const FIXTURES: &str = "fixtures/pushes";
+
+/// Fewer pushes cannot be split.
+const FEWEST_PUSHES: usize = 16;
+/// Pushes with fewer steps have no way to go.
+const FEWEST_STEPS: usize = 3;
 
 /// The pusher's way in a step, in m: 0.2 s at 20 mm/s. Steps of one length can be compared at all
 /// speeds at which a push is quasi-static.
@@ -45,13 +52,6 @@ struct Once<T>(OnceLock<Result<T>>);
 enum Source {
     Recordings(Box<RecordingSet>),
     Table { table: Table, mapping: Option<Box<TableMapping>> },
-}
-
-/// Why a figure cannot be drawn: the data lack what it shows.
-#[derive(Clone, Debug)]
-pub(crate) struct Lacking {
-    needs: &'static str,
-    has: String,
 }
 
 impl Inputs {
@@ -109,9 +109,12 @@ impl Inputs {
     /// One turn of the pushes with the models that are trained on it.
     ///
     /// # Errors
-    /// As [`Scene::of`].
+    /// As [`Inputs::whole_pushes`], and what a fit says.
     pub(crate) fn scene(&self) -> Result<&Scene> {
-        self.scene.get(|| Scene::of(self))
+        self.scene.get(|| {
+            let setting = Setting { friction: self.pusher()?.friction, support: self.support()? };
+            Scene::of(&self.whole_pushes()?, &setting)
+        })
     }
 
     /// The same pushes at higher speeds, in their order; none for data of one speed.
@@ -185,6 +188,26 @@ impl Inputs {
                 return Err(self.lacking("what was pushed"));
             }
         })
+    }
+
+    /// The pushes of the first object, in a random order.
+    ///
+    /// # Errors
+    /// [`Lacking`] for a table of single steps, or too few pushes.
+    pub(crate) fn whole_pushes(&self) -> Result<Vec<RecordedPush>> {
+        let (table, pusher) = (self.table()?, self.pusher()?);
+        let too_few = || self.lacking("16 whole pushes of one object");
+        let first = table.rows.first().ok_or_else(too_few)?;
+        let objects = ObjectChoice::Fixed(Box::new(self.object(&first.recording)?));
+        let rows = table.rows.iter().filter(|row| row.shape == first.shape).cloned().collect();
+        let table = Table { rows, provenance: table.provenance.clone() };
+        let mut pushes = StepSelection::default().pushes(&table, &objects, pusher.radius)?;
+        pushes.retain(|push| push.steps.len() >= FEWEST_STEPS);
+        if pushes.len() < FEWEST_PUSHES {
+            return Err(too_few());
+        }
+        pushes.shuffle(&mut ChaCha8Rng::seed_from_u64(SEED));
+        Ok(pushes)
     }
 
     /// The steps for a diagnosis: of recordings those whose noise is known.
@@ -299,14 +322,6 @@ impl<T: Send + Sync> Once<T> {
         })
     }
 }
-
-impl fmt::Display for Lacking {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "needs {}, which are not in {}", self.needs, self.has)
-    }
-}
-
-impl std::error::Error for Lacking {}
 
 fn open_source(path: &Path) -> Result<(String, Source)> {
     if is_table(path) {

@@ -4,6 +4,7 @@ mod catalogue;
 mod claims;
 mod comparison;
 pub(crate) mod inputs;
+mod lacking;
 pub(crate) mod learning;
 mod mechanics;
 mod missing;
@@ -11,6 +12,7 @@ pub(crate) mod models;
 mod motion;
 mod quartiles;
 mod recordings;
+mod seed;
 mod sketch;
 mod thesis_design;
 
@@ -25,7 +27,8 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use report::{Claim, Page, Plate, Provenance, Section};
 
 use catalogue::{ALL, Chapter, Entry};
-use inputs::{Inputs, Lacking};
+use inputs::Inputs;
+use lacking::Lacking;
 use sketch::Sketch;
 use validation::workspace_root;
 

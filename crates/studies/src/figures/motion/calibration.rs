@@ -5,7 +5,7 @@ use report::{Axis, Color, Figure, LegendPlace, Line, Panel};
 use serde_json::{Value, json};
 
 use super::ends::{End, Ends, LEVELS, all_ends, coverage};
-use super::pushes::{pushes, turns};
+use super::pushes::turns;
 use super::trained::Setting;
 use crate::figures::inputs::Inputs;
 use crate::figures::sketch::Sketch;
@@ -15,7 +15,7 @@ const N_PARTICLES: usize = 200;
 const N_LEVELS: usize = 51;
 
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
-    let pushes = pushes(inputs)?;
+    let pushes = inputs.whole_pushes()?;
     let setting = Setting { friction: inputs.pusher()?.friction, support: inputs.support()? };
     let all = all_ends(&setting, &turns(&pushes), N_PARTICLES)?;
     let figure = Figure::new(1, 2)

@@ -14,7 +14,7 @@ use report::Color;
 
 use super::pushes::Turn;
 use super::trained::{Learnt, Setting, Trained, learn};
-use crate::figures::inputs::SEED;
+use crate::figures::seed::SEED;
 
 /// The levels of the regions whose coverage is told.
 pub(crate) const LEVELS: [f64; 3] = [0.5, 0.9, 0.95];

@@ -17,3 +17,4 @@ mod view;
 pub(crate) mod without_particles;
 
 pub(crate) use self::scene::Scene;
+pub(crate) use self::trained::Setting;

@@ -1,18 +1,7 @@
 //! The pushes of the data, split so that each question meets pushes that nothing has seen.
 
-use anyhow::Result;
-use dataset::{ObjectChoice, Table};
-use models::{RecordedPush, StepObservation, StepSelection};
-use rand::SeedableRng;
-use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
+use models::{RecordedPush, StepObservation};
 
-use crate::figures::inputs::{Inputs, SEED};
-
-/// Fewer pushes cannot be split.
-const FEWEST: usize = 16;
-/// Pushes with fewer steps have no way to go.
-const FEWEST_STEPS: usize = 3;
 /// More pushes than this are split once; fewer take turns.
 const TURNS_BELOW: usize = 100;
 const N_TURNS: usize = 4;
@@ -47,26 +36,6 @@ impl<'a> Turn<'a> {
             Fold { learn: part(false), left_out: part(true) }
         })
     }
-}
-
-/// The pushes of the first object, in a random order.
-///
-/// # Errors
-/// [`super::super::inputs::Lacking`] for a table of single steps, or too few pushes.
-pub(crate) fn pushes(inputs: &Inputs) -> Result<Vec<RecordedPush>> {
-    let (table, pusher) = (inputs.table()?, inputs.pusher()?);
-    let too_few = || inputs.lacking("16 whole pushes of one object");
-    let first = table.rows.first().ok_or_else(too_few)?;
-    let objects = ObjectChoice::Fixed(Box::new(inputs.object(&first.recording)?));
-    let rows = table.rows.iter().filter(|row| row.shape == first.shape).cloned().collect();
-    let table = Table { rows, provenance: table.provenance.clone() };
-    let mut pushes = StepSelection::default().pushes(&table, &objects, pusher.radius)?;
-    pushes.retain(|push| push.steps.len() >= FEWEST_STEPS);
-    if pushes.len() < FEWEST {
-        return Err(too_few());
-    }
-    pushes.shuffle(&mut ChaCha8Rng::seed_from_u64(SEED));
-    Ok(pushes)
 }
 
 /// Three quarters to learn from, a quarter to test; few pushes take turns, so that each is tested once.

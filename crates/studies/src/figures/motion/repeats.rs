@@ -21,7 +21,7 @@ use serde_json::{Value, json};
 
 use super::ends::{LEVELS, recorded_settings};
 use super::neighbors::Neighbors;
-use super::pushes::{pushes, steps_of};
+use super::pushes::steps_of;
 use crate::figures::inputs::{Inputs, SEED};
 use crate::figures::sketch::Sketch;
 use validation::fixtures::rig;
@@ -64,7 +64,7 @@ struct End {
 
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let n_particles = N_PARTICLES[usize::from(inputs.quick())];
-    let all = pushes(&Inputs::open(&repeats()?, false)?)?;
+    let all = Inputs::open(&repeats()?, false)?.whole_pushes()?;
     let (learn, rest) = all.split_at(all.len() / 3);
     let (measure, test) = rest.split_at(rest.len() / 2);
     let steps = steps_of(&learn.iter().collect::<Vec<_>>());

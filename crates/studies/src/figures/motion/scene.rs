@@ -8,9 +8,9 @@ use models::{
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use super::ends::recorded_settings;
-use super::pushes::{pushes, turns};
+use super::pushes::turns;
 use super::trained::{Learnt, Setting, Trained, learn};
-use crate::figures::inputs::{Inputs, SEED};
+use crate::figures::seed::SEED;
 
 /// Models trained on one part of the pushes, and another part to be rolled out.
 pub(crate) struct Scene {
@@ -29,16 +29,14 @@ pub(super) struct Rolled {
 }
 
 impl Scene {
-    /// Trains on the data.
+    /// Trains on one turn of the pushes.
     ///
     /// # Errors
-    /// As [`pushes`], and what a fit says.
-    pub(crate) fn of(inputs: &Inputs) -> Result<Self> {
-        let pushes = pushes(inputs)?;
-        let setting = Setting { friction: inputs.pusher()?.friction, support: inputs.support()? };
-        let turns = turns(&pushes);
+    /// What a fit says.
+    pub(crate) fn of(pushes: &[RecordedPush], setting: &Setting) -> Result<Self> {
+        let turns = turns(pushes);
         let turn = turns.first().context("pushes take turns")?;
-        let mut learnt = learn(&setting, turn, &["analytical", "gp"])?;
+        let mut learnt = learn(setting, turn, &["analytical", "gp"])?;
         let Learnt { trained: gp, correlation } = learnt.pop().context("a process was trained")?;
         let analytical = learnt.pop().context("a model was fitted")?.trained;
         let test = turn.test.iter().map(|push| (*push).clone()).collect();

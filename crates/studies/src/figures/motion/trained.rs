@@ -14,7 +14,7 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use report::Color;
 
 use super::pushes::{Turn, steps_of};
-use crate::figures::inputs::SEED;
+use crate::figures::seed::SEED;
 
 /// A model that is rolled out.
 pub(crate) struct Trained {

@@ -16,7 +16,7 @@ use report::{Axis, Color, Ellipse, Figure, Panel, Points};
 use self::found::{Found, PushFound};
 use super::divergence::{Cloud, Density, moments};
 use super::ends::recorded_settings;
-use super::pushes::{pushes, steps_of, turns};
+use super::pushes::{steps_of, turns};
 use super::scene::place_of;
 use super::trained::{Learnt, Setting, learn};
 use crate::figures::inputs::{Inputs, SEED};
@@ -79,7 +79,7 @@ struct Case<'a> {
 }
 
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
-    let pushes = pushes(inputs)?;
+    let pushes = inputs.whole_pushes()?;
     let setting = Setting { friction: inputs.pusher()?.friction, support: inputs.support()? };
     let turns = turns(&pushes);
     let turn = turns.first().context("pushes take turns")?;
