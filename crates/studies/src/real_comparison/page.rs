@@ -35,16 +35,15 @@ pub(super) fn sections(page: &str) -> &str {
     page.find(HEADING).map_or("", |start| &page[start..])
 }
 
-/// The page with one section in place of that of the same heading.
+/// The page with one section in place of that of the same heading, or at its end if there is none.
 ///
 /// # Errors
-/// If the page has none.
+/// A section without a heading.
 pub(super) fn with(page: &str, section: &str) -> Result<String> {
     let heading = section.trim_start().lines().next().context("a section has a heading")?;
-    let start = page.find(&format!("\n{heading}\n"));
-    let start = start.with_context(|| {
-        format!("the page has no section `{heading}`; write all of it, without --only")
-    })?;
+    let Some(start) = page.find(&format!("\n{heading}\n")) else {
+        return Ok(format!("{page}{section}"));
+    };
     let length = sections(&page[start + 1..]).len();
     Ok(format!("{}{section}{}", &page[..start], &page[page.len() - length..]))
 }
@@ -322,7 +321,7 @@ mod tests {
         assert_eq!(with(PAGE, "\n## One\n\nnew\n").unwrap(), expected);
         let expected = PAGE.replace("two", "new");
         assert_eq!(with(PAGE, "\n## Two\n\nnew\n").unwrap(), expected);
-        assert!(with(PAGE, "\n## Three\n").unwrap_err().to_string().contains("`## Three`"));
+        assert_eq!(with(PAGE, "\n## Three\n").unwrap(), format!("{PAGE}\n## Three\n"));
         assert!(PAGE.ends_with(sections(PAGE)) && sections(PAGE).starts_with("\n## One"));
     }
 }
