@@ -159,7 +159,6 @@ fn judge(total: &Total) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use std::io;
     use std::process::Command;
     use std::sync::Mutex;
 
@@ -191,9 +190,12 @@ mod tests {
         let run = |script: &str| {
             let mut command = Command::new("sh");
             command.args(["-c", script]);
-            Program { name: "a: src/lib.rs".to_owned(), command }.run(&total, io::sink()).unwrap();
+            let mut out = Vec::new();
+            Program { name: "a: src/lib.rs".to_owned(), command }.run(&total, &mut out).unwrap();
+            String::from_utf8(out).unwrap()
         };
-        run("echo 'test result: ok. 3 passed; 0 failed;'; echo why >&2");
+        let told = run("echo 'test result: ok. 3 passed; 0 failed;'; echo why >&2");
+        assert_eq!(told, "== a: src/lib.rs\ntest result: ok. 3 passed; 0 failed;\nwhy\n");
         assert!(judge(&total.lock().unwrap()).is_ok());
         run("echo 'test result: FAILED. 1 passed; 2 failed;'; exit 101");
         let total = total.into_inner().unwrap();
