@@ -1,7 +1,7 @@
 //! `cargo xtask test`: every test and doctest of the workspace, and their closing total.
 
 use std::fmt;
-use std::io::{self, BufReader, Read, Write};
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::iter;
 use std::process::{Command, Stdio};
 use std::sync::{Mutex, mpsc};
@@ -16,8 +16,9 @@ use crate::cargo::cargo;
 #[derive(clap::Args)]
 pub(crate) struct Args {}
 
-/// Runs each test program as soon as it is compiled, as many at once as there are cores, and prints what
-/// it said when it ends; the last line on standard output is `N passed, N failed`.
+/// Runs unit tests as soon as they are compiled and integration tests once everything is, as many at once
+/// as there are cores, and prints what each said when it ends; the last line on standard output is
+/// `N passed, N failed`.
 ///
 /// # Errors
 /// When a test fails, when something does not compile, or when nothing ran.
@@ -47,22 +48,32 @@ pub(crate) fn run(_args: &Args) -> Result<()> {
     ended.and_then(|()| judge(&total))
 }
 
-/// Compiles the workspace and hands each test program over when it is ready.
+/// Compiles the workspace and hands each test program over when it can be run.
 fn compile(ready: impl Fn(Program) -> Result<()>) -> Result<()> {
     let arguments = ["test", "--workspace", "--no-run", "--message-format=json-render-diagnostics"];
     let mut compiler =
         cargo(&arguments).stdout(Stdio::piped()).spawn().context("cannot start cargo test")?;
     let messages = compiler.stdout.take().context("cargo test has no standard output")?;
-    for message in Message::parse_stream(BufReader::new(messages)) {
-        if let Message::CompilerArtifact(artifact) =
-            message.context("cannot read what cargo compiled")?
-        {
-            Program::of(&artifact).map_or(Ok(()), &ready)?;
-        }
-    }
+    let last = compiled(BufReader::new(messages), &ready)?;
     let status = compiler.wait().context("cannot wait for cargo test")?;
     ensure!(status.success(), "the tests do not compile: see the messages above");
-    Ok(())
+    last.into_iter().try_for_each(ready)
+}
+
+/// Hands unit tests over as cargo tells of them and returns the integration tests: these run programs of
+/// their packages, which cargo may compile after them.
+fn compiled(messages: impl BufRead, ready: impl Fn(Program) -> Result<()>) -> Result<Vec<Program>> {
+    let mut last = Vec::new();
+    for message in Message::parse_stream(messages) {
+        let message = message.context("cannot read what cargo compiled")?;
+        let Message::CompilerArtifact(artifact) = message else { continue };
+        match Program::of(&artifact) {
+            Some(program) if artifact.target.is_test() => last.push(program),
+            Some(program) => ready(program)?,
+            None => {}
+        }
+    }
+    Ok(last)
 }
 
 /// Something that runs tests.
@@ -159,12 +170,14 @@ fn judge(total: &Total) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::RefCell;
     use std::process::Command;
     use std::sync::Mutex;
 
+    use anyhow::Result;
     use proptest::test_runner::{Config, RngSeed};
 
-    use super::{Program, Total, judge};
+    use super::{Program, Total, compiled, judge};
 
     const OUTPUT: &str = "\nrunning 3 tests\ntest a ... ok\n\
         test result: ok. 3 passed; 0 failed; 1 ignored; 0 measured; 0 filtered out; finished in 0.01s\n\
@@ -182,6 +195,43 @@ mod tests {
     fn the_last_line_states_passed_and_failed() {
         let total = Total { passed: 7, failed: 2, ignored: 1, ..Total::default() };
         assert_eq!(total.to_string().lines().last(), Some("7 passed, 2 failed"));
+    }
+
+    #[test]
+    fn integration_tests_wait_for_the_programs_that_they_run() {
+        let artifact = |kind: &str, name: &str, is_test: bool| {
+            serde_json::json!({
+                "reason": "compiler-artifact",
+                "package_id": "path+file:///w/a#0.1.0",
+                "manifest_path": "/w/a/Cargo.toml",
+                "target": {
+                    "kind": [kind], "crate_types": ["bin"], "name": name, "edition": "2024",
+                    "src_path": format!("/w/a/{name}.rs"),
+                    "doctest": false, "doc": false, "test": true,
+                },
+                "profile": {
+                    "opt_level": "1", "debuginfo": 0, "debug_assertions": true,
+                    "overflow_checks": true, "test": is_test,
+                },
+                "features": [], "filenames": [], "executable": format!("/w/target/{name}"),
+                "fresh": false,
+            })
+        };
+        let of_cargo = [
+            artifact("test", "it", true),
+            artifact("lib", "lib", true),
+            artifact("bin", "main", false),
+            artifact("bin", "main", true),
+        ];
+        let messages = of_cargo.map(|line| format!("{line}\n")).concat();
+        let first = RefCell::new(Vec::new());
+        let ready = |program: Program| -> Result<()> {
+            first.borrow_mut().push(program.name);
+            Ok(())
+        };
+        let last = compiled(messages.as_bytes(), ready).unwrap();
+        assert_eq!(first.into_inner(), ["a: lib.rs", "a: main.rs"]);
+        assert_eq!(last.into_iter().map(|it| it.name).collect::<Vec<_>>(), ["a: it.rs"]);
     }
 
     #[test]
