@@ -82,6 +82,11 @@ impl Progress {
         self.chosen.iter().filter(|one| one.is_small == is_small).count()
     }
 
+    /// The effect that was chosen last, if it is not small.
+    pub(super) fn last_large(&self) -> Option<&'static str> {
+        self.chosen.last().filter(|one| !one.is_small).map(|one| one.id)
+    }
+
     /// Whether an effect was taken out again because later ones explain what it did.
     pub(super) fn was_superfluous(&self, id: &str) -> bool {
         let mut refused = self.refused.iter();

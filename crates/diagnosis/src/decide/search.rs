@@ -10,6 +10,7 @@ use super::found::{Choice, Found, Progress, Refused, ids};
 use super::rules::{Objection, Rules};
 use crate::cut_offs::{APART, HINT, MOST_SMALL, NAME, SIZE};
 use crate::fit::{Refit, Trial};
+use crate::predict::candidates::follow_from_points;
 use crate::predict::tangent::Tangent;
 use crate::remains::noise_beside;
 use crate::screen::screen_at;
@@ -56,13 +57,23 @@ impl Search<'_> {
     fn forward_step(&self, from: &Refit, mut progress: Progress) -> Result<Found, DiagnosisError> {
         let (noise, whitening, screen) = self.linearised(&self.screened(from)?)?;
         let here = from.rewhitened(&whitening)?;
+        // What speaks of the support may be points in disguise, before others take up what it leaves.
+        let is_of_support =
+            progress.last_large().is_some_and(|id| follow_from_points().contains(&id));
+        if is_of_support && let Some(there) = self.on_points(&here, &screen, &mut progress)? {
+            return self.forward_step(&there, progress);
+        }
         let is_full = progress.n_chosen(false) == self.settings.most_effects;
         let next = if is_full { None } else { self.next(&here, &screen, &mut progress)? };
+        // What is hardly seen comes last.
+        if next.as_ref().is_none_or(|(choice, _)| choice.is_small)
+            && !is_of_support
+            && let Some(there) = self.on_points(&here, &screen, &mut progress)?
+        {
+            return self.forward_step(&there, progress);
+        }
         let Some((choice, there)) = next else {
-            return match self.on_points(&here, &screen, &mut progress)? {
-                Some(there) => self.forward_step(&there, progress),
-                None => self.concluded(&here, progress, screen, noise),
-            };
+            return self.concluded(&here, progress, screen, noise);
         };
         progress.refused.retain(|one| one.id != choice.id);
         progress.chosen.push(choice);
@@ -247,7 +258,7 @@ impl Search<'_> {
     }
 
     /// A model without the effects that the last one explains, too.
-    fn without_superfluous<'a>(
+    pub(super) fn without_superfluous<'a>(
         &self,
         there: Refit<'a>,
         progress: &mut Progress,

@@ -17,7 +17,7 @@ const N_NUMBERS: usize = 11;
 
 impl Search<'_> {
     /// The model on points instead of single numbers that follow from them, if pushes that are left out
-    /// of the fit are predicted better for sure; notes why not. Asked once.
+    /// of the fit are predicted better for sure; notes why not.
     pub(super) fn on_points<'a>(
         &self,
         here: &Refit<'a>,
@@ -25,51 +25,86 @@ impl Search<'_> {
         progress: &mut Progress,
     ) -> Result<Option<Refit<'a>>, DiagnosisError> {
         let id = SupportPoints.info().id;
-        let Some(effect) = self.effect(id) else { return Ok(None) };
-        let carries = |id: &str| self.model.effects.iter().any(|effect| effect.id == id);
-        let mut says_where =
-            self.model.effects.iter().filter_map(|carried| self.effect(&carried.id));
-        let is_known = says_where.any(|effect| effect.info().stages.contains(&Stage::Pressure));
-        let is_asked = progress.first_screen.effects.iter().any(|one| one.id == id);
-        let n_pushes = self.fitted.pushes().len();
-        let sees_motion = self.fitted.channels().contains(&Channel::Motion);
-        if is_asked || is_known || !sees_motion || n_pushes < PUSHES_A_NUMBER * N_NUMBERS {
+        if !self.asks_for_points(progress) {
             return Ok(None);
         }
-        let follow: Vec<&'static str> =
-            follow_from_points().into_iter().filter(|id| !carries(id)).collect();
-        let found = here.borne_by(effect, &follow).map_err(Objection::from);
-        let n_tests = screen.effects.iter().filter(|one| one.not_testable.is_none()).count();
-        let gain = found.as_ref().map_err(Clone::clone).and_then(|there| {
-            let gains = self.left_out(here, there).map_err(Objection::from)?;
-            Ok(Gain::of(&gains))
-        });
-        let p = gain.as_ref().map_or(1.0, |gain| p_of(gain, n_tests + 1));
+        progress.first_screen.effects.retain(|one| one.id != id);
+        progress.refused.retain(|one| one.id != id);
+        let follow = self.following_from_points();
+        let found = self.borne_by_points(here, &follow);
+        let gain = found.as_ref().map_or(None, |found| found.as_ref().map(|(_, gain)| *gain));
+        let p = gain.map_or(1.0, |gain| p_of_points(&gain, &follow, screen, progress));
         progress.first_screen.effects.push(ScreenedEffect {
             id,
             not_testable: None,
-            statistic: gain.as_ref().map_or(0.0, |gain| 2.0 * gain.mean.max(0.0)),
+            statistic: gain.map_or(0.0, |gain| 2.0 * gain.mean.max(0.0)),
             freedom: N_NUMBERS,
             p,
             p_adjusted: p,
             coordinates: Vec::new(),
         });
-        let objection = match gain {
-            Err(why) => Some(why),
-            Ok(gain) if !gain.is_sure() => Some(Objection::NotPredictive { gain }),
-            Ok(_) => (p > NAME).then_some(Objection::NotSure { p }),
+        let objection = match found {
+            Err(why) => why,
+            Ok(None) => return Ok(None),
+            Ok(Some((_, gain))) if !gain.is_sure() => Objection::NotPredictive { gain },
+            Ok(Some(_)) if p > NAME => Objection::NotSure { p },
+            Ok(Some((there, _))) => {
+                for one in progress.chosen.extract_if(.., |one| follow.contains(&one.id)) {
+                    let objection = Objection::Superfluous;
+                    progress.refused.push(Refused { id: one.id, objection });
+                }
+                let rivals = Vec::new();
+                progress.chosen.push(Choice { id, p_adjusted: p, rivals, is_small: false });
+                return Ok(Some(self.without_superfluous(there, progress)?));
+            }
         };
-        let (Ok(there), None) = (found, &objection) else {
-            progress.refused.extend(objection.map(|objection| Refused { id, objection }));
-            return Ok(None);
-        };
-        for one in progress.chosen.iter().filter(|one| follow.contains(&one.id)) {
-            progress.refused.push(Refused { id: one.id, objection: Objection::Superfluous });
-        }
-        progress.chosen.retain(|one| !follow.contains(&one.id));
-        progress.chosen.push(Choice { id, p_adjusted: p, rivals: Vec::new(), is_small: false });
-        Ok(Some(there))
+        progress.refused.push(Refused { id, objection });
+        Ok(None)
     }
+
+    /// Whether there are data for points, and the model that is known does not say where the object rests.
+    /// After a small effect the answer is what it was.
+    fn asks_for_points(&self, progress: &Progress) -> bool {
+        let says_where = |id: &str| {
+            self.effect(id).is_some_and(|effect| effect.info().stages.contains(&Stage::Pressure))
+        };
+        let mut carried = self.model.effects.iter();
+        let is_known = carried.any(|carried| says_where(&carried.id));
+        let is_asked = progress.chosen.last().is_some_and(|one| one.is_small)
+            || progress.chosen.iter().any(|one| says_where(one.id));
+        !is_known
+            && !is_asked
+            && self.fitted.channels().contains(&Channel::Motion)
+            && self.fitted.pushes().len() >= PUSHES_A_NUMBER * N_NUMBERS
+    }
+
+    /// Numbers that follow from points, but for those that the model under test has.
+    fn following_from_points(&self) -> Vec<&'static str> {
+        let carries = |id: &&str| self.model.effects.iter().any(|effect| effect.id == *id);
+        follow_from_points().into_iter().filter(|id| !carries(id)).collect()
+    }
+
+    /// The model on points, and what clusters that are left out of the fit gain; none where points are far off.
+    fn borne_by_points<'a>(
+        &self,
+        here: &Refit<'a>,
+        follow: &[&'static str],
+    ) -> Result<Option<(Refit<'a>, Gain)>, Objection> {
+        let Some(effect) = self.effect(SupportPoints.info().id) else { return Ok(None) };
+        let Some(there) = here.borne_by(effect, follow)? else { return Ok(None) };
+        let gains = self.left_out(here, &there)?;
+        Ok(Some((there, Gain::of(&gains))))
+    }
+}
+
+/// Probability that points gain so much by chance: of any effect, or where it is sure that something of the
+/// support is missing, and the question is what alone, that of the other.
+fn p_of_points(gain: &Gain, follow: &[&str], screen: &Screen, progress: &Progress) -> f64 {
+    let of_support = progress.chosen.iter().filter(|one| follow.contains(&one.id));
+    let of_support = of_support.map(|one| one.p_adjusted).reduce(f64::min);
+    let is_tested = |one: &&ScreenedEffect| one.not_testable.is_none();
+    let n_tested = screen.effects.iter().filter(is_tested).count();
+    of_support.unwrap_or_else(|| p_of(gain, 1 + n_tested))
 }
 
 /// Probability of so large a gain of any of so many effects by chance.

@@ -5,13 +5,15 @@ use std::sync::Arc;
 use effects::Effect;
 
 use super::Refit;
-use super::descent::Exactness;
+use super::descent::{Exactness, Start};
 use super::problem::Problem;
+use super::refit::BRIEF;
 use crate::DiagnosisError;
+use crate::cut_offs::FAR_ABOVE;
 
 impl<'a> Refit<'a> {
     /// The minimum with an effect that says where the object rests, from where the motions say that it does;
-    /// effects in `instead` are off.
+    /// effects in `instead` are off. None if a brief descent ends far above this model.
     ///
     /// # Errors
     /// As a descent.
@@ -19,7 +21,7 @@ impl<'a> Refit<'a> {
         &self,
         effect: &Arc<dyn Effect>,
         instead: &[&'static str],
-    ) -> Result<Self, DiagnosisError> {
+    ) -> Result<Option<Self>, DiagnosisError> {
         let Problem { space, whitening, robust, .. } = &self.problem;
         let mut problem = Problem::new(space.with(effect)?, whitening, robust.clone());
         for (k, frozen) in self.problem.frozen.iter().enumerate() {
@@ -34,11 +36,16 @@ impl<'a> Refit<'a> {
         for member in problem.space.members.iter().skip(space.members.len()) {
             x.extend(member.place(&member.start));
         }
+        let start = Start { at: problem.stand(x)?, slopes: None, exactness: Exactness::Rough };
+        let brief = problem.descend_briefly(start, BRIEF)?;
+        if brief.at.value > FAR_ABOVE * self.objective() {
+            return Ok(None);
+        }
         let mut there = self.clone();
-        there.minimum = problem.settle(x, None, Exactness::Mixture)?;
+        there.minimum = problem.settle(brief.at.x, Some(brief.whole), Exactness::Mixture)?;
         there.before = self.minimum.clone();
         there.problem = problem;
         there.dropped.extend(follows);
-        Ok(there)
+        Ok(Some(there))
     }
 }

@@ -42,7 +42,7 @@ pub(crate) struct Trial<'a> {
 }
 
 /// Steps that a trial goes down.
-const BRIEF: usize = 12;
+pub(super) const BRIEF: usize = 12;
 
 impl<'a> Refit<'a> {
     /// The minimum over the nuisances, from where the model stands.

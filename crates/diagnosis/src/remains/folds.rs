@@ -190,8 +190,11 @@ fn weighted(columns: &Columns, rows: &[Range<usize>]) -> (Vec<DMatrix<f64>>, Vec
 
 fn product(pushes: &[DMatrix<f64>], part: &[usize]) -> DMatrix<f64> {
     let n = pushes[0].ncols();
-    let zero = DMatrix::zeros(n, n);
-    part.iter().fold(zero, |sum, push| sum + pushes[*push].tr_mul(&pushes[*push]))
+    let mut sum = DMatrix::zeros(n, n);
+    for push in part.iter().map(|push| &pushes[*push]) {
+        sum.gemm(1.0, &push.transpose(), push, 1.0);
+    }
+    sum
 }
 
 /// The columns of groups one after the other, and the groups among them.

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use nalgebra::linalg::Cholesky;
-use nalgebra::{DMatrix, DVector, Dyn};
+use faer::Mat;
+use gp_core::{Cholesky, cholesky};
+use nalgebra::{DMatrix, DVector};
 
 /// The numbers' normal equations A δ = b, in units in which the noise is 1.
 pub(super) struct Normal {
@@ -28,10 +29,10 @@ impl Normal {
         for _ in 0..MOST_UPDATES {
             let (factor, root) = self.factor(groups, &variances)?;
             let mean = mean_at(&factor, &root, &self.pull);
-            let inverse = factor.inverse();
+            let left_of = factor.inverse_diagonal();
             let mut is_settled = true;
             for (variance, group) in variances.iter_mut().zip(groups) {
-                let left: f64 = group.clone().map(|k| inverse[(k, k)]).sum();
+                let left: f64 = left_of[group.clone()].iter().sum();
                 let determined = group.len() as f64 - left;
                 let square: f64 = group.clone().map(|k| mean[k] * mean[k]).sum();
                 let found = match determined > 1e-6 {
@@ -57,7 +58,7 @@ impl Normal {
     /// How many numbers the data determine.
     pub(super) fn determined(&self, groups: &[Range<usize>], variances: &[f64]) -> Option<f64> {
         let (factor, _) = self.factor(groups, variances)?;
-        Some(self.pull.len() as f64 - factor.inverse().trace())
+        Some(self.pull.len() as f64 - factor.inverse_diagonal().iter().sum::<f64>())
     }
 
     /// The same of some of the columns, the groups in their order.
@@ -72,23 +73,24 @@ impl Normal {
         &self,
         groups: &[Range<usize>],
         variances: &[f64],
-    ) -> Option<(Cholesky<f64, Dyn>, DVector<f64>)> {
-        let mut root = DVector::zeros(self.pull.len());
+    ) -> Option<(Cholesky, DVector<f64>)> {
+        let n = self.pull.len();
+        let mut root = DVector::zeros(n);
         for (group, variance) in groups.iter().zip(variances) {
             root.rows_mut(group.start, group.len()).fill(variance.sqrt());
         }
-        let mut whole = self.information.clone();
-        for (j, mut column) in whole.column_iter_mut().enumerate() {
-            column.component_mul_assign(&root);
-            column *= root[j];
-            column[j] += 1.0;
-        }
-        Some((whole.cholesky()?, root))
+        let entry = |i: usize, j: usize| {
+            root[i] * root[j] * self.information[(i, j)] + if i == j { 1.0 } else { 0.0 }
+        };
+        let whole = Mat::from_fn(n, n, entry);
+        Some((Cholesky::new("the components' information", whole).ok()?, root))
     }
 }
 
-fn mean_at(factor: &Cholesky<f64, Dyn>, root: &DVector<f64>, pull: &DVector<f64>) -> DVector<f64> {
-    factor.solve(&pull.component_mul(root)).component_mul(root)
+fn mean_at(factor: &Cholesky, root: &DVector<f64>, pull: &DVector<f64>) -> DVector<f64> {
+    let mut mean = pull.component_mul(root);
+    cholesky::solve_with(factor.factor(), mean.as_mut_slice());
+    mean.component_mul(root)
 }
 
 #[cfg(test)]

@@ -53,7 +53,9 @@ struct Middle {
 }
 
 const LEAST_SUBSTEPS: f64 = 4.0;
-const LEAST_DYNAMIC_SUBSTEPS: f64 = 6.0;
+const LEAST_DYNAMIC_SUBSTEPS: f64 = 3.0;
+/// A sub-step with inertia solves for the push twice: it goes that much farther.
+const DYNAMIC_LENGTH: f64 = 2.0;
 const MOST_SUBSTEPS: f64 = 1e5;
 /// Share of a sub-step within which a change of the contact is found.
 pub(crate) const SHORTEST: f64 = 1e-6;
@@ -150,8 +152,11 @@ impl<'a> Forward<'a> {
 
     /// As many sub-steps of equal time as the path asks for, or the rule.
     fn n_substeps(&self) -> Result<f64, EffectError> {
-        let longest = self.physics.rig().longest_substep();
-        let least = if self.has_inertia { LEAST_DYNAMIC_SUBSTEPS } else { LEAST_SUBSTEPS };
+        let (length, least) = match self.has_inertia {
+            true => (DYNAMIC_LENGTH, LEAST_DYNAMIC_SUBSTEPS),
+            false => (1.0, LEAST_SUBSTEPS),
+        };
+        let longest = length * self.physics.rig().longest_substep();
         // A path of a whole number of sub-steps must not gain one by rounding.
         let n = (self.step.track.length() / longest - 1e-6).ceil().max(least);
         if n <= MOST_SUBSTEPS {
