@@ -74,16 +74,20 @@ struct Errors {
     floor: Option<f64>,
 }
 
-/// Fits on half of the pushes of each set, and writes the errors on the other half.
+/// Fits on half of the pushes of each set, and writes the errors on the other half. A set that hides what
+/// no list here has is left out, and named.
 ///
 /// # Errors
 /// A set or answer that cannot be read; a fit that fails, with the set's name.
 pub fn run(args: &Args) -> Result<()> {
     let mut samples = Vec::new();
     for path in answers(&args.data)? {
-        samples.push(sample(&path).with_context(|| format!("{}", path.display()))?);
+        match sample(&path).with_context(|| format!("{}", path.display()))? {
+            Ok(one) => samples.push(one),
+            Err(scenario) => println!("left out: {}: hides {scenario}", path.display()),
+        }
     }
-    ensure!(!samples.is_empty(), "no *.answer.json in {}", args.data.display());
+    ensure!(!samples.is_empty(), "no set to compare in {}", args.data.display());
     let out = workspace_root().join(&args.output);
     output::write(&out, page(&samples))?;
     println!("written: {}", out.display());
@@ -98,10 +102,11 @@ fn answers(dir: &Path) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-fn sample(answer: &Path) -> Result<Sample> {
+/// The set of an answer, or the scenario that is not one of [`SCENARIOS`].
+fn sample(answer: &Path) -> Result<Result<Sample, String>> {
     let Answer { scenario } = serde_json::from_str(&fs::read_to_string(answer)?)?;
     let known = SCENARIOS.iter().find(|(name, _)| *name == scenario);
-    let hidden = known.with_context(|| format!("unknown scenario {scenario}"))?.1;
+    let Some(&(_, hidden)) = known else { return Ok(Err(scenario)) };
     let set = RecordingSet::open(&answer.with_extension("").with_extension(""))?;
     let all = Observations::steady(&ingest(&set, &steady_ingest())?.0, set.manifest())?;
     let [fitted, others] = halves(&all)?;
@@ -117,13 +122,13 @@ fn sample(answer: &Path) -> Result<Sample> {
     });
     let fitted_models = [&with_hidden, &with_shape].map(|fit| fit.as_ref().map(|f| &f.description));
     let models = [Some(&base), fitted_models[0], fitted_models[1]];
-    Ok(Sample {
+    Ok(Ok(Sample {
         name: set.dir().file_name().unwrap_or_default().to_string_lossy().into_owned(),
         hidden,
         n_pushes: [fitted.pushes().len(), others.pushes().len()],
         errors: errors(&all, &others, models)?,
         parameters: parameters.collect(),
-    })
+    }))
 }
 
 /// A fit; none if it did not converge, which the page tells.
@@ -173,7 +178,7 @@ fn halves(all: &Observations) -> Result<[Observations; 2]> {
 const INTRODUCTION: &str = "\
 # Sets of another simulator
 
-Five recording sets that were made by another simulator, which shares no code with this project, with
+Recording sets that were made by another simulator, which shares no code with this project, with
 answers that tell what they hide; they are no part of this project. Every set is split into random
 halves: parameters are fitted on one, errors are those on the other. Made by one command:
 

@@ -32,7 +32,7 @@ impl Search<'_> {
         progress.refused.retain(|one| one.id != id);
         let follow = self.following_from_points();
         let found = self.borne_by_points(here, &follow);
-        let gain = found.as_ref().map_or(None, |found| found.as_ref().map(|(_, gain)| *gain));
+        let gain = found.as_ref().ok().and_then(Option::as_ref).map(|(_, gain)| *gain);
         let p = gain.map_or(1.0, |gain| p_of_points(&gain, &follow, screen, progress));
         progress.first_screen.effects.push(ScreenedEffect {
             id,
@@ -62,8 +62,8 @@ impl Search<'_> {
         Ok(None)
     }
 
-    /// Whether there are data for points, and the model that is known does not say where the object rests.
-    /// After a small effect the answer is what it was.
+    /// Whether there are data for points, and neither the model nor the search says where the object rests.
+    /// After a small effect the answer is what it was, and so it is where later effects explain what points did.
     fn asks_for_points(&self, progress: &Progress) -> bool {
         let says_where = |id: &str| {
             self.effect(id).is_some_and(|effect| effect.info().stages.contains(&Stage::Pressure))
@@ -71,7 +71,8 @@ impl Search<'_> {
         let mut carried = self.model.effects.iter();
         let is_known = carried.any(|carried| says_where(&carried.id));
         let is_asked = progress.chosen.last().is_some_and(|one| one.is_small)
-            || progress.chosen.iter().any(|one| says_where(one.id));
+            || progress.chosen.iter().any(|one| says_where(one.id))
+            || progress.was_superfluous(SupportPoints.info().id);
         !is_known
             && !is_asked
             && self.fitted.channels().contains(&Channel::Motion)

@@ -33,7 +33,7 @@ pub enum Surface {
 
 impl Rig {
     /// A rig with the coefficients of friction of pusher and support, standard gravity, and
-    /// sub-steps of at most 1 mm of the pusher's way.
+    /// sub-steps of at most 1 mm of the pusher's way, twice that with inertia.
     ///
     /// # Errors
     /// `InvalidValue` if the pusher's friction is negative or the support's not positive; what a
@@ -68,7 +68,8 @@ impl Rig {
         Ok(Self { gravity: positive("gravity", gravity, "m/s²")?, ..self })
     }
 
-    /// The same rig, integrated with other sub-steps, in m of the pusher's way.
+    /// The same rig, integrated with other sub-steps, in m of the pusher's way; those with inertia solve for
+    /// the push twice and are twice as long.
     ///
     /// # Errors
     /// `InvalidValue` if it is not positive and finite.
@@ -96,7 +97,7 @@ impl Rig {
         self.gravity
     }
 
-    /// Longest way of the pusher in one sub-step, in m.
+    /// Longest way of the pusher in one sub-step without inertia, in m.
     pub fn longest_substep(&self) -> f64 {
         self.longest_substep
     }

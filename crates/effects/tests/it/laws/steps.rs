@@ -1,10 +1,10 @@
 //! Laws of the integration: parts of a step, shorter sub-steps, and the energy of a step.
 
-use effects::{all, by_id};
 use std::sync::Arc;
 
 use effects::{
     Channels, Effect, Geometry, MeasurementModel, PushPhysics, Snapshot, StepInput, Surface, Track,
+    all, by_id,
 };
 use nalgebra::Vector2;
 use planar::{Pose, Twist, Wrench, perpendicular};
