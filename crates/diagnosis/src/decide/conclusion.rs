@@ -190,7 +190,7 @@ impl Search<'_> {
             for choice in &progress.chosen {
                 let known = fit.effects.iter().find(|effect| effect.id == choice.id);
                 let Some(effect) = known.cloned() else { continue };
-                let other = whole.roughly_without(&[choice.id])?;
+                let other = whole.briefly_without(&[choice.id])?;
                 let without = aside.outcome(&other.descriptions()?[1])?;
                 let gains = aside.gains(&without, &after);
                 let rms = [&before, &after, &without].map(Outcome::rms);

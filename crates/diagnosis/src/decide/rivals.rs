@@ -85,7 +85,7 @@ impl Search<'_> {
             for rival in &rivals {
                 // A rival that does not settle explains nothing.
                 let without = self.with_instead(&there, last_id, rival);
-                let without = without.and_then(|other| other.roughly_without(&[id]).ok());
+                let without = without.and_then(|other| other.briefly_without(&[id]).ok());
                 alone.extend(without.filter(|m| m.misfit_by(&there) < most).map(|m| (*rival, m)));
             }
             let by_misfit = |m: &Refit| m.misfit_by(&there);

@@ -35,6 +35,14 @@ pub(super) struct Tried<'a> {
     pub(super) size: f64,
 }
 
+/// Where a search goes on.
+enum Next<'a> {
+    /// To an effect and the model with it.
+    Large(Choice, Refit<'a>),
+    /// To what is sure and hardly seen among the effects that were tried, if anything is.
+    Small { tried: Vec<Tried<'a>>, which: Vec<usize> },
+}
+
 /// Effects that are tried after a screen, the strongest first.
 const MOST_TRIALS: usize = 6;
 /// An effect whose score is a smaller share of the largest is not tried.
@@ -42,6 +50,8 @@ const LEAST_SHARE: f64 = 0.05;
 /// Trials within this of the best, in units of the sum and as a share of the fall, go on to their
 /// minimum.
 const FINALIST: (f64, f64) = (50.0, 0.2);
+/// An effect of which the quadratic at the minimum promises so many times [`APART`] is not what others explain.
+const FAR_FROM_APART: f64 = 30.0;
 
 impl Search<'_> {
     pub(super) fn run(&self) -> Result<Found, DiagnosisError> {
@@ -64,21 +74,26 @@ impl Search<'_> {
             return self.forward_step(&there, progress);
         }
         let is_full = progress.n_chosen(false) == self.settings.most_effects;
-        let next = if is_full { None } else { self.next(&here, &screen, &mut progress)? };
-        // What is hardly seen comes last.
-        if next.as_ref().is_none_or(|(choice, _)| choice.is_small)
-            && !is_of_support
-            && let Some(there) = self.on_points(&here, &screen, &mut progress)?
-        {
-            return self.forward_step(&there, progress);
-        }
-        let Some((choice, there)) = next else {
-            return self.concluded(&here, progress, screen, noise);
+        let next = match is_full {
+            true => Next::Small { tried: Vec::new(), which: Vec::new() },
+            false => self.next(&here, &screen, &mut progress)?,
         };
-        progress.refused.retain(|one| one.id != choice.id);
-        progress.chosen.push(choice);
-        let there = self.without_superfluous(there, &mut progress)?;
-        self.forward_step(&there, progress)
+        match next {
+            Next::Large(choice, there) => {
+                let there = self.with_choice(choice, there, &mut progress)?;
+                self.forward_step(&there, progress)
+            }
+            // What is hardly seen comes last, and changes too little to be worth another screen.
+            Next::Small { tried, which } => {
+                if !is_of_support
+                    && let Some(there) = self.on_points(&here, &screen, &mut progress)?
+                {
+                    return self.forward_step(&there, progress);
+                }
+                let there = self.with_small(here, (tried, which), &screen, &mut progress)?;
+                self.concluded(&there, progress, screen, noise)
+            }
+        }
     }
 
     /// The best effect beside those chosen that obeys every rule; notes those that do not.
@@ -87,11 +102,11 @@ impl Search<'_> {
         here: &Refit<'a>,
         screen: &Screen,
         progress: &mut Progress,
-    ) -> Result<Option<(Choice, Refit<'a>)>, DiagnosisError> {
+    ) -> Result<Next<'a>, DiagnosisError> {
         let gain_so_far = gain_so_far(here, progress)?;
         let rules = Rules { gain_so_far, is_first: progress.n_chosen(false) == 0 };
         let tried = self.tried(here, screen, progress)?;
-        let mut small = Vec::new();
+        let mut which = Vec::new();
         for (index, Tried { trial, without, size }) in tried.iter().enumerate() {
             let id = trial.id();
             let p_adjusted = screen.p_of(id);
@@ -100,7 +115,7 @@ impl Search<'_> {
                 None => match self.chosen(here, &tried, index)? {
                     Ok((rivals, there)) => {
                         let choice = Choice { id, p_adjusted, rivals, is_small: false };
-                        return Ok(Some((choice, there)));
+                        return Ok(Next::Large(choice, there));
                     }
                     Err(objection) => objection,
                 },
@@ -109,22 +124,57 @@ impl Search<'_> {
             // One of a group is no second effect beside another of it.
             let is_rival = progress.chosen.iter().any(|one| one.rivals.contains(&id));
             if matches!(objection, Objection::Small { .. }) && p_adjusted <= NAME && !is_rival {
-                small.push(index);
+                which.push(index);
             }
             // What no screen saw was tried as a rival alone.
             if p_adjusted <= HINT {
                 progress.refused.push(Refused { id, objection });
             }
         }
-        let room = MOST_SMALL.saturating_sub(progress.n_chosen(true));
-        for index in small.into_iter().take(room) {
-            if let Ok((rivals, there)) = self.chosen(here, &tried, index)? {
+        Ok(Next::Small { tried, which })
+    }
+
+    /// The model with what is hardly seen, the best first.
+    fn with_small<'a>(
+        &self,
+        mut here: Refit<'a>,
+        (mut tried, mut which): (Vec<Tried<'a>>, Vec<usize>),
+        screen: &Screen,
+        progress: &mut Progress,
+    ) -> Result<Refit<'a>, DiagnosisError> {
+        while progress.n_chosen(true) < MOST_SMALL {
+            let mut found = None;
+            while let (None, Some(index)) = (&found, which.first().copied()) {
+                which.remove(0);
                 let id = tried[index].trial.id();
-                let p_adjusted = screen.p_of(id);
-                return Ok(Some((Choice { id, p_adjusted, rivals, is_small: true }, there)));
+                let with = self.chosen(&here, &tried, index)?.ok();
+                found = with.map(|(rivals, there)| {
+                    let p_adjusted = screen.p_of(id);
+                    (Choice { id, p_adjusted, rivals, is_small: true }, there)
+                });
             }
+            let Some((choice, there)) = found else { break };
+            let others = which.iter().map(|index| tried[*index].trial.id());
+            let others: Vec<_> = others.filter(|id| !choice.rivals.contains(id)).collect();
+            here = self.with_choice(choice, there, progress)?;
+            let beside =
+                others.into_iter().map(|id| self.try_one(&here, id, &mut progress.refused));
+            tried = beside.filter_map(Result::transpose).collect::<Result<_, _>>()?;
+            which = (0..tried.len()).collect();
         }
-        Ok(None)
+        Ok(here)
+    }
+
+    /// The model with one effect more, without those that it explains, too.
+    fn with_choice<'a>(
+        &self,
+        choice: Choice,
+        there: Refit<'a>,
+        progress: &mut Progress,
+    ) -> Result<Refit<'a>, DiagnosisError> {
+        progress.refused.retain(|one| one.id != choice.id);
+        progress.chosen.push(choice);
+        self.without_superfluous(there, progress)
     }
 
     /// The model with an effect at its minimum, and what explains as much; or what speaks against it.
@@ -265,7 +315,10 @@ impl Search<'_> {
     ) -> Result<Refit<'a>, DiagnosisError> {
         let last = progress.chosen.len() - 1;
         for id in ids(&progress.chosen[..last]) {
-            let without = there.roughly_without(&[id])?;
+            if there.promised_without(id) > FAR_FROM_APART * APART * there.scale().powi(2) {
+                continue;
+            }
+            let without = there.briefly_without(&[id])?;
             if without.misfit_by(&there) - there.objective() < APART * there.scale().powi(2) {
                 progress.chosen.retain(|one| one.id != id);
                 progress.refused.push(Refused { id, objection: Objection::Superfluous });
@@ -318,7 +371,7 @@ fn gain_so_far(here: &Refit, progress: &Progress) -> Result<f64, DiagnosisError>
     if progress.chosen.is_empty() {
         return Ok(0.0);
     }
-    Ok(here.roughly_without(&ids(&progress.chosen))?.misfit_by(here) - here.objective())
+    Ok(here.briefly_without(&ids(&progress.chosen))?.misfit_by(here) - here.objective())
 }
 
 impl Tried<'_> {

@@ -61,14 +61,17 @@ struct Quadratic {
 const MAX_ITERATIONS: usize = 200;
 /// A thirtieth of a standard error: predictions are hardly smooth on a finer scale.
 const CONVERGED: f64 = 1e-3;
-/// The same where the sum alone counts, which is then near enough wherever no step leads down.
-const SETTLED: f64 = 2e-2;
+/// The same where the sum alone counts, of which a difference of [`APART`](crate::cut_offs::APART) is the least
+/// that matters; it is near enough wherever no step leads down.
+const SETTLED: f64 = 0.2;
 /// Where no step leads further down, a fifth of a standard error is near enough: predictions jump a
 /// little where pushes come to slide or let go. What is left widens the errors of the estimates.
 const STUCK: f64 = 0.04;
 /// Where slopes over the narrowest secants lead no further either, places half of one away are tried
 /// along each axis of the quadratic: at a kink a slope promises what no place keeps.
 const POLL: f64 = 0.5;
+/// Fall of the sum that makes such a place the better one.
+const LOWER: f64 = 2e-2;
 /// Slopes that leave more than this of the distance are worked out anew.
 const SLOW: f64 = 0.3;
 /// Share of the fall so far that a brief or rough descent leaves to go.
@@ -174,8 +177,8 @@ impl Problem<'_> {
         let (mut steps, first) = (0, at.value);
         loop {
             let quadratic = self.quadratic(&at, &whole)?;
-            let left = quadratic.decrement * self.robust.scale().powi(2);
-            let is_end = steps == most_steps || left < STUCK.max(BRIEFLY * (first - at.value));
+            let fall = first - at.value;
+            let is_end = steps == most_steps || self.is_near(quadratic.decrement, fall);
             let next = match is_end {
                 true => None,
                 false => self.step_down(&at, &quadratic, &mut damping),
@@ -185,6 +188,11 @@ impl Problem<'_> {
             whole = updated(whole, &self.moved(), &widths, &at, &next);
             (at, steps) = (next, steps + 1);
         }
+    }
+
+    /// Whether little is left to fall beside the fall so far.
+    pub(super) fn is_near(&self, decrement: f64, fall: f64) -> bool {
+        decrement * self.robust.scale().powi(2) < STUCK.max(BRIEFLY * fall)
     }
 
     /// The quadratic at a place, over the numbers that do not press against a bound.
@@ -251,7 +259,7 @@ impl Problem<'_> {
             units[row] * curvature[(row, column)] * units[column]
         });
         let axes = scaled.symmetric_eigen();
-        let enough = SETTLED * self.robust.scale().powi(2);
+        let enough = LOWER * self.robust.scale().powi(2);
         let mut lowest: Option<Evaluation> = None;
         for (axis, stiffness) in axes.eigenvectors.column_iter().zip(&axes.eigenvalues) {
             let length = POLL * self.robust.scale() / stiffness.sqrt();

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use effects::{Channels, Effect};
 use models::Description;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::descent::{Exactness, Minimum, Start};
 use super::estimates::{descriptions, estimates};
@@ -93,7 +93,7 @@ impl<'a> Refit<'a> {
     /// # Errors
     /// As a descent.
     pub(crate) fn without(&self, ids: &[&'static str]) -> Result<Self, DiagnosisError> {
-        self.lacking(ids, Exactness::Sum)
+        self.settled_without(ids, Exactness::Sum)
     }
 
     /// The same to a hundredth of what the sum falls there without them.
@@ -101,10 +101,36 @@ impl<'a> Refit<'a> {
     /// # Errors
     /// As a descent.
     pub(crate) fn roughly_without(&self, ids: &[&'static str]) -> Result<Self, DiagnosisError> {
-        self.lacking(ids, Exactness::Rough)
+        self.settled_without(ids, Exactness::Rough)
     }
 
-    fn lacking(&self, ids: &[&'static str], exactness: Exactness) -> Result<Self, DiagnosisError> {
+    fn settled_without(
+        &self,
+        ids: &[&'static str],
+        exactness: Exactness,
+    ) -> Result<Self, DiagnosisError> {
+        let (mut problem, Start { at, slopes, .. }) = self.lacking(ids)?;
+        let minimum = problem.settle(at.x, slopes, exactness)?;
+        Ok(self.taken_out(ids, problem, minimum))
+    }
+
+    /// The same by the weights of now, for comparisons by them.
+    ///
+    /// # Errors
+    /// As a descent.
+    pub(crate) fn briefly_without(&self, ids: &[&'static str]) -> Result<Self, DiagnosisError> {
+        let (mut problem, start) = self.lacking(ids)?;
+        let first = start.at.value;
+        let mut minimum = problem.descend_briefly(start, BRIEF)?;
+        if !problem.is_near(minimum.decrement, first - minimum.at.value) {
+            let Minimum { at, whole, .. } = minimum;
+            minimum = problem.settle(at.x, Some(whole), Exactness::Rough)?;
+        }
+        Ok(self.taken_out(ids, problem, minimum))
+    }
+
+    /// The start of a descent without some effects: with them at "off".
+    fn lacking(&self, ids: &[&'static str]) -> Result<(Problem<'a>, Start), DiagnosisError> {
         let mut problem = self.problem.clone();
         let known = problem.moved();
         for own in ids.iter().filter_map(|id| problem.space.numbers_of(id)) {
@@ -112,13 +138,31 @@ impl<'a> Refit<'a> {
         }
         let moved = problem.moved();
         let kept: Vec<usize> = (0..known.len()).filter(|k| moved.contains(&known[*k])).collect();
-        let slopes = self.minimum.whole.select_columns(&kept);
-        let x = self.place_with(|id| ids.contains(&id), |member| member.off.clone());
-        let minimum = problem.settle(x, Some(slopes), exactness)?;
+        let slopes = Some(self.minimum.whole.select_columns(&kept));
+        let at = problem.stand(self.place_with(|id| ids.contains(&id), |one| one.off.clone()))?;
+        Ok((problem, Start { at, slopes, exactness: Exactness::Rough }))
+    }
+
+    fn taken_out(&self, ids: &[&'static str], problem: Problem<'a>, minimum: Minimum) -> Self {
         let added = problem.space.members.iter().skip(self.n_own).map(|member| member.id());
         let dropped = added.filter(|id| ids.contains(id)).chain(self.dropped.iter().copied());
         let dropped = dropped.collect();
-        Ok(Self { problem, before: minimum.clone(), minimum, dropped, ..*self })
+        Self { problem, before: minimum.clone(), minimum, dropped, ..*self }
+    }
+
+    /// What the sum would rise by without an effect, by the quadratic at the minimum; 0 where a bound holds
+    /// one of its numbers.
+    pub(crate) fn promised_without(&self, id: &str) -> f64 {
+        let Minimum { at, moved, curvature, .. } = &self.minimum;
+        let Some(own) = self.problem.space.numbers_of(id) else { return 0.0 };
+        let off = self.place_with(|other| other == id, |member| member.off.clone());
+        let columns: Option<Vec<usize>> =
+            own.clone().map(|k| moved.iter().position(|other| *other == k)).collect();
+        let covariance = curvature.clone().cholesky().map(|factor| factor.inverse());
+        let (Some(columns), Some(covariance)) = (columns, covariance) else { return 0.0 };
+        let own_covariance = covariance.select_rows(&columns).select_columns(&columns);
+        let away = DVector::from_iterator(columns.len(), own.map(|k| at.x[k] - off[k]));
+        own_covariance.cholesky().map_or(0.0, |factor| away.dot(&factor.solve(&away)))
     }
 
     /// The same minimum, found as exactly as predictions allow, with the slopes there.

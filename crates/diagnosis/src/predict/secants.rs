@@ -19,6 +19,12 @@ pub(crate) struct Direction {
     pub(crate) size: f64,
 }
 
+impl Direction {
+    fn is_switch(&self) -> bool {
+        self.effect.info().parameters[self.coordinate].role == Role::Switch
+    }
+}
+
 /// A model's predictions of all steps, and their slopes.
 #[derive(Clone, Debug)]
 pub(crate) struct Linearisation {
@@ -82,6 +88,8 @@ impl Linearisation {
 /// The model and its neighbours, for one object.
 struct Probes {
     physics: PushPhysics,
+    /// The same as its neighbours are predicted.
+    roughly: PushPhysics,
     sides: Vec<Sides>,
 }
 
@@ -90,6 +98,8 @@ struct Sides {
     above: Option<PushPhysics>,
     below: Option<PushPhysics>,
     span: f64,
+    /// Whether it is switched, so that sub-steps miss another part on each side.
+    is_switched: bool,
 }
 
 struct AtStep {
@@ -110,21 +120,27 @@ impl Probes {
         directions: &[Direction],
     ) -> Result<Self, DiagnosisError> {
         let physics = model.physics(&step.object)?;
-        let sides = directions.iter().map(|direction| Sides::new(&physics, direction, step));
+        let roughly = physics.clone().in_half_the_substeps();
+        let sides = directions.iter().map(|direction| {
+            let from = if direction.is_switch() { &physics } else { &roughly };
+            Sides::new(from, direction, step)
+        });
         let sides = sides.collect::<Result<_, EffectError>>().map_err(ModelError::from)?;
-        Ok(Self { physics, sides })
+        Ok(Self { physics, roughly, sides })
     }
 
     fn at(&self, observations: &Observations, index: usize) -> Result<AtStep, EffectError> {
         let step = &observations.steps[index].input;
         let predict = |physics: &PushPhysics| physics.predict(step).map(|found| found.to_array());
         let predicted = predict(&self.physics)?;
-        let side = |side: &Option<PushPhysics>| side.as_ref().map_or(Ok(predicted), &predict);
+        let roughly = predict(&self.roughly)?;
         let secant = |sides: &Sides| -> Result<Secant, EffectError> {
+            let here = if sides.is_switched { predicted } else { roughly };
+            let side = |side: &Option<PushPhysics>| side.as_ref().map_or(Ok(here), &predict);
             let (above, below) = (side(&sides.above)?, side(&sides.below)?);
             let slope = std::array::from_fn(|k| (above[k] - below[k]) / sides.span);
             let is_one_sided = sides.above.is_none() || sides.below.is_none();
-            let bend = |k: usize| (above[k] + below[k] - 2.0 * predicted[k]) / sides.span;
+            let bend = |k: usize| (above[k] + below[k] - 2.0 * here[k]) / sides.span;
             let bend = if is_one_sided { [0.0; 7] } else { std::array::from_fn(bend) };
             Ok(Secant { slope, bend })
         };
@@ -132,9 +148,9 @@ impl Probes {
         let observed = &observations.steps[index].observed;
         let by_pusher = [Vector2::x(), Vector2::y()].map(|axis| -> Result<[f64; 7], EffectError> {
             let moved = stretched(step, PUSHER_SHIFT * axis);
-            let then = self.physics.predict(&moved)?.to_array();
+            let then = self.roughly.predict(&moved)?.to_array();
             let turned = turned(step, &moved, observed, &predicted);
-            let mut change: [f64; 7] = std::array::from_fn(|k| predicted[k] - then[k] + turned[k]);
+            let mut change: [f64; 7] = std::array::from_fn(|k| roughly[k] - then[k] + turned[k]);
             (change[5], change[6]) = (0.0, 0.0);
             Ok(change.map(|change| change / PUSHER_SHIFT))
         });
@@ -156,9 +172,10 @@ impl Sides {
         let values = found.map_or(&off, |(_, values)| values);
         let here = about.to_coordinates(values);
         let bounds = effect.coordinates_in(physics.rig(), step)[coordinate].range;
-        let (low, high) = match about.parameters[coordinate].role {
-            Role::Switch => bounds,
-            _ => {
+        let is_switched = direction.is_switch();
+        let (low, high) = match is_switched {
+            true => bounds,
+            false => {
                 let place = here[coordinate];
                 ((place - size).max(bounds.0), (place + size).min(bounds.1))
             }
@@ -179,7 +196,7 @@ impl Sides {
                 None => moved.with(effect, &values)?,
             }))
         };
-        Ok(Self { above: at(high)?, below: at(low)?, span: high - low })
+        Ok(Self { above: at(high)?, below: at(low)?, span: high - low, is_switched })
     }
 }
 

@@ -72,14 +72,12 @@ impl<'a> Solved<'a> {
         let pulled: Vec<DMatrix<f64>> = shapes.iter().map(|shape| shape * &left).collect();
         let solved: Vec<DMatrix<f64>> =
             pulled.iter().map(|pulled| &self.inverse * pulled).collect();
-        let slope = DVector::from_fn(n, |k, _| {
-            let mut trace = n_vectors * self.inverse.dot(&shapes[k]);
-            if has_fixed {
-                let spread = self.fixed.transpose() * (&shapes[k] * &self.fixed);
-                trace -= fixed.inverse.dot(&spread);
-            }
-            left.dot(&pulled[k]) - trace
-        });
+        // W, once a vector, less W X (1 + Σ Xᵀ W X)⁻¹ Xᵀ W.
+        let mut projected = n_vectors * &self.inverse;
+        if has_fixed {
+            projected -= &self.fixed * &fixed.inverse * self.fixed.transpose();
+        }
+        let slope = DVector::from_fn(n, |k, _| left.dot(&pulled[k]) - projected.dot(&shapes[k]));
         let information = DMatrix::from_fn(n, n, |k, l| pulled[k].dot(&solved[l]));
         let mut of_fixed = DMatrix::zeros(fixed.coefficients.len(), n);
         if has_fixed {

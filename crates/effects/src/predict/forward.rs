@@ -159,6 +159,7 @@ impl<'a> Forward<'a> {
         let longest = length * self.physics.rig().longest_substep();
         // A path of a whole number of sub-steps must not gain one by rounding.
         let n = (self.step.track.length() / longest - 1e-6).ceil().max(least);
+        let n = (self.physics.share_of_substeps() * n).ceil();
         if n <= MOST_SUBSTEPS {
             return Ok(n);
         }
