@@ -47,8 +47,10 @@ impl Finding<'_> {
         let last = found.last_screen.effects.iter().find(|effect| effect.id == id);
         let is_hint = last.is_some_and(|effect| effect.p_adjusted <= HINT);
         let objection = self.objection(accepted);
+        // What a later model shows was hidden from the first screen alone.
+        let not_testable = self.screened.not_testable.as_ref().filter(|_| accepted.is_none());
         let small = claims.small.iter().find(|(one, ..)| *one == id);
-        let grade = if self.screened.not_testable.is_some() {
+        let grade = if not_testable.is_some() {
             Grade::NotTestable
         } else if let Some((_, grade, _)) = small {
             *grade
@@ -64,7 +66,7 @@ impl Finding<'_> {
             Grade::BelowDetectionLimit
         };
         let effective = claims.effective.iter().find(|(one, _)| *one == id);
-        let why = match (&self.screened.not_testable, objection) {
+        let why = match (not_testable, objection) {
             (Some(why), _) => format!("{}; measure {}", why.because, why.measure),
             (None, Some(objection)) => objection.to_string(),
             (None, None) => {
@@ -72,7 +74,7 @@ impl Finding<'_> {
                 of_small.or(effective.map(|(_, why)| why.clone())).unwrap_or_default()
             }
         };
-        let is_tested = self.screened.not_testable.is_none();
+        let is_tested = not_testable.is_none();
         let p_adjusted = accepted.map(|k| found.accepted[k].p_adjusted);
         let p_adjusted = p_adjusted
             .or_else(|| last.filter(|_| is_tested).map(|one| one.p_adjusted))

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use clap::builder::PossibleValuesParser;
+use effects::all;
 use plant::effect_kinds;
 
 use super::explanation::Explanation;
@@ -23,7 +24,10 @@ Examples:
   pushlab effects explain sticky-spot --json";
 
 fn id_parser() -> PossibleValuesParser {
-    PossibleValuesParser::new(effect_kinds().into_iter().map(|kind| kind.id))
+    let carried: Vec<&str> = all().iter().map(|effect| effect.info().id).collect();
+    let hidden = effect_kinds().into_iter().map(|kind| kind.id);
+    let hidden_alone: Vec<&str> = hidden.filter(|id| !carried.contains(id)).collect();
+    PossibleValuesParser::new(carried.into_iter().chain(hidden_alone))
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
