@@ -6,7 +6,7 @@ use models::Description;
 use super::ErrorFall;
 use super::constancy::Varies;
 use super::rules::Objection;
-use crate::{EffectFit, Gain, NoiseModel, Screen};
+use crate::{EffectFit, Gain, NoiseModel, Screen, ScreenedEffect};
 
 /// What a search found.
 pub(super) struct Found {
@@ -85,6 +85,27 @@ impl Progress {
     /// The effect that was chosen last, if it is not small.
     pub(super) fn last_large(&self) -> Option<&'static str> {
         self.chosen.last().filter(|one| !one.is_small).map(|one| one.id)
+    }
+
+    /// Notes what was found of an effect that no screen shows.
+    pub(super) fn note_tried(
+        &mut self,
+        id: &'static str,
+        freedom: usize,
+        gain: Option<Gain>,
+        p: f64,
+    ) {
+        self.refused.retain(|one| one.id != id);
+        self.first_screen.effects.retain(|one| one.id != id);
+        self.first_screen.effects.push(ScreenedEffect {
+            id,
+            not_testable: None,
+            statistic: gain.map_or(0.0, |gain| 2.0 * gain.mean.max(0.0)),
+            freedom,
+            p,
+            p_adjusted: p,
+            coordinates: Vec::new(),
+        });
     }
 
     /// Whether an effect was taken out again because later ones explain what it did.

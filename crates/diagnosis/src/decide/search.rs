@@ -90,6 +90,9 @@ impl Search<'_> {
                 {
                     return self.forward_step(&there, progress);
                 }
+                if !is_full && let Some(there) = self.on_vertices(&here, &screen, &mut progress)? {
+                    return self.forward_step(&there, progress);
+                }
                 let there = self.with_small(here, (tried, which), &screen, &mut progress)?;
                 self.concluded(&there, progress, screen, noise)
             }
@@ -166,7 +169,7 @@ impl Search<'_> {
     }
 
     /// The model with one effect more, without those that it explains, too.
-    fn with_choice<'a>(
+    pub(super) fn with_choice<'a>(
         &self,
         choice: Choice,
         there: Refit<'a>,

@@ -1,16 +1,17 @@
-//! Where an object rests, in the place of single numbers that follow from it.
+//! Effects that no screen shows: where an object rests, in the place of single numbers that follow from it, and
+//! a tip that is caught at vertices.
 
 use std::f64::consts::SQRT_2;
 
-use effects::{Channel, Effect, Stage, SupportPoints};
+use effects::{Channel, Effect, Stage, SupportPoints, VertexContact};
 
 use super::found::{Choice, Progress, Refused};
 use super::rules::Objection;
 use super::search::Search;
-use crate::cut_offs::{NAME, PUSHES_A_NUMBER};
+use crate::cut_offs::{NAME, PUSHES_A_NUMBER, SIZE};
 use crate::fit::Refit;
 use crate::predict::candidates::follow_from_points;
-use crate::{DiagnosisError, Gain, Screen, ScreenedEffect};
+use crate::{DiagnosisError, Gain, Screen};
 
 /// Of four points: places and shares.
 const N_NUMBERS: usize = 11;
@@ -28,21 +29,11 @@ impl Search<'_> {
         if !self.asks_for_points(progress) {
             return Ok(None);
         }
-        progress.first_screen.effects.retain(|one| one.id != id);
-        progress.refused.retain(|one| one.id != id);
         let follow = self.following_from_points();
         let found = self.borne_by_points(here, &follow);
         let gain = found.as_ref().ok().and_then(Option::as_ref).map(|(_, gain)| *gain);
         let p = gain.map_or(1.0, |gain| p_of_points(&gain, &follow, screen, progress));
-        progress.first_screen.effects.push(ScreenedEffect {
-            id,
-            not_testable: None,
-            statistic: gain.map_or(0.0, |gain| 2.0 * gain.mean.max(0.0)),
-            freedom: N_NUMBERS,
-            p,
-            p_adjusted: p,
-            coordinates: Vec::new(),
-        });
+        progress.note_tried(id, N_NUMBERS, gain, p);
         let objection = match found {
             Err(why) => why,
             Ok(None) => return Ok(None),
@@ -60,6 +51,50 @@ impl Search<'_> {
         };
         progress.refused.push(Refused { id, objection });
         Ok(None)
+    }
+
+    /// The model with a tip that is caught at vertices, if pushes that are left out of the fit are predicted
+    /// better for sure: no slope and no screen shows a limit that few steps are within.
+    pub(super) fn on_vertices<'a>(
+        &self,
+        here: &Refit<'a>,
+        screen: &Screen,
+        progress: &mut Progress,
+    ) -> Result<Option<Refit<'a>>, DiagnosisError> {
+        let id = VertexContact.info().id;
+        let is_known = self.model.effects.iter().any(|carried| carried.id == id)
+            || progress.chosen.iter().any(|one| one.id == id)
+            || progress.was_superfluous(id);
+        if is_known || !self.fitted.channels().contains(&Channel::Motion) {
+            return Ok(None);
+        }
+        let found = self.caught_at_vertices(here);
+        let gain = found.as_ref().ok().and_then(Option::as_ref).map(|(_, gain)| *gain);
+        let p = gain.map_or(1.0, |gain| p_of(&gain, 1 + n_tested(screen)));
+        progress.note_tried(id, 1, gain, p);
+        let objection = match found {
+            Err(why) => why,
+            Ok(None) => return Ok(None),
+            Ok(Some((_, gain))) if !gain.is_sure() => Objection::NotPredictive { gain },
+            Ok(Some(_)) if p > NAME => Objection::NotSure { p },
+            Ok(Some((there, _))) => {
+                let is_small = there.size_against(id, &[0.0])? < SIZE;
+                let choice = Choice { id, p_adjusted: p, rivals: Vec::new(), is_small };
+                return Ok(Some(self.with_choice(choice, there, progress)?));
+            }
+        };
+        progress.refused.push(Refused { id, objection });
+        Ok(None)
+    }
+
+    fn caught_at_vertices<'a>(
+        &self,
+        here: &Refit<'a>,
+    ) -> Result<Option<(Refit<'a>, Gain)>, Objection> {
+        let Some(effect) = self.effect(VertexContact.info().id) else { return Ok(None) };
+        let Some(there) = here.limited_by(effect)? else { return Ok(None) };
+        let gains = self.left_out(here, &there)?;
+        Ok(Some((there, Gain::of(&gains))))
     }
 
     /// Whether there are data for points, and neither the model nor the search says where the object rests.
@@ -103,9 +138,11 @@ impl Search<'_> {
 fn p_of_points(gain: &Gain, follow: &[&str], screen: &Screen, progress: &Progress) -> f64 {
     let of_support = progress.chosen.iter().filter(|one| follow.contains(&one.id));
     let of_support = of_support.map(|one| one.p_adjusted).reduce(f64::min);
-    let is_tested = |one: &&ScreenedEffect| one.not_testable.is_none();
-    let n_tested = screen.effects.iter().filter(is_tested).count();
-    of_support.unwrap_or_else(|| p_of(gain, 1 + n_tested))
+    of_support.unwrap_or_else(|| p_of(gain, 1 + n_tested(screen)))
+}
+
+fn n_tested(screen: &Screen) -> usize {
+    screen.effects.iter().filter(|one| one.not_testable.is_none()).count()
 }
 
 /// Probability of so large a gain of any of so many effects by chance.

@@ -1,4 +1,5 @@
-//! A model at its minimum, with where the object rests in the place of numbers that follow from it.
+//! A model at its minimum with effects that no slope leads to: where the object rests, in the place of numbers
+//! that follow from it, and limits.
 
 use std::sync::Arc;
 
@@ -46,6 +47,36 @@ impl<'a> Refit<'a> {
         there.before = self.minimum.clone();
         there.problem = problem;
         there.dropped.extend(follows);
+        Ok(Some(there))
+    }
+
+    /// The minimum with an effect whose number is a limit that steps are on one side of; none where no limit
+    /// lowers the sum.
+    ///
+    /// # Errors
+    /// As a descent.
+    pub(crate) fn limited_by(
+        &self,
+        effect: &Arc<dyn Effect>,
+    ) -> Result<Option<Self>, DiagnosisError> {
+        let Problem { space, whitening, robust, frozen, .. } = &self.problem;
+        let mut problem = Problem::new(space.with(effect)?, whitening, robust.clone());
+        problem.frozen[..frozen.len()].copy_from_slice(frozen);
+        let mut off = self.minimum.at.x.clone();
+        for member in problem.space.members.iter().skip(space.members.len()) {
+            off.extend(member.place(&member.off));
+        }
+        let limited = problem.limited(off.clone())?;
+        if limited == off {
+            return Ok(None);
+        }
+        let mut there = self.clone();
+        // The strains of the effect's priors follow those that are known, and no slope changes them.
+        let n_rows = problem.stand(limited.clone())?.z.len();
+        let slopes = self.minimum.whole.clone().resize_vertically(n_rows, 0.0);
+        there.minimum = problem.settle(limited, Some(slopes), Exactness::Sum)?;
+        there.before = self.minimum.clone();
+        there.problem = problem;
         Ok(Some(there))
     }
 }

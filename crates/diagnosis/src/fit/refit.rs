@@ -389,12 +389,50 @@ impl Trial<'_> {
 
 #[cfg(test)]
 mod tests {
+    use effects::{Setting, by_id};
+    use models::{Description, ModelEffect};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
     use super::Refit;
     use crate::synthetic::{NOISE, normal, recorded, white};
-    use crate::{FitSettings, Predictions};
+    use crate::{FitSettings, Observations, Predictions};
+
+    /// Pushes of the nominal model with an effect of some values, in noise.
+    fn pushed_with(id: &str, values: &[f64]) -> (Observations, Description) {
+        let (mut observations, model) = recorded(1);
+        let mut truth = model.clone();
+        truth.effects.push(ModelEffect::from(Setting::new(by_id(id).unwrap().info(), values)));
+        let predicted = Predictions::of(&truth, &[], &observations).unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        for (step, predicted) in observations.steps.iter_mut().zip(predicted.steps()) {
+            for (number, value) in step.observed.iter_mut().enumerate() {
+                let made = predicted[number].map(|at| at + NOISE[number] * normal(&mut rng));
+                *value = value.and(made);
+            }
+        }
+        (observations, model)
+    }
+
+    #[test]
+    fn what_an_effect_is_missed_by_is_promised_and_found_briefly() {
+        let id = "table-tilt";
+        // From hardly there to a common size, in m/s².
+        for size in [0.003, 0.01, 0.05] {
+            let (observations, model) = pushed_with(id, &[size, 0.0]);
+            let whitening = white(&observations);
+            let settings = FitSettings::default();
+            let here = Refit::new(&observations, &model, &whitening, &settings).unwrap();
+            let with = here.with(&here.trial(by_id(id).unwrap()).unwrap()).unwrap();
+            let rise = |without: &Refit| without.misfit_by(&with) - with.objective();
+            let [exact, brief] =
+                [with.without(&[id]).unwrap(), with.briefly_without(&[id]).unwrap()];
+            let (exact, brief, promised) = (rise(&exact), rise(&brief), with.promised_without(id));
+            assert!((brief - exact).abs() < 1.0 + 0.1 * exact, "{size}: {brief} for {exact}");
+            let ratio = (1.0 + promised) / (1.0 + exact);
+            assert!(ratio > 0.5 && ratio < 5.0, "{size}: {promised} for {exact}");
+        }
+    }
 
     #[test]
     fn a_model_refitted_as_it_is_loses_nothing_by_the_same_thresholds() {

@@ -127,6 +127,44 @@ fn changes(first: &Channels, second: &Channels) -> bool {
     (ratio(first) - ratio(second)).abs() > 0.01
 }
 
+/// Effects of which the change is no smooth function of the sub-steps.
+const JUMPS: [&str; 2] = ["inertia", "pusher-stiction"];
+
+/// What an effect of its typical size changes, and what it changes in half the sub-steps.
+fn changes_by(effect: &Arc<dyn Effect>, surface: &Surface, step: &StepInput) -> [[f64; 7]; 2] {
+    let with = model(effect, surface, 1e-3);
+    let without = PushPhysics::new(World::PLAIN.rig(surface.clone()));
+    let change = |with: &PushPhysics, without: &PushPhysics| -> [f64; 7] {
+        let [with, without] = [with, without].map(|one| one.predict(step).unwrap().to_array());
+        std::array::from_fn(|k| with[k] - without[k])
+    };
+    let roughly = [&with, &without].map(|one| one.clone().in_half_the_substeps());
+    [change(&with, &without), change(&roughly[0], &roughly[1])]
+}
+
+/// Inertia is switched: what sub-steps miss is not the same on both sides; a pusher that sticks more at rest
+/// lets go at another sub-step.
+#[test]
+fn differences_in_half_the_substeps_are_nearly_those_in_all() {
+    for surface in super::SURFACES {
+        let steps = straight_steps();
+        let steps: Vec<_> = steps.iter().filter(|step| !is_concave(step)).collect();
+        for effect in all().iter().filter(|effect| !JUMPS.contains(&effect.info().id)) {
+            let of_steps: Vec<_> =
+                steps.iter().map(|step| changes_by(effect, &surface, step)).collect();
+            for number in 0..7 {
+                let square = |of: fn(&[[f64; 7]; 2], usize) -> f64| -> f64 {
+                    of_steps.iter().map(|changes| of(changes, number).powi(2)).sum()
+                };
+                let (size, missed) =
+                    (square(|c, k| c[0][k]).sqrt(), square(|c, k| c[1][k] - c[0][k]).sqrt());
+                let id = effect.info().id;
+                assert!(missed <= 0.1 * size + 1e-9, "{id} {surface:?} {number}: {missed} {size}");
+            }
+        }
+    }
+}
+
 #[test]
 fn shorter_substeps_come_nearer_to_the_limit() {
     for surface in super::SURFACES {
