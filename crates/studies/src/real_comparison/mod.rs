@@ -1,7 +1,6 @@
 //! `cargo xtask real-comparison`: the models against public measurements, on a page.
 
 mod corner;
-mod ends;
 mod known_supports;
 mod learned;
 mod page;
@@ -44,8 +43,6 @@ enum Part {
     Shapes,
     /// Physics alone on an object that stands on known feet
     KnownSupports,
-    /// What is missing in the long pushes
-    Ends,
 }
 
 /// Writes the page, or some of its sections anew.
@@ -99,9 +96,6 @@ impl Part {
                 let picture = known_supports::picture(&found)?;
                 write(&args.output.join("real-data-known-supports.svg"), &picture)?;
                 known_supports::text(&found)
-            }
-            Self::Ends => {
-                ends::text(&ends::ends(&args.data.join("mit-push-endpoints/plywood.csv"))?)
             }
         })
     }

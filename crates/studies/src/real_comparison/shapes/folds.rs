@@ -4,7 +4,7 @@ use anyhow::Result;
 use diagnosis::Observations;
 use models::Description;
 
-use crate::real_comparison::ends::{Error, errors};
+use super::pushes::{Error, errors};
 use crate::real_comparison::plain_fit::fitted;
 
 const N_FOLDS: usize = 2;

@@ -1,6 +1,7 @@
 //! Physics alone on long pushes of every object: where each rests, and the error with it.
 
 mod folds;
+mod pushes;
 
 use std::path::Path;
 use std::time::Instant;
@@ -13,7 +14,7 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use report::{Color, Ellipse, Figure, Panel, Points, Polygon};
 
 use self::folds::{FREE, Fitted, of_folds};
-use super::ends::{Error, pushes};
+use self::pushes::{Error, pushes};
 use super::plain_fit::feet;
 
 /// The fits of one object's pushes.
@@ -36,12 +37,12 @@ pub(super) fn shapes(path: &Path) -> Result<Vec<Shape>> {
 }
 
 fn of(path: &Path, name: &str) -> Result<Shape> {
-    let found = pushes(path, name)?;
+    let (manifest, table) = pushes(path, name)?;
     let started = Instant::now();
-    let nominal = Analytical::nominal(found.manifest.pusher.friction)?.describe()?;
-    let all = Observations::of(&found.table, &found.manifest)?;
+    let nominal = Analytical::nominal(manifest.pusher.friction)?.describe()?;
+    let all = Observations::of(&table, &manifest)?;
     let (fitted, models) = of_folds(&all, &nominal)?;
-    let n_pushes = found.table.len();
+    let n_pushes = table.len();
     println!("{name}: {n_pushes} pushes fitted in {} s", started.elapsed().as_secs());
     let outline = all.steps().first().map(|step| step.input.object.shape().outline(90));
     let outline = outline.unwrap_or_default().iter().map(|place| [place.x, place.y]).collect();
