@@ -14,7 +14,10 @@ use crate::predict::candidates::follow_from_points;
 use crate::predict::tangent::Tangent;
 use crate::remains::noise_beside;
 use crate::screen::screen_at;
-use crate::{DiagnosisError, FitSettings, Intervals, NoiseModel, Observations, Screen, Whitening};
+use crate::{
+    DiagnosisError, FitSettings, Intervals, NoiseModel, Observations, Screen, ScreenedEffect,
+    Whitening,
+};
 
 /// The search on the pushes to fit to.
 pub(super) struct Search<'a> {
@@ -287,16 +290,18 @@ impl Search<'_> {
 
     /// The strongest effects of a screen, and what looks like the very strongest.
     fn worth_a_trial(&self, screen: &Screen, progress: &Progress) -> Vec<&'static str> {
-        let largest = screen.effects.iter().map(|effect| effect.statistic).fold(0.0, f64::max);
-        let is_worth = |effect: &&crate::ScreenedEffect| {
+        let may_be_tried = |effect: &&ScreenedEffect| {
             effect.not_testable.is_none()
                 && !self.is_nominal(effect.id)
                 && !progress.was_superfluous(effect.id)
                 && effect.p_adjusted <= HINT
-                && effect.statistic >= LEAST_SHARE * largest
         };
-        let worth = screen.effects.iter().filter(is_worth).map(|effect| effect.id);
-        let worth: Vec<&'static str> = worth.collect();
+        let sure: Vec<&ScreenedEffect> = screen.effects.iter().filter(may_be_tried).collect();
+        // Not of numbers that every fit leaves open: these are not tried, however strong they are.
+        let largest = sure.iter().map(|effect| effect.statistic).fold(0.0, f64::max);
+        let is_worth = |effect: &&&ScreenedEffect| effect.statistic >= LEAST_SHARE * largest;
+        let worth: Vec<&'static str> =
+            sure.iter().filter(is_worth).map(|effect| effect.id).collect();
         let best = worth.first().copied().unwrap_or_default();
         let is_like_best = |id: &str| {
             let mut pairs = screen.look_alikes.iter();

@@ -18,11 +18,12 @@ const N_PUSHES: usize = 60;
 /// What takes longer hangs.
 const PATIENCE: Duration = Duration::from_secs(600);
 /// Effects that such a set shows many times over.
-const PLAIN: [&str; 5] = [
+const PLAIN: [&str; 6] = [
     "table-anisotropy",
     "friction-center-offset",
     "pusher-friction",
     "table-tilt",
+    "contact-bias",
     "stream-latency",
 ];
 
