@@ -93,7 +93,7 @@ pub struct Diagnosed {
 /// tested by its score with the signs of whole clusters flipped, the best are refitted together
 /// with the nominal numbers, and the best one that obeys every rule is added, up to three times. Points on
 /// which the object rests are tried in the place of what follows from them when that is added, and at the
-/// end; what is hardly seen is added after them. An effect stays if it
+/// end; then a tip that is caught at vertices, and what is hardly seen. An effect stays if it
 /// predicts the held-out clusters, and the others each by a fit without it, better. It is identified if
 /// its size is the same all over the set, if more freedom of what it comes from brings little more, and if no
 /// more is left than it explains; effective else. What is there and hardly seen is carried along, marked small.
