@@ -41,7 +41,7 @@ pub(super) struct Tried<'a> {
 /// Where a search goes on.
 enum Next<'a> {
     /// To an effect and the model with it.
-    Large(Choice, Refit<'a>),
+    Large(Box<(Choice, Refit<'a>)>),
     /// To what is sure and hardly seen among the effects that were tried, if anything is.
     Small { tried: Vec<Tried<'a>>, which: Vec<usize> },
 }
@@ -82,7 +82,8 @@ impl Search<'_> {
             false => self.next(&here, &screen, &mut progress)?,
         };
         match next {
-            Next::Large(choice, there) => {
+            Next::Large(found) => {
+                let (choice, there) = *found;
                 let there = self.with_choice(choice, there, &mut progress)?;
                 self.forward_step(&there, progress)
             }
@@ -121,7 +122,7 @@ impl Search<'_> {
                 None => match self.chosen(here, &tried, index)? {
                     Ok((rivals, there)) => {
                         let choice = Choice { id, p_adjusted, rivals, is_small: false };
-                        return Ok(Next::Large(choice, there));
+                        return Ok(Next::Large(Box::new((choice, there))));
                     }
                     Err(objection) => objection,
                 },
