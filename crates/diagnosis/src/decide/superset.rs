@@ -31,26 +31,15 @@ impl Search<'_> {
         }
         let follow = self.following_from_points();
         let found = self.borne_by_points(here, &follow);
-        let gain = found.as_ref().ok().and_then(Option::as_ref).map(|(_, gain)| *gain);
-        let p = gain.map_or(1.0, |gain| p_of_points(&gain, &follow, screen, progress));
-        progress.note_tried(id, N_NUMBERS, gain, p);
-        let objection = match found {
-            Err(why) => why,
-            Ok(None) => return Ok(None),
-            Ok(Some((_, gain))) if !gain.is_sure() => Objection::NotPredictive { gain },
-            Ok(Some(_)) if p > NAME => Objection::NotSure { p },
-            Ok(Some((there, _))) => {
-                for one in progress.chosen.extract_if(.., |one| follow.contains(&one.id)) {
-                    let objection = Objection::Superfluous;
-                    progress.refused.push(Refused { id: one.id, objection });
-                }
-                let rivals = Vec::new();
-                progress.chosen.push(Choice { id, p_adjusted: p, rivals, is_small: false });
-                return Ok(Some(self.without_superfluous(there, progress)?));
-            }
+        let p = |gain: &Gain, progress: &Progress| p_of_points(gain, &follow, screen, progress);
+        let Some((there, p_adjusted)) = sure((id, N_NUMBERS), found, p, progress) else {
+            return Ok(None);
         };
-        progress.refused.push(Refused { id, objection });
-        Ok(None)
+        for one in progress.chosen.extract_if(.., |one| follow.contains(&one.id)) {
+            progress.refused.push(Refused { id: one.id, objection: Objection::Superfluous });
+        }
+        let choice = Choice { id, p_adjusted, rivals: Vec::new(), is_small: false };
+        Ok(Some(self.with_choice(choice, there, progress)?))
     }
 
     /// The model with a tip that is caught at vertices, if pushes that are left out of the fit are predicted
@@ -69,22 +58,11 @@ impl Search<'_> {
             return Ok(None);
         }
         let found = self.caught_at_vertices(here);
-        let gain = found.as_ref().ok().and_then(Option::as_ref).map(|(_, gain)| *gain);
-        let p = gain.map_or(1.0, |gain| p_of(&gain, 1 + n_tested(screen)));
-        progress.note_tried(id, 1, gain, p);
-        let objection = match found {
-            Err(why) => why,
-            Ok(None) => return Ok(None),
-            Ok(Some((_, gain))) if !gain.is_sure() => Objection::NotPredictive { gain },
-            Ok(Some(_)) if p > NAME => Objection::NotSure { p },
-            Ok(Some((there, _))) => {
-                let is_small = there.size_against(id, &[0.0])? < SIZE;
-                let choice = Choice { id, p_adjusted: p, rivals: Vec::new(), is_small };
-                return Ok(Some(self.with_choice(choice, there, progress)?));
-            }
-        };
-        progress.refused.push(Refused { id, objection });
-        Ok(None)
+        let p = |gain: &Gain, _: &Progress| p_of(gain, 1 + n_tested(screen));
+        let Some((there, p_adjusted)) = sure((id, 1), found, p, progress) else { return Ok(None) };
+        let is_small = there.size_against(id, &[0.0])? < SIZE;
+        let choice = Choice { id, p_adjusted, rivals: Vec::new(), is_small };
+        Ok(Some(self.with_choice(choice, there, progress)?))
     }
 
     fn caught_at_vertices<'a>(
@@ -133,6 +111,28 @@ impl Search<'_> {
     }
 }
 
+/// The model with an effect of so many numbers that no screen shows, and its probability, if both are sure;
+/// notes what was found, and what speaks against it.
+fn sure<'a>(
+    (id, n_numbers): (&'static str, usize),
+    found: Result<Option<(Refit<'a>, Gain)>, Objection>,
+    p: impl Fn(&Gain, &Progress) -> f64,
+    progress: &mut Progress,
+) -> Option<(Refit<'a>, f64)> {
+    let gain = found.as_ref().ok().and_then(Option::as_ref).map(|(_, gain)| *gain);
+    let p = gain.map_or(1.0, |gain| p(&gain, progress));
+    progress.note_tried(id, n_numbers, gain, p);
+    let objection = match found {
+        Err(why) => why,
+        Ok(None) => return None,
+        Ok(Some((_, gain))) if !gain.is_sure() => Objection::NotPredictive { gain },
+        Ok(Some(_)) if p > NAME => Objection::NotSure { p },
+        Ok(Some((there, _))) => return Some((there, p)),
+    };
+    progress.refused.push(Refused { id, objection });
+    None
+}
+
 /// Probability that points gain so much by chance: of any effect, or where it is sure that something of the
 /// support is missing, and the question is what alone, that of the other.
 fn p_of_points(gain: &Gain, follow: &[&str], screen: &Screen, progress: &Progress) -> f64 {
@@ -149,4 +149,41 @@ fn n_tested(screen: &Screen) -> usize {
 fn p_of(gain: &Gain, n_tests: usize) -> f64 {
     let z = if gain.se > 0.0 { gain.mean / gain.se } else { 0.0 };
     (0.5 * libm::erfc(z / SQRT_2) * n_tests as f64).min(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use effects::{Effect, Setting, VertexContact};
+    use models::ModelEffect;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    use crate::synthetic::{NOISE, normal, recorded};
+    use crate::{DiagnoseSettings, Predictions, diagnose};
+
+    #[test]
+    fn a_tip_that_is_caught_at_vertices_is_claimed_with_its_limit() {
+        /// Farther than is met, for the recorded steps begin away from vertices, in m.
+        const DISTANCE: f64 = 0.007;
+        let (mut observations, model) = recorded(1);
+        let mut truth = model.clone();
+        let caught = Setting::new(VertexContact.info(), &[DISTANCE]);
+        truth.effects.push(ModelEffect::from(caught));
+        let predicted = Predictions::of(&truth, &[], &observations).unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        for (step, predicted) in observations.steps.iter_mut().zip(predicted.steps()) {
+            for (number, value) in step.observed.iter_mut().enumerate() {
+                let made = predicted[number].map(|at| at + NOISE[number] * normal(&mut rng));
+                *value = value.and(made);
+            }
+        }
+        let found = diagnose(&observations, &model, &DiagnoseSettings::default()).unwrap();
+        let id = VertexContact.info().id;
+        let effect = found.diagnosis.effects.iter().find(|effect| effect.id == id).unwrap();
+        assert!(effect.log_density_gain.is_some_and(|gain| gain.is_sure()), "{effect:?}");
+        let limit = &effect.parameters[0];
+        let ends = limit.low95.zip(limit.high95);
+        assert!(ends.is_some_and(|(low, high)| low < DISTANCE && DISTANCE < high), "{limit:?}");
+        assert!(found.description.effects.iter().any(|effect| effect.id == id));
+    }
 }

@@ -72,7 +72,7 @@ impl<'a> Refit<'a> {
         }
         let mut there = self.clone();
         // The strains of the effect's priors follow those that are known, and no slope changes them.
-        let n_rows = problem.stand(limited.clone())?.z.len();
+        let n_rows = whitening.n_numbers() + problem.space.strains(&limited).len();
         let slopes = self.minimum.whole.clone().resize_vertically(n_rows, 0.0);
         there.minimum = problem.settle(limited, Some(slopes), Exactness::Sum)?;
         there.before = self.minimum.clone();

@@ -109,8 +109,8 @@ impl<'a> Refit<'a> {
         ids: &[&'static str],
         exactness: Exactness,
     ) -> Result<Self, DiagnosisError> {
-        let (mut problem, Start { at, slopes, .. }) = self.lacking(ids)?;
-        let minimum = problem.settle(at.x, slopes, exactness)?;
+        let (mut problem, x, slopes) = self.lacking(ids);
+        let minimum = problem.settle(x, Some(slopes), exactness)?;
         Ok(self.taken_out(ids, problem, minimum))
     }
 
@@ -119,18 +119,20 @@ impl<'a> Refit<'a> {
     /// # Errors
     /// As a descent.
     pub(crate) fn briefly_without(&self, ids: &[&'static str]) -> Result<Self, DiagnosisError> {
-        let (mut problem, start) = self.lacking(ids)?;
-        let first = start.at.value;
+        let (problem, x, slopes) = self.lacking(ids);
+        let at = problem.stand(x)?;
+        let (first, exactness) = (at.value, Exactness::Rough);
+        let start = Start { at, slopes: Some(slopes), exactness };
         let mut minimum = problem.descend_briefly(start, BRIEF)?;
         if !problem.is_near(minimum.decrement, first - minimum.at.value) {
             let Minimum { at, whole, .. } = minimum;
-            minimum = problem.settle(at.x, Some(whole), Exactness::Rough)?;
+            minimum = problem.descend(Start { at, slopes: Some(whole), exactness })?;
         }
         Ok(self.taken_out(ids, problem, minimum))
     }
 
-    /// The start of a descent without some effects: with them at "off".
-    fn lacking(&self, ids: &[&'static str]) -> Result<(Problem<'a>, Start), DiagnosisError> {
+    /// The start of a descent without some effects, with them at "off", and the slopes that are known there.
+    fn lacking(&self, ids: &[&'static str]) -> (Problem<'a>, Vec<f64>, DMatrix<f64>) {
         let mut problem = self.problem.clone();
         let known = problem.moved();
         for own in ids.iter().filter_map(|id| problem.space.numbers_of(id)) {
@@ -138,9 +140,9 @@ impl<'a> Refit<'a> {
         }
         let moved = problem.moved();
         let kept: Vec<usize> = (0..known.len()).filter(|k| moved.contains(&known[*k])).collect();
-        let slopes = Some(self.minimum.whole.select_columns(&kept));
-        let at = problem.stand(self.place_with(|id| ids.contains(&id), |one| one.off.clone()))?;
-        Ok((problem, Start { at, slopes, exactness: Exactness::Rough }))
+        let slopes = self.minimum.whole.select_columns(&kept);
+        let x = self.place_with(|id| ids.contains(&id), |member| member.off.clone());
+        (problem, x, slopes)
     }
 
     fn taken_out(&self, ids: &[&'static str], problem: Problem<'a>, minimum: Minimum) -> Self {

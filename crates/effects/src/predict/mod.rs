@@ -38,7 +38,7 @@ impl PushPhysics {
     /// equal time as the path has millimeters (four or more) and cut where the pusher turns back, its
     /// velocity jumps or it touches: within 4 µm of the exact push over 4 mm, and within 50 µm over a
     /// whole push of 50 mm that begins before the touch, passes a vertex or slides off. With inertia the motion follows an L-stable
-    /// Runge–Kutta rule of order two in six sub-steps or more.
+    /// Runge–Kutta rule of order two in sub-steps twice as long, three or more.
     ///
     /// # Errors
     /// `InvalidValue` for a step, an object or effects with impossible numbers, or a path of more

@@ -55,7 +55,8 @@ impl PushPhysics {
     }
 
     /// The same model in half as many sub-steps, for differences of predictions: what sub-steps miss is
-    /// nearly the same on both sides of a difference.
+    /// nearly the same on both sides of a difference. What effects of typical sizes change is within a tenth of
+    /// what it is in all sub-steps, but for a switch and a tip that sticks more at rest.
     #[must_use]
     pub fn in_half_the_substeps(mut self) -> Self {
         self.share_of_substeps = 0.5;
