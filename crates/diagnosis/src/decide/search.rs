@@ -38,6 +38,14 @@ pub(super) struct Tried<'a> {
     pub(super) size: f64,
 }
 
+/// The noise about a model, its covariance and that of usual noise, and the test of what the model lacks.
+struct Linearised {
+    noise: NoiseModel,
+    whitening: Whitening,
+    usual: Whitening,
+    screen: Screen,
+}
+
 /// Where a search goes on.
 enum Next<'a> {
     /// To an effect and the model with it.
@@ -58,17 +66,21 @@ const FAR_FROM_APART: f64 = 30.0;
 
 impl Search<'_> {
     pub(super) fn run(&self) -> Result<Found, DiagnosisError> {
-        let (_, whitening, first_screen) = self.linearised(self.model)?;
+        let Linearised { usual, screen: first_screen, .. } = self.linearised(self.model)?;
         let settings = self.fit_settings(Intervals::None);
-        let here = Refit::new(self.fitted, self.model, &whitening, &settings)?;
+        let here = Refit::new(self.fitted, self.model, &usual, &settings)?;
         self.forward_step(&here, Progress { first_screen, chosen: Vec::new(), refused: Vec::new() })
     }
 
     /// Adds one effect after the other to a model at its minimum. Each time the noise is learnt anew,
     /// for what alike pushes differ by is the less the model misses the surer noise; and its
     /// covariance is linearised anew, for pushes at the edge of sliding change sides.
+    ///
+    /// Between two such models noise is as large as is usual: one that was learnt beside what a model
+    /// misses takes that for noise, and would keep the next model near the last.
     fn forward_step(&self, from: &Refit, mut progress: Progress) -> Result<Found, DiagnosisError> {
-        let (noise, whitening, screen) = self.linearised(&self.screened(from)?)?;
+        let about = self.screened(from)?;
+        let Linearised { noise, whitening, usual, screen } = self.linearised(&about)?;
         let here = from.rewhitened(&whitening)?;
         // What speaks of the support may be points in disguise, before others take up what it leaves.
         let is_of_support =
@@ -85,6 +97,8 @@ impl Search<'_> {
             Next::Large(found) => {
                 let (choice, there) = *found;
                 let there = self.with_choice(choice, there, &mut progress)?;
+                // Where nothing settles then, the next model starts from here.
+                let there = there.roughly_rewhitened(&usual).unwrap_or(there);
                 self.forward_step(&there, progress)
             }
             // What is hardly seen comes last, and changes too little to be worth another screen.
@@ -358,16 +372,13 @@ impl Search<'_> {
         FitSettings { own, tolerances, priors: true, intervals, resemblances: false }
     }
 
-    /// The noise about a model, its covariance, and the test of what the model lacks.
-    fn linearised(
-        &self,
-        about: &Description,
-    ) -> Result<(NoiseModel, Whitening, Screen), DiagnosisError> {
+    fn linearised(&self, about: &Description) -> Result<Linearised, DiagnosisError> {
         let tangent = Tangent::of(about, &self.settings.own, self.fitted)?;
         let noise = noise_beside(&tangent, self.fitted, &self.remain_settings())?;
         let whitening = noise.whitening_at(self.fitted, &tangent.linearisation)?;
+        let usual = NoiseModel::usual().whitening_at(self.fitted, &tangent.linearisation)?;
         let screen = screen_at(&tangent, self.fitted, &whitening, &self.settings.screen);
-        Ok((noise, whitening, screen))
+        Ok(Linearised { noise, whitening, usual, screen })
     }
 
     pub(super) fn effect(&self, id: &str) -> Option<&Arc<dyn Effect>> {

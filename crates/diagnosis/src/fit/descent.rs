@@ -190,6 +190,16 @@ impl Problem<'_> {
         }
     }
 
+    /// Slopes known at one place as they are at another, as far as the change between the two tells them.
+    pub(super) fn carried(
+        &self,
+        slopes: DMatrix<f64>,
+        from: &Evaluation,
+        to: &Evaluation,
+    ) -> DMatrix<f64> {
+        updated(slopes, &self.moved(), &self.secants, from, to)
+    }
+
     /// Whether little is left to fall beside the fall so far.
     pub(super) fn is_near(&self, decrement: f64, fall: f64) -> bool {
         decrement * self.robust.scale().powi(2) < STUCK.max(BRIEFLY * fall)

@@ -79,10 +79,35 @@ impl<'a> Refit<'a> {
     where
         'a: 'b,
     {
+        self.settled_under(whitening, Exactness::Sum)
+    }
+
+    /// The same to a hundredth of what the sum falls there.
+    ///
+    /// # Errors
+    /// As a descent.
+    pub(crate) fn roughly_rewhitened<'b>(
+        &self,
+        whitening: &'b Whitening,
+    ) -> Result<Refit<'b>, DiagnosisError>
+    where
+        'a: 'b,
+    {
+        self.settled_under(whitening, Exactness::Rough)
+    }
+
+    fn settled_under<'b>(
+        &self,
+        whitening: &'b Whitening,
+        exactness: Exactness,
+    ) -> Result<Refit<'b>, DiagnosisError>
+    where
+        'a: 'b,
+    {
         let slopes = self.problem.whitening.rewhitened(&self.minimum.whole, whitening);
         let mut problem: Problem<'b> = self.problem.clone();
         problem.whitening = whitening;
-        let minimum = problem.settle(self.minimum.at.x.clone(), Some(slopes), Exactness::Sum)?;
+        let minimum = problem.settle(self.minimum.at.x.clone(), Some(slopes), exactness)?;
         let (observations, model, before) = (self.observations, self.model, minimum.clone());
         let (dropped, n_own) = (self.dropped.clone(), self.n_own);
         Ok(Refit { observations, model, problem, before, minimum, dropped, n_own })
@@ -205,7 +230,8 @@ impl<'a> Refit<'a> {
         self.problem.robust.scale()
     }
 
-    /// Goes some way down with one more effect, from "off".
+    /// Goes some way down with one more effect, from "off" and from the best of its typical sizes if
+    /// that is better than "off": where pushes come to slide or to stick the sum may rise before it falls.
     ///
     /// The weights stay those of the model without it, so falls of the sum can be compared.
     ///
@@ -244,7 +270,19 @@ impl<'a> Refit<'a> {
         }
         let freedom = own.moved().len().max(1);
         let start = Start { at, slopes: Some(slopes), exactness: Exactness::Rough };
-        let minimum = problem.descend_briefly(start, BRIEF)?;
+        let Start { at: off, slopes, .. } = &start;
+        let far = problem.farther(off.clone(), numbers);
+        let far = (far.x != off.x).then(|| {
+            let slopes = slopes.as_ref().map(|slopes| problem.carried(slopes.clone(), off, &far));
+            Start { at: far, slopes, exactness: Exactness::Rough }
+        });
+        let mut minimum = problem.descend_briefly(start, BRIEF)?;
+        if let Some(far) = far
+            && let Ok(other) = problem.descend_briefly(far, BRIEF)
+            && other.at.value < minimum.at.value
+        {
+            minimum = other;
+        }
         Ok(Trial { effect: effect.clone(), freedom, problem, minimum })
     }
 

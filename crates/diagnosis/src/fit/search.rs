@@ -1,10 +1,12 @@
 //! The lowest of several minima.
 
+use std::ops::Range;
+
 use nalgebra::DMatrix;
 
 use super::descent::{Exactness, Minimum, Start};
 use super::member::{Member, Part};
-use super::problem::Problem;
+use super::problem::{Evaluation, Problem};
 use super::robust::Robust;
 use crate::DiagnosisError;
 
@@ -117,18 +119,25 @@ impl Problem<'_> {
         let mut best = self.stand(plain)?;
         for (index, member) in self.space.members.iter().enumerate() {
             let first = self.space.first(index);
-            let from = best.x.clone();
-            let own = if member.is_mixture() { 0..0 } else { first..first + member.len() };
-            for k in own.filter(|k| member.part == Part::Asked && !self.frozen[*k]) {
-                for side in [-2.0, 2.0] {
-                    let mut x = from.clone();
-                    let (low, high) = self.ranges[k];
-                    x[k] = (x[k] + side * self.secants[k]).clamp(low, high);
-                    // A size that the mechanics refuse is no start.
-                    best = self.stand(x).ok().filter(|to| to.value < best.value).unwrap_or(best);
-                }
-            }
+            let is_asked = member.part == Part::Asked && !member.is_mixture();
+            let own = if is_asked { first..first + member.len() } else { 0..0 };
+            best = self.farther(best, own);
         }
         Ok(best.x)
+    }
+
+    /// The best of a place and of some numbers' typical sizes to either side of it, one of them at a time.
+    pub(super) fn farther(&self, mut best: Evaluation, numbers: Range<usize>) -> Evaluation {
+        let from = best.x.clone();
+        for k in numbers.filter(|k| !self.frozen[*k]) {
+            for side in [-2.0, 2.0] {
+                let mut x = from.clone();
+                let (low, high) = self.ranges[k];
+                x[k] = (x[k] + side * self.secants[k]).clamp(low, high);
+                // A size that the mechanics refuse is no start.
+                best = self.stand(x).ok().filter(|to| to.value < best.value).unwrap_or(best);
+            }
+        }
+        best
     }
 }

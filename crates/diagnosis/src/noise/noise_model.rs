@@ -16,7 +16,7 @@ use crate::predict::secants::Linearisation;
 use crate::predict::tangent::Tangent;
 use crate::statistics::blocks::Block;
 use crate::statistics::quantile::NORMAL_975;
-use crate::statistics::variances::{Variances, variances};
+use crate::statistics::variances::{LogNormal, Variances, variances};
 use crate::{DiagnosisError, FloorSource, Observations, RepeatTolerance, Whitening};
 
 /// Sources of error and their sizes: what the streams' noise leaves at the ends of steps, small
@@ -123,12 +123,31 @@ impl NoiseModel {
         let found = variances(&blocks, &prior);
         let n_pushes = groups.iter().map(Vec::len).sum();
         let Variances { iterations, decrement, .. } = found;
-        let sources = (0..SOURCES.len()).map(|k| ErrorSource::new(&SOURCES[k], &found, k));
+        let of = |(k, source)| ErrorSource::new(source, found.values[k], found.log_se[k]);
+        let sources = SOURCES.iter().enumerate().map(of);
         let n_cells = groups.len();
         let sources = sources.collect();
         let dropped = found.dropped.iter().map(|k| SOURCES[*k].name).collect();
         let n_unused = found.n_unused;
         Ok(Self { source, n_cells, n_pushes, sources, dropped, n_unused, iterations, decrement })
+    }
+
+    /// Every source as large as is usual, before anything is learnt of it.
+    pub(crate) fn usual() -> Self {
+        let of = |source: &Source| {
+            let LogNormal { median, log_sd } = source.prior();
+            ErrorSource::new(source, median, log_sd)
+        };
+        Self {
+            source: FloorSource::Neighbours,
+            n_cells: 0,
+            n_pushes: 0,
+            sources: SOURCES.iter().map(of).collect(),
+            dropped: Vec::new(),
+            n_unused: 0,
+            iterations: 0,
+            decrement: 0.0,
+        }
     }
 
     /// The covariance of every push, linearised about a model.
@@ -164,10 +183,11 @@ impl NoiseModel {
 }
 
 impl ErrorSource {
-    fn new(source: &Source, found: &Variances, k: usize) -> Self {
+    /// Of a variance, whose logarithm has this standard error.
+    fn new(source: &Source, variance: f64, log_se: f64) -> Self {
         let Source { name, unit, kind, .. } = *source;
-        let sd = found.values[k].sqrt();
-        let ratio = (0.5 * NORMAL_975 * found.log_se[k]).exp();
+        let sd = variance.sqrt();
+        let ratio = (0.5 * NORMAL_975 * log_se).exp();
         let of_push = matches!(kind, Kind::Push { .. });
         Self { name, unit, of_push, sd, low95: sd / ratio, high95: sd * ratio }
     }
