@@ -85,7 +85,7 @@ impl Search<'_> {
         // What speaks of the support may be points in disguise, before others take up what it leaves.
         let is_of_support =
             progress.last_large().is_some_and(|id| follow_from_points().contains(&id));
-        if is_of_support && let Some(there) = self.on_points(&here, &screen, &mut progress)? {
+        if is_of_support && let Some(there) = self.on_points((&here, &usual), &screen, &mut progress)? {
             return self.forward_step(&there, progress);
         }
         let is_full = progress.n_chosen(false) == self.settings.most_effects;
@@ -104,7 +104,7 @@ impl Search<'_> {
             // What is hardly seen comes last, and changes too little to be worth another screen.
             Next::Small { tried, which } => {
                 if !is_of_support
-                    && let Some(there) = self.on_points(&here, &screen, &mut progress)?
+                    && let Some(there) = self.on_points((&here, &usual), &screen, &mut progress)?
                 {
                     return self.forward_step(&there, progress);
                 }

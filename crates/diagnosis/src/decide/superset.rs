@@ -8,38 +8,58 @@ use effects::{Channel, Effect, Stage, SupportPoints, VertexContact};
 use super::found::{Choice, Progress, Refused};
 use super::rules::Objection;
 use super::search::Search;
-use crate::cut_offs::{NAME, PUSHES_A_NUMBER, SIZE};
+use crate::cut_offs::{FAR_OFF, NAME, PUSHES_A_NUMBER, SIZE};
 use crate::fit::Refit;
 use crate::predict::candidates::follow_from_points;
-use crate::{DiagnosisError, Gain, Screen};
+use crate::{DiagnosisError, Gain, Screen, Whitening};
 
 /// Of four points: places and shares.
 const N_NUMBERS: usize = 11;
+/// Covariances under which points are asked for.
+const N_NOISES: usize = 2;
 
 impl Search<'_> {
     /// The model on points instead of single numbers that follow from them, if pushes that are left out
     /// of the fit are predicted better for sure; notes why not.
+    ///
+    /// Where a push is missed by far more than is `usual`, that noise is asked as well: what was learnt beside
+    /// a model that misses so much may be the points themselves.
     pub(super) fn on_points<'a>(
         &self,
-        here: &Refit<'a>,
+        (here, usual): (&Refit<'a>, &'a Whitening),
         screen: &Screen,
         progress: &mut Progress,
     ) -> Result<Option<Refit<'a>>, DiagnosisError> {
-        let id = SupportPoints.info().id;
         if !self.asks_for_points(progress) {
             return Ok(None);
         }
         let follow = self.following_from_points();
-        let found = self.borne_by_points(here, &follow);
-        let p = |gain: &Gain, progress: &Progress| p_of_points(gain, &follow, screen, progress);
-        let Some((there, p_adjusted)) = sure((id, N_NUMBERS), found, p, progress) else {
-            return Ok(None);
-        };
+        let mut found = self.sure_points(here, &follow, screen, progress);
+        if found.is_none()
+            && let Ok(plain) = here.roughly_rewhitened(usual)
+            && plain.scale() >= FAR_OFF
+        {
+            found = self.sure_points(&plain, &follow, screen, progress);
+        }
+        let Some((there, p_adjusted)) = found else { return Ok(None) };
         for one in progress.chosen.extract_if(.., |one| follow.contains(&one.id)) {
             progress.refused.push(Refused { id: one.id, objection: Objection::Superfluous });
         }
+        let id = SupportPoints.info().id;
         let choice = Choice { id, p_adjusted, rivals: Vec::new(), is_small: false };
         Ok(Some(self.with_choice(choice, there, progress)?))
+    }
+
+    fn sure_points<'a>(
+        &self,
+        here: &Refit<'a>,
+        follow: &[&'static str],
+        screen: &Screen,
+        progress: &mut Progress,
+    ) -> Option<(Refit<'a>, f64)> {
+        let found = self.borne_by_points(here, follow);
+        let p = |gain: &Gain, progress: &Progress| p_of_points(gain, follow, screen, progress);
+        sure((SupportPoints.info().id, N_NUMBERS), found, p, progress)
     }
 
     /// The model with a tip that is caught at vertices, if pushes that are left out of the fit are predicted
@@ -138,7 +158,7 @@ fn sure<'a>(
 fn p_of_points(gain: &Gain, follow: &[&str], screen: &Screen, progress: &Progress) -> f64 {
     let of_support = progress.chosen.iter().filter(|one| follow.contains(&one.id));
     let of_support = of_support.map(|one| one.p_adjusted).reduce(f64::min);
-    of_support.unwrap_or_else(|| p_of(gain, 1 + n_tested(screen)))
+    of_support.unwrap_or_else(|| p_of(gain, N_NOISES + n_tested(screen)))
 }
 
 fn n_tested(screen: &Screen) -> usize {
