@@ -2,6 +2,7 @@
 
 mod bench;
 mod benchmark;
+mod command_line;
 mod contact;
 mod diagnosis;
 mod effects;
@@ -19,3 +20,4 @@ mod report;
 mod timing;
 
 pub use bench::{Args, run};
+pub use command_line::main;

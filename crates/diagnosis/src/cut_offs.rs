@@ -38,8 +38,8 @@ pub(crate) const SHARE_APART: f64 = 0.05;
 pub(crate) const OWN_SHARE: f64 = 0.5;
 /// What points leave after a brief descent, over what the model leaves that they are tried in the place of, beyond
 /// which they are given up. Trial: where feet were hidden it came to 0.4 to 0.9, on real pushes that points
-/// explain better to 1.05, else to 2.3 to 12.
-pub(crate) const FAR_ABOVE: f64 = 1.5;
+/// explain better to 1.05, else to 1.1 to 12.
+pub(crate) const FAR_ABOVE: f64 = 1.08;
 /// Correlation of signatures beyond which two effects are one to the data. Convention: a twenty-fifth of
 /// its square is its own.
 pub(crate) const ALIKE: f64 = 0.98;

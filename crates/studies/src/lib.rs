@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod command_line;
 pub mod effects_atlas;
 pub mod figures;
 mod held_out;
@@ -11,4 +12,5 @@ pub mod samples;
 pub mod simulated_and_real;
 pub mod thesis_claims;
 
+pub use command_line::main;
 pub use held_out::quantile;

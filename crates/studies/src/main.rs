@@ -2,57 +2,6 @@
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
-use studies::{
-    effects_atlas, figures, real_comparison, real_data, samples, simulated_and_real, thesis_claims,
-};
-
-/// Tasks of the project, which `cargo xtask` starts by their names.
-#[derive(Parser)]
-#[command(name = "cargo xtask", bin_name = "cargo xtask", max_term_width = 100)]
-struct CommandLine {
-    #[command(subcommand)]
-    task: Task,
-}
-
-#[derive(Subcommand)]
-enum Task {
-    EffectsAtlas(effects_atlas::Args),
-    RealComparison(real_comparison::Args),
-    RealData(real_data::Args),
-    ReproduceFigures(figures::Args),
-    Samples(samples::Args),
-    SimulatedAndReal(simulated_and_real::Args),
-    ThesisClaims(thesis_claims::Args),
-}
-
 fn main() -> ExitCode {
-    let result = match CommandLine::parse().task {
-        Task::EffectsAtlas(args) => effects_atlas::run(&args),
-        Task::RealComparison(args) => real_comparison::run(&args),
-        Task::RealData(args) => real_data::run(&args),
-        Task::ReproduceFigures(args) => figures::run(&args),
-        Task::Samples(args) => samples::run(&args),
-        Task::SimulatedAndReal(args) => simulated_and_real::run(&args),
-        Task::ThesisClaims(args) => thesis_claims::run(&args),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use clap::CommandFactory;
-
-    use super::CommandLine;
-
-    #[test]
-    fn the_command_line_is_consistent() {
-        CommandLine::command().debug_assert();
-    }
+    studies::main()
 }

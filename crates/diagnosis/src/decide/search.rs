@@ -85,7 +85,9 @@ impl Search<'_> {
         // What speaks of the support may be points in disguise, before others take up what it leaves.
         let is_of_support =
             progress.last_large().is_some_and(|id| follow_from_points().contains(&id));
-        if is_of_support && let Some(there) = self.on_points((&here, &usual), &screen, &mut progress)? {
+        if is_of_support
+            && let Some(there) = self.on_points((&here, &usual), &screen, &mut progress)?
+        {
             return self.forward_step(&there, progress);
         }
         let is_full = progress.n_chosen(false) == self.settings.most_effects;

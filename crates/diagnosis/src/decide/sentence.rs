@@ -112,6 +112,11 @@ fn mostly_from(remains: &Remains) -> String {
 fn fall(error: &ErrorFall) -> String {
     let ErrorFall { before, after, .. } = error;
     match error.gap_closed {
+        Some(share) if share <= 0.0 => format!(
+            "Held-out pushes are likelier with it, but the error does not fall ({before:.2} before, \
+             {after:.2} after, in units of the noise): some of them are missed by far more than the \
+             others."
+        ),
         Some(share) => format!(
             "On held-out pushes this closes {:.0} % of the gap to the noise floor \
              (error {before:.2} before, {after:.2} after, in units of the noise).",
