@@ -4,8 +4,10 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use dataset::{Manifest, RecordingSet, StepRow, SupportSpec, Table, ingest};
-use effects::{Object, StepInput, Track};
-use models::{Analytical, ChannelObservation, Cluster, Description, Excluded, PushModel};
+use effects::{Object, Setting, StepInput, Track, by_id};
+use models::{
+    Analytical, ChannelObservation, Cluster, Description, Excluded, ModelEffect, PushModel,
+};
 use nalgebra::{DMatrix, DVector, Vector2};
 use planar::{Pose, Shape, Twist};
 use rand::{RngExt, SeedableRng};
@@ -121,6 +123,26 @@ pub(crate) fn repeated(n_sessions: u32, n_copies: usize) -> (Observations, Descr
     };
     table.rows = (0..n_copies).flat_map(copy).collect();
     described(&table, &manifest)
+}
+
+/// The recorded pushes as a model with an effect of some values makes them, in noise of [`NOISE`]; and the
+/// nominal model and that one.
+pub(crate) fn pushed_with(
+    (id, values): (&str, &[f64]),
+    seed: u64,
+) -> (Observations, Description, Description) {
+    let (mut observations, model) = recorded(1);
+    let mut truth = model.clone();
+    truth.effects.push(ModelEffect::from(Setting::new(by_id(id).unwrap().info(), values)));
+    let predicted = Predictions::of(&truth, &[], &observations).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    for (step, predicted) in observations.steps.iter_mut().zip(predicted.steps()) {
+        for (number, value) in step.observed.iter_mut().enumerate() {
+            let made = predicted[number].map(|at| at + NOISE[number] * normal(&mut rng));
+            *value = value.and(made);
+        }
+    }
+    (observations, model, truth)
 }
 
 fn recorded_table(n_sessions: u32) -> (Table, Manifest) {

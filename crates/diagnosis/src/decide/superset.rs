@@ -173,32 +173,18 @@ fn p_of(gain: &Gain, n_tests: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use effects::{Effect, Setting, VertexContact};
-    use models::ModelEffect;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
+    use effects::{Effect, VertexContact};
 
-    use crate::synthetic::{NOISE, normal, recorded};
-    use crate::{DiagnoseSettings, Predictions, diagnose};
+    use crate::synthetic::pushed_with;
+    use crate::{DiagnoseSettings, diagnose};
 
     #[test]
     fn a_tip_that_is_caught_at_vertices_is_claimed_with_its_limit() {
         /// Farther than is met, for the recorded steps begin away from vertices, in m.
         const DISTANCE: f64 = 0.007;
-        let (mut observations, model) = recorded(1);
-        let mut truth = model.clone();
-        let caught = Setting::new(VertexContact.info(), &[DISTANCE]);
-        truth.effects.push(ModelEffect::from(caught));
-        let predicted = Predictions::of(&truth, &[], &observations).unwrap();
-        let mut rng = ChaCha8Rng::seed_from_u64(2);
-        for (step, predicted) in observations.steps.iter_mut().zip(predicted.steps()) {
-            for (number, value) in step.observed.iter_mut().enumerate() {
-                let made = predicted[number].map(|at| at + NOISE[number] * normal(&mut rng));
-                *value = value.and(made);
-            }
-        }
-        let found = diagnose(&observations, &model, &DiagnoseSettings::default()).unwrap();
         let id = VertexContact.info().id;
+        let (observations, model, _) = pushed_with((id, &[DISTANCE]), 2);
+        let found = diagnose(&observations, &model, &DiagnoseSettings::default()).unwrap();
         let effect = found.diagnosis.effects.iter().find(|effect| effect.id == id).unwrap();
         assert!(effect.log_density_gain.is_some_and(|gain| gain.is_sure()), "{effect:?}");
         let limit = &effect.parameters[0];

@@ -435,31 +435,15 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::Refit;
-    use crate::synthetic::{NOISE, normal, recorded, white};
-    use crate::{FitSettings, Observations, Predictions};
-
-    /// Pushes of the nominal model with an effect of some values, in noise.
-    fn pushed_with(id: &str, values: &[f64]) -> (Observations, Description) {
-        let (mut observations, model) = recorded(1);
-        let mut truth = model.clone();
-        truth.effects.push(ModelEffect::from(Setting::new(by_id(id).unwrap().info(), values)));
-        let predicted = Predictions::of(&truth, &[], &observations).unwrap();
-        let mut rng = ChaCha8Rng::seed_from_u64(3);
-        for (step, predicted) in observations.steps.iter_mut().zip(predicted.steps()) {
-            for (number, value) in step.observed.iter_mut().enumerate() {
-                let made = predicted[number].map(|at| at + NOISE[number] * normal(&mut rng));
-                *value = value.and(made);
-            }
-        }
-        (observations, model)
-    }
+    use crate::synthetic::{NOISE, normal, pushed_with, recorded, white};
+    use crate::{FitSettings, Predictions};
 
     #[test]
     fn what_an_effect_is_missed_by_is_promised_and_found_briefly() {
         let id = "table-tilt";
         // From hardly there to a common size, in m/s².
         for size in [0.003, 0.01, 0.05] {
-            let (observations, model) = pushed_with(id, &[size, 0.0]);
+            let (observations, model, _) = pushed_with((id, &[size, 0.0]), 3);
             let whitening = white(&observations);
             let settings = FitSettings::default();
             let here = Refit::new(&observations, &model, &whitening, &settings).unwrap();

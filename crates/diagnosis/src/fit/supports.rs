@@ -225,26 +225,15 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::start;
-    use crate::synthetic::{NOISE, normal, recorded, white};
+    use crate::synthetic::{pushed_with, white};
     use crate::{FitSettings, Intervals, Observations, Predictions, fit};
 
     const FEET: [f64; 9] = [0.030, 0.025, 0.30, -0.035, 0.010, 0.45, 0.005, -0.035, 0.25];
 
     fn on_feet() -> (Observations, Description, Description) {
-        let (mut observations, model) = recorded(1);
         let mut values = vec![0.0; SupportPoints.info().parameters.len()];
         values[..FEET.len()].copy_from_slice(&FEET);
-        let mut truth = model.clone();
-        truth.effects.push(ModelEffect::from(Setting::new(SupportPoints.info(), &values)));
-        let predicted = Predictions::of(&truth, &[], &observations).unwrap();
-        let mut rng = ChaCha8Rng::seed_from_u64(1);
-        for (step, predicted) in observations.steps.iter_mut().zip(predicted.steps()) {
-            for (number, value) in step.observed.iter_mut().enumerate() {
-                let made = predicted[number].map(|at| at + NOISE[number] * normal(&mut rng));
-                *value = value.and(made);
-            }
-        }
-        (observations, model, truth)
+        pushed_with((SupportPoints.info().id, &values), 1)
     }
 
     /// Center and mean distance from it of weighted places.

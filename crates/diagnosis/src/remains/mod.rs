@@ -163,32 +163,15 @@ impl Gains {
 
 #[cfg(test)]
 mod tests {
-    use effects::{Origin, Setting, by_id};
-    use models::ModelEffect;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
+    use effects::{Origin, by_id};
 
     use super::{RemainSettings, Remains, remains};
-    use crate::synthetic::{NOISE, normal, recorded};
-    use crate::{NoiseModel, Predictions, Tolerances};
+    use crate::synthetic::pushed_with;
+    use crate::{NoiseModel, Tolerances};
 
-    /// What is left of pushes of the nominal model with an effect that it lacks, if any.
-    fn left_of(hidden: Option<&str>) -> Remains {
-        let (mut observations, model) = recorded(1);
-        let mut truth = model.clone();
-        if let Some(id) = hidden {
-            let about = by_id(id).unwrap().info();
-            let values: Vec<f64> = about.parameters.iter().map(|one| one.typical).collect();
-            truth.effects.push(ModelEffect::from(Setting::new(about, &values)));
-        }
-        let predicted = Predictions::of(&truth, &[], &observations).unwrap();
-        let mut rng = ChaCha8Rng::seed_from_u64(1);
-        for (step, predicted) in observations.steps.iter_mut().zip(predicted.steps()) {
-            for (number, value) in step.observed.iter_mut().enumerate() {
-                let made = predicted[number].map(|at| at + NOISE[number] * normal(&mut rng));
-                *value = value.and(made);
-            }
-        }
+    /// What the nominal model leaves of pushes with an effect.
+    fn left_of(hidden: (&str, &[f64])) -> Remains {
+        let (observations, model, _) = pushed_with(hidden, 1);
         let noise = NoiseModel::learn(&model, &[], &observations).unwrap();
         let settings = RemainSettings { own: &[], tolerances: Tolerances::default(), seed: 1 };
         remains(&model, &observations, &noise, |_| true, &settings).unwrap().unwrap()
@@ -202,7 +185,9 @@ mod tests {
             ("body-anisotropy", Origin::Support),
             ("force-bias", Origin::Measurement),
         ] {
-            let found = left_of(Some(id));
+            let parameters = by_id(id).unwrap().info().parameters;
+            let typical: Vec<f64> = parameters.iter().map(|one| one.typical).collect();
+            let found = left_of((id, &typical));
             let main = found.main().unwrap();
             assert_eq!(main.origin, origin, "{id}: {found:?}");
             assert!(main.alone.is_some_and(|share| share > 0.5), "{id}: {found:?}");
@@ -211,7 +196,7 @@ mod tests {
 
     #[test]
     fn nothing_is_left_of_what_the_model_has() {
-        let found = left_of(None);
+        let found = left_of(("pusher-friction", &[0.25]));
         assert!(found.main().is_none() && found.share < 0.01, "{found:?}");
     }
 }
