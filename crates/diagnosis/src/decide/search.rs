@@ -402,34 +402,3 @@ impl Tried<'_> {
         self.trial.objective() + 2.0 * self.trial.freedom as f64
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use effects::{Setting, by_id};
-    use models::ModelEffect;
-
-    use crate::synthetic::pushed_with;
-    use crate::{DiagnoseSettings, diagnose};
-
-    /// Friction that differs by its side is no friction that differs from push to push, wherever the nominal
-    /// one stands.
-    #[test]
-    fn what_differs_by_its_side_is_no_scatter_of_pushes() {
-        /// Of the friction with the pusher, to either side.
-        const ASYMMETRY: f64 = 0.2;
-        let id = "pusher-friction-asymmetry";
-        let (observations, model, _) = pushed_with((id, &[ASYMMETRY]), 4);
-        for friction in [0.1, 0.2, 0.25] {
-            let mut nominal = model.clone();
-            let number = by_id("pusher-friction").unwrap().info();
-            nominal.effects.push(ModelEffect::from(Setting::new(number, &[friction])));
-            let found = diagnose(&observations, &nominal, &DiagnoseSettings::default()).unwrap();
-            let effects = &found.diagnosis.effects;
-            let effect = effects.iter().find(|effect| effect.id == id).unwrap();
-            let told = &effect.parameters[0];
-            let ends = told.low95.zip(told.high95);
-            let holds = |(low, high): (f64, f64)| 0.1 < low && low < ASYMMETRY && ASYMMETRY < high;
-            assert!(ends.is_some_and(holds), "{friction}: {}", found.diagnosis.sentence);
-        }
-    }
-}
