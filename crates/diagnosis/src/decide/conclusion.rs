@@ -10,7 +10,7 @@ use super::rules::{Objection, Rules};
 use super::search::Search;
 use crate::cut_offs::{HINT, NAME, SIZE, SMALL_SHARE, TOLERANCES};
 use crate::fit::Refit;
-use crate::remains::{RemainSettings, remains};
+use crate::remains::remains;
 use crate::{
     DiagnosisError, EffectFit, Fit, Gain, Intervals, NoiseModel, NuisanceFit, Reason, Remains,
     Screen, ScreenedEffect, Undetermined,
@@ -245,15 +245,6 @@ impl Search<'_> {
         Ok(Rules::gains(self.fitted, &parts))
     }
 
-    /// How free components are fitted to what a model leaves.
-    pub(super) fn remain_settings(&self) -> RemainSettings<'_> {
-        RemainSettings {
-            own: &self.settings.own,
-            tolerances: self.settings.screen.tolerances,
-            seed: self.settings.seed,
-        }
-    }
-
     /// What of the rig the error comes from that the last model leaves in all of the set.
     pub(super) fn remains(&self, found: &Found) -> Result<Option<Remains>, DiagnosisError> {
         let untested = |id: &str| {
@@ -261,7 +252,7 @@ impl Search<'_> {
             effects.find_map(|one| one.not_testable.as_ref()).map(|why| why.reason)
         };
         let is_testable = |id: &str| untested(id) != Some(Reason::NoCovariate);
-        remains(&found.with_nuisances, self.all, &found.noise, is_testable, &self.remain_settings())
+        remains(&found.with_nuisances, self.all, &found.noise, is_testable, &self.settings.remain())
     }
 
     /// The model with the next effect of a group in the place of one that is not confirmed; none

@@ -10,6 +10,7 @@ mod far_off;
 mod findings;
 mod found;
 mod leftover;
+mod linearised;
 mod members;
 mod read;
 mod rivals;
@@ -37,6 +38,7 @@ use self::members::members;
 use self::search::Search;
 use self::sentence::sentence;
 use crate::data::thinning::thinned;
+use crate::remains::RemainSettings;
 use crate::{DiagnosisError, Observations, ScreenSettings, split};
 
 /// How a diagnosis is made.
@@ -74,6 +76,14 @@ impl Default for DiagnoseSettings {
             screen: ScreenSettings::default(),
             n_pushes_excluded: 0,
         }
+    }
+}
+
+impl DiagnoseSettings {
+    /// How free components are fitted to what a model leaves.
+    fn remain(&self) -> RemainSettings<'_> {
+        let tolerances = self.screen.tolerances;
+        RemainSettings { own: &self.own, tolerances, seed: self.seed }
     }
 }
 

@@ -7,17 +7,12 @@ use models::Description;
 
 use super::DiagnoseSettings;
 use super::found::{Choice, Found, Progress, Refused, ids};
+use super::linearised::Linearised;
 use super::rules::{Objection, Rules};
 use crate::cut_offs::{APART, HINT, MOST_SMALL, NAME, SIZE};
 use crate::fit::{Refit, Trial};
 use crate::predict::candidates::follow_from_points;
-use crate::predict::tangent::Tangent;
-use crate::remains::noise_beside;
-use crate::screen::screen_at;
-use crate::{
-    DiagnosisError, FitSettings, Intervals, NoiseModel, Observations, Screen, ScreenedEffect,
-    Whitening,
-};
+use crate::{DiagnosisError, FitSettings, Intervals, Observations, Screen, ScreenedEffect};
 
 /// The search on the pushes to fit to.
 pub(super) struct Search<'a> {
@@ -36,14 +31,6 @@ pub(super) struct Tried<'a> {
     without: Option<Refit<'a>>,
     /// What it changes, over the noise.
     pub(super) size: f64,
-}
-
-/// The noise about a model, its covariance and that of usual noise, and the test of what the model lacks.
-struct Linearised {
-    noise: NoiseModel,
-    whitening: Whitening,
-    usual: Whitening,
-    screen: Screen,
 }
 
 /// Where a search goes on.
@@ -66,7 +53,8 @@ const FAR_FROM_APART: f64 = 30.0;
 
 impl Search<'_> {
     pub(super) fn run(&self) -> Result<Found, DiagnosisError> {
-        let Linearised { usual, screen: first_screen, .. } = self.linearised(self.model)?;
+        let Linearised { usual, screen: first_screen, .. } =
+            Linearised::of(self.model, self.fitted, self.settings)?;
         let settings = self.fit_settings(Intervals::None);
         let here = Refit::new(self.fitted, self.model, &usual, &settings)?;
         self.forward_step(&here, Progress { first_screen, chosen: Vec::new(), refused: Vec::new() })
@@ -80,7 +68,8 @@ impl Search<'_> {
     /// misses takes that for noise, and would keep the next model near the last.
     fn forward_step(&self, from: &Refit, mut progress: Progress) -> Result<Found, DiagnosisError> {
         let about = self.screened(from)?;
-        let Linearised { noise, whitening, usual, screen } = self.linearised(&about)?;
+        let Linearised { noise, whitening, usual, screen } =
+            Linearised::of(&about, self.fitted, self.settings)?;
         let here = from.rewhitened(&whitening)?;
         // What speaks of the support may be points in disguise, before others take up what it leaves.
         let is_of_support =
@@ -372,15 +361,6 @@ impl Search<'_> {
     pub(super) fn fit_settings(&self, intervals: Intervals) -> FitSettings {
         let (own, tolerances) = (self.settings.own.clone(), self.settings.screen.tolerances);
         FitSettings { own, tolerances, priors: true, intervals, resemblances: false }
-    }
-
-    fn linearised(&self, about: &Description) -> Result<Linearised, DiagnosisError> {
-        let tangent = Tangent::of(about, &self.settings.own, self.fitted)?;
-        let noise = noise_beside(&tangent, self.fitted, &self.remain_settings())?;
-        let whitening = noise.whitening_at(self.fitted, &tangent.linearisation)?;
-        let usual = NoiseModel::usual().whitening_at(self.fitted, &tangent.linearisation)?;
-        let screen = screen_at(&tangent, self.fitted, &whitening, &self.settings.screen);
-        Ok(Linearised { noise, whitening, usual, screen })
     }
 
     pub(super) fn effect(&self, id: &str) -> Option<&Arc<dyn Effect>> {

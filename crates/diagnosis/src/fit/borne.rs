@@ -6,9 +6,8 @@ use std::sync::Arc;
 use effects::Effect;
 
 use super::Refit;
-use super::descent::{Exactness, Start};
+use super::descent::{BRIEF, Exactness, Start};
 use super::problem::Problem;
-use super::refit::BRIEF;
 use crate::DiagnosisError;
 use crate::cut_offs::FAR_ABOVE;
 

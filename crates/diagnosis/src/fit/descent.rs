@@ -58,6 +58,8 @@ struct Quadratic {
     decrement: f64,
 }
 
+/// Steps that a brief descent goes down.
+pub(super) const BRIEF: usize = 12;
 const MAX_ITERATIONS: usize = 200;
 /// A thirtieth of a standard error: predictions are hardly smooth on a finer scale.
 const CONVERGED: f64 = 1e-3;

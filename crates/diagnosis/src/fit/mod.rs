@@ -21,6 +21,7 @@ mod search;
 mod space;
 mod supports;
 mod thresholds;
+mod trial;
 
 use std::sync::Arc;
 
@@ -33,9 +34,10 @@ pub use self::interval::Interval;
 pub use self::motion_errors::MotionErrors;
 pub use self::per_push::{SpreadFit, fit_per_push};
 pub(crate) use self::pulls::Pulls;
-pub(crate) use self::refit::{Refit, Trial};
+pub(crate) use self::refit::Refit;
 pub use self::resemblance::Resemblance;
 pub(crate) use self::robust::Robust;
+pub(crate) use self::trial::Trial;
 
 use self::estimates::estimates;
 use self::problem::Problem;

@@ -1,12 +1,10 @@
-//! A model at its minimum, beside which single effects are tried.
+//! A model at its minimum.
 
-use std::sync::Arc;
-
-use effects::{Channels, Effect};
+use effects::Channels;
 use models::Description;
 use nalgebra::{DMatrix, DVector};
 
-use super::descent::{Exactness, Minimum, Start};
+use super::descent::{BRIEF, Exactness, Minimum, Start};
 use super::estimates::{descriptions, estimates};
 use super::member::{Member, Part};
 use super::problem::Problem;
@@ -19,8 +17,8 @@ use crate::{DiagnosisError, Observations, Whitening};
 /// A model with its nuisances, and the effects asked for, at the minimum.
 #[derive(Clone, Debug)]
 pub(crate) struct Refit<'a> {
-    observations: &'a Observations,
-    model: &'a Description,
+    pub(super) observations: &'a Observations,
+    pub(super) model: &'a Description,
     pub(super) problem: Problem<'a>,
     /// The minimum without the effect that was added last.
     pub(super) before: Minimum,
@@ -28,21 +26,8 @@ pub(crate) struct Refit<'a> {
     /// Added effects that were taken out again: they stand at "off".
     pub(super) dropped: Vec<&'static str>,
     /// Members that the model has without added effects.
-    n_own: usize,
+    pub(super) n_own: usize,
 }
-
-/// One more effect beside a fitted model, near the minimum of both.
-#[derive(Clone, Debug)]
-pub(crate) struct Trial<'a> {
-    pub(crate) effect: Arc<dyn Effect>,
-    /// Numbers in which it is moved.
-    pub(crate) freedom: usize,
-    problem: Problem<'a>,
-    minimum: Minimum,
-}
-
-/// Steps that a trial goes down.
-pub(super) const BRIEF: usize = 12;
 
 impl<'a> Refit<'a> {
     /// The minimum over the nuisances, from where the model stands.
@@ -230,77 +215,9 @@ impl<'a> Refit<'a> {
         self.problem.robust.scale()
     }
 
-    /// Goes some way down with one more effect, from "off" and from the best of its typical sizes if
-    /// that is better than "off": where pushes come to slide or to stick the sum may rise before it falls.
-    ///
-    /// The weights stay those of the model without it, so falls of the sum can be compared.
-    ///
-    /// # Errors
-    /// What a prediction refuses.
-    pub(crate) fn trial(&self, effect: &Arc<dyn Effect>) -> Result<Trial<'a>, DiagnosisError> {
-        let Problem { space, whitening, robust, .. } = &self.problem;
-        let mut problem = Problem::new(space.with(effect)?, whitening, robust.clone());
-        let numbers = problem.space.numbers_of(effect.info().id).unwrap_or(0..0);
-        // What was taken out stays out.
-        for (k, frozen) in self.problem.frozen.iter().enumerate() {
-            problem.frozen[k] |= *frozen && !numbers.contains(&k);
-        }
-        let mut x = self.minimum.at.x.clone();
-        for member in problem.space.members.iter().skip(space.members.len()) {
-            x.extend(member.place(&member.off));
-        }
-        let switched = problem.switched_on(&x);
-        numbers.clone().for_each(|k| x[k] = switched[k]);
-        let at = problem.stand(x)?;
-        let mut own = problem.clone();
-        own.frozen.iter_mut().enumerate().for_each(|(k, frozen)| *frozen |= !numbers.contains(&k));
-        let of_effect = own.slopes(&at, &own.secants)?;
-        let (columns, known) = (problem.moved(), self.problem.moved());
-        let mut slopes = DMatrix::zeros(at.z.len(), columns.len());
-        for (column, k) in columns.iter().enumerate() {
-            let of_own = own.moved().iter().position(|other| other == k);
-            let of_known = || known.iter().position(|other| other == k);
-            let source = of_own
-                .map(|place| of_effect.column(place))
-                .or_else(|| Some(self.minimum.whole.column(of_known()?)));
-            // A number that moves is the effect's or was moved before.
-            if let Some(source) = source {
-                slopes.view_mut((0, column), (source.len(), 1)).copy_from(&source);
-            }
-        }
-        let freedom = own.moved().len().max(1);
-        let start = Start { at, slopes: Some(slopes), exactness: Exactness::Rough };
-        let Start { at: off, slopes, .. } = &start;
-        let far = problem.farther(off.clone(), numbers);
-        let far = (far.x != off.x).then(|| {
-            let slopes = slopes.as_ref().map(|slopes| problem.carried(slopes.clone(), off, &far));
-            Start { at: far, slopes, exactness: Exactness::Rough }
-        });
-        let mut minimum = problem.descend_briefly(start, BRIEF)?;
-        if let Some(far) = far
-            && let Ok(other) = problem.descend_briefly(far, BRIEF)
-            && other.at.value < minimum.at.value
-        {
-            minimum = other;
-        }
-        Ok(Trial { effect: effect.clone(), freedom, problem, minimum })
-    }
-
-    /// The minimum with the effect of a trial.
-    ///
-    /// # Errors
-    /// As a descent.
-    pub(crate) fn with(&self, trial: &Trial<'a>) -> Result<Self, DiagnosisError> {
-        let mut problem = trial.problem.clone();
-        let Minimum { at, whole, .. } = &trial.minimum;
-        let minimum = problem.settle(at.x.clone(), Some(whole.clone()), Exactness::Sum)?;
-        let (before, dropped) = (self.minimum.clone(), self.dropped.clone());
-        Ok(Self { problem, minimum, before, dropped, ..*self })
-    }
-
     /// The root mean square difference of each number between two predictions of the same steps, over
     /// the standard deviation of its noise: the largest.
-    fn difference(&self, one: &[[f64; 7]], other: &[[f64; 7]]) -> f64 {
+    pub(super) fn difference(&self, one: &[[f64; 7]], other: &[[f64; 7]]) -> f64 {
         let mut sums = [(0.0, 0_usize); Channels::NAMES.len()];
         for (step, number, sd) in self.problem.whitening.sd() {
             let change = (one[step][number] - other[step][number]) / sd;
@@ -309,15 +226,6 @@ impl<'a> Refit<'a> {
         }
         let rms = sums.into_iter().map(|(sum, n)| (sum / n.max(1) as f64).sqrt());
         rms.fold(0.0, f64::max)
-    }
-
-    /// What a trial changes in the number that it changes most, over the noise.
-    ///
-    /// # Errors
-    /// What a prediction refuses.
-    pub(crate) fn size_of(&self, trial: &Trial) -> Result<f64, DiagnosisError> {
-        let there = trial.problem.space.residuals(&trial.minimum.at.x)?;
-        Ok(self.difference(&self.problem.space.residuals(&self.minimum.at.x)?, &there))
     }
 
     /// Where an effect stands, if it is moved.
@@ -400,37 +308,9 @@ impl<'a> Refit<'a> {
     }
 }
 
-impl Trial<'_> {
-    pub(crate) fn id(&self) -> &'static str {
-        self.effect.info().id
-    }
-
-    /// What is minimised, with the thresholds of the model that was tried.
-    pub(crate) fn objective(&self) -> f64 {
-        self.minimum.at.value
-    }
-
-    /// As [`Refit::misfit_by`].
-    pub(crate) fn misfit_by(&self, other: &Refit) -> f64 {
-        other.problem.robust.value(&self.minimum.at.z)
-    }
-
-    /// Goes on to where the sum falls no more, with the same weights.
-    ///
-    /// # Errors
-    /// As a descent.
-    pub(crate) fn finish(&mut self) -> Result<(), DiagnosisError> {
-        let Minimum { at, whole, .. } = self.minimum.clone();
-        let start = Start { at, slopes: Some(whole), exactness: Exactness::Sum };
-        self.minimum = self.problem.descend(start)?;
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use effects::{Setting, by_id};
-    use models::{Description, ModelEffect};
+    use effects::by_id;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 

@@ -218,15 +218,13 @@ pub(super) fn start(effect: &dyn Effect, observations: &Observations) -> Option<
 
 #[cfg(test)]
 mod tests {
-    use effects::{Effect, PressureMap, Setting, SupportPoints};
-    use models::{Description, ModelEffect};
+    use effects::{Effect, PressureMap, SupportPoints};
+    use models::Description;
     use nalgebra::Vector2;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
 
     use super::start;
     use crate::synthetic::{pushed_with, white};
-    use crate::{FitSettings, Intervals, Observations, Predictions, fit};
+    use crate::{FitSettings, Intervals, Observations, fit};
 
     const FEET: [f64; 9] = [0.030, 0.025, 0.30, -0.035, 0.010, 0.45, 0.005, -0.035, 0.25];
 

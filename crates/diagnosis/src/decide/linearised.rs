@@ -1,0 +1,32 @@
+//! A model as a search looks at it: the noise about it, and what it lacks.
+
+use models::Description;
+
+use super::DiagnoseSettings;
+use crate::predict::tangent::Tangent;
+use crate::remains::noise_beside;
+use crate::screen::screen_at;
+use crate::{DiagnosisError, NoiseModel, Observations, Screen, Whitening};
+
+/// The noise about a model, its covariance and that of usual noise, and the test of what the model lacks.
+pub(super) struct Linearised {
+    pub(super) noise: NoiseModel,
+    pub(super) whitening: Whitening,
+    pub(super) usual: Whitening,
+    pub(super) screen: Screen,
+}
+
+impl Linearised {
+    pub(super) fn of(
+        about: &Description,
+        fitted: &Observations,
+        settings: &DiagnoseSettings,
+    ) -> Result<Self, DiagnosisError> {
+        let tangent = Tangent::of(about, &settings.own, fitted)?;
+        let noise = noise_beside(&tangent, fitted, &settings.remain())?;
+        let whitening = noise.whitening_at(fitted, &tangent.linearisation)?;
+        let usual = NoiseModel::usual().whitening_at(fitted, &tangent.linearisation)?;
+        let screen = screen_at(&tangent, fitted, &whitening, &settings.screen);
+        Ok(Self { noise, whitening, usual, screen })
+    }
+}

@@ -1,0 +1,127 @@
+//! One more effect beside a model at its minimum.
+
+use std::sync::Arc;
+
+use effects::Effect;
+use nalgebra::DMatrix;
+
+use super::Refit;
+use super::descent::{BRIEF, Exactness, Minimum, Start};
+use super::problem::Problem;
+use crate::DiagnosisError;
+
+/// One more effect beside a fitted model, near the minimum of both.
+#[derive(Clone, Debug)]
+pub(crate) struct Trial<'a> {
+    pub(crate) effect: Arc<dyn Effect>,
+    /// Numbers in which it is moved.
+    pub(crate) freedom: usize,
+    problem: Problem<'a>,
+    minimum: Minimum,
+}
+
+impl<'a> Refit<'a> {
+    /// Goes some way down with one more effect, from "off" and from the best of its typical sizes if
+    /// that is better than "off": where pushes come to slide or to stick the sum may rise before it falls.
+    ///
+    /// The weights stay those of the model without it, so falls of the sum can be compared.
+    ///
+    /// # Errors
+    /// What a prediction refuses.
+    pub(crate) fn trial(&self, effect: &Arc<dyn Effect>) -> Result<Trial<'a>, DiagnosisError> {
+        let Problem { space, whitening, robust, .. } = &self.problem;
+        let mut problem = Problem::new(space.with(effect)?, whitening, robust.clone());
+        let numbers = problem.space.numbers_of(effect.info().id).unwrap_or(0..0);
+        // What was taken out stays out.
+        for (k, frozen) in self.problem.frozen.iter().enumerate() {
+            problem.frozen[k] |= *frozen && !numbers.contains(&k);
+        }
+        let mut x = self.minimum.at.x.clone();
+        for member in problem.space.members.iter().skip(space.members.len()) {
+            x.extend(member.place(&member.off));
+        }
+        let switched = problem.switched_on(&x);
+        numbers.clone().for_each(|k| x[k] = switched[k]);
+        let at = problem.stand(x)?;
+        let mut own = problem.clone();
+        own.frozen.iter_mut().enumerate().for_each(|(k, frozen)| *frozen |= !numbers.contains(&k));
+        let of_effect = own.slopes(&at, &own.secants)?;
+        let (columns, known) = (problem.moved(), self.problem.moved());
+        let mut slopes = DMatrix::zeros(at.z.len(), columns.len());
+        for (column, k) in columns.iter().enumerate() {
+            let of_own = own.moved().iter().position(|other| other == k);
+            let of_known = || known.iter().position(|other| other == k);
+            let source = of_own
+                .map(|place| of_effect.column(place))
+                .or_else(|| Some(self.minimum.whole.column(of_known()?)));
+            // A number that moves is the effect's or was moved before.
+            if let Some(source) = source {
+                slopes.view_mut((0, column), (source.len(), 1)).copy_from(&source);
+            }
+        }
+        let freedom = own.moved().len().max(1);
+        let start = Start { at, slopes: Some(slopes), exactness: Exactness::Rough };
+        let Start { at: off, slopes, .. } = &start;
+        let far = problem.farther(off.clone(), numbers);
+        let far = (far.x != off.x).then(|| {
+            let slopes = slopes.as_ref().map(|slopes| problem.carried(slopes.clone(), off, &far));
+            Start { at: far, slopes, exactness: Exactness::Rough }
+        });
+        let mut minimum = problem.descend_briefly(start, BRIEF)?;
+        if let Some(far) = far
+            && let Ok(other) = problem.descend_briefly(far, BRIEF)
+            && other.at.value < minimum.at.value
+        {
+            minimum = other;
+        }
+        Ok(Trial { effect: effect.clone(), freedom, problem, minimum })
+    }
+
+    /// The minimum with the effect of a trial.
+    ///
+    /// # Errors
+    /// As a descent.
+    pub(crate) fn with(&self, trial: &Trial<'a>) -> Result<Self, DiagnosisError> {
+        let mut problem = trial.problem.clone();
+        let Minimum { at, whole, .. } = &trial.minimum;
+        let minimum = problem.settle(at.x.clone(), Some(whole.clone()), Exactness::Sum)?;
+        let (before, dropped) = (self.minimum.clone(), self.dropped.clone());
+        Ok(Self { problem, minimum, before, dropped, ..*self })
+    }
+
+    /// What a trial changes in the number that it changes most, over the noise.
+    ///
+    /// # Errors
+    /// What a prediction refuses.
+    pub(crate) fn size_of(&self, trial: &Trial) -> Result<f64, DiagnosisError> {
+        let there = trial.problem.space.residuals(&trial.minimum.at.x)?;
+        Ok(self.difference(&self.problem.space.residuals(&self.minimum.at.x)?, &there))
+    }
+}
+
+impl Trial<'_> {
+    pub(crate) fn id(&self) -> &'static str {
+        self.effect.info().id
+    }
+
+    /// What is minimised, with the thresholds of the model that was tried.
+    pub(crate) fn objective(&self) -> f64 {
+        self.minimum.at.value
+    }
+
+    /// As [`Refit::misfit_by`].
+    pub(crate) fn misfit_by(&self, other: &Refit) -> f64 {
+        other.problem.robust.value(&self.minimum.at.z)
+    }
+
+    /// Goes on to where the sum falls no more, with the same weights.
+    ///
+    /// # Errors
+    /// As a descent.
+    pub(crate) fn finish(&mut self) -> Result<(), DiagnosisError> {
+        let Minimum { at, whole, .. } = self.minimum.clone();
+        let start = Start { at, slopes: Some(whole), exactness: Exactness::Sum };
+        self.minimum = self.problem.descend(start)?;
+        Ok(())
+    }
+}
