@@ -163,10 +163,13 @@ mod tests {
     fn every_task_is_known_to_the_program_that_does_it() {
         let packages: BTreeSet<_> = STARTERS.iter().map(|starter| starter.package).collect();
         for package in packages {
-            let path = workspace_root().join("crates").join(package).join("src/main.rs");
-            let program = fs::read_to_string(&path).unwrap();
-            let (_, rest) = program.split_once("enum Task {\n").unwrap();
-            let (variants, _) = rest.split_once("\n}").unwrap();
+            let sources = workspace_root().join("crates").join(package).join("src");
+            let variants = ["command_line.rs", "main.rs"].iter().find_map(|file| {
+                let program = fs::read_to_string(sources.join(file)).ok()?;
+                let (_, rest) = program.split_once("enum Task {\n")?;
+                Some(rest.split_once("\n}")?.0.to_owned())
+            });
+            let variants = variants.unwrap();
             let names = variants.lines().filter_map(|line| line.trim().split_once('('));
             let known: BTreeSet<_> = names.map(|(name, _)| kebab(name)).collect();
             let own = STARTERS.iter().filter(|starter| starter.package == package);
