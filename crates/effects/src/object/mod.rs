@@ -36,6 +36,7 @@ pub struct Object {
     farthest_distance: f64,
     second_moment: Matrix2<f64>,
     points: Vec<Point>,
+    points_distance: f64,
     lanes: Points,
     ellipsoid: Ellipsoid,
     patch: OnceLock<Result<PatchTable, MechanicsError>>,
@@ -67,6 +68,7 @@ impl Object {
         let farthest_distance =
             outline.iter().map(|place| (place - centroid).norm()).fold(mean_distance, f64::max);
         let ellipsoid = Ellipsoid::new(1.0, mean_distance)?;
+        let lanes = Points::new(&points);
         let (patch, cells, pressure) = (OnceLock::new(), OnceLock::new(), Mutex::new(None));
         Ok(Self {
             shape,
@@ -77,7 +79,8 @@ impl Object {
             mean_distance,
             farthest_distance,
             second_moment,
-            lanes: Points::new(&points),
+            points_distance: lanes.mean_norm(&Matrix2::identity()),
+            lanes,
             points,
             ellipsoid,
             patch,
@@ -144,6 +147,11 @@ impl Object {
     /// The same points, for sums over all of them.
     pub(crate) fn lanes(&self) -> &Points {
         &self.lanes
+    }
+
+    /// Mean distance of the points from the centroid, in m.
+    pub(crate) fn points_distance(&self) -> f64 {
+        self.points_distance
     }
 
     /// The ellipsoid of uniform pressure about the centroid, its largest force 1.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use mechanics::LimitSurface;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
-use planar::{Pose, Twist};
+use planar::Twist;
 
 use crate::effect::Sliding;
 use crate::object::patch_table::PatchTable;
@@ -36,19 +36,13 @@ pub(crate) struct AreaFriction<'a> {
 /// The effects that change friction point by point.
 #[derive(Clone, Copy)]
 pub(crate) struct Local<'a> {
-    physics: &'a PushPhysics,
-    center_w: Vector2<f64>,
-    turn_wo: Matrix2<f64>,
+    pub(crate) physics: &'a PushPhysics,
+    /// Center of friction, in m, frame W.
+    pub(crate) center_w: Vector2<f64>,
+    pub(crate) turn_wo: Matrix2<f64>,
 }
 
-impl<'a> Local<'a> {
-    /// Those of a model, with the center of friction in the outline's frame.
-    pub(crate) fn new(physics: &'a PushPhysics, pose_wo: &Pose, center_o: &Vector2<f64>) -> Self {
-        let (sin, cos) = pose_wo.angle.sin_cos();
-        let turn_wo = Matrix2::new(cos, -sin, sin, cos);
-        Self { physics, center_w: pose_wo.transform_point(center_o), turn_wo }
-    }
-
+impl Local<'_> {
     /// Relative surplus at a place from S with a velocity, axes of the outline.
     pub(crate) fn surplus(&self, place: &Vector2<f64>, velocity: &Vector2<f64>) -> f64 {
         self.physics.local_friction(&self.sliding(place, velocity))
@@ -80,16 +74,17 @@ enum Base<'a> {
 pub(crate) type Given<'a> = Option<(&'a dyn LimitSurface, f64)>;
 
 impl<'a> AreaFriction<'a> {
+    /// Of an object on a support with its [`turning_ratio`].
     pub(crate) fn new(
         object: &'a Object,
-        support: &Support,
+        (support, turning): (&Support, f64),
         given: Given<'a>,
         pressure: Option<Arc<Pressure>>,
         local: Option<Local<'a>>,
     ) -> Result<Self, EffectError> {
         let tensor = support.tensor_o.exp(1.0);
         let stretch = support.length_ratio;
-        let turning = stretch * turning_ratio(object, support);
+        let turning = stretch * turning;
         let length = turning * object.mean_distance();
         let base = match given {
             None => Base::Ellipsoid(ellipsoid(support, length)),
@@ -237,8 +232,7 @@ pub(crate) fn turning_ratio(object: &Object, support: &Support) -> f64 {
     if support.tensor_o.is_zero() {
         return 1.0;
     }
-    let points = object.lanes();
-    points.mean_norm(&support.tensor_o.exp(-1.0)) / points.mean_norm(&Matrix2::identity())
+    object.lanes().mean_norm(&support.tensor_o.exp(-1.0)) / object.points_distance()
 }
 
 /// From motions at S to those of a given surface at the origin of the outline.
@@ -250,7 +244,7 @@ fn map_to_frame(object: &Object, tensor: &Matrix2<f64>, turning: f64) -> Matrix3
 
 #[cfg(test)]
 mod tests {
-    use super::AreaFriction;
+    use super::{AreaFriction, turning_ratio};
     use crate::{LogTensor, Object, Support, by_id};
     use mechanics::{LimitSurface, Patch};
     use nalgebra::{Vector2, Vector3};
@@ -287,7 +281,14 @@ mod tests {
     fn least_curvature(object: &Object, shape: f64) -> f64 {
         let mut random = ChaCha8Rng::seed_from_u64(3);
         let support = Support { shape, ..Support::nominal(0.25, 0.0) };
-        let friction = AreaFriction::new(object, &support, None, None, None).unwrap();
+        let friction = AreaFriction::new(
+            object,
+            (&support, turning_ratio(object, &support)),
+            None,
+            None,
+            None,
+        )
+        .unwrap();
         let curvature = |motion: Vector3<f64>| {
             let (_, mut slope) = friction.load(&motion).unwrap();
             let length = object.mean_distance();
@@ -337,7 +338,14 @@ mod tests {
         let corners = outline.vertices().iter().map(|corner| inverse * corner).collect();
         let patch = Patch::uniform(&Shape::Polygon(Polygon::new(corners).unwrap()), 1.0).unwrap();
         let support = Support { tensor_o, ..Support::nominal(0.25, 1.0) };
-        let friction = AreaFriction::new(&object, &support, None, None, None).unwrap();
+        let friction = AreaFriction::new(
+            &object,
+            (&support, turning_ratio(&object, &support)),
+            None,
+            None,
+            None,
+        )
+        .unwrap();
         let mut squares = 0.0;
         for _ in 0..2000 {
             let motion = motion(&mut random);
@@ -368,7 +376,14 @@ mod tests {
         ];
         for (shape, tensor_o, pressure) in cases {
             let support = Support { tensor_o, shape, ..Support::nominal(0.25, 0.0) };
-            let friction = AreaFriction::new(&object, &support, None, pressure, None).unwrap();
+            let friction = AreaFriction::new(
+                &object,
+                (&support, turning_ratio(&object, &support)),
+                None,
+                pressure,
+                None,
+            )
+            .unwrap();
             for _ in 0..50 {
                 let motion = motion(&mut random);
                 let (_, slope) = friction.load(&motion).unwrap();

@@ -93,7 +93,7 @@ mod tests {
         support: &Support,
         spots: &'a Spots,
     ) -> (Friction<'a>, Vector2<f64>) {
-        let area = AreaFriction::new(object, support, None, None, None).unwrap();
+        let area = AreaFriction::new(object, (support, 1.0), None, None, None).unwrap();
         let spots_friction = SpotFriction {
             share: spots.share,
             points: spots.leaning(&Vector2::zeros()),

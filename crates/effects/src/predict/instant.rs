@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use mechanics::{ContactMode, Ellipsoid, MechanicsError};
-use nalgebra::{Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use planar::{Contact, Pose, Twist, cross, perpendicular};
 
 use crate::effect::{Snapshot, Stage};
@@ -24,8 +24,12 @@ pub(crate) struct ForceBalance<'a> {
     step: &'a StepInput,
     spots: Option<&'a Spots>,
     pose_wo: Pose,
+    /// From axes of the outline to those of W.
+    turn_wo: Matrix2<f64>,
     time: f64,
     pub(crate) support: Support,
+    /// How much larger the largest moment of friction is by its directions.
+    turning: f64,
     /// Center of friction, in m, frame of the outline.
     center: Vector2<f64>,
     /// Largest friction force, in N.
@@ -90,16 +94,30 @@ impl<'a> ForceBalance<'a> {
         let nominal = physics.rig().nominal_force(step.object.mass());
         let f_max = nominal * (support.friction / physics.rig().support_friction());
         positive("the largest force of friction with the table", f_max, "N")?;
+        let (sin, cos) = pose_wo.angle.sin_cos();
+        let turn_wo = Matrix2::new(cos, -sin, sin, cos);
         let external = if physics.acts_at(Stage::Load) {
             let load_w = physics.load(&moment);
-            let force = pose_wo.inverse_rotate(&load_w.force);
+            let force = turn_wo.tr_mul(&load_w.force);
             let torque = load_w.torque - cross(&center, &force);
             Vector3::new(force.x, force.y, torque) / f_max
         } else {
             Vector3::zeros()
         };
-        let pose_wo = *pose_wo;
-        Ok(Self { physics, step, spots, pose_wo, time, support, center, f_max, external })
+        let (pose_wo, turning) = (*pose_wo, turning_ratio(&step.object, &support));
+        Ok(Self {
+            physics,
+            step,
+            spots,
+            pose_wo,
+            turn_wo,
+            time,
+            support,
+            turning,
+            center,
+            f_max,
+            external,
+        })
     }
 
     /// A contact in the outline's frame, whose force acts at a point there, with a pusher that has a
@@ -110,7 +128,7 @@ impl<'a> ForceBalance<'a> {
         acting_o: &Vector2<f64>,
         velocity_w: &Vector2<f64>,
     ) -> ContactKinematics {
-        let velocity = self.pose_wo.inverse_rotate(velocity_w);
+        let velocity = self.turn_wo.tr_mul(velocity_w);
         let [point, acting] = [&contact.point, acting_o].map(|place| place - self.center);
         ContactKinematics { point, acting, normal: contact.normal, velocity }
     }
@@ -122,7 +140,9 @@ impl<'a> ForceBalance<'a> {
         law: &ContactLaw,
         memory: &mut Memory,
     ) -> Result<Rate, EffectError> {
-        self.refuse_sliding_by_itself(memory)?;
+        if memory.answers[0].is_none() {
+            self.refuse_sliding_by_itself(memory)?;
+        }
         if touch.approach() <= 0.0 {
             return Ok(self.rate(&ContactSolution::AT_REST));
         }
@@ -228,7 +248,7 @@ impl<'a> ForceBalance<'a> {
         let power = -net.dot(&motion);
         let object = &self.step.object;
         let torque = net.z - cross(&(center - self.center), &net.xy());
-        let linear = self.pose_wo.rotate(&(net.xy() / object.mass()));
+        let linear = self.turn_wo * (net.xy() / object.mass());
         Ok((Twist { linear, angular: torque / object.moment_of_inertia() }, power))
     }
 
@@ -264,7 +284,7 @@ impl<'a> ForceBalance<'a> {
         if !self.physics.acts_at(Stage::Local) {
             return None;
         }
-        let local = Local::new(self.physics, &self.pose_wo, &self.center);
+        let local = self.local_about(&self.center);
         let of_area = self.step.object.points().iter().map(|Point { place, .. }| place);
         let of_spots = self.spots.into_iter().flat_map(Spots::places);
         let mut places = of_area.chain(of_spots);
@@ -272,6 +292,11 @@ impl<'a> ForceBalance<'a> {
             local.surplus(place, &(motion.xy() + motion.z * perpendicular(place))) != 0.0
         });
         is_there.then_some(local)
+    }
+
+    fn local_about(&self, center: &Vector2<f64>) -> Local<'a> {
+        let center_w = self.pose_wo.position + self.turn_wo * center;
+        Local { physics: self.physics, center_w, turn_wo: self.turn_wo }
     }
 
     pub(crate) fn friction(
@@ -284,13 +309,13 @@ impl<'a> ForceBalance<'a> {
         let pressure = if has_points { self.pressure(memory)? } else { None };
         let (object, support) = (&self.step.object, &self.support);
         let Some(spots) = self.spots else {
-            let area = AreaFriction::new(object, support, given, pressure, local)?;
+            let area = AreaFriction::new(object, (support, self.turning), given, pressure, local)?;
             return Ok(Friction { area, spots: None });
         };
         // The area keeps its own center, about which its load is known.
         let center = object.centroid() + support.center_o;
-        let of_area = local.map(|_| Local::new(self.physics, &self.pose_wo, &center));
-        let area = AreaFriction::new(object, support, given, pressure, of_area)?;
+        let of_area = local.map(|_| self.local_about(&center));
+        let area = AreaFriction::new(object, (support, self.turning), given, pressure, of_area)?;
         let spots = SpotFriction {
             share: spots.share,
             points: spots.leaning(&support.center_o),
@@ -351,7 +376,7 @@ impl<'a> ForceBalance<'a> {
     /// c of the ellipsoid, in m.
     pub(crate) fn length(&self) -> f64 {
         let object = &self.step.object;
-        let turning = self.support.length_ratio * turning_ratio(object, &self.support);
+        let turning = self.support.length_ratio * self.turning;
         let mean = object.mean_distance();
         turning * self.spots.map_or(mean, |s| (1.0 - s.share) * mean + s.share * s.mean_distance)
     }
@@ -367,7 +392,7 @@ impl<'a> ForceBalance<'a> {
 
     /// From a motion of the point `at` (frame of the outline) in W to one at S in the outline's axes.
     fn to_motion(&self, twist_w: &Twist, at: &Vector2<f64>) -> Vector3<f64> {
-        let linear = self.pose_wo.inverse_rotate(&twist_w.linear)
+        let linear = self.turn_wo.tr_mul(&twist_w.linear)
             + twist_w.angular * perpendicular(&(self.center - at));
         Vector3::new(linear.x, linear.y, twist_w.angular)
     }
@@ -375,7 +400,7 @@ impl<'a> ForceBalance<'a> {
     /// The inverse of [`ForceBalance::to_motion`].
     fn to_twist(&self, motion: &Vector3<f64>, at: &Vector2<f64>) -> Twist {
         let linear = motion.xy() + motion.z * perpendicular(&(at - self.center));
-        Twist { linear: self.pose_wo.rotate(&linear), angular: motion.z }
+        Twist { linear: self.turn_wo * linear, angular: motion.z }
     }
 
     fn rate(&self, answer: &ContactSolution) -> Rate {
