@@ -15,7 +15,7 @@ const PRINTED: [(&str, &str); 9] = [
     ("add inertia --set kappa=1 -o OUT", "toml"),
     ("add --from d.json -o OUT", "toml"),
     ("fit pushes --free pusher-friction -o OUT", "toml"),
-    ("suggest pushes --from d.json --model model.toml -n 5 -o OUT", "csv"),
+    ("suggest pushes --from d.json --model model.toml -n 1 -o OUT", "csv"),
     ("report pushes -o OUT", "html"),
 ];
 

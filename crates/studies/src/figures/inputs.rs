@@ -111,10 +111,16 @@ impl Inputs {
     /// # Errors
     /// As [`Inputs::whole_pushes`], and what a fit says.
     pub(crate) fn scene(&self) -> Result<&Scene> {
-        self.scene.get(|| {
-            let setting = Setting { friction: self.pusher()?.friction, support: self.support()? };
-            Scene::of(&self.whole_pushes()?, &setting)
-        })
+        self.scene.get(|| Scene::of(&self.whole_pushes()?, &self.setting()?))
+    }
+
+    /// What training needs to be told.
+    ///
+    /// # Errors
+    /// As [`Inputs::pusher`] and [`Inputs::support`].
+    pub(crate) fn setting(&self) -> Result<Setting> {
+        let (friction, support) = (self.pusher()?.friction, self.support()?);
+        Ok(Setting { friction, support, quick: self.quick })
     }
 
     /// The same pushes at higher speeds, in their order; none for data of one speed.

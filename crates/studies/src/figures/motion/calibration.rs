@@ -6,7 +6,6 @@ use serde_json::{Value, json};
 
 use super::ends::{End, Ends, LEVELS, all_ends, coverage};
 use super::pushes::turns;
-use super::trained::Setting;
 use crate::figures::inputs::Inputs;
 use crate::figures::sketch::Sketch;
 
@@ -16,7 +15,7 @@ const N_LEVELS: usize = 51;
 
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let pushes = inputs.whole_pushes()?;
-    let setting = Setting { friction: inputs.pusher()?.friction, support: inputs.support()? };
+    let setting = inputs.setting()?;
     let all = all_ends(&setting, &turns(&pushes), N_PARTICLES)?;
     let figure = Figure::new(1, 2)
         .panel_size(400.0, 340.0)

@@ -35,10 +35,12 @@ struct Kind {
 /// Trains a model on steps.
 type Train = fn(&Setting, &[StepObservation]) -> Result<Box<dyn PushModel>>;
 
-/// What the physics need to be told.
+/// What training needs to be told.
 pub(crate) struct Setting {
     pub(crate) friction: f64,
     pub(crate) support: SupportSpec,
+    /// Whether half of the steps will do.
+    pub(crate) quick: bool,
 }
 
 const KINDS: [Kind; 7] = [
@@ -101,6 +103,7 @@ fn train(setting: &Setting, steps: &[StepObservation], names: &[&str]) -> Result
     let wanted: Vec<&Kind> = KINDS.iter().filter(wanted).collect();
     let train = |kind: &&Kind| {
         let Kind { name, color, most, train } = **kind;
+        let most = if setting.quick { most / 2 } else { most };
         Ok(Trained { name, color, model: train(setting, &steps[..most.min(steps.len())])? })
     };
     wanted.par_iter().map(train).collect()

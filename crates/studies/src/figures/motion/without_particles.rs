@@ -18,7 +18,7 @@ use super::divergence::{Cloud, Density, moments};
 use super::ends::recorded_settings;
 use super::pushes::{steps_of, turns};
 use super::scene::place_of;
-use super::trained::{Learnt, Setting, learn};
+use super::trained::{Learnt, learn};
 use crate::figures::inputs::{Inputs, SEED};
 use crate::figures::sketch::Sketch;
 
@@ -80,7 +80,7 @@ struct Case<'a> {
 
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let pushes = inputs.whole_pushes()?;
-    let setting = Setting { friction: inputs.pusher()?.friction, support: inputs.support()? };
+    let setting = inputs.setting()?;
     let turns = turns(&pushes);
     let turn = turns.first().context("pushes take turns")?;
     let Learnt { correlation, .. } =
