@@ -39,7 +39,7 @@ type Train = fn(&Setting, &[StepObservation]) -> Result<Box<dyn PushModel>>;
 pub(crate) struct Setting {
     pub(crate) friction: f64,
     pub(crate) support: SupportSpec,
-    /// Whether half of the steps will do.
+    /// Whether a third of the steps will do.
     pub(crate) quick: bool,
 }
 
@@ -103,7 +103,7 @@ fn train(setting: &Setting, steps: &[StepObservation], names: &[&str]) -> Result
     let wanted: Vec<&Kind> = KINDS.iter().filter(wanted).collect();
     let train = |kind: &&Kind| {
         let Kind { name, color, most, train } = **kind;
-        let most = if setting.quick { most / 2 } else { most };
+        let most = if setting.quick { most / 3 } else { most };
         Ok(Trained { name, color, model: train(setting, &steps[..most.min(steps.len())])? })
     };
     wanted.par_iter().map(train).collect()
