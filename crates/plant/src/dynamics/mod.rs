@@ -9,6 +9,7 @@ pub(crate) mod numerics;
 pub(crate) mod outline;
 pub(crate) mod pads;
 pub(crate) mod plant;
+pub(crate) mod quad;
 pub(crate) mod relief;
 pub(crate) mod resistance;
 pub(crate) mod rig;

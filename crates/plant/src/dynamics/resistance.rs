@@ -1,9 +1,10 @@
 //! What friction does to an object that slides on pads.
 
 use nalgebra::{Matrix2, Matrix3, Vector3};
-use wide::f64x4;
+use pulp::{Scalar256b, Simd, WithSimd};
 
 use crate::dynamics::pads::{LANES, Pads};
+use crate::dynamics::quad::Quad;
 use crate::truth::RateLaw;
 
 /// Load of the friction on a moving object, and how it changes with the motion.
@@ -52,39 +53,59 @@ impl Footing {
         creep: f64,
         law: &RateLaw,
     ) -> Resistance {
-        if law.is_off() {
-            self.sum(frictions, motion, metric, creep, |_, inverse| [inverse, f64x4::splat(1.0)])
-        } else {
-            self.sum(frictions, motion, metric, creep, |speed, inverse| {
-                let factors = speed.to_array().map(|speed| law.factor(speed));
-                let factor = f64x4::new(factors.map(|(factor, _)| factor));
-                let slope = f64x4::new(factors.map(|(_, slope)| slope));
-                [factor * inverse, factor - slope * speed]
-            })
+        let pass = Pass { footing: self, frictions, motion, metric, creep, law };
+        #[cfg(target_arch = "x86_64")]
+        if let Some(simd) = pulp::x86::V3::try_new() {
+            return Simd::vectorize(simd, pass);
         }
+        Scalar256b.vectorize(pass)
     }
+}
 
-    /// Sums over the pads, each lane by itself, so that the order of additions never changes.
-    ///
+/// One pass over the pads, each lane by itself, so that the order of additions never changes and the bits do
+/// not depend on the machine.
+struct Pass<'a> {
+    footing: &'a Footing,
+    frictions: &'a [f64],
+    motion: &'a Vector3<f64>,
+    metric: &'a Matrix2<f64>,
+    creep: f64,
+    law: &'a RateLaw,
+}
+
+impl WithSimd for Pass<'_> {
+    type Output = Resistance;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Resistance {
+        let one = Quad::all(simd, 1.0);
+        if self.law.is_off() {
+            return self.sum(simd, |_, inverse| [inverse, one]);
+        }
+        self.sum(simd, |speed, inverse| {
+            let factors = speed.numbers().map(|speed| self.law.factor(speed));
+            let factor = Quad::new(simd, &factors.map(|(factor, _)| factor));
+            let slope = Quad::new(simd, &factors.map(|(_, slope)| slope));
+            [factor * inverse, factor - slope * speed]
+        })
+    }
+}
+
+impl Pass<'_> {
     /// `law` gives for s and 1/s: f/s and f − s f′, f the factor on the friction.
     #[inline(always)]
-    fn sum(
-        &self,
-        frictions: &[f64],
-        motion: &Vector3<f64>,
-        metric: &Matrix2<f64>,
-        creep: f64,
-        law: impl Fn(f64x4, f64x4) -> [f64x4; 2],
-    ) -> Resistance {
-        let [gxx, gxy, gyy] = [metric.m11, metric.m12, metric.m22].map(f64x4::splat);
-        let [vx, vy, omega] = [motion.x, motion.y, motion.z].map(f64x4::splat);
-        let floor = f64x4::splat(creep * creep);
-        let mut totals = [f64x4::splat(0.0); 9];
-        let columns = [&self.x, &self.y, &self.spin].map(|column| column.as_chunks::<LANES>().0);
-        let [x, y, spin] = columns;
-        let frictions = frictions.as_chunks::<LANES>().0;
+    fn sum<S: Simd>(&self, simd: S, law: impl Fn(Quad<S>, Quad<S>) -> [Quad<S>; 2]) -> Resistance {
+        let Self { footing, frictions, motion, metric, creep, .. } = *self;
+        let all = |number| Quad::all(simd, number);
+        let [gxx, gxy, gyy] = [all(metric.m11), all(metric.m12), all(metric.m22)];
+        let [vx, vy, omega] = [all(motion.x), all(motion.y), all(motion.z)];
+        let floor = all(creep * creep);
+        let mut totals = [all(0.0); 9];
+        let columns = [&footing.x, &footing.y, &footing.spin, frictions];
+        let [x, y, spin, frictions] = columns.map(|column| column.as_chunks::<LANES>().0);
         for (((x, y), spin), friction) in x.iter().zip(y).zip(spin).zip(frictions) {
-            let [x, y, spin, friction] = [x, y, spin, friction].map(|lanes| f64x4::new(*lanes));
+            let new = |numbers| Quad::new(simd, numbers);
+            let (x, y, spin, friction) = (new(x), new(y), new(spin), new(friction));
             let (px, py) = (vx - omega * y, vy + omega * x);
             // The gradient of s²/2 by the motion.
             let ux = gxx * px + gxy * py;
@@ -92,7 +113,7 @@ impl Footing {
             let turning = spin * omega;
             let um = x * uy - y * ux + turning;
             let speed = (px * ux + py * uy + turning * omega + floor).sqrt();
-            let inverse = f64x4::splat(1.0) / speed;
+            let inverse = speed.inverse();
             let [by_speed, rest] = law(speed, inverse);
             let first = friction * by_speed;
             let second = friction * rest * inverse * inverse * inverse;
@@ -109,14 +130,11 @@ impl Footing {
                 first * my - sy * um,
                 first * (x * my - y * mx + spin) - second * um * um,
             ];
-            for (total, term) in totals.iter_mut().zip(terms) {
-                *total += term;
+            for k in 0..9 {
+                totals[k] = totals[k] + terms[k];
             }
         }
-        let [fx, fy, m, xx, xy, yy, xm, ym, mm] = totals.map(|total| {
-            let [a, b, c, d] = total.to_array();
-            (a + b) + (c + d)
-        });
+        let [fx, fy, m, xx, xy, yy, xm, ym, mm] = totals.map(Quad::sum);
         Resistance {
             load: Vector3::new(fx, fy, m),
             slope: Matrix3::new(xx, xy, xm, xy, yy, ym, xm, ym, mm),

@@ -43,17 +43,24 @@ impl RateLaw {
 
     /// The factor at a speed (m/s) and its derivative, in s/m.
     pub(crate) fn factor(&self, speed: f64) -> (f64, f64) {
-        let by_log = {
+        const OFF: (f64, f64) = (1.0, 0.0);
+        let by_log = if self.log_slope == 0.0 {
+            OFF
+        } else {
             let v = speed / self.log_speed;
             let slope = self.log_slope / (self.log_speed + speed);
             (1.0 + self.log_slope * log1p(v), slope)
         };
-        let by_stribeck = {
+        let by_stribeck = if self.breakaway_ratio == 1.0 {
+            OFF
+        } else {
             let v = speed / self.stribeck_speed;
             let bell = (self.breakaway_ratio - 1.0) * exp(-v * v);
             (1.0 + bell, -2.0 * v * bell / self.stribeck_speed)
         };
-        let by_film = {
+        let by_film = if self.film_dip == 0.0 {
+            OFF
+        } else {
             let v = speed / self.film_speed;
             let dip = self.film_dip * exp(1.0 - v);
             (1.0 - v * dip, -(1.0 - v) * dip / self.film_speed)
