@@ -8,30 +8,29 @@ use planar::{Contact, Pose, Twist, cross, perpendicular};
 
 use crate::effect::{Snapshot, Stage};
 use crate::error::positive;
-use crate::object::points::Point;
 use crate::object::pressure::Pressure;
 use crate::object::spots::Spots;
-use crate::predict::area_friction::{AreaFriction, Local, ellipsoid, turning_ratio};
+use crate::predict::area_friction::{ellipsoid, turning_ratio};
 use crate::predict::balance::{
     Balance, ContactKinematics, ContactSolution, closed_form, is_sliding,
 };
-use crate::predict::friction::{Friction, SpotFriction, motion_at};
+use crate::predict::friction::Friction;
 use crate::{ContactLaw, EffectError, PushPhysics, StepInput, Support};
 
 /// The model at one pose and time of a step.
 pub(crate) struct ForceBalance<'a> {
     pub(crate) physics: &'a PushPhysics,
-    step: &'a StepInput,
-    spots: Option<&'a Spots>,
-    pose_wo: Pose,
+    pub(crate) step: &'a StepInput,
+    pub(crate) spots: Option<&'a Spots>,
+    pub(crate) pose_wo: Pose,
     /// From axes of the outline to those of W.
-    turn_wo: Matrix2<f64>,
+    pub(crate) turn_wo: Matrix2<f64>,
     time: f64,
     pub(crate) support: Support,
     /// How much larger the largest moment of friction is by its directions.
-    turning: f64,
+    pub(crate) turning: f64,
     /// Center of friction, in m, frame of the outline.
-    center: Vector2<f64>,
+    pub(crate) center: Vector2<f64>,
     /// Largest friction force, in N.
     pub(crate) f_max: f64,
     /// Loads besides the pusher's per `f_max`, about the center of friction, axes of the outline.
@@ -52,7 +51,7 @@ pub(crate) struct Rate {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Memory {
     ellipsoid: Option<(Support, Ellipsoid)>,
-    pressure: Option<Arc<Pressure>>,
+    pub(crate) pressure: Option<Arc<Pressure>>,
     /// The last answer and the one before, with their times.
     answers: [Option<(f64, ContactSolution)>; 2],
 }
@@ -279,69 +278,6 @@ impl<'a> ForceBalance<'a> {
         is_sliding(sliding.mode) && (!self.step.touching || measured * slip > 0.5 * slip * slip)
     }
 
-    /// The friction of single points, if any has a surplus in a motion at S.
-    pub(crate) fn local(&self, motion: &Vector3<f64>) -> Option<Local<'a>> {
-        if !self.physics.acts_at(Stage::Local) {
-            return None;
-        }
-        let local = self.local_about(&self.center);
-        let of_area = self.step.object.points().iter().map(|Point { place, .. }| place);
-        let of_spots = self.spots.into_iter().flat_map(Spots::places);
-        let mut places = of_area.chain(of_spots);
-        let is_there = places.any(|place| {
-            local.surplus(place, &(motion.xy() + motion.z * perpendicular(place))) != 0.0
-        });
-        is_there.then_some(local)
-    }
-
-    fn local_about(&self, center: &Vector2<f64>) -> Local<'a> {
-        let center_w = self.pose_wo.position + self.turn_wo * center;
-        Local { physics: self.physics, center_w, turn_wo: self.turn_wo }
-    }
-
-    pub(crate) fn friction(
-        &self,
-        local: Option<Local<'a>>,
-        memory: &mut Memory,
-    ) -> Result<Friction<'_>, EffectError> {
-        let given = self.physics.rig().given();
-        let has_points = self.support.shape != 0.0 || local.is_some();
-        let pressure = if has_points { self.pressure(memory)? } else { None };
-        let (object, support) = (&self.step.object, &self.support);
-        let Some(spots) = self.spots else {
-            let area = AreaFriction::new(object, (support, self.turning), given, pressure, local)?;
-            return Ok(Friction { area, spots: None });
-        };
-        // The area keeps its own center, about which its load is known.
-        let center = object.centroid() + support.center_o;
-        let of_area = local.map(|_| self.local_about(&center));
-        let area = AreaFriction::new(object, (support, self.turning), given, pressure, of_area)?;
-        let spots = SpotFriction {
-            share: spots.share,
-            points: spots.leaning(&support.center_o),
-            length: support.length_ratio * spots.mean_distance,
-            stretch: support.length_ratio,
-            tensor: support.tensor_o.exp(1.0),
-            local,
-            to_area: motion_at(&(center - self.center)),
-        };
-        Ok(Friction { area, spots: Some(spots) })
-    }
-
-    /// The load that leans, worked out anew only if its center moved; none for uniform pressure.
-    fn pressure(&self, memory: &mut Memory) -> Result<Option<Arc<Pressure>>, EffectError> {
-        let center = &self.support.center_o;
-        if *center == Vector2::zeros() {
-            return Ok(None);
-        }
-        let known = memory.pressure.take().filter(|known| known.is(center));
-        memory.pressure = Some(match known {
-            Some(known) => known,
-            None => self.step.object.pressure(center)?,
-        });
-        Ok(memory.pressure.clone())
-    }
-
     /// The ellipsoid of the moment, made anew only if it changed; its largest force is 1.
     fn ellipsoid(&self, memory: &mut Memory) -> Result<Ellipsoid, EffectError> {
         if self.support.length_ratio == 1.0
@@ -366,11 +302,6 @@ impl<'a> ForceBalance<'a> {
     /// Whether friction is the ellipsoid, but for that of single points.
     pub(crate) fn is_quadric(&self) -> bool {
         self.support.shape == 0.0 && self.physics.rig().given().is_none() && self.spots.is_none()
-    }
-
-    /// Center of friction, in m, frame of the outline.
-    pub(crate) fn center(&self) -> &Vector2<f64> {
-        &self.center
     }
 
     /// c of the ellipsoid, in m.

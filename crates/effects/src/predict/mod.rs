@@ -6,6 +6,7 @@ pub(crate) mod balance;
 pub(crate) mod contact_event;
 pub(crate) mod forward;
 pub(crate) mod friction;
+pub(crate) mod friction_in_force;
 pub(crate) mod holding;
 pub(crate) mod inertia;
 pub(crate) mod instant;
@@ -98,7 +99,7 @@ impl PushPhysics {
         let pose_wo = self.measurement(step).pose_bo();
         let none = Vector2::zeros();
         let balance = ForceBalance::new(self, (step, spots.as_ref()), &pose_wo, 0.0, &none)?;
-        Ok((*balance.center(), balance.length()))
+        Ok((balance.center, balance.length()))
     }
 
     /// All channels of many steps, in their order.
