@@ -39,8 +39,7 @@ pub use self::resemblance::Resemblance;
 pub(crate) use self::robust::Robust;
 pub(crate) use self::trial::Trial;
 
-use self::descent::Exactness;
-use self::estimates::{descriptions, estimates};
+use self::estimates::estimates;
 use self::problem::Problem;
 use self::space::Space;
 use crate::cut_offs::NAME;
@@ -194,14 +193,29 @@ pub fn fit(
     whitening: &Whitening,
     settings: &FitSettings,
 ) -> Result<Fit, DiagnosisError> {
-    let space = Space::new(observations, model, free, settings)?;
-    let mut problem = Problem::at_start(space, whitening)?;
-    let found = problem.search(None, Exactness::Estimates)?;
+    fit_near(observations, model, free, whitening, settings, None)
+}
+
+/// The same, where what says where the object rests starts from another model.
+fn fit_near(
+    observations: &Observations,
+    model: &Description,
+    free: &[&str],
+    whitening: &Whitening,
+    settings: &FitSettings,
+    near: Option<&Description>,
+) -> Result<Fit, DiagnosisError> {
+    let space = Space::new(observations, model, free, settings, near)?;
+    let rows = whitening.rows();
+    let start = space.place(|member| member.start.clone());
+    let robust = Robust::at(&rows, &whitening.whiten(&space.residuals(&start)?));
+    let mut problem = Problem::new(space, whitening, robust);
+    let found = problem.search()?;
     estimates(&problem, &found, observations, model, settings)
 }
 
-/// The same with the covariance of a noise model: linearised about the model, and from what is found there
-/// on about that, for pushes at the edge of sliding change sides.
+/// The same with the covariance of a noise model: linearised about the model, and once more about
+/// what was fitted with it, for pushes at the edge of sliding change sides.
 ///
 /// # Errors
 /// As [`fit`].
@@ -213,15 +227,10 @@ pub fn fit_with_noise(
     settings: &FitSettings,
 ) -> Result<Fit, DiagnosisError> {
     let whitening = |model| noise.whitening(model, &settings.own, observations);
-    let space = Space::new(observations, model, free, settings)?;
-    let about_model = whitening(model)?;
-    let mut problem = Problem::at_start(space, &about_model)?;
-    let first = problem.search(None, Exactness::Sum)?;
-    let [_, there] = descriptions(&problem, &first, observations, model)?;
-    let about_there = whitening(&there)?;
-    let mut problem = Problem { whitening: &about_there, ..problem };
-    let found = problem.search(Some(&first), Exactness::Estimates)?;
-    estimates(&problem, &found, observations, model, settings)
+    let first = FitSettings { intervals: Intervals::None, resemblances: false, ..settings.clone() };
+    let first = fit(observations, model, free, &whitening(model)?, &first)?;
+    let (whitening, near) = (whitening(&first.with_nuisances)?, Some(&first.description));
+    fit_near(observations, model, free, &whitening, settings, near)
 }
 
 impl Fit {

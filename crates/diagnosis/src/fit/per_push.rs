@@ -209,7 +209,7 @@ impl Fitting<'_> {
         let whitening =
             under.errors.whitening(&noise, observations, &under.model, &settings.own)?;
         let asked = if self.follows(&under.model) { vec![] } else { vec![about.id] };
-        let mut space = Space::new(observations, &under.model, &asked, settings)?;
+        let mut space = Space::new(observations, &under.model, &asked, settings, None)?;
         let spread = FreeSpread::new(about.id, about.parameters, self.unit, under.size);
         let mut start = space.place(|member| member.start.clone());
         start.push(spread.start());

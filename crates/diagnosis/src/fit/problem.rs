@@ -42,19 +42,6 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Of all numbers, with weights by the residuals where every member starts.
-    ///
-    /// # Errors
-    /// What a prediction refuses.
-    pub(super) fn at_start(
-        space: Space<'a>,
-        whitening: &'a Whitening,
-    ) -> Result<Self, DiagnosisError> {
-        let start = space.place(|member| member.start.clone());
-        let robust = Robust::at(&whitening.rows(), &whitening.whiten(&space.residuals(&start)?));
-        Ok(Self::new(space, whitening, robust))
-    }
-
     /// The numbers that are moved.
     pub(super) fn moved(&self) -> Vec<usize> {
         (0..self.frozen.len()).filter(|k| !self.frozen[*k]).collect()

@@ -8,6 +8,7 @@ use super::descent::{BRIEF, Exactness, Minimum, Start};
 use super::estimates::{descriptions, estimates};
 use super::member::{Member, Part};
 use super::problem::Problem;
+use super::robust::Robust;
 use super::search::Found;
 use super::space::Space;
 use super::{Fit, FitSettings};
@@ -39,13 +40,14 @@ impl<'a> Refit<'a> {
         whitening: &'a Whitening,
         settings: &FitSettings,
     ) -> Result<Self, DiagnosisError> {
-        let mut space = Space::new(observations, model, &[], settings)?;
+        let mut space = Space::new(observations, model, &[], settings, None)?;
         let is_in_model = |id: &str| model.effects.iter().any(|effect| effect.id == id);
         for member in space.members.iter_mut().filter(|member| !is_in_model(member.id())) {
             member.part = Part::Nuisance;
         }
         let start = space.place(|member| member.start.clone());
-        let mut problem = Problem::at_start(space, whitening)?;
+        let robust = Robust::at(&whitening.rows(), &whitening.whiten(&space.residuals(&start)?));
+        let mut problem = Problem::new(space, whitening, robust);
         let minimum = problem.settle(start, None, Exactness::Sum)?;
         let (before, n_own) = (minimum.clone(), problem.space.members.len());
         Ok(Self { observations, model, problem, before, minimum, dropped: Vec::new(), n_own })

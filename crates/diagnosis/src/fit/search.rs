@@ -22,38 +22,29 @@ const MOST_ROUNDS: usize = 6;
 const SETTLED: f64 = 0.01;
 
 impl Problem<'_> {
-    /// The minimum from where the model stands or from what is known, and the lower one of two: from
-    /// there, and from the best typical size of each effect that was asked for, one after the other.
+    /// The minimum from where the model stands, and the lower one of two: from there, and from the
+    /// best typical size of each effect that was asked for, one after the other.
     ///
-    /// Leaves the weights at those of the second minimum, which is as near as `exactness` says.
+    /// Leaves the weights at those of the second minimum.
     ///
     /// # Errors
     /// As a descent.
-    pub(super) fn search(
-        &mut self,
-        known: Option<&Found>,
-        exactness: Exactness,
-    ) -> Result<Found, DiagnosisError> {
+    pub(super) fn search(&mut self) -> Result<Found, DiagnosisError> {
         let asked_from = |member: &Member| match member.part == Part::Asked && member.is_mixture() {
             true => member.off.clone(),
             false => member.start.clone(),
         };
-        let start = match known {
-            Some(known) => known.before.at.x.clone(),
-            None => self.space.place(asked_from),
-        };
+        let start = self.space.place(asked_from);
         let mut without = self.clone();
         let asked =
             self.space.of_each(|member| vec![member.part == Part::Asked; member.len()], |_| false);
         without.frozen.iter_mut().zip(asked).for_each(|(frozen, asked)| *frozen |= asked);
         let before = without.settle(start, None, Exactness::Sum)?;
         self.robust = without.robust;
-        let plain = match known {
-            Some(known) => known.after.at.x.clone(),
-            None => self.limited(self.spread(&self.switched_on(&before.at.x)))?,
-        };
+        let plain = self.spread(&self.switched_on(&before.at.x));
+        let plain = self.limited(plain)?;
         let has_mixture = self.space.members.iter().any(Member::is_moved_mixture);
-        let exactness = if has_mixture { Exactness::Mixture } else { exactness };
+        let exactness = if has_mixture { Exactness::Mixture } else { Exactness::Estimates };
         let far = self.far_start(plain.clone())?;
         let mut other = self.clone();
         let mut after = self.settle(plain.clone(), None, exactness)?;

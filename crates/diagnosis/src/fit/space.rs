@@ -32,7 +32,7 @@ pub(super) struct Space<'a> {
 
 impl<'a> Space<'a> {
     /// The model with the effects asked for, those that it carries with a standard error, and the
-    /// nuisances.
+    /// nuisances. What says where the object rests starts from a model that is near, if there is one.
     ///
     /// # Errors
     /// `Model` for what the model or an effect refuses.
@@ -41,6 +41,7 @@ impl<'a> Space<'a> {
         model: &Description,
         asked: &[&str],
         settings: &FitSettings,
+        near: Option<&Description>,
     ) -> Result<Self, DiagnosisError> {
         let model = unfolded(model, observations)?;
         let bare = Description { effects: Vec::new(), ..model.clone() };
@@ -65,7 +66,8 @@ impl<'a> Space<'a> {
                     false => is_open.then_some(Part::Carried),
                 };
                 let found = member(effect, wish, carried, &rig, settings)?;
-                let known = carried.and_then(|effect| effect.setting().values(about).ok());
+                let known = near.unwrap_or(&model).effects.iter().find(|effect| effect.id == id);
+                let known = known.and_then(|effect| effect.setting().values(about).ok());
                 let steps = observations.steps.iter().map(|step| &step.input);
                 let found = found.map(|member| member.inside(steps, &rig));
                 let start = |member| with_start(member, known, observations, &first);
