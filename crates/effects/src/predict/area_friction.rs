@@ -245,6 +245,7 @@ fn map_to_frame(object: &Object, tensor: &Matrix2<f64>, turning: f64) -> Matrix3
 #[cfg(test)]
 mod tests {
     use super::{AreaFriction, turning_ratio};
+    use crate::object::pressure::Pressure;
     use crate::{LogTensor, Object, Support, by_id};
     use mechanics::{LimitSurface, Patch};
     use nalgebra::{Vector2, Vector3};
@@ -255,6 +256,16 @@ mod tests {
 
     fn object(name: &str) -> Object {
         Object::uniform(Arc::new(mit_object(name).unwrap().shape), 0.8).unwrap()
+    }
+
+    /// Without effects on single points.
+    fn friction<'a>(
+        object: &'a Object,
+        support: &Support,
+        pressure: Option<Arc<Pressure>>,
+    ) -> AreaFriction<'a> {
+        let of_support = (support, turning_ratio(object, support));
+        AreaFriction::new(object, of_support, None, pressure, None).unwrap()
     }
 
     /// Known outlines, long ones, and one that is not convex.
@@ -281,14 +292,7 @@ mod tests {
     fn least_curvature(object: &Object, shape: f64) -> f64 {
         let mut random = ChaCha8Rng::seed_from_u64(3);
         let support = Support { shape, ..Support::nominal(0.25, 0.0) };
-        let friction = AreaFriction::new(
-            object,
-            (&support, turning_ratio(object, &support)),
-            None,
-            None,
-            None,
-        )
-        .unwrap();
+        let friction = friction(object, &support, None);
         let curvature = |motion: Vector3<f64>| {
             let (_, mut slope) = friction.load(&motion).unwrap();
             let length = object.mean_distance();
@@ -338,14 +342,7 @@ mod tests {
         let corners = outline.vertices().iter().map(|corner| inverse * corner).collect();
         let patch = Patch::uniform(&Shape::Polygon(Polygon::new(corners).unwrap()), 1.0).unwrap();
         let support = Support { tensor_o, ..Support::nominal(0.25, 1.0) };
-        let friction = AreaFriction::new(
-            &object,
-            (&support, turning_ratio(&object, &support)),
-            None,
-            None,
-            None,
-        )
-        .unwrap();
+        let friction = friction(&object, &support, None);
         let mut squares = 0.0;
         for _ in 0..2000 {
             let motion = motion(&mut random);
@@ -376,14 +373,7 @@ mod tests {
         ];
         for (shape, tensor_o, pressure) in cases {
             let support = Support { tensor_o, shape, ..Support::nominal(0.25, 0.0) };
-            let friction = AreaFriction::new(
-                &object,
-                (&support, turning_ratio(&object, &support)),
-                None,
-                pressure,
-                None,
-            )
-            .unwrap();
+            let friction = friction(&object, &support, pressure);
             for _ in 0..50 {
                 let motion = motion(&mut random);
                 let (_, slope) = friction.load(&motion).unwrap();

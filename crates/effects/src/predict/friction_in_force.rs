@@ -44,14 +44,15 @@ impl<'a> ForceBalance<'a> {
         let has_points = self.support.shape != 0.0 || local.is_some();
         let pressure = if has_points { self.pressure(memory)? } else { None };
         let (object, support) = (&self.step.object, &self.support);
+        let of_support = (support, self.turning());
         let Some(spots) = self.spots else {
-            let area = AreaFriction::new(object, (support, self.turning), given, pressure, local)?;
+            let area = AreaFriction::new(object, of_support, given, pressure, local)?;
             return Ok(Friction { area, spots: None });
         };
         // The area keeps its own center, about which its load is known.
         let center = object.centroid() + support.center_o;
         let of_area = local.map(|_| self.local_about(&center));
-        let area = AreaFriction::new(object, (support, self.turning), given, pressure, of_area)?;
+        let area = AreaFriction::new(object, of_support, given, pressure, of_area)?;
         let spots = SpotFriction {
             share: spots.share,
             points: spots.leaning(&support.center_o),

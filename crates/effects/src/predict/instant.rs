@@ -1,5 +1,6 @@
 //! What moves the object at one moment.
 
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 use mechanics::{ContactMode, Ellipsoid, MechanicsError};
@@ -27,8 +28,8 @@ pub(crate) struct ForceBalance<'a> {
     pub(crate) turn_wo: Matrix2<f64>,
     time: f64,
     pub(crate) support: Support,
-    /// How much larger the largest moment of friction is by its directions.
-    pub(crate) turning: f64,
+    /// The support's [`turning_ratio`], once it was asked for.
+    turning: OnceCell<f64>,
     /// Center of friction, in m, frame of the outline.
     pub(crate) center: Vector2<f64>,
     /// Largest friction force, in N.
@@ -103,7 +104,7 @@ impl<'a> ForceBalance<'a> {
         } else {
             Vector3::zeros()
         };
-        let (pose_wo, turning) = (*pose_wo, turning_ratio(&step.object, &support));
+        let (pose_wo, turning) = (*pose_wo, OnceCell::new());
         Ok(Self {
             physics,
             step,
@@ -307,9 +308,14 @@ impl<'a> ForceBalance<'a> {
     /// c of the ellipsoid, in m.
     pub(crate) fn length(&self) -> f64 {
         let object = &self.step.object;
-        let turning = self.support.length_ratio * self.turning;
+        let turning = self.support.length_ratio * self.turning();
         let mean = object.mean_distance();
         turning * self.spots.map_or(mean, |s| (1.0 - s.share) * mean + s.share * s.mean_distance)
+    }
+
+    /// How much larger the largest moment of friction is by its directions.
+    pub(crate) fn turning(&self) -> f64 {
+        *self.turning.get_or_init(|| turning_ratio(&self.step.object, &self.support))
     }
 
     /// Mass matrix at the center of friction, axes of the outline.

@@ -43,8 +43,8 @@ impl PushPhysics {
     ///
     /// # Errors
     /// `InvalidValue` for a step, an object or effects with impossible numbers, or a path of more
-    /// than 100 000 sub-steps; `OutOfRange` for values that the object or the pusher does not allow; `SlidesByItself` where the object has to rest, or be pushed, under a
-    /// load that friction cannot hold; `NotFinite` for numbers that overflow; a solver that did not
+    /// than 100 000 sub-steps; `OutOfRange` for values that the object or the pusher does not allow; `SlidesByItself` where the object has to rest, or a push of it begins, under a
+    /// load that friction cannot hold, and where the pusher cannot hold it either later on; `NotFinite` for numbers that overflow; a solver that did not
     /// converge.
     pub fn predict(&self, step: &StepInput) -> Result<Channels, EffectError> {
         let Predicted { mean, .. } = self.predict_over_pushes(step)?;

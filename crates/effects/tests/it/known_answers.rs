@@ -346,6 +346,24 @@ fn what_slides_by_itself_is_decided_on_the_surface_in_force() {
 }
 
 #[test]
+fn where_friction_comes_to_hold_an_object_no_more_the_pusher_may() {
+    // On the way friction falls to a half of what it is at first, and below what holds the object.
+    let (rate, tilt, way) = (-4.0, 1.8, 0.15);
+    let step = push(0.0, way);
+    let tilted = |tilt: f64| {
+        let falling = with("friction-gradient", &[rate, 0.0]);
+        falling.with(by_id("table-tilt").unwrap(), &[tilt, 0.0]).unwrap().predict(&step)
+    };
+    // Uphill it rests on the pusher, which bears its weight's share and its friction.
+    let uphill = tilted(-tilt).unwrap();
+    let mean = ((rate * way).exp() - 1.0) / (rate * way);
+    near(uphill.force_normal, LOAD * mean + MASS * tilt, 2e-3 * LOAD);
+    // Downhill it runs away.
+    let message = tilted(tilt).unwrap_err().to_string();
+    assert!(message.contains("slides without a push"), "{message}");
+}
+
+#[test]
 fn stiction_holds_what_sliding_friction_would_not() {
     let start = push(0.0, 1e-3).track.start();
     let track = Track::straight(start, start - Vector2::new(1e-3, 0.0), 0.05);
