@@ -6,7 +6,7 @@ use pulp::Simd;
 
 use crate::dynamics::pads::LANES;
 
-/// Numbers that are worked on together, each as if it were alone: nothing is fused.
+/// Numbers that are worked on together, each as if it were alone: nothing is fused. For registers of four.
 #[derive(Clone, Copy)]
 pub(crate) struct Quad<S: Simd> {
     simd: S,
@@ -22,6 +22,7 @@ impl<S: Simd> Quad<S> {
 
     #[inline(always)]
     pub(crate) fn new(simd: S, numbers: &[f64; LANES]) -> Self {
+        const { assert!(S::F64_LANES == LANES) };
         Self { simd, numbers: S::as_simd_f64s(numbers).0[0] }
     }
 

@@ -144,12 +144,13 @@ impl Pass<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::Footing;
+    use super::{Footing, Pass};
     use crate::dynamics::pads::Pads;
     use crate::truth::{Grain, RateLaw};
     use nalgebra::{Matrix2, Vector2, Vector3};
     use planar::Shape;
     use proptest::prelude::{ProptestConfig, prop_assert, proptest};
+    use pulp::{Scalar256b, Simd};
 
     const CREEP: f64 = 1e-4;
 
@@ -181,6 +182,20 @@ mod tests {
         let load = footing.resistance(&frictions, &motion, &one, 1e-9, &RateLaw::default()).load;
         let level = (load.x / 2.0).powi(2) + (load.y / 2.0).powi(2) + (load.z / (2.0 * c)).powi(2);
         assert!((level - 1.0).abs() < 1e-3, "{level}");
+    }
+
+    #[test]
+    fn a_machine_without_vector_registers_finds_the_same_bits() {
+        let (footing, frictions) = square(100);
+        let metric = Matrix2::new(1.2, 0.1, 0.1, 0.9);
+        let motion = Vector3::new(0.02, -0.01, 0.5);
+        for law in [RateLaw::default(), RateLaw { breakaway_ratio: 1.3, ..RateLaw::default() }] {
+            let here = footing.resistance(&frictions, &motion, &metric, CREEP, &law);
+            let (footing, frictions) = (&footing, frictions.as_slice());
+            let (motion, metric, law) = (&motion, &metric, &law);
+            let pass = Pass { footing, frictions, motion, metric, creep: CREEP, law };
+            assert_eq!(here, Scalar256b.vectorize(pass));
+        }
     }
 
     proptest! {
