@@ -46,7 +46,7 @@ pub struct Args {
     /// How rough the simulated rig of the thesis' design is
     #[arg(long, value_name = "NAME", default_value = "quiet", value_parser = rigs())]
     rig: String,
-    /// The 60 pushes of fixtures/pushes and fewer repetitions, for a first look
+    /// The 60 pushes of fixtures/pushes, fewer repetitions and fewer steps to learn from, for a first look
     #[arg(long)]
     quick: bool,
     /// Folder for the page, the pictures and their numbers
