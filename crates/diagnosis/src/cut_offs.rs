@@ -82,6 +82,10 @@ pub(crate) const GATHERED: f64 = 4.0;
 /// Steps of held-out pushes in that region that have to say the same. Convention.
 pub(crate) const FEWEST_GATHERED: usize = 3;
 
+/// Share of the noise that one quantity's differences from push to push make, from which the sentence tells it.
+/// Convention: most.
+pub(crate) const MOST_OF_NOISE: f64 = 0.5;
+
 /// Measuring sessions from which sessions, not pushes, are taken for independent. Convention: three are held out,
 /// and flips of the signs of nine are enough for [`NAME`].
 pub(crate) const FEWEST_SESSIONS: usize = 12;

@@ -52,7 +52,8 @@ pub use data::step_suspicions::step_suspicions;
 pub use data::tolerances::Tolerances;
 pub use decide::{
     Clusters, DataUsed, DiagnoseSettings, Diagnosed, Diagnosis, EffectFinding, ErrorFall, Grade,
-    Leftover, MadeBy, MadeFrom, MotionError, NoiseOrigin, ParameterFinding, Verdict, diagnose,
+    Leftover, MadeBy, MadeFrom, MotionError, NoiseOrigin, ParameterFinding, PushScatter, Verdict,
+    diagnose,
 };
 pub use error::DiagnosisError;
 pub use fit::{

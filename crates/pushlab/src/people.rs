@@ -64,9 +64,34 @@ pub(crate) fn people(unit: &str) -> (f64, &str) {
     }
 }
 
+/// Two significant digits, and all before the point.
+pub(crate) fn two_digits(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let digits = (1 - value.abs().log10().floor() as i32).max(0) as usize;
+    format!("{value:.digits$}")
+}
+
+/// A standard deviation with its interval, as "0.30 mm (0.19 to 0.48)".
+pub(crate) fn spread(sd_and_ends: [f64; 3], unit: &str) -> String {
+    let (per, unit) = people(unit);
+    let [sd, low, high] = sd_and_ends.map(|sd| two_digits(per * sd));
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    format!("{sd}{unit} ({low} to {high})")
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{four_digits, lines, short_digests};
+    use super::{four_digits, lines, short_digests, spread, two_digits};
+
+    #[test]
+    fn numbers_have_two_digits() {
+        for (value, text) in [(0.001_234, "0.0012"), (0.99, "0.99"), (12.34, "12"), (1.06, "1.1")] {
+            assert_eq!(two_digits(value), text);
+        }
+        assert_eq!(spread([3e-4, 1.9e-4, 4.8e-4], "m"), "0.30 mm (0.19 to 0.48)");
+    }
 
     #[test]
     fn numbers_have_four_digits_and_digests_twelve() {

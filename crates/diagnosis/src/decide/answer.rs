@@ -4,6 +4,7 @@ use dataset::Suspicion;
 use models::{Cluster, Split};
 use serde::{Deserialize, Serialize};
 
+use super::push_scatter::PushScatter;
 use crate::{FloorSource, Gain, NoiseModel, Observations, Remains, Runs};
 
 /// What a diagnosis found; written and read as `diagnosis.json` (docs/diagnosis.schema.json).
@@ -188,23 +189,26 @@ pub struct Leftover {
 }
 
 impl NoiseOrigin {
-    pub(super) fn of(noise: &NoiseModel) -> Self {
+    pub(super) fn of(noise: &NoiseModel, push_to_push: Vec<PushScatter>) -> Self {
         let source = match noise.source {
             FloorSource::Repeats => "repeats",
             FloorSource::Neighbours => "neighbours",
         };
-        Self { source: source.to_owned(), n_cells: noise.n_cells }
+        Self { source: source.to_owned(), n_cells: noise.n_cells, push_to_push }
     }
 }
 
-/// Where the noise was learnt.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// Where the noise was learnt, and what of the rig differs from push to push.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NoiseOrigin {
     /// `repeats` or `neighbours`.
     pub source: String,
     /// Groups of repeated pushes.
     pub n_cells: usize,
+    /// Parameters of effects that differ from push to push, what scatters the motion most first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub push_to_push: Vec<PushScatter>,
 }
 
 /// What was used of a set.

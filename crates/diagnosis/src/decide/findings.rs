@@ -179,14 +179,17 @@ impl Finding<'_> {
     }
 }
 
-/// A coordinate that was not seen: within some standard errors of its one-step estimate.
+/// A coordinate that was not seen: within some standard errors of its one-step estimate, as far as the effect
+/// allows.
 fn bounded(coordinate: &ScreenedCoordinate, quantile: f64) -> ParameterFinding {
-    let ScreenedCoordinate { change, se, detection_limit, .. } = *coordinate;
+    let ScreenedCoordinate { off, here, range, change, se, detection_limit, .. } = *coordinate;
+    let at = |quantile: f64| Some((here + change + quantile * se).clamp(range.0, range.1));
     ParameterFinding {
-        estimate: Some(change),
+        off: Some(off),
+        estimate: at(0.0),
         se: Some(se),
-        low95: Some(change - quantile * se),
-        high95: Some(change + quantile * se),
+        low95: at(-quantile),
+        high95: at(quantile),
         detection_limit: Some(detection_limit),
         ..unknown(coordinate)
     }

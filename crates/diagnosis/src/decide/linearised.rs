@@ -23,9 +23,10 @@ impl Linearised {
         settings: &DiagnoseSettings,
     ) -> Result<Self, DiagnosisError> {
         let tangent = Tangent::of(about, &settings.own, fitted)?;
-        let noise = noise_beside(&tangent, fitted, &settings.remain())?;
+        let usual = NoiseModel::usual();
+        let noise = noise_beside(&tangent, fitted, &settings.remain(), &usual)?;
         let whitening = noise.whitening_at(fitted, &tangent.linearisation)?;
-        let usual = NoiseModel::usual().whitening_at(fitted, &tangent.linearisation)?;
+        let usual = usual.whitening_at(fitted, &tangent.linearisation)?;
         let screen = screen_at(&tangent, fitted, &whitening, &settings.screen);
         Ok(Self { noise, whitening, usual, screen })
     }

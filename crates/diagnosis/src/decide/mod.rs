@@ -12,6 +12,7 @@ mod found;
 mod leftover;
 mod linearised;
 mod members;
+mod push_scatter;
 mod read;
 mod rivals;
 mod rules;
@@ -31,10 +32,14 @@ pub use self::answer::{
     MotionError, NoiseOrigin, ParameterFinding, Verdict,
 };
 
+pub use self::push_scatter::PushScatter;
+
 use self::claims::{Claims, claims};
 use self::findings::findings;
+use self::found::Found;
 use self::leftover::leftover;
 use self::members::members;
+use self::push_scatter::push_scatter;
 use self::search::Search;
 use self::sentence::sentence;
 use crate::data::thinning::thinned;
@@ -133,6 +138,7 @@ pub fn diagnose(
     let found = search.run()?;
     let left = leftover(&found, (fitted, aside), settings)?;
     let remains = search.remains(&found)?;
+    let push_to_push = push_scatter(&found.with_nuisances, all, settings)?;
     let claims: Claims = claims(&found, (&left, remains.as_ref()));
     let members = members(&found, &claims, fitted, model, settings);
     let effects = findings(&found, (&claims, &members), settings);
@@ -141,7 +147,13 @@ pub fn diagnose(
         made_by: None,
         warnings: Vec::new(),
         verdict: claims.verdict,
-        sentence: sentence(&claims, &effects, &found.error, (&left, remains.as_ref())),
+        sentence: sentence(
+            &claims,
+            &effects,
+            &found.error,
+            (&left, remains.as_ref()),
+            &push_to_push,
+        ),
         identified: claims.identified.iter().map(|id| (*id).to_owned()).collect(),
         ambiguous: claims
             .groups
@@ -153,22 +165,32 @@ pub fn diagnose(
         effects,
         leftover: left.summary(),
         remains,
-        noise: NoiseOrigin::of(&found.noise),
-        data: DataUsed {
-            pushes_used: observations.pushes().len() + second.map_or(0, |set| set.pushes().len()),
-            pushes_excluded: settings.n_pushes_excluded,
-            pushes_fitted: fitted.pushes().len(),
-            pushes_confirming: aside.pushes().len(),
-            steps: observations.n_steps() + second.map_or(0, Observations::n_steps),
-            runs: observations.runs,
-            clusters_fitted: Some(Clusters::of(fitted)),
-            clusters_confirming: Some(Clusters::of(aside)),
-            clusters_missing: Some(found.first_screen.calibration.clusters_missing),
-        },
+        noise: NoiseOrigin::of(&found.noise, push_to_push),
+        data: data_used(&found, (observations, second), (fitted, aside), settings),
         split: parts,
         suspicions: Vec::new(),
     };
     Ok(Diagnosed { diagnosis, description: found.description })
+}
+
+/// What was used of a set and a second one, in the parts that were fitted to and that confirmed.
+fn data_used(
+    found: &Found,
+    (observations, second): (&Observations, Option<&Observations>),
+    (fitted, aside): (&Observations, &Observations),
+    settings: &DiagnoseSettings,
+) -> DataUsed {
+    DataUsed {
+        pushes_used: observations.pushes().len() + second.map_or(0, |set| set.pushes().len()),
+        pushes_excluded: settings.n_pushes_excluded,
+        pushes_fitted: fitted.pushes().len(),
+        pushes_confirming: aside.pushes().len(),
+        steps: observations.n_steps() + second.map_or(0, Observations::n_steps),
+        runs: observations.runs,
+        clusters_fitted: Some(Clusters::of(fitted)),
+        clusters_confirming: Some(Clusters::of(aside)),
+        clusters_missing: Some(found.first_screen.calibration.clusters_missing),
+    }
 }
 
 #[cfg(test)]

@@ -61,6 +61,9 @@ pub struct ErrorSource {
     pub low95: f64,
     /// Upper end of its 95 % interval.
     pub high95: f64,
+    /// Share of the variance of a step's displacement and turn, mean over all steps; 0 before anything is
+    /// learnt.
+    pub share: f64,
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks so")]
@@ -88,19 +91,22 @@ impl NoiseModel {
         own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
-        Self::learn_at(&Tangent::of(model, own, observations)?, observations, None)
+        let tangent = Tangent::of(model, own, observations)?;
+        Self::learn_at(&tangent, observations, None, &Self::usual())
     }
 
-    /// The same with slopes that are known, and also from what a flexible fit leaves of pushes, if that is given.
+    /// The same with slopes that are known, and also from what a flexible fit leaves of pushes, if that is given;
+    /// about as large as what is expected.
     pub(crate) fn learn_at(
         tangent: &Tangent,
         observations: &Observations,
         left: Option<&[(usize, DVector<f64>)]>,
+        expected: &Self,
     ) -> Result<Self, DiagnosisError> {
-        let shapes = shapes(observations, &tangent.linearisation);
+        let shapes = &*shapes(observations, &tangent.linearisation);
         let groups = repeat_groups(observations);
         let n_repeats = groups.iter().map(|group| group.len() - 1).sum::<usize>();
-        let data = Data { observations, tangent, shapes: &shapes };
+        let data = Data { observations, tangent, shapes };
         let (source, groups, mut blocks) = if n_repeats >= FEWEST_REPEATS {
             let blocks: Vec<Block> = groups.iter().map(|group| data.repeats(group)).collect();
             (FloorSource::Repeats, groups, blocks)
@@ -119,11 +125,18 @@ impl NoiseModel {
             let some = alone.iter().step_by(alone.len().div_ceil(MOST_PAIRS).max(1));
             blocks.extend(some.map(|(push, left)| data.left(left, (*push, n_fixed))));
         }
-        let prior: Vec<_> = SOURCES.iter().map(Source::prior).collect();
+        let sources = SOURCES.iter().zip(&expected.sources);
+        let prior: Vec<_> = sources.map(|(source, expected)| source.prior(expected.sd)).collect();
         let found = variances(&blocks, &prior);
         let n_pushes = groups.iter().map(Vec::len).sum();
         let Variances { iterations, decrement, .. } = found;
-        let of = |(k, source)| ErrorSource::new(source, found.values[k], found.log_se[k]);
+        // Few groups of repeats tell little of how their own slopes scatter.
+        let log_se = if left.is_some() { &found.robust_log_se } else { &found.log_se };
+        let shares = shares(shapes, &found.values);
+        let of = |(k, source)| {
+            let source = ErrorSource::new(source, found.values[k], log_se[k]);
+            ErrorSource { share: shares[k], ..source }
+        };
         let sources = SOURCES.iter().enumerate().map(of);
         let n_cells = groups.len();
         let sources = sources.collect();
@@ -135,7 +148,7 @@ impl NoiseModel {
     /// Every source as large as is usual, before anything is learnt of it.
     pub(crate) fn usual() -> Self {
         let of = |source: &Source| {
-            let LogNormal { median, log_sd } = source.prior();
+            let LogNormal { median, log_sd } = source.prior(source.usual_sd);
             ErrorSource::new(source, median, log_sd)
         };
         Self {
@@ -189,8 +202,29 @@ impl ErrorSource {
         let sd = variance.sqrt();
         let ratio = (0.5 * NORMAL_975 * log_se).exp();
         let of_push = matches!(kind, Kind::Push { .. });
-        Self { name, unit, of_push, sd, low95: sd / ratio, high95: sd * ratio }
+        Self { name, unit, of_push, sd, low95: sd / ratio, high95: sd * ratio, share: 0.0 }
     }
+}
+
+/// Each source's share in the variance of a step's displacement and turn, mean over all steps.
+fn shares(shapes: &[ErrorShapes], variances: &[f64]) -> Vec<f64> {
+    let mut sums = vec![0.0; variances.len()];
+    let mut n = 0.0;
+    for of_push in shapes {
+        let roots = of_push.roots.iter().zip(variances);
+        let own: Vec<Vec<f64>> = roots
+            .map(|(root, theta)| root.squares().map(|square| theta * square).collect())
+            .collect();
+        let motion = of_push.numbers.iter().enumerate().filter(|(_, (_, number))| *number < 5);
+        for (row, _) in motion {
+            let total: f64 = own.iter().map(|squares| squares[row]).sum();
+            if total > 0.0 {
+                sums.iter_mut().zip(&own).for_each(|(sum, squares)| *sum += squares[row] / total);
+                n += 1.0;
+            }
+        }
+    }
+    sums.into_iter().map(|sum| sum / f64::max(n, 1.0)).collect()
 }
 
 fn shapes(observations: &Observations, linearisation: &Linearisation) -> Vec<ErrorShapes> {

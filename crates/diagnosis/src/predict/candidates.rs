@@ -30,6 +30,9 @@ pub(crate) struct Candidates {
     /// Name and unit of each coordinate, and the standard deviation of a weak prior.
     pub(crate) names: Vec<(&'static str, &'static str)>,
     pub(crate) prior_sd: Vec<f64>,
+    /// Where each coordinate is off, and where it is in the model.
+    pub(crate) off: Vec<f64>,
+    pub(crate) here: Vec<f64>,
     /// How far each coordinate may change down and up from where it is off.
     pub(crate) room: Vec<[f64; 2]>,
 }
@@ -72,6 +75,8 @@ impl Candidates {
         let mut found = Self::default();
         for effect in some.filter(|effect| !follows(effect)) {
             let about = effect.info();
+            let own = physics.effects().iter().find(|(other, _)| other.info().id == about.id);
+            let own = own.map(|(_, values)| about.to_coordinates(values));
             let first = found.directions.len();
             for (index, coordinate) in
                 effect.coordinates_in(physics.rig(), first_step).iter().enumerate()
@@ -88,6 +93,8 @@ impl Candidates {
                 });
                 found.names.push((coordinate.name, coordinate.unit));
                 found.prior_sd.push(coordinate.prior_sd);
+                found.off.push(coordinate.off);
+                found.here.push(own.as_ref().map_or(coordinate.off, |own| own[index]));
                 let (low, high) = coordinate.range;
                 found.room.push([low - coordinate.off, high - coordinate.off]);
             }

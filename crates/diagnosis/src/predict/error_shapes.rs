@@ -51,6 +51,9 @@ const LOG_SD_KNOWN: f64 = 0.5;
 /// Secants over so many usual standard deviations to either side: they reach pushes that are not
 /// quite at the edge of sticking.
 const SECANT: f64 = 4.0;
+/// Secants over so many standard deviations of what differs by more: their mean square is that of any cubic
+/// of a normal number (three points of Gauss and Hermite).
+const SECANT_OF_OWN: f64 = 1.732_050_807_568_877_2;
 
 /// What stands for a standard deviation that the table does not state: m and rad.
 const UNKNOWN_SD: [f64; 2] = [2e-5, 4e-4];
@@ -75,26 +78,39 @@ const fn source(name: &'static str, unit: &'static str, usual_sd: f64, kind: Kin
 }
 
 impl Source {
-    pub(crate) fn prior(&self) -> LogNormal {
+    /// What is known beforehand of its variance where a standard deviation is expected.
+    pub(crate) fn prior(&self, expected_sd: f64) -> LogNormal {
         let log_sd = match self.kind {
             Kind::ObjectPosition | Kind::ObjectYaw => LOG_SD_KNOWN,
             Kind::Push { .. } => LOG_SD_PUSH,
             _ => LOG_SD,
         };
-        LogNormal { median: self.usual_sd * self.usual_sd, log_sd }
+        // What was dropped may be back.
+        let sd = if expected_sd > 0.0 { expected_sd } else { self.usual_sd };
+        LogNormal { median: sd * sd, log_sd }
     }
 }
 
-/// The coordinates that differ from push to push.
+/// The coordinates that differ from push to push, with secants for what is usual.
 ///
 /// # Errors
 /// `Model` if the catalogue does not know one.
 pub(crate) fn push_directions() -> Result<Vec<Direction>, DiagnosisError> {
+    push_directions_over([0.0; SOURCES.len()])
+}
+
+/// The same with secants for the standard deviation of each source in [`SOURCES`], where that is more.
+///
+/// # Errors
+/// `Model` if the catalogue does not know one.
+pub(crate) fn push_directions_over(
+    sds: impl IntoIterator<Item = f64>,
+) -> Result<Vec<Direction>, DiagnosisError> {
     let mut directions = Vec::new();
-    for source in &SOURCES {
+    for (source, sd) in SOURCES.iter().zip(sds) {
         let Kind::Push { coordinates } = source.kind else { continue };
         let effect = by_id(source.name).map_err(models::ModelError::from)?;
-        let size = SECANT * source.usual_sd;
+        let size = f64::max(SECANT * source.usual_sd, SECANT_OF_OWN * sd);
         let of = |coordinate: &usize| Direction {
             effect: effect.clone(),
             coordinate: *coordinate,
@@ -172,6 +188,14 @@ impl ErrorShapes {
 }
 
 impl Root {
+    /// The diagonal of Z Zᵀ.
+    pub(crate) fn squares(&self) -> Box<dyn Iterator<Item = f64> + '_> {
+        match self {
+            Self::Columns(columns) => Box::new(columns.row_iter().map(|row| row.norm_squared())),
+            Self::Diagonal(values) => Box::new(values.iter().map(|value| value * value)),
+        }
+    }
+
     pub(crate) fn add_to(&self, sum: &mut DMatrix<f64>, theta: f64) {
         match self {
             Self::Columns(columns) => sum.gemm(theta, columns, &columns.transpose(), 1.0),

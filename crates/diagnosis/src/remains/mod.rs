@@ -92,7 +92,7 @@ pub(crate) fn remains(
 /// component.
 ///
 /// Repeats in one place agree better than pushes all over the table do, for what varies from place to place
-/// is the same in each. What no free component explains is noise, wherever it is.
+/// is the same in each. What no free component explains is noise, wherever it is, about as large as is expected.
 ///
 /// # Errors
 /// `NotACovariance`.
@@ -100,12 +100,13 @@ pub(crate) fn noise_beside(
     tangent: &Tangent,
     observations: &Observations,
     settings: &RemainSettings,
+    expected: &NoiseModel,
 ) -> Result<NoiseModel, DiagnosisError> {
-    let noise = NoiseModel::learn_at(tangent, observations, None)?;
+    let noise = NoiseModel::learn_at(tangent, observations, None, expected)?;
     let whitening = noise.whitening_at(observations, &tangent.linearisation)?;
     let columns = Columns::of(tangent, (observations, &whitening), |_| true, settings.tolerances);
     match left_by_all(&columns, &whitening.rows()) {
-        Some(left) => NoiseModel::learn_at(tangent, observations, Some(&left)),
+        Some(left) => NoiseModel::learn_at(tangent, observations, Some(&left), expected),
         None => Ok(noise),
     }
 }

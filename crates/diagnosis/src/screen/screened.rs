@@ -99,6 +99,12 @@ pub struct ScreenedCoordinate {
     pub name: &'static str,
     /// SI unit; `1` for numbers without one.
     pub unit: &'static str,
+    /// Value where the effect is not there.
+    pub off: f64,
+    /// Value in the model.
+    pub here: f64,
+    /// Smallest and largest that may be.
+    pub range: (f64, f64),
     /// Change from its value in the model, by one step of generalised least squares.
     pub change: f64,
     /// Standard error of the change: by the noise model, or by the scatter over the clusters where

@@ -169,9 +169,14 @@ impl<'a> Whitened<'a> {
             .map(|k| {
                 let index = score.tested[k];
                 let ((name, unit), scale) = (self.candidates.names[index], self.scale[index]);
+                let (off, here) = (self.candidates.off[index], self.candidates.here[index]);
+                let [down, up] = self.candidates.room[index];
                 ScreenedCoordinate {
                     name,
                     unit,
+                    off,
+                    here,
+                    range: (off + down, off + up),
                     change: scale * change[k],
                     se: scale * covariance[(k, k)].max(sandwich[(k, k)]).sqrt(),
                     detection_limit: scale * detectable / score.information[(k, k)].sqrt(),

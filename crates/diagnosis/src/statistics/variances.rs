@@ -21,6 +21,9 @@ pub(crate) struct Variances {
     pub(crate) values: Vec<f64>,
     /// Standard errors of ln θ; of what did not converge those of the prior.
     pub(crate) log_se: Vec<f64>,
+    /// The same by the scatter of the blocks' own slopes where that is larger: of many blocks it is nearer to
+    /// the truth, for no source is quite of the shape that it is taken for.
+    pub(crate) robust_log_se: Vec<f64>,
     /// Sources that did not converge: left out, or where nothing else shows in a number as large as was
     /// believed.
     pub(crate) dropped: Vec<usize>,
@@ -71,6 +74,7 @@ pub(crate) fn variances(blocks: &[Block], prior: &[LogNormal]) -> Variances {
             .map(|(held, own)| held.unwrap_or(*own))
             .collect(),
         log_se: prior.iter().map(|prior| prior.log_sd).collect(),
+        robust_log_se: prior.iter().map(|prior| prior.log_sd).collect(),
         dropped: problem.dropped(),
         n_unused,
         iterations,
@@ -90,6 +94,8 @@ struct Problem<'a> {
 struct Top {
     log: Vec<f64>,
     inverse: DMatrix<f64>,
+    /// The same by the scatter of the blocks' slopes.
+    sandwich: DMatrix<f64>,
     decrement: f64,
 }
 
@@ -111,7 +117,8 @@ impl Problem<'_> {
                 // Where no step gains anything the slope is as flat as it gets.
                 let is_flat = decrement < 1e2 * DECREMENT;
                 return if is_flat {
-                    Ok(Top { log, inverse, decrement })
+                    let sandwich = &inverse * &here.scatter * &inverse;
+                    Ok(Top { log, inverse, sandwich, decrement })
                 } else {
                     Err(self.farthest(&here))
                 };
@@ -151,13 +158,19 @@ impl Problem<'_> {
 
     fn variances(&self, top: &Top) -> Variances {
         let value = |k: usize| self.held[k].unwrap_or_else(|| top.log[k].exp());
-        let log_se = |k: usize| match self.held[k] {
+        let log_se = |k: usize, variance: f64| match self.held[k] {
             Some(_) => self.prior[k].log_sd,
-            None => top.inverse[(k, k)].sqrt(),
+            None => variance.sqrt(),
+        };
+        let [curved, scattered] = [&top.inverse, &top.sandwich].map(DMatrix::diagonal);
+        let robust = curved.zip_map(&scattered, f64::max);
+        let all = |variances: &DVector<f64>| {
+            variances.iter().enumerate().map(|(k, variance)| log_se(k, *variance)).collect()
         };
         Variances {
             values: (0..self.held.len()).map(value).collect(),
-            log_se: (0..self.held.len()).map(log_se).collect(),
+            log_se: all(&curved),
+            robust_log_se: all(&robust),
             dropped: self.dropped(),
             n_unused: 0,
             iterations: 0,
@@ -180,10 +193,12 @@ impl Problem<'_> {
         value -= 0.5 * solved.iter().map(|block| block.log_determinant + block.square).sum::<f64>();
         let mut slope = DVector::zeros(n);
         let mut information = DMatrix::zeros(n, n);
+        let mut scatter = DMatrix::zeros(n, n);
         let mut of_fixed = DMatrix::zeros(fixed.coefficients.len(), n);
         for part in &derivatives {
             slope += 0.5 * &part.slope;
             information += 0.5 * &part.information;
+            scatter += 0.25 * &part.slope * part.slope.transpose();
             of_fixed += &part.of_fixed;
         }
         information -= 0.5 * of_fixed.transpose() * &fixed.inverse * &of_fixed;
@@ -191,6 +206,7 @@ impl Problem<'_> {
             slope[k] *= theta[k];
             for l in 0..n {
                 information[(k, l)] *= theta[k] * theta[l];
+                scatter[(k, l)] *= theta[k] * theta[l];
             }
         }
         for (k, prior) in self.prior.iter().enumerate() {
@@ -199,14 +215,17 @@ impl Problem<'_> {
                 information.row_mut(k).fill(0.0);
                 information.column_mut(k).fill(0.0);
                 information[(k, k)] = 1.0;
+                scatter.row_mut(k).fill(0.0);
+                scatter.column_mut(k).fill(0.0);
                 continue;
             }
             let (miss, precision) = (log[k] - prior.median.ln(), prior.log_sd.powi(-2));
             value -= 0.5 * precision * miss * miss;
             slope[k] -= precision * miss;
             information[(k, k)] += precision;
+            scatter[(k, k)] += precision;
         }
-        value.is_finite().then_some(Point { value, slope, information })
+        value.is_finite().then_some(Point { value, slope, information, scatter })
     }
 
     /// A damped step that raises the likelihood; none if not even a tiny one does.
@@ -244,6 +263,8 @@ struct Point {
     value: f64,
     slope: DVector<f64>,
     information: DMatrix<f64>,
+    /// Sum of the squares of the blocks' slopes, and of what the prior's would be.
+    scatter: DMatrix<f64>,
 }
 
 #[cfg(test)]

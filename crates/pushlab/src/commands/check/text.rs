@@ -6,7 +6,7 @@ use diagnosis::{Coverage, ErrorSource, FloorSource};
 use effects::Channel;
 
 use super::{Checked, Showable, Size};
-use crate::people::people;
+use crate::people::{people, spread, two_digits};
 use crate::terminal::TITLE;
 
 /// Pairs of look-alikes that a screen has room for.
@@ -123,10 +123,8 @@ impl Checked {
 }
 
 fn write_source(f: &mut fmt::Formatter<'_>, source: &ErrorSource) -> fmt::Result {
-    let (per, unit) = people(source.unit);
-    let [sd, low, high] = [source.sd, source.low95, source.high95].map(|sd| short(per * sd));
-    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    writeln!(f, "    {:38} {sd}{unit} ({low} to {high})", source.name)
+    let size = spread([source.sd, source.low95, source.high95], source.unit);
+    writeln!(f, "    {:38} {size}", source.name)
 }
 
 /// The sizes of an effect's coordinates; of a ratio along an axis the larger one, as a ratio.
@@ -138,29 +136,8 @@ fn sizes(effect: &Showable) -> String {
     }
     let one = |size: &Size| {
         let (per, unit) = people(size.unit);
-        let text = format!("{} {} {unit}", size.name, short(per * size.detection_limit));
+        let text = format!("{} {} {unit}", size.name, two_digits(per * size.detection_limit));
         text.trim_end().to_owned()
     };
     effect.coordinates.iter().map(one).collect::<Vec<_>>().join(", ")
-}
-
-/// Two digits.
-fn short(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    let digits = (1 - value.abs().log10().floor() as i32).max(0) as usize;
-    format!("{value:.digits$}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::short;
-
-    #[test]
-    fn numbers_have_two_digits() {
-        for (value, text) in [(0.001_234, "0.0012"), (0.99, "0.99"), (12.34, "12"), (1.06, "1.1")] {
-            assert_eq!(short(value), text);
-        }
-    }
 }

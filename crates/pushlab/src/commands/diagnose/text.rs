@@ -4,11 +4,11 @@ use std::fmt;
 
 use diagnosis::{
     Clusters, Diagnosis, EffectFinding, ErrorFall, Gain, Grade, MotionError, OriginShare,
-    ParameterFinding, Remains,
+    ParameterFinding, PushScatter, Remains,
 };
 use models::Cluster;
 
-use crate::people::lines;
+use crate::people::{lines, spread};
 use crate::terminal::{TITLE, WARNING};
 
 /// A diagnosis of a model.
@@ -79,8 +79,25 @@ impl fmt::Display for Answer<'_> {
             }
         }
         write_rest(f, &found.effects)?;
+        write_scatter(f, &found.noise.push_to_push)?;
         found.remains.as_ref().map_or(Ok(()), |remains| write_remains(f, remains))
     }
+}
+
+/// What differs from push to push, as far as it is much of the noise.
+fn write_scatter(f: &mut fmt::Formatter<'_>, scatter: &[PushScatter]) -> fmt::Result {
+    const MUCH: f64 = 0.1;
+    if !scatter.iter().any(|one| one.share >= MUCH) {
+        return Ok(());
+    }
+    writeln!(f, "{TITLE}differs from push to push{TITLE:#}")?;
+    for PushScatter { effect, unit, sd, low95, high95, share } in
+        scatter.iter().filter(|one| one.share >= MUCH)
+    {
+        let size = spread([*sd, *low95, *high95], unit);
+        writeln!(f, "  {effect:26} {size}: {:.0} % of the noise", 100.0 * share)?;
+    }
+    Ok(())
 }
 
 /// What of the rig the error comes from that the claimed effects leave.

@@ -5,7 +5,9 @@ mod remains;
 mod signatures;
 
 use ::report::{ReportError, Section};
-use diagnosis::{Diagnosis, EffectFinding, Gain, Grade, Leftover, ParameterFinding, Verdict};
+use diagnosis::{
+    Diagnosis, EffectFinding, Gain, Grade, Leftover, ParameterFinding, PushScatter, Verdict,
+};
 use effects::by_id;
 
 pub(super) use self::signatures::Signatures;
@@ -46,7 +48,35 @@ pub(super) fn section(found: &Diagnosis, signatures: &Signatures) -> Result<Sect
     if let Some(remains) = &found.remains {
         section = remains::told(remains, section);
     }
-    Ok(rest(found, section))
+    Ok(rest(found, scatter(&found.noise.push_to_push, section)))
+}
+
+/// What differs from push to push.
+fn scatter(scatter: &[PushScatter], section: Section) -> Section {
+    if scatter.is_empty() {
+        return section;
+    }
+    let row = |one: &PushScatter| {
+        let PushScatter { effect, unit, sd, low95, high95, share } = one;
+        let measure = measure(unit);
+        let size = format!(
+            "{} ({} to {})",
+            measure.text(*sd),
+            measure.number(*low95),
+            measure.number(*high95)
+        );
+        vec![effect.clone(), size, format!("{:.0} %", 100.0 * share)]
+    };
+    section
+        .text(
+            "What differs from push to push, and makes the pushes of one kind end differently: no model of these \
+             inputs can foresee it, but it can be told how much it is. `pushlab add EFFECT --fit SET --per-push` \
+             gives it to a model, which then predicts the scatter as well.",
+        )
+        .table(
+            &["effect", "standard deviation (95 %)", "share of what is noise to the model"],
+            scatter.iter().map(row).collect(),
+        )
 }
 
 const GAINS: &str = "Gain in log predictive density by each effect, in nats, on pushes that no fit \
@@ -209,7 +239,7 @@ fn rest(found: &Diagnosis, mut section: Section) -> Section {
                 "Not seen: how much of each effect could still be there, by one step of a fit. A wide \
                  interval means that little is known, not that the effect is probably large.",
             )
-            .table(&["effect", "change from the model (95 %)"], limits);
+            .table(&["effect", "values (95 %)"], limits);
     }
     let silent: Vec<_> =
         of(Grade::NotTestable).map(|e| vec![e.id.clone(), e.why.clone()]).collect();

@@ -1,0 +1,109 @@
+//! By how much what moves an object differs from push to push.
+
+use models::Description;
+use serde::{Deserialize, Serialize};
+
+use super::DiagnoseSettings;
+use crate::predict::tangent::Tangent;
+use crate::remains::noise_beside;
+use crate::{DiagnosisError, ErrorSource, NoiseModel, Observations};
+
+/// By how much a parameter of an effect differs from push to push.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PushScatter {
+    /// The effect's id.
+    pub effect: String,
+    /// SI unit of the standard deviation.
+    pub unit: String,
+    /// Standard deviation; of a vector that of each component.
+    pub sd: f64,
+    /// Lower end of its 95 % interval.
+    pub low95: f64,
+    /// Upper end.
+    pub high95: f64,
+    /// Share of the variance of a step's motion and force that is noise to the best model.
+    pub share: f64,
+}
+
+/// How often the noise is learnt with secants as long as what differs does.
+const N_ROUNDS: usize = 2;
+
+/// What differs from push to push beside a model, what scatters the steps most first.
+///
+/// Noise that weighs a search is linearised over what is usual, for a model that lacks something lets all seem to
+/// scatter widely. Beside the model that was found the secants are as long as the standard deviations are: the
+/// edge between sticking and sliding makes more of a small difference, less of a large one.
+pub(super) fn push_scatter(
+    model: &Description,
+    observations: &Observations,
+    settings: &DiagnoseSettings,
+) -> Result<Vec<PushScatter>, DiagnosisError> {
+    let learn = |tangent: &Tangent, expected: &NoiseModel| {
+        noise_beside(tangent, observations, &settings.remain(), expected)
+    };
+    let tangent = Tangent::of(model, &settings.own, observations)?;
+    let mut noise = learn(&tangent, &NoiseModel::usual())?;
+    for _ in 0..N_ROUNDS {
+        let about = (model, settings.own.as_slice(), observations);
+        let sds = noise.sources.iter().map(|source| source.sd);
+        // So much less friction may let an object slide by itself: then what is usual has to do.
+        let Ok(reaching) = tangent.reaching(sds, about) else { break };
+        // What is usual would pull what is far from it.
+        noise = learn(&reaching, &noise)?;
+    }
+    Ok(told(&noise))
+}
+
+fn told(noise: &NoiseModel) -> Vec<PushScatter> {
+    let tell = |source: &ErrorSource| PushScatter {
+        effect: source.name.to_owned(),
+        unit: source.unit.to_owned(),
+        sd: source.sd,
+        low95: source.low95,
+        high95: source.high95,
+        share: source.share,
+    };
+    let of_push = noise.sources.iter().filter(|source| source.of_push);
+    let mut told: Vec<PushScatter> = of_push.map(tell).collect();
+    told.sort_by(|a, b| b.share.total_cmp(&a.share));
+    told
+}
+
+#[cfg(test)]
+mod tests {
+    use super::push_scatter;
+    use crate::DiagnoseSettings;
+    use crate::synthetic::{SessionErrors, repeated};
+
+    /// Each push is a session of its own, so that what differs from session to session does from push to push.
+    fn found(differs: &[(&str, f64)]) -> Vec<super::PushScatter> {
+        let (mut all, model) = repeated(1, 3);
+        for (step, push) in all.steps.iter_mut().zip(&all.push_of) {
+            step.input.session = *push as u32;
+        }
+        let errors = SessionErrors::of((all, model), differs);
+        let observed = errors.observed(3, 0.0);
+        push_scatter(&errors.model, &observed, &DiagnoseSettings::default()).unwrap()
+    }
+
+    #[test]
+    fn what_differs_from_push_to_push_is_told_first_and_within_its_interval() {
+        for (id, sd) in
+            [("friction-center-offset", 2e-3), ("contact-bias", 1e-3), ("pressure-radius", 0.1)]
+        {
+            let found = found(&[(id, sd)]);
+            let first = &found[0];
+            assert_eq!(first.effect, id, "{found:?}");
+            // Twice the interval's half: one in ten thousand.
+            let off = (first.sd / sd).ln().abs() / (first.high95 / first.sd).ln();
+            assert!(off < 2.0 && first.share > 5.0 * found[1].share, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn nothing_is_told_to_differ_widely_where_noise_is_white() {
+        let found = found(&[]);
+        assert!(found.iter().all(|one| one.share < 0.05), "{found:?}");
+    }
+}
