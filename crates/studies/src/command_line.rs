@@ -41,17 +41,33 @@ pub fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", told(&error));
             ExitCode::FAILURE
         }
     }
+}
+
+/// An error with its causes, but for those that it says itself.
+fn told(error: &anyhow::Error) -> String {
+    error.chain().skip(1).map(ToString::to_string).fold(error.to_string(), |text, cause| {
+        if text.ends_with(&cause) { text } else { format!("{text}: {cause}") }
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory;
 
-    use super::CommandLine;
+    use super::{CommandLine, told};
+
+    #[test]
+    fn a_cause_is_said_once() {
+        let cause = || std::io::Error::other("no such file");
+        let twice = anyhow::Error::new(cause()).context("cannot read x: no such file");
+        assert_eq!(told(&twice), "cannot read x: no such file");
+        let once = anyhow::Error::new(cause()).context("cannot read x");
+        assert_eq!(told(&once), "cannot read x: no such file");
+    }
 
     #[test]
     fn the_command_line_is_consistent() {
