@@ -86,6 +86,10 @@ pub(crate) const FEWEST_GATHERED: usize = 3;
 /// Convention: most.
 pub(crate) const MOST_OF_NOISE: f64 = 0.5;
 
+/// Share of the pushes that may be excluded since a number rests on one of them, or on one session, alone.
+/// Convention.
+pub(crate) const MOST_ALONE: f64 = 0.1;
+
 /// Measuring sessions from which sessions, not pushes, are taken for independent. Convention: three are held out,
 /// and flips of the signs of nine are enough for [`NAME`].
 pub(crate) const FEWEST_SESSIONS: usize = 12;

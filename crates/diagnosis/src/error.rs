@@ -53,6 +53,8 @@ pub enum DiagnosisError {
     OneCluster {
         /// The push, or the session, in words.
         cluster: String,
+        /// Names of its pushes.
+        pushes: Vec<String>,
     },
     /// The data do not determine an effect.
     #[error("{effect} cannot be determined: {why}")]

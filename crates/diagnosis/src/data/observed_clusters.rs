@@ -2,7 +2,7 @@
 
 use models::Cluster;
 
-use crate::Observations;
+use crate::{DiagnosisError, Observations};
 
 impl Observations {
     /// How many clusters there are.
@@ -35,6 +35,15 @@ impl Observations {
         match self.cluster {
             Cluster::Push => format!("push {first}"),
             Cluster::Session => format!("the session of push {first}"),
+        }
+    }
+
+    /// The error of a number that a cluster alone determines.
+    pub(crate) fn alone_determines(&self, cluster: usize) -> DiagnosisError {
+        let pushes = &self.pushes_of_clusters()[cluster];
+        DiagnosisError::OneCluster {
+            cluster: self.name_of_cluster(cluster),
+            pushes: pushes.iter().map(|push| self.pushes[*push].to_string()).collect(),
         }
     }
 }

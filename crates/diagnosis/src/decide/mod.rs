@@ -22,6 +22,7 @@ mod sentence;
 mod standing;
 mod superset;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use effects::Effect;
@@ -42,6 +43,7 @@ use self::members::members;
 use self::push_scatter::push_scatter;
 use self::search::Search;
 use self::sentence::sentence;
+use crate::cut_offs::MOST_ALONE;
 use crate::data::thinning::thinned;
 use crate::remains::RemainSettings;
 use crate::{DiagnosisError, Observations, ScreenSettings, split};
@@ -113,9 +115,46 @@ pub struct Diagnosed {
 /// its size is the same all over the set, if more freedom of what it comes from brings little more, and if no
 /// more is left than it explains; effective else. What is there and hardly seen is carried along, marked small.
 ///
+/// A push, or a session, on which alone a number rests that every fit leaves open is excluded and told in
+/// the warnings: its prediction jumps there, as where an object is caught at a corner.
+///
 /// # Errors
-/// `TooFewPushes`; `OtherKind` for a second set that cannot confirm; `Model` for a learnt model or what an effect refuses; `NotConverged`.
+/// `TooFewPushes`; `OtherKind` for a second set that cannot confirm; `Model` for a learnt model or what an effect refuses; `NotConverged`; `OneCluster` if too many pushes would be excluded.
 pub fn diagnose(
+    observations: &Observations,
+    model: &Description,
+    settings: &DiagnoseSettings,
+) -> Result<Diagnosed, DiagnosisError> {
+    let all: Vec<String> = observations.pushes().iter().map(ToString::to_string).collect();
+    let mut alone: Vec<String> = Vec::new();
+    let mut kept = Cow::Borrowed(observations);
+    loop {
+        let found = diagnose_all(&kept, model, settings);
+        match found {
+            Err(DiagnosisError::OneCluster { pushes, .. })
+                if ((alone.len() + pushes.len()) as f64) < MOST_ALONE * all.len() as f64 =>
+            {
+                alone.extend(pushes);
+                let others: Vec<_> =
+                    all.iter().filter(|push| !alone.contains(*push)).cloned().collect();
+                kept = Cow::Owned(observations.part(&others)?);
+            }
+            Ok(mut found) if !alone.is_empty() => {
+                found.diagnosis.data.pushes_excluded += alone.len();
+                found.diagnosis.warnings.push(format!(
+                    "{} of {} pushes are excluded, since a number of the model would rest on one of them alone: {}",
+                    alone.len(),
+                    all.len(),
+                    alone.join(", ")
+                ));
+                return Ok(found);
+            }
+            found => return found,
+        }
+    }
+}
+
+fn diagnose_all(
     observations: &Observations,
     model: &Description,
     settings: &DiagnoseSettings,

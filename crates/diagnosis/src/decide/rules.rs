@@ -53,7 +53,7 @@ impl From<DiagnosisError> for Objection {
     /// What speaks against an effect whose fit ends with an error.
     fn from(why: DiagnosisError) -> Self {
         match why {
-            DiagnosisError::OneCluster { cluster } => Self::OneCluster { cluster },
+            DiagnosisError::OneCluster { cluster, .. } => Self::OneCluster { cluster },
             why => Self::Unsettled { why: why.to_string() },
         }
     }
@@ -192,7 +192,7 @@ mod tests {
         ));
         let alone = || {
             let cluster = observations.name_of_cluster(3);
-            Err(DiagnosisError::OneCluster { cluster })
+            Err(DiagnosisError::OneCluster { cluster, pushes: Vec::new() })
         };
         for parts in [[alone(), parts(2.0)], [parts(8.0), alone()], [alone(), alone()]] {
             let found = objection(parts).unwrap();

@@ -274,9 +274,8 @@ impl<'a> Refit<'a> {
         let mut z = at.z.clone();
         for (cluster, pushes) in self.observations.pushes_of_clusters().iter().enumerate() {
             let rows: Vec<usize> = pushes.iter().flat_map(|push| rows[*push].clone()).collect();
-            let shift = self.minimum.shift_without(&rows).ok_or_else(|| {
-                DiagnosisError::OneCluster { cluster: self.observations.name_of_cluster(cluster) }
-            })?;
+            let shift = self.minimum.shift_without(&rows);
+            let shift = shift.ok_or_else(|| self.observations.alone_determines(cluster))?;
             let change = slopes.select_rows(&rows) * shift;
             rows.iter().zip(change.iter()).for_each(|(row, change)| z[*row] += change);
         }

@@ -42,9 +42,8 @@ impl Sandwich {
         let clusters = observations.pushes_of_clusters();
         for (cluster, pushes) in clusters.iter().enumerate() {
             let rows: Vec<usize> = pushes.iter().flat_map(|push| all_rows[*push].clone()).collect();
-            let shift = minimum.shift_without(&rows).ok_or_else(|| DiagnosisError::OneCluster {
-                cluster: observations.name_of_cluster(cluster),
-            })?;
+            let shift = minimum.shift_without(&rows);
+            let shift = shift.ok_or_else(|| observations.alone_determines(cluster))?;
             sum.ger(1.0, &shift, &shift, 1.0);
         }
         let n_clusters = clusters.len() as f64;

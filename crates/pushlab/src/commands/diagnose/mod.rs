@@ -102,6 +102,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     }
     found.suspicions = suspicions;
     found.made_by = Some(made_by(&origin));
+    found.warnings.iter().for_each(|warning| terminal.warn(warning));
     found.warnings = terminal.warnings();
     if let Some(output) = output {
         output.write(indented(&found)?)?;
