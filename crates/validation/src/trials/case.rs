@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use anyhow::{Context, Result};
 use models::SurfaceKind;
 use plant::{
-    Design, GenerateSettings, Hidden, HiddenEffect, Layout, PlannedPush, Scatter, Sensor, Sensors,
-    effect_kinds,
+    Design, GenerateSettings, Hidden, HiddenEffect, Layout, PlannedPush, Profile, PushedObject,
+    Scatter, Sensor, Sensors, effect_kinds,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -52,6 +52,12 @@ pub(crate) enum Family {
     Robust,
     /// Another effect than the hidden one, added by hand
     WrongEffect,
+    /// Nothing hidden on a rig as rough as real ones
+    Rough,
+    /// One effect of a fixed, typical size on such a rig
+    RoughTypical,
+    /// One quantity that scatters from push to push
+    Scattered,
 }
 
 /// Which pushes are made.
@@ -68,12 +74,37 @@ pub(super) enum Pushes {
     Central,
 }
 
+/// What is pushed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Outline {
+    Square,
+    Triangle,
+    Ellipse,
+    /// An L.
+    Corner,
+}
+
 /// How the rig is set up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub(super) struct Setup {
     pub(super) pushes: Pushes,
     pub(super) n_pushes: usize,
     pub(super) has_force: bool,
+    pub(super) outline: Outline,
+    pub(super) rig: Rig,
+}
+
+/// A profile of the simulator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Rig {
+    Quiet,
+    Rough,
+    Abs,
+    Delrin,
+    Plywood,
+    Pu,
 }
 
 /// How large a hidden effect is.
@@ -116,11 +147,41 @@ pub(super) struct Case {
 /// Reported trials use seeds from here on; those below are for development.
 pub(super) const FIRST_REPORTED_SEED: u64 = 1_000_000;
 
+/// Corners of an L, in m.
+const CORNER: [[f64; 2]; 6] = [
+    [-0.035, -0.035],
+    [0.065, -0.035],
+    [0.065, 0.005],
+    [0.005, 0.005],
+    [0.005, 0.065],
+    [-0.035, 0.065],
+];
+
 const SPEEDS: [f64; 3] = [0.01, 0.02, 0.04];
 const STEEPEST: f64 = 40.0 * PI / 180.0;
 
+impl Outline {
+    pub(super) const ALL: [Self; 4] = [Self::Square, Self::Triangle, Self::Ellipse, Self::Corner];
+
+    fn object(self) -> PushedObject {
+        let known = |name: &str| PushedObject::Mit { name: name.to_owned() };
+        match self {
+            Self::Square => known("rect1"),
+            Self::Triangle => known("tri1"),
+            Self::Ellipse => known("ellip1"),
+            Self::Corner => PushedObject::Polygon { vertices: CORNER.to_vec(), mass: 0.6 },
+        }
+    }
+}
+
 impl Setup {
-    pub(super) const RICH: Self = Self { pushes: Pushes::Rich, n_pushes: 120, has_force: true };
+    pub(super) const RICH: Self = Self {
+        pushes: Pushes::Rich,
+        n_pushes: 120,
+        has_force: true,
+        outline: Outline::Square,
+        rig: Rig::Quiet,
+    };
 
     /// The setup that shows an effect.
     pub(super) fn of(id: &str) -> Self {
@@ -134,6 +195,19 @@ impl Setup {
             | "flexing-tip" => Self { pushes: Pushes::Speeds, ..Self::RICH },
             _ => Self::RICH,
         }
+    }
+
+    /// Its profile in the simulator.
+    pub(super) fn profile(&self) -> &'static Profile {
+        let name = match self.rig {
+            Rig::Quiet => "quiet",
+            Rig::Rough => "rough",
+            Rig::Abs => "abs",
+            Rig::Delrin => "delrin",
+            Rig::Plywood => "plywood",
+            Rig::Pu => "pu",
+        };
+        Profile::named(name).expect("every rig is a profile of the simulator")
     }
 
     /// A rig where nothing is hidden and sessions do not differ.
@@ -153,17 +227,19 @@ impl Setup {
             steepest: STEEPEST,
             ..Design::default()
         };
-        let sensors = Sensors::default();
+        let profile = self.profile();
+        let sensors = profile.sensors();
         let force =
             if self.has_force { sensors.force } else { Sensor { rate: 0.0, ..Sensor::default() } };
         GenerateSettings {
             name: "pushes of a trial".to_owned(),
+            object: self.outline.object(),
             design,
-            scatter: Scatter { session_share: 0.0, ..Scatter::default() },
+            scatter: Scatter { session_share: 0.0, ..profile.scatter() },
             sensors: Sensors { force, ..sensors },
             format: "csv".to_owned(),
             seed,
-            ..GenerateSettings::default()
+            ..profile.settings()
         }
     }
 }
@@ -218,7 +294,50 @@ impl Asked {
     }
 }
 
+/// A quantity that may scatter from push to push more than it usually does.
+pub(super) struct Scattering {
+    /// As the diagnosis names it.
+    pub(super) name: &'static str,
+    /// Of trials, in the unit that the diagnosis tells it in.
+    pub(super) sd: f64,
+    set: fn(&mut Scatter, f64),
+}
+
+/// Of table and tip, as trials claim it.
+const NOMINAL_FRICTION: f64 = 0.25;
+
+pub(super) const SCATTERING: [Scattering; 6] = [
+    Scattering {
+        name: "support-friction",
+        sd: 0.025,
+        set: |scatter, sd| scatter.support_friction_sd = sd / NOMINAL_FRICTION,
+    },
+    Scattering {
+        name: "pusher-friction",
+        sd: 0.05,
+        set: |scatter, sd| scatter.tip_friction_sd = sd / NOMINAL_FRICTION,
+    },
+    Scattering {
+        name: "pressure-radius",
+        sd: 0.1,
+        set: |scatter, sd| scatter.pressure_radius_sd = sd,
+    },
+    Scattering {
+        name: "friction-center-offset",
+        sd: 3e-3,
+        set: |scatter, sd| scatter.pressure_center_sd = sd,
+    },
+    Scattering { name: "contact-bias", sd: 1e-3, set: |scatter, sd| scatter.contact_sd = sd },
+    Scattering { name: "force-bias", sd: 0.1, set: |scatter, sd| scatter.force_bias_sd = sd },
+];
+
 impl Case {
+    /// Whether every second push is kept from the diagnosis, to see what its model is worth on the
+    /// same rig.
+    pub(super) fn has_fresh_pushes(&self) -> bool {
+        matches!(self.family, Family::Typical | Family::Rough | Family::RoughTypical)
+    }
+
     /// Whether a size or a score of it comes from the oracle.
     pub(super) fn needs_oracle(&self) -> bool {
         let is_sized = |asked: &Asked| matches!(asked.size, Size::Nameable(_));
@@ -241,6 +360,14 @@ impl Case {
     pub(super) fn rig(&self, shares: &[f64]) -> Result<GenerateSettings> {
         let mut rig = self.setup.rig(self.seed);
         (rig.design.n_sessions, rig.scatter.session_share) = self.sessions;
+        if self.has_fresh_pushes() {
+            rig.design.n_pushes *= 2;
+        }
+        if self.family == Family::Scattered {
+            let source = SCATTERING.iter().find(|source| source.name == self.about);
+            let source = source.with_context(|| format!("nothing scatters {}", self.about))?;
+            (source.set)(&mut rig.scatter, source.sd);
+        }
         for (asked, share) in self.hidden.iter().zip(shares) {
             rig.hidden.push(Hidden::Effect(asked.hidden(*share)?));
         }

@@ -42,12 +42,19 @@ changes a number of a step by 0.3 of its noise, and of twice what a manifest lea
 effects are significant, and by design not named. Multiples are of the nameable size, typical sizes
 those of `plant`.
 
-**Right** is the hidden effect's name, or a group of effects of which all are documented look-alikes of
+A square is pushed, and a triangle, an ellipse and an L as well where nothing is hidden and on rough rigs: the
+simulator's profile `rough` and those of four published surfaces, with 120 pushes or 400. There sizes are
+typical ones.
+
+**Right** is the hidden effect's name, or a group of at most three of which all are documented look-alikes of
 it. On the thesis' ellipsoid `limit-surface-shape` is right beside anything. `inertia` is never wrong: the
 simulated rig has it in every set, and fast pushes show it. Friction, pressure, place of contact and zero
 of the force sensor scatter from push to push and, in most sets, from session to session: what the pushes
 of a set share for that reason is no hidden effect, and right where it is named and the intervals (1.22
-times as wide, for there may be three) hold it. Outside the catalogue these say the same:
+times as wide, for there may be three) hold it. What rough rigs have in every set is never wrong there: an
+uneven support and what follows from it, friction that differs over the table, corners that are worn, a gap
+before the contact, a height of the push, friction of the tip and a zero of the force sensor that change; on
+the surfaces friction that falls, on rubber a grain and a rate. Outside the catalogue these say the same:
 `pusher-compliance` of a tip that flexes, `rate-dependent-friction` and `support-stiction` of a film of
 liquid, `edge-rounding` of a chipped corner, `table-tilt` of a cable.
 

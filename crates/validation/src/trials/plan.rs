@@ -7,7 +7,7 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
-use super::case::{Asked, Case, Family, Pushes, Setup, Size};
+use super::case::{Asked, Case, Family, Outline, Pushes, Rig, SCATTERING, Setup, Size};
 use super::oracle::{OF_THE_PUSHES, Oracle};
 use super::variant::Variant;
 
@@ -20,6 +20,11 @@ const N_PAIRS: usize = 60;
 const N_OUTSIDE: usize = 15;
 const N_NARROW: usize = 60;
 const N_ROBUST: usize = 2;
+/// Sets of one scattering quantity.
+const N_SCATTERED: usize = 50;
+/// Every so many sets of rough rigs are large.
+const LARGE_EVERY: usize = 6;
+const LARGE: usize = 400;
 /// Sizes of power curves, in nameable sizes.
 const MULTIPLES: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 const PAIR_MULTIPLE: f64 = 4.0;
@@ -52,7 +57,7 @@ pub(super) fn cases(family: Family, first_seed: u64) -> Vec<Case> {
         Family::Untestable => untestable(),
         Family::WrongNominal => {
             each(N_ROBUST, &without(&catalogue(), "pusher-friction"), |id, turn| Case {
-                variants: vec![Variant::WrongNominal],
+                variants: Variant::WRONG.to_vec(),
                 ..typical(family, id, turn)
             })
         }
@@ -60,6 +65,36 @@ pub(super) fn cases(family: Family, first_seed: u64) -> Vec<Case> {
         Family::WrongEffect => {
             let ids = without(&catalogue(), OF_THE_PUSHES);
             each(N_ROBUST, &ids, |id, turn| typical(family, id, turn))
+        }
+        Family::Rough => {
+            let set = |turn: usize| Case {
+                setup: rough(Setup::RICH, turn),
+                ..case(family, "", "", turn)
+            };
+            (0..N_NOTHING).map(set).collect()
+        }
+        Family::RoughTypical => {
+            let ids = without(&catalogue(), OF_THE_PUSHES);
+            let cases = each(N_EACH, &ids, |id, turn| Case {
+                sessions: SESSIONS[0],
+                ..typical(family, id, turn)
+            });
+            let on_rough = |(turn, mut case): (usize, Case)| {
+                case.setup = rough(case.setup, turn);
+                // An ellipse has no corners to round.
+                if case.about == "edge-rounding" {
+                    case.setup.outline = Outline::Square;
+                }
+                case
+            };
+            cases.into_iter().enumerate().map(on_rough).collect()
+        }
+        Family::Scattered => {
+            let names = SCATTERING.map(|source| source.name);
+            each(N_SCATTERED, &names, |id, turn| Case {
+                sessions: SESSIONS[0],
+                ..case(family, id, "", turn)
+            })
         }
     };
     for (seed, case) in (first_seed + SEEDS_PER_FAMILY * family as u64..).zip(&mut cases) {
@@ -116,7 +151,8 @@ fn each(n: usize, ids: &[&'static str], make: impl Fn(&'static str, usize) -> Ca
 fn nothing(family: Family, surface: SurfaceKind) -> Vec<Case> {
     let set = |turn: usize| {
         let pushes = if turn % 4 == 3 { Pushes::Speeds } else { Pushes::Rich };
-        let setup = Setup { pushes, has_force: turn % 5 != 4, ..Setup::RICH };
+        let outline = Outline::ALL[turn / 2 % 4];
+        let setup = Setup { pushes, has_force: turn % 5 != 4, outline, ..Setup::RICH };
         Case { surface, setup, ..case(family, "", "", turn) }
     };
     (0..N_NOTHING).map(set).collect()
@@ -126,6 +162,14 @@ fn nothing(family: Family, surface: SurfaceKind) -> Vec<Case> {
 fn typical(family: Family, id: &'static str, turn: usize) -> Case {
     let asked = Asked { is_mirrored: turn % 2 == 1, ..Asked::typical(id) };
     Case { setup: Setup::of(id), hidden: vec![asked], ..case(family, id, "", turn) }
+}
+
+/// A rig as rough as real ones: surfaces and shapes in turn.
+fn rough(setup: Setup, turn: usize) -> Setup {
+    const RIGS: [Rig; 5] = [Rig::Rough, Rig::Abs, Rig::Delrin, Rig::Plywood, Rig::Pu];
+    let n_pushes = if turn % LARGE_EVERY == LARGE_EVERY - 1 { LARGE } else { setup.n_pushes };
+    let (rig, outline) = (RIGS[turn % RIGS.len()], Outline::ALL[turn % Outline::ALL.len()]);
+    Setup { rig, outline, n_pushes, ..setup }
 }
 
 fn is_shown_by_force_alone(id: &str) -> bool {
@@ -180,7 +224,7 @@ fn pairs() -> Vec<Case> {
 fn narrow() -> Vec<Case> {
     let set = |turn: usize| {
         let id = NARROW[turn % NARROW.len()];
-        let setup = Setup { pushes: Pushes::Narrow, n_pushes: 100, has_force: true };
+        let setup = Setup { pushes: Pushes::Narrow, n_pushes: 100, ..Setup::RICH };
         Case { setup, sessions: SESSIONS[0], ..typical(Family::Narrow, id, turn) }
     };
     (0..N_NARROW).map(set).collect()

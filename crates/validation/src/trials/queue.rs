@@ -102,7 +102,8 @@ impl Queue<'_> {
             None => format!("no answer within {} s", self.patience.as_secs()),
             Some(status) => format!("{status}: {}", last_line(child)),
         };
-        let truth = truth::open(&folder.join("made/set.truth.toml")).unwrap_or_default();
+        let sealed = folder.join("made/set.truth.toml");
+        let truth = truth::open(&sealed, &case.setup.profile().nominal()).unwrap_or_default();
         if folder.exists() {
             fs::remove_dir_all(&folder)?;
         }

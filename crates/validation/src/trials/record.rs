@@ -6,7 +6,9 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use diagnosis::{Diagnosis, ErrorFall, Grade, Leftover, ParameterFinding, Remains, Verdict};
+use diagnosis::{
+    Diagnosis, ErrorFall, Grade, Leftover, ParameterFinding, PushScatter, Remains, Verdict,
+};
 use serde::{Deserialize, Serialize};
 
 use super::case::{Case, Family, Setup};
@@ -38,6 +40,8 @@ pub(super) struct Record {
     pub(super) seconds: f64,
     pub(super) outcome: Outcome,
     pub(super) variants: BTreeMap<Variant, Outcome>,
+    /// Error of a step with the model that was found, over that before, on other pushes of the rig.
+    pub(super) fresh: Option<f64>,
     /// Root mean square errors of Δx, Δy (m) and Δθ (rad) that noise alone leaves a true model.
     pub(super) floor: Option<[f64; 3]>,
     /// Effects added by hand, and the share of the gap that each closes.
@@ -65,6 +69,9 @@ pub(super) struct Answer {
     pub(super) leftover: Leftover,
     #[serde(default)]
     pub(super) remains: Option<Remains>,
+    /// What differs from push to push, the most first.
+    #[serde(default)]
+    pub(super) push_to_push: Vec<PushScatter>,
     pub(super) effects: Vec<Told>,
 }
 
@@ -100,6 +107,7 @@ impl Record {
             seconds,
             outcome: Outcome::Failed(why),
             variants: BTreeMap::new(),
+            fresh: None,
             floor: None,
             closed_by_hand: Vec::new(),
         }
@@ -127,6 +135,7 @@ impl From<Diagnosis> for Answer {
             error: found.error,
             leftover: found.leftover,
             remains: found.remains,
+            push_to_push: found.noise.push_to_push,
             effects: found.effects.into_iter().map(told).collect(),
         }
     }

@@ -1,14 +1,17 @@
 //! The rows of the table of pass marks.
 
-use diagnosis::Verdict;
+use diagnosis::{PushScatter, Verdict};
 
 use super::case::Family;
 use super::detectable::detectable;
 use super::oracle::Oracle;
 use super::power::Power;
-use super::record::{Outcome, Record};
+use super::record::Record;
 use super::row::{Mark, Row, median_row, row};
-use super::score::{Score, finds_origin, intervals, is_right};
+use super::score::{
+    Score, finds_origin, holds_what_scatters, intervals, is_effective, is_right,
+    names_what_scatters,
+};
 use super::trial::over_floor;
 use super::variant::Variant;
 
@@ -17,6 +20,8 @@ pub(super) fn rows(records: &[Record], oracle: &Oracle) -> Vec<Row> {
     let mut rows = Vec::from(nothing_hidden(records));
     rows.extend(one_hidden(records));
     rows.extend(others_hidden(records));
+    rows.extend(on_rough_rigs(records));
+    rows.extend(what_scatters(records));
     rows.extend(numbers(records));
     rows.extend(told_otherwise(records));
     rows.push(told_sizes(records, oracle));
@@ -132,6 +137,58 @@ fn others_hidden(records: &[Record]) -> [Row; 8] {
     ]
 }
 
+fn on_rough_rigs(records: &[Record]) -> [Row; 5] {
+    let (nothing, typical) = (of(records, Family::Rough), of(records, Family::RoughTypical));
+    let no_mark = |figure: &str, is: fn(&Record) -> (String, bool)| Row {
+        standing: None,
+        ..row(figure, ("no mark", ALWAYS.1), typical.clone().map(is))
+    };
+    let lowers = |record: &Record| Some((line(record), record.fresh? < 1.0));
+    [
+        row("rough rigs, nothing hidden: a wrong name", RARE, nothing.map(is_wrong)),
+        row(
+            "rough rigs, typical sizes: a wrong name beside or instead",
+            RARE,
+            typical.clone().map(is_wrong),
+        ),
+        no_mark("rough rigs, typical sizes: right class named", is_found),
+        no_mark("rough rigs, typical sizes: named, or told to lower the error", |record| {
+            (line(record), record.truth.iter().all(|one| is_effective(record, &one.id)))
+        }),
+        row(
+            "what is claimed lowers the error on fresh pushes of the same rig",
+            ("≥ 95 %", Mark::AtLeast(0.95)),
+            records.iter().filter_map(lowers),
+        ),
+    ]
+}
+
+fn what_scatters(records: &[Record]) -> [Row; 3] {
+    let all = of(records, Family::Scattered);
+    let told = |record: &Record| {
+        let answer = record.outcome.answer();
+        let all = answer.map_or(&[][..], |answer| &answer.push_to_push).iter();
+        let text = |one: &PushScatter| {
+            let PushScatter { effect, sd, low95, high95, share, .. } = one;
+            format!("{effect} {sd:.2e} ({low95:.2e} to {high95:.2e}), {:.0} %", 100.0 * share)
+        };
+        format!("`{}`: {}", record.case, all.map(text).collect::<Vec<_>>().join("; "))
+    };
+    [
+        row(
+            "scatter from push to push: the right quantity told to scatter most",
+            ("≥ 85 %", Mark::AtLeast(0.85)),
+            all.clone().map(|record| (told(record), names_what_scatters(record))),
+        ),
+        row(
+            "its 90 % interval holds the truth",
+            ("85–95 %", Mark::Within(0.85, 0.95)),
+            all.clone().map(|record| (told(record), holds_what_scatters(record))),
+        ),
+        row("scatter from push to push: a wrong name", RARE, all.map(is_wrong)),
+    ]
+}
+
 /// Change of a step's numbers over the noise, from which something is large.
 const LARGE: f64 = 0.6;
 
@@ -156,11 +213,12 @@ fn numbers(records: &[Record]) -> [Row; 4] {
 
 /// The same sets told or asked otherwise.
 fn told_otherwise(records: &[Record]) -> Vec<Row> {
-    let mut rows = vec![row(
-        "nominal μp 20 % wrong: the verdict gains pusher-friction alone",
-        ALWAYS,
-        of(records, Family::WrongNominal).map(gains_friction),
-    )];
+    let mut rows = Vec::from(Variant::WRONG.map(|variant| {
+        let effect = variant.effect().unwrap_or_default();
+        let figure = format!("{}: the verdict gains {effect} alone", variant.name());
+        let wrong = of(records, Family::WrongNominal).filter(|record| record.about != effect);
+        row(&figure, ALWAYS, wrong.filter_map(|record| gains(record, variant)))
+    }));
     rows.extend(Variant::SAME.map(|variant| {
         let same = of(records, Family::Robust).filter_map(|record| is_same(record, variant));
         let mark = ("≥ 90 % (own mark)", Mark::AtLeast(0.9));
@@ -227,16 +285,15 @@ fn errors_by_hand(record: &Record) -> bool {
     before.is_some_and(|((dx, dy), turn)| over_floor([dx, dy, turn], floor) >= MISSES)
 }
 
-fn gains_friction(record: &Record) -> (String, bool) {
-    let outcome = record.variants.get(&Variant::WrongNominal);
-    let pair = record.outcome.answer().zip(outcome.and_then(Outcome::answer));
+fn gains(record: &Record, variant: Variant) -> Option<(String, bool)> {
+    let outcome = record.variants.get(&variant)?;
+    let pair = record.outcome.answer().zip(outcome.answer());
     let gains = pair.is_some_and(|(right, wrong)| {
         let mut expected = right.claimed();
-        expected.insert("pusher-friction");
+        expected.extend(variant.effect());
         expected == wrong.claimed()
     });
-    let with = outcome.map_or("not run".to_owned(), Outcome::text);
-    (format!("{}; with the wrong one {with}", line(record)), gains)
+    Some((format!("{}; with the wrong one {}", line(record), outcome.text()), gains))
 }
 
 fn is_same(record: &Record, variant: Variant) -> Option<(String, bool)> {

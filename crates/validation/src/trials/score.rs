@@ -3,7 +3,7 @@
 use diagnosis::{Grade, Verdict};
 use effects::{Origin, by_id};
 
-use super::case::Family;
+use super::case::{Family, Rig, SCATTERING};
 use super::record::{Answer, Outcome, Record};
 use super::truth::TrueEffect;
 
@@ -21,6 +21,30 @@ const EQUIVALENTS: [(&str, &[&str]); 4] = [
     ("cable-drag", &["table-tilt"]),
 ];
 
+/// What rough rigs have in every set: objects that stand on few spots of a bottom that is not flat, on
+/// a table whose friction changes from place to place; corners that are broken or catch the tip, which
+/// begins a little away and pushes above the table; friction of sides that changes along them; force
+/// sensors that lose their zero.
+const ROUGH: [&str; 13] = [
+    "support-points",
+    "pressure-map",
+    "pressure-radius",
+    "friction-center-offset",
+    "limit-surface-shape",
+    "effective-limit-surface",
+    "friction-gradient",
+    "edge-rounding",
+    "vertex-contact",
+    "approach-gap",
+    "push-height",
+    "pusher-friction",
+    "force-bias",
+];
+/// What published surfaces have beside that: friction that falls over a set; rubber's that rises with the
+/// speed and has a grain, too.
+const DRIFTS: &str = "friction-drift";
+const OF_RUBBER: [&str; 2] = ["rate-dependent-friction", "table-anisotropy"];
+
 /// What of a rig effects outside the catalogue come from.
 const ORIGINS: [(&str, Origin); 8] = [
     ("cable-drag", Origin::Table),
@@ -32,6 +56,9 @@ const ORIGINS: [(&str, Origin); 8] = [
     ("wobbling-foot", Origin::Support),
     ("worn-groove", Origin::Table),
 ];
+
+/// Members of a class that is right, at most.
+const MOST_OF_A_CLASS: usize = 3;
 
 /// Three intervals of 95 % that are so much wider hold three numbers 19 times in 20.
 const WIDER: f64 = 1.22;
@@ -52,7 +79,7 @@ impl Score {
         let hidden: Vec<&str> = record.truth.iter().map(|effect| effect.id.as_str()).collect();
         match &record.outcome {
             Outcome::Answer(answer) => {
-                let mut score = Self::of_answer(answer, &hidden, record.has_ellipsoid());
+                let mut score = Self::of_answer(answer, &hidden, &record.always());
                 let is_drawn = |id: &String| {
                     record.drawn.iter().any(|one| one.id == *id && one.is_as_told(answer))
                 };
@@ -65,13 +92,9 @@ impl Score {
         }
     }
 
-    /// Of an answer about sets that hide some effects, where the base may lack the shape as well.
-    pub(super) fn of_answer(answer: &Answer, hidden: &[&str], lacks_shape: bool) -> Self {
-        let mut right: Vec<&str> = hidden.to_vec();
-        right.push(ALWAYS);
-        if lacks_shape {
-            right.push(SHAPE);
-        }
+    /// Of an answer about sets that hide some effects, on a rig that always has others.
+    pub(super) fn of_answer(answer: &Answer, hidden: &[&str], always: &[&str]) -> Self {
+        let mut right: Vec<&str> = [hidden, always].concat();
         for (id, same) in EQUIVALENTS.iter().filter(|(id, _)| hidden.contains(id)) {
             assert!(by_id(id).is_err());
             right.extend(*same);
@@ -100,7 +123,11 @@ pub(super) fn is_right(record: &Record) -> bool {
     let is_unexplained = answer.is_some_and(|answer| answer.verdict == Verdict::Unexplained);
     match record.family {
         Family::Nothing => score.wrong.is_empty() && !is_unexplained,
-        Family::Ellipsoid => score.wrong.is_empty(),
+        Family::Ellipsoid | Family::Rough => score.wrong.is_empty(),
+        Family::RoughTypical => {
+            score.wrong.is_empty() && record.truth.iter().all(|one| is_effective(record, &one.id))
+        }
+        Family::Scattered => score.wrong.is_empty() && names_what_scatters(record),
         Family::Single | Family::Typical | Family::Pair | Family::Robust => {
             score.is_all_found() && score.wrong.is_empty()
         }
@@ -119,6 +146,37 @@ pub(super) fn is_right(record: &Record) -> bool {
     }
 }
 
+/// Whether an effect is named, in a class, or told to lower the error.
+pub(super) fn is_effective(record: &Record, id: &str) -> bool {
+    let answer = record.outcome.answer();
+    answer.is_some_and(|answer| {
+        let in_class = answer.ambiguous.iter().any(|group| is_class_of(group, id));
+        in_class
+            || answer.named().any(|name| name == id)
+            || answer.effective.iter().any(|one| one == id)
+    })
+}
+
+/// Whether what scatters from push to push is told to scatter the motion most.
+pub(super) fn names_what_scatters(record: &Record) -> bool {
+    let first = record.outcome.answer().and_then(|answer| answer.push_to_push.first());
+    first.is_some_and(|first| first.effect == record.about)
+}
+
+/// Whether the 90 % interval of what scatters holds the truth.
+pub(super) fn holds_what_scatters(record: &Record) -> bool {
+    // From an interval of 95 % of a logarithm.
+    const NARROWER: f64 = 1.645 / 1.96;
+    let truth = SCATTERING.iter().find(|source| source.name == record.about);
+    let answer = record.outcome.answer();
+    let told =
+        answer.and_then(|one| one.push_to_push.iter().find(|one| one.effect == record.about));
+    truth.zip(told).is_some_and(|(truth, told)| {
+        let off = (truth.sd / told.sd).ln();
+        off.abs() <= NARROWER * (told.high95 / told.sd).ln()
+    })
+}
+
 /// Whether most of what is left comes surely from where an effect outside the catalogue comes from.
 pub(super) fn finds_origin(record: &Record) -> bool {
     let answer = record.outcome.answer();
@@ -133,7 +191,9 @@ fn is_class_of(group: &[String], id: &str) -> bool {
         confounders.is_ok_and(|all| all.iter().any(|one| one.id == other))
     };
     let is_alike = |other: &String| other == id || documents(id, other) || documents(other, id);
-    group.iter().any(|member| member == id) && group.iter().all(is_alike)
+    group.len() <= MOST_OF_A_CLASS
+        && group.iter().any(|member| member == id)
+        && group.iter().all(is_alike)
 }
 
 impl TrueEffect {
@@ -156,6 +216,24 @@ impl TrueEffect {
 impl Record {
     pub(super) fn has_ellipsoid(&self) -> bool {
         self.surface == models::SurfaceKind::Ellipsoid.name()
+    }
+
+    /// What is there in every set of the rig, or is what the base lacks.
+    fn always(&self) -> Vec<&'static str> {
+        let mut always = vec![ALWAYS];
+        if self.has_ellipsoid() {
+            always.push(SHAPE);
+        }
+        if self.setup.rig != Rig::Quiet {
+            always.extend(ROUGH);
+        }
+        if !matches!(self.setup.rig, Rig::Quiet | Rig::Rough) {
+            always.push(DRIFTS);
+        }
+        if self.setup.rig == Rig::Pu {
+            always.extend(OF_RUBBER);
+        }
+        always
     }
 }
 
@@ -189,7 +267,10 @@ pub(super) fn intervals(record: &Record) -> Vec<(String, bool)> {
 pub(super) mod tests {
     use diagnosis::{ErrorFall, Grade, Leftover, Verdict};
 
-    use super::super::record::{Answer, Told};
+    use super::super::case::{Family, Rig};
+    use super::super::plan;
+    use super::super::record::{Answer, Outcome, Record, Told};
+    use super::super::truth::Truth;
     use super::Score;
 
     pub(in super::super) fn answer(named: &[&str], ambiguous: &[&[&str]]) -> Answer {
@@ -213,12 +294,15 @@ pub(super) mod tests {
             error: ErrorFall::default(),
             leftover: Leftover { p: None, covariate: None },
             remains: None,
+            push_to_push: Vec::new(),
             effects: named.iter().map(told).collect(),
         }
     }
 
     fn score(named: &[&str], ambiguous: &[&[&str]], hidden: &[&str], lacks_shape: bool) -> Score {
-        Score::of_answer(&answer(named, ambiguous), hidden, lacks_shape)
+        let always: &[&str] =
+            if lacks_shape { &[super::ALWAYS, super::SHAPE] } else { &[super::ALWAYS] };
+        Score::of_answer(&answer(named, ambiguous), hidden, always)
     }
 
     #[test]
@@ -247,6 +331,28 @@ pub(super) mod tests {
         let names: &[&str] = &["limit-surface-shape", "inertia"];
         assert!(score(names, &[], &["inertia"], true).wrong.is_empty());
         assert_eq!(score(names, &[], &["inertia"], false).wrong, ["limit-surface-shape"]);
+    }
+
+    #[test]
+    fn a_class_of_more_than_three_is_no_answer() {
+        let group: &[&[&str]] =
+            &[&["friction-gradient", "table-tilt", "friction-drift", "inertia"]];
+        assert_eq!(score(&[], group, &["table-tilt"], false).found, [false]);
+    }
+
+    #[test]
+    fn what_rough_rigs_have_is_no_wrong_name_on_them_alone() {
+        let wrong = |rig: Rig, named: &[&str]| {
+            let mut case = plan::cases(Family::Rough, 1).remove(0);
+            case.setup.rig = rig;
+            let record = Record::failed(&case, String::new(), Truth::default(), 1.0);
+            let outcome = Outcome::Answer(Box::new(answer(named, &[])));
+            Score::of(&Record { outcome, ..record }).wrong.len()
+        };
+        let of = |rig| {
+            wrong(rig, &["support-points", "friction-drift", "table-anisotropy", "table-tilt"])
+        };
+        assert_eq!([Rig::Quiet, Rig::Rough, Rig::Abs, Rig::Pu].map(of), [4, 3, 2, 1]);
     }
 
     #[test]

@@ -42,17 +42,17 @@ struct SealedPush {
 /// Standard errors of the mean by which what a set shares stands out of its pushes' scatter.
 const STANDS_OUT: f64 = 3.0;
 
-/// Opens a sealed truth.
+/// Opens a sealed truth, beside what the manifest claims.
 ///
 /// # Errors
 /// A file that cannot be read or is no truth.
-pub(super) fn open(path: &Path) -> Result<Truth> {
+pub(super) fn open(path: &Path, nominal: &Nominal) -> Result<Truth> {
     let text =
         fs::read_to_string(path).with_context(|| format!("cannot open {}", path.display()))?;
     let Sealed { hidden, pushes } = toml::from_str(&text)?;
     let variations: Vec<Variation> = pushes.into_iter().map(|push| push.variation).collect();
     let is_hidden = |one: &TrueEffect| hidden.iter().any(|other| other.id == one.id);
-    let mut drawn = drawn(&variations);
+    let mut drawn = drawn(&variations, nominal);
     drawn.retain(|one| !is_hidden(one));
     Ok(Truth { hidden, drawn })
 }
@@ -61,8 +61,7 @@ pub(super) fn open(path: &Path) -> Result<Truth> {
 type Number<'a> = (&'a str, f64, &'a dyn Fn(&Variation) -> f64);
 
 /// The effects whose numbers the pushes of a set share.
-fn drawn(pushes: &[Variation]) -> Vec<TrueEffect> {
-    let nominal = Nominal::default();
+fn drawn(pushes: &[Variation], nominal: &Nominal) -> Vec<TrueEffect> {
     let effect = |id: &str, numbers: &[Number<'_>]| {
         let mut stands_out = false;
         let values = numbers.iter().map(|(name, usual, of)| {
@@ -151,7 +150,7 @@ impl TrueEffect {
 #[cfg(test)]
 mod tests {
     use effects::tested;
-    use plant::{HiddenEffect, Variation, effect_kinds};
+    use plant::{HiddenEffect, Nominal, Variation, effect_kinds};
 
     use super::{TrueEffect, drawn};
 
@@ -164,7 +163,7 @@ mod tests {
         };
         let ids = |shared: f64| -> Vec<String> {
             let pushes: Vec<_> = (0..60).map(|k| push(k, shared)).collect();
-            drawn(&pushes).into_iter().map(|effect| effect.id).collect()
+            drawn(&pushes, &Nominal::default()).into_iter().map(|effect| effect.id).collect()
         };
         assert_eq!(ids(0.0), Vec::<String>::new());
         assert_eq!(ids(0.01), ["force-bias"]);

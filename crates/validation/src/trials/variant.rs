@@ -3,17 +3,18 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use dataset::{RecordingSet, Table};
 use models::{Analytical, Base, Description, Estimate};
 use nalgebra::Vector2;
 use planar::Pose;
+use plant::Nominal;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-/// What is changed; the verdict should be the same, but for `Shuffled` and `WrongNominal`.
+/// What is changed; the verdict should be the same, but for `Shuffled` and [`Variant::WRONG`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Variant {
@@ -30,6 +31,10 @@ pub(crate) enum Variant {
     Reordered,
     /// The nominal friction of the pusher is a fifth too small.
     WrongNominal,
+    /// The manifest's tip is a fifth too thin.
+    WrongRadius,
+    /// The manifest's object is a fifth too light.
+    WrongMass,
     /// Every push at the place, orientation and time of another one.
     Shuffled,
 }
@@ -42,11 +47,16 @@ const OUTLIER: [f64; 2] = [3e-4, 0.8 * std::f64::consts::PI / 180.0];
 pub(super) const SPLIT_SEED: u64 = 7;
 const OTHER_SPLIT_SEED: u64 = 8;
 const WRONG_BY: f64 = 0.8;
+/// Side (m) and mass (kg) of the square that is pushed.
+const SQUARE: (f64, f64) = (0.09, 0.8374);
 
 impl Variant {
     /// Those after which the verdict should be the same.
     pub(super) const SAME: [Self; 5] =
         [Self::Subsample, Self::OtherSplit, Self::WithoutRepeats, Self::Outliers, Self::Reordered];
+
+    /// Those after which the verdict should say which number is wrong, and nothing else be another.
+    pub(super) const WRONG: [Self; 3] = [Self::WrongNominal, Self::WrongRadius, Self::WrongMass];
 
     pub(super) fn name(self) -> &'static str {
         match self {
@@ -56,8 +66,43 @@ impl Variant {
             Self::Outliers => "5 % outliers",
             Self::Reordered => "pushes in another order",
             Self::WrongNominal => "nominal friction of the pusher 20 % too small",
+            Self::WrongRadius => "radius of the tip 20 % too small",
+            Self::WrongMass => "mass of the object 20 % too small",
             Self::Shuffled => "places, orientations and times shuffled",
         }
+    }
+
+    /// The effect that says what is wrong; none if nothing is.
+    pub(super) fn effect(self) -> Option<&'static str> {
+        match self {
+            Self::WrongNominal => Some("pusher-friction"),
+            Self::WrongRadius => Some("pusher-radius"),
+            // What the table's friction carries is mass times friction: either is as wrong.
+            Self::WrongMass => Some("support-friction"),
+            _ => None,
+        }
+    }
+
+    /// The manifest as it is told.
+    ///
+    /// # Errors
+    /// A manifest without the line that is to be wrong.
+    pub(super) fn manifest(self, text: &str) -> Result<String> {
+        let nominal = Nominal::default();
+        let (line, told) = match self {
+            Self::WrongRadius => {
+                let radius = nominal.pusher_radius;
+                (format!("radius_m = {radius:?}"), format!("radius_m = {:?}", WRONG_BY * radius))
+            }
+            Self::WrongMass => {
+                let (side, mass) = (SQUARE.0, WRONG_BY * SQUARE.1);
+                let told = format!("shape = \"square\"\nside_m = {side:?}\nmass_kg = {mass:?}");
+                ("shape = \"rect1\"".to_owned(), told)
+            }
+            _ => return Ok(text.to_owned()),
+        };
+        ensure!(text.contains(&line), "the manifest has no line {line}");
+        Ok(text.replace(&line, &told))
     }
 
     pub(super) fn split_seed(self) -> u64 {
@@ -87,7 +132,7 @@ impl Variant {
         let mut told = table.clone();
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         match self {
-            Self::OtherSplit | Self::WrongNominal => {}
+            Self::OtherSplit | Self::WrongNominal | Self::WrongRadius | Self::WrongMass => {}
             Self::Subsample => {
                 let mut pushes = recordings(table);
                 pushes.shuffle(&mut random);
@@ -129,7 +174,7 @@ impl Variant {
 }
 
 /// The recordings, in the order of the table; each is one push.
-fn recordings(table: &Table) -> Vec<Arc<str>> {
+pub(super) fn recordings(table: &Table) -> Vec<Arc<str>> {
     let mut names: Vec<Arc<str>> = table.rows.iter().map(|row| row.recording.clone()).collect();
     names.dedup();
     names
@@ -187,6 +232,19 @@ mod tests {
         let set = RecordingSet::open(&set).unwrap();
         let table = ingest(&set, &steady_ingest()).unwrap().0;
         test(&table, &set, &|variant| variant.table(&table, &set, 7).unwrap());
+    }
+
+    #[test]
+    fn a_manifest_that_is_wrong_is_so_in_one_number() {
+        let text = "[object]\nshape = \"rect1\"\n\n[pusher]\nradius_m = 0.00475\n";
+        let changed = |variant: Variant| {
+            let told = variant.manifest(text).unwrap();
+            text.lines().filter(|line| !told.contains(line)).count()
+        };
+        let all =
+            [Variant::WrongRadius, Variant::WrongMass, Variant::WrongNominal, Variant::Outliers];
+        assert_eq!(all.map(changed), [1, 1, 0, 0]);
+        assert!(Variant::WrongMass.manifest("shape = \"tri1\"").is_err());
     }
 
     #[test]

@@ -258,13 +258,13 @@ fn tolerated(id: &str) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::case::{Asked, Pushes, Setup};
+    use super::super::case::{Asked, Setup};
     use super::information::Information;
     use super::{Bench, Sizes};
 
     #[test]
     fn noise_simulated_again_is_white_and_sizes_fall_with_information() {
-        let setup = Setup { pushes: Pushes::Rich, n_pushes: 16, has_force: true };
+        let setup = Setup { n_pushes: 16, ..Setup::RICH };
         let bench = Bench::of(&setup).unwrap();
         let rms = bench.noise.check(&bench.pushes, &bench.views).unwrap();
         // About 700 numbers, some of them of pushes at the edge of sliding.
