@@ -125,31 +125,48 @@ pub fn diagnose(
     model: &Description,
     settings: &DiagnoseSettings,
 ) -> Result<Diagnosed, DiagnosisError> {
-    let all: Vec<String> = observations.pushes().iter().map(ToString::to_string).collect();
+    let (mut found, alone) = without_alone(observations, |kept, alone| {
+        let mut settings = settings.clone();
+        for part in settings.split.iter_mut().flat_map(|split| [&mut split.fit, &mut split.confirm])
+        {
+            part.retain(|push| !alone.contains(push));
+        }
+        diagnose_all(kept, model, &settings)
+    })?;
+    if !alone.is_empty() {
+        found.diagnosis.data.pushes_excluded += alone.len();
+        found.diagnosis.warnings.push(format!(
+            "{} of {} pushes are excluded, since a number of the model would rest on one of them alone: {}",
+            alone.len(),
+            observations.pushes().len(),
+            alone.join(", ")
+        ));
+    }
+    Ok(found)
+}
+
+/// What is found of observations without the pushes on which alone a number would rest, and the names of these.
+///
+/// # Errors
+/// What `find` refuses; `OneCluster` if too many pushes would be excluded.
+fn without_alone<T>(
+    observations: &Observations,
+    mut find: impl FnMut(&Observations, &[String]) -> Result<T, DiagnosisError>,
+) -> Result<(T, Vec<String>), DiagnosisError> {
+    let mut left: Vec<String> = observations.pushes().iter().map(ToString::to_string).collect();
+    let most = MOST_ALONE * left.len() as f64;
     let mut alone: Vec<String> = Vec::new();
     let mut kept = Cow::Borrowed(observations);
     loop {
-        let found = diagnose_all(&kept, model, settings);
-        match found {
+        match find(&kept, &alone) {
             Err(DiagnosisError::OneCluster { pushes, .. })
-                if ((alone.len() + pushes.len()) as f64) < MOST_ALONE * all.len() as f64 =>
+                if ((alone.len() + pushes.len()) as f64) < most =>
             {
+                left.retain(|push| !pushes.contains(push));
                 alone.extend(pushes);
-                let others: Vec<_> =
-                    all.iter().filter(|push| !alone.contains(*push)).cloned().collect();
-                kept = Cow::Owned(observations.part(&others)?);
+                kept = Cow::Owned(observations.part(&left)?);
             }
-            Ok(mut found) if !alone.is_empty() => {
-                found.diagnosis.data.pushes_excluded += alone.len();
-                found.diagnosis.warnings.push(format!(
-                    "{} of {} pushes are excluded, since a number of the model would rest on one of them alone: {}",
-                    alone.len(),
-                    all.len(),
-                    alone.join(", ")
-                ));
-                return Ok(found);
-            }
-            found => return found,
+            found => return Ok((found?, alone)),
         }
     }
 }
@@ -236,9 +253,26 @@ fn data_used(
 mod tests {
     use models::Cluster;
 
-    use super::{DiagnoseSettings, Diagnosis, Verdict, diagnose};
-    use crate::Observations;
-    use crate::synthetic::{SessionErrors, repeated};
+    use super::{DiagnoseSettings, Diagnosis, Verdict, diagnose, without_alone};
+    use crate::synthetic::{SessionErrors, recorded, repeated};
+    use crate::{DiagnosisError, Observations};
+
+    #[test]
+    fn pushes_on_which_alone_a_number_rests_are_left_out_until_they_are_too_many() {
+        let (all, _) = recorded(1);
+        let n = all.pushes().len();
+        // As if a number rested on each of the first so many pushes.
+        let without = |n_alone: usize| {
+            without_alone(&all, |kept, alone| {
+                assert_eq!(kept.pushes().len() + alone.len(), n);
+                if alone.len() < n_alone { Err(kept.alone_determines(0)) } else { Ok(()) }
+            })
+        };
+        let first: Vec<String> = all.pushes()[..2].iter().map(ToString::to_string).collect();
+        assert_eq!(without(0).unwrap().1, Vec::<String>::new());
+        assert_eq!(without(2).unwrap().1, first);
+        assert!(matches!(without(n / 8), Err(DiagnosisError::OneCluster { .. })));
+    }
 
     /// Twenty sessions leave fifteen to fit to: flips of fewer than thirteen make no name sure.
     const N_SESSIONS: u32 = 20;

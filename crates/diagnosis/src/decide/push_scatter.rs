@@ -49,8 +49,9 @@ pub(super) fn push_scatter(
         let sds = noise.sources.iter().map(|source| source.sd);
         // So much less friction may let an object slide by itself: then what is usual has to do.
         let Ok(reaching) = tangent.reaching(sds, about) else { break };
-        // What is usual would pull what is far from it.
-        noise = learn(&reaching, &noise)?;
+        // What is usual would pull what is far from it. Where nothing is learnt so, what is known stays.
+        let Ok(learnt) = learn(&reaching, &noise) else { break };
+        noise = learnt;
     }
     Ok(told(&noise))
 }

@@ -6,7 +6,7 @@ use effects::{Channels, Effect};
 use models::{Base, Description};
 
 use crate::data::observations::Place;
-use crate::predict::error_shapes::{ErrorShapes, Root, push_directions};
+use crate::predict::error_shapes::{ErrorShapes, push_directions};
 use crate::predict::secants::Linearisation;
 use crate::statistics::quantile::NORMAL_975;
 use crate::{DiagnosisError, Floor, FloorSource, NoiseFloor, NoiseModel, Observations};
@@ -76,13 +76,10 @@ fn predicted(
     let mut sums = vec![[0.0; 7]; noise.sources.len()];
     for numbers in observations.own_numbers() {
         let shapes = ErrorShapes::of(observations, &linearisation, numbers);
-        for (row, (_, number)) in shapes.numbers.iter().enumerate() {
-            n[*number] += 1;
-            for (sums, root) in sums.iter_mut().zip(&shapes.roots) {
-                sums[*number] += match root {
-                    Root::Columns(columns) => columns.row(row).norm_squared(),
-                    Root::Diagonal(values) => values[row].powi(2),
-                };
+        shapes.numbers.iter().for_each(|(_, number)| n[*number] += 1);
+        for (sums, root) in sums.iter_mut().zip(&shapes.roots) {
+            for ((_, number), square) in shapes.numbers.iter().zip(root.squares()) {
+                sums[*number] += square;
             }
         }
     }

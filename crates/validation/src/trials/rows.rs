@@ -213,12 +213,13 @@ fn numbers(records: &[Record]) -> [Row; 4] {
 
 /// The same sets told or asked otherwise.
 fn told_otherwise(records: &[Record]) -> Vec<Row> {
-    let mut rows = Vec::from(Variant::WRONG.map(|variant| {
-        let effect = variant.effect().unwrap_or_default();
+    let wrong = Variant::WRONG.into_iter().filter_map(|variant| {
+        let effect = variant.effect()?;
         let figure = format!("{}: the verdict gains {effect} alone", variant.name());
         let wrong = of(records, Family::WrongNominal).filter(|record| record.about != effect);
-        row(&figure, ALWAYS, wrong.filter_map(|record| gains(record, variant)))
-    }));
+        Some(row(&figure, ALWAYS, wrong.filter_map(|record| gains(record, variant))))
+    });
+    let mut rows: Vec<Row> = wrong.collect();
     rows.extend(Variant::SAME.map(|variant| {
         let same = of(records, Family::Robust).filter_map(|record| is_same(record, variant));
         let mark = ("≥ 90 % (own mark)", Mark::AtLeast(0.9));
