@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use effects::Effect;
 use models::{ChannelModel, Description};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, Vector3};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, SymmetricEigen, Vector3};
 use rayon::prelude::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use crate::{DiagnosisError, Observations, Whitening};
@@ -135,8 +135,8 @@ impl MotionErrors {
         Ok(found)
     }
 
-    fn factor(&self, push: usize, missed: &Missed) -> Result<Cholesky<f64, Dyn>, DiagnosisError> {
-        self.covariance(missed).cholesky().ok_or(DiagnosisError::NotACovariance { push })
+    fn factor(&self, push: usize, missed: &Missed) -> Result<Factor, DiagnosisError> {
+        Factor::of(self, missed).ok_or(DiagnosisError::NotACovariance { push })
     }
 
     /// The covariance of a push's errors.
@@ -161,24 +161,21 @@ impl MotionErrors {
         if n == 0 {
             return Ok([Matrix3::zeros(); 2]);
         }
-        let inverse = self.factor(push, missed)?.inverse();
-        let pulled = &inverse * &missed.miss;
+        let factor = self.factor(push, missed)?;
+        let pulled = factor.solve(&missed.miss);
         let square = missed.miss.dot(&pulled);
         let weight = self.tails.map_or(1.0, |tails| (tails + 3.0 * n as f64) / (tails + square));
-        let (mut rest, mut all) = (Matrix3::zeros(), Matrix3::zeros());
-        let mut pull = Vector3::zeros();
-        for one in 0..n {
-            let of_step = pulled.fixed_rows::<3>(3 * one);
+        let (mut rest, mut pull) = (Matrix3::zeros(), Vector3::zeros());
+        for step in 0..n {
+            let of_step = pulled.fixed_rows::<3>(3 * step);
             let own = self.rest * of_step;
-            let known = self.rest * inverse.fixed_view::<3, 3>(3 * one, 3 * one) * self.rest;
-            rest += weight * own * own.transpose() + self.rest - known;
+            rest += weight * own * own.transpose() + self.rest;
             pull += of_step;
-            for other in 0..n {
-                all += inverse.fixed_view::<3, 3>(3 * one, 3 * other);
-            }
         }
+        let [of_steps, of_all] = factor.sums_of_inverse();
+        rest -= self.rest * of_steps * self.rest;
         let common = self.shared * pull;
-        let known = self.shared * all * self.shared;
+        let known = self.shared * of_all * self.shared;
         Ok([rest, weight * common * common.transpose() + self.shared - known])
     }
 
@@ -190,7 +187,7 @@ impl MotionErrors {
         let n = missed.miss.len() as f64;
         let factor = self.factor(push, missed)?;
         let square = missed.miss.dot(&factor.solve(&missed.miss));
-        let spread = 0.5 * factor.ln_determinant();
+        let spread = 0.5 * factor.ln_determinant;
         Ok(match self.tails {
             None => -0.5 * n * TAU.ln() - spread - 0.5 * square,
             Some(tails) => {
@@ -199,6 +196,80 @@ impl MotionErrors {
                 norm - spread - 0.5 * (tails + n) * (1.0 + square / tails).ln()
             }
         })
+    }
+}
+
+/// The covariance of a push's errors, factored: what each step has alone is a block of its own, and all else
+/// few directions beside it, so that a long push costs no more than its steps (Woodbury's identity).
+struct Factor {
+    /// L⁻¹ of the rest LLᵀ that each step has alone.
+    whitened: Matrix3<f64>,
+    /// B: what else moves the steps, whitened, three rows a step.
+    directions: DMatrix<f64>,
+    /// 1 + BᵀB.
+    inner: Cholesky<f64, Dyn>,
+    ln_determinant: f64,
+}
+
+impl Factor {
+    fn of(errors: &MotionErrors, missed: &Missed) -> Option<Self> {
+        let rest = errors.rest.cholesky()?;
+        let SymmetricEigen { eigenvectors, eigenvalues } = errors.shared.symmetric_eigen();
+        // What steps share may be less than three numbers; below 0 it is none.
+        if eigenvalues.min() < -1e-9 * eigenvalues.max() {
+            return None;
+        }
+        let sd = eigenvalues.map(|variance| variance.max(0.0).sqrt());
+        let whitened = rest.l().try_inverse()?;
+        let n = missed.n_steps();
+        let mut directions = DMatrix::zeros(3 * n, 3 + missed.varied.ncols());
+        let common = whitened * eigenvectors * Matrix3::from_diagonal(&sd);
+        for step in 0..n {
+            directions.fixed_view_mut::<3, 3>(3 * step, 0).copy_from(&common);
+            let varied = whitened * missed.varied.fixed_rows::<3>(3 * step);
+            directions.view_mut((3 * step, 3), (3, varied.ncols())).copy_from(&varied);
+        }
+        let inner = directions.tr_mul(&directions);
+        let inner =
+            (inner + DMatrix::identity(directions.ncols(), directions.ncols())).cholesky()?;
+        let ln_determinant = n as f64 * rest.ln_determinant() + inner.ln_determinant();
+        ln_determinant.is_finite().then_some(Self { whitened, directions, inner, ln_determinant })
+    }
+
+    /// The inverse times the misses of a push.
+    fn solve(&self, miss: &DVector<f64>) -> DVector<f64> {
+        let by_steps = |by: &Matrix3<f64>, all: &mut DVector<f64>| {
+            for step in 0..all.len() / 3 {
+                let of_step = by * all.fixed_rows::<3>(3 * step);
+                all.fixed_rows_mut::<3>(3 * step).copy_from(&of_step);
+            }
+        };
+        let mut solved = miss.clone();
+        by_steps(&self.whitened, &mut solved);
+        let taken = self.inner.solve(&self.directions.tr_mul(&solved));
+        solved.gemv(-1.0, &self.directions, &taken, 1.0);
+        by_steps(&self.whitened.transpose(), &mut solved);
+        solved
+    }
+
+    /// The sums of the inverse's blocks of three rows and three columns: of those on the diagonal, and of all.
+    fn sums_of_inverse(&self) -> [Matrix3<f64>; 2] {
+        let n_steps = self.directions.nrows() / 3;
+        let columns = self.directions.ncols();
+        let mut together = DMatrix::zeros(3, columns);
+        let mut of_steps = Matrix3::zeros();
+        // B M⁻¹ Bᵀ by the factor of M.
+        let reached = self.inner.l_dirty().solve_lower_triangular(&self.directions.transpose());
+        let reached = reached.unwrap_or_else(|| DMatrix::zeros(columns, 3 * n_steps));
+        for step in 0..n_steps {
+            let of_step = reached.fixed_columns::<3>(3 * step);
+            of_steps += of_step.tr_mul(&of_step);
+            together += of_step.transpose();
+        }
+        let of_all = &together * together.transpose();
+        let whole = n_steps as f64 * Matrix3::identity();
+        let outward = |inside: Matrix3<f64>| self.whitened.transpose() * inside * self.whitened;
+        [outward(whole - of_steps), outward(whole - of_all.fixed_view::<3, 3>(0, 0))]
     }
 }
 
@@ -346,6 +417,28 @@ mod tests {
             }
         }
         assert!(n_forces > 100, "{n_forces}");
+    }
+
+    #[test]
+    fn few_directions_stand_for_the_whole_covariance() {
+        let rest = Matrix3::new(4e-8, 1e-8, 0.0, 1e-8, 3e-8, 2e-7, 0.0, 2e-7, 9e-6);
+        let shared = Matrix3::from_diagonal(&Vector3::new(1e-8, 0.0, 2e-6));
+        let mut push = pushes(1, 5, [1e-4, 2e-4, 3e-3], [1e-4; 3]).remove(0);
+        push.varied =
+            DMatrix::from_fn(15, 2, |row, column| 1e-4 * (row as f64 - 4.0 * column as f64));
+        let errors = MotionErrors { rest, shared, tails: None };
+        let (few, whole) = (errors.factor(0, &push).unwrap(), errors.covariance(&push));
+        let whole = whole.cholesky().unwrap();
+        assert!((few.ln_determinant - whole.ln_determinant()).abs() < 1e-9);
+        let (inverse, solved) = (whole.inverse(), few.solve(&push.miss));
+        assert!((&inverse * &push.miss - &solved).norm() < 1e-9 * solved.norm());
+        let block =
+            |one: usize, other: usize| inverse.fixed_view::<3, 3>(3 * one, 3 * other).into_owned();
+        let of_steps: Matrix3<f64> = (0..5).map(|step| block(step, step)).sum();
+        let of_all: Matrix3<f64> = (0..25).map(|pair| block(pair / 5, pair % 5)).sum();
+        for (found, expected) in few.sums_of_inverse().into_iter().zip([of_steps, of_all]) {
+            assert!((found - expected).norm() < 1e-9 * of_steps.norm(), "{found} {expected}");
+        }
     }
 
     #[test]
