@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail, ensure};
 use diagnosis::{
-    Fit, FitSettings, Intervals, NoiseModel, NotTestable, Observations, fit_with_noise, lacking,
-    split,
+    Fit, FitSettings, NoiseModel, NotTestable, Observations, fit_with_noise, lacking, split,
 };
 use effects::{EffectInfo, by_id};
 use models::{ModelFile, Split};
@@ -101,8 +100,7 @@ impl Fitting {
     /// # Errors
     /// What the fit says.
     pub(crate) fn fit_values(&self, model: &ModelFile, free: &[&str]) -> Result<Fit> {
-        let values =
-            FitSettings { intervals: Intervals::None, resemblances: false, ..self.settings() };
+        let values = FitSettings { resemblances: false, ..self.settings() };
         self.fit_with(model, free, &values)
     }
 

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use dataset::{RecordingSet, ingest};
 use diagnosis::{
-    DiagnosisError, Fit, FitSettings, Intervals, NoiseModel, Observations, ParameterFit,
-    Predictions, RepeatTolerance, change, fit_with_noise, noise_floor, steady_ingest,
+    DiagnosisError, Fit, FitSettings, NoiseModel, Observations, ParameterFit, Predictions,
+    RepeatTolerance, change, fit_with_noise, noise_floor, steady_ingest,
 };
 use models::{Analytical, Description, PushModel};
 use rand::SeedableRng;
@@ -112,7 +112,7 @@ fn sample(answer: &Path) -> Result<Result<Sample, String>> {
     let [fitted, others] = halves(&all)?;
     let base = Analytical::nominal(set.manifest().pusher.friction)?.describe()?;
     let noise = NoiseModel::learn(&base, &[], &fitted)?;
-    let settings = FitSettings { intervals: Intervals::None, ..FitSettings::default() };
+    let settings = FitSettings::default();
     let fit = |free: &[&str]| fit_with_noise(&fitted, &base, free, &noise, &settings);
     let with_hidden = if hidden.is_empty() { None } else { settled(fit(hidden))? };
     let with_shape = settled(fit(&[hidden, &[SHAPE]].concat()))?;

@@ -12,8 +12,8 @@ use crate::cut_offs::{HINT, NAME, SIZE, SMALL_SHARE, TOLERANCES};
 use crate::fit::Refit;
 use crate::remains::remains;
 use crate::{
-    DiagnosisError, EffectFit, Fit, Gain, Intervals, NoiseModel, NuisanceFit, Reason, Remains,
-    Screen, ScreenedEffect, Undetermined,
+    DiagnosisError, EffectFit, Fit, Gain, NoiseModel, NuisanceFit, Reason, Remains, Screen,
+    ScreenedEffect, Undetermined,
 };
 
 impl Search<'_> {
@@ -64,7 +64,7 @@ impl Search<'_> {
         here: &Refit,
         progress: &mut Progress,
     ) -> Result<Vec<&'static str>, DiagnosisError> {
-        let settings = self.fit_settings(Intervals::None);
+        let settings = self.fit_settings();
         // Later screens are of models that carry some of the numbers, and do not test those.
         let screened = &progress.first_screen.effects;
         let is_hidden =
@@ -104,7 +104,7 @@ impl Search<'_> {
         for choice in &progress.chosen {
             for rival in &choice.rivals {
                 let Some(there) = self.with_instead(here, choice.id, rival) else { continue };
-                let Ok(fit) = there.fit(&self.fit_settings(Intervals::None)) else { continue };
+                let Ok(fit) = there.fit(&self.fit_settings()) else { continue };
                 let wrong = fit.nuisances.iter().filter(|one| self.is_wrong(one));
                 found.push((*rival, wrong.map(|one| one.id).collect()));
             }
@@ -120,7 +120,7 @@ impl Search<'_> {
         progress: &mut Progress,
     ) -> Result<(Refit<'a>, Fit), DiagnosisError> {
         loop {
-            let fit = whole.fit(&self.fit_settings(Intervals::StandardErrors))?;
+            let fit = whole.fit(&self.fit_settings())?;
             let objection = open(&fit, &progress.chosen);
             let objection = objection.or_else(|| self.unsure_number(&fit, progress));
             let Some((id, objection)) = objection else {
@@ -225,7 +225,7 @@ impl Search<'_> {
                     whole.without(&[id])?
                 }
             };
-            fit = whole.fit(&self.fit_settings(Intervals::StandardErrors))?;
+            fit = whole.fit(&self.fit_settings())?;
         }
     }
 }

@@ -5,7 +5,7 @@ use models::Description;
 use super::DiagnoseSettings;
 use super::claims::Claims;
 use super::found::Found;
-use crate::{EffectFit, FitSettings, Intervals, Observations, fit_with_noise};
+use crate::{EffectFit, FitSettings, Observations, fit_with_noise};
 
 /// The members of groups that were not added, each fitted beside the other claims, with intervals
 /// by standard errors.
@@ -22,7 +22,6 @@ pub(super) fn members(
     let settings = FitSettings {
         own: settings.own.clone(),
         tolerances: settings.screen.tolerances,
-        intervals: Intervals::StandardErrors,
         resemblances: false,
         ..FitSettings::default()
     };

@@ -12,7 +12,7 @@ use super::rules::{Objection, Rules};
 use crate::cut_offs::{APART, HINT, MOST_SMALL, NAME, SIZE};
 use crate::fit::{Refit, Trial};
 use crate::predict::candidates::follow_from_points;
-use crate::{DiagnosisError, FitSettings, Intervals, Observations, Screen, ScreenedEffect};
+use crate::{DiagnosisError, FitSettings, Observations, Screen, ScreenedEffect};
 
 /// The search on the pushes to fit to.
 pub(super) struct Search<'a> {
@@ -55,7 +55,7 @@ impl Search<'_> {
     pub(super) fn run(&self) -> Result<Found, DiagnosisError> {
         let Linearised { usual, screen: first_screen, .. } =
             Linearised::of(self.model, self.fitted, self.settings)?;
-        let settings = self.fit_settings(Intervals::None);
+        let settings = self.fit_settings();
         let here = Refit::new(self.fitted, self.model, &usual, &settings)?;
         self.forward_step(&here, Progress { first_screen, chosen: Vec::new(), refused: Vec::new() })
     }
@@ -216,7 +216,7 @@ impl Search<'_> {
         there: &Refit,
         id: &str,
     ) -> Result<Option<Objection>, DiagnosisError> {
-        let fit = match there.fit(&self.fit_settings(Intervals::None)) {
+        let fit = match there.fit(&self.fit_settings()) {
             Err(why @ DiagnosisError::OneCluster { .. }) => return Ok(Some(why.into())),
             fit => fit?,
         };
@@ -358,9 +358,9 @@ impl Search<'_> {
         Ok(whole)
     }
 
-    pub(super) fn fit_settings(&self, intervals: Intervals) -> FitSettings {
+    pub(super) fn fit_settings(&self) -> FitSettings {
         let (own, tolerances) = (self.settings.own.clone(), self.settings.screen.tolerances);
-        FitSettings { own, tolerances, priors: true, intervals, resemblances: false }
+        FitSettings { own, tolerances, priors: true, resemblances: false }
     }
 
     pub(super) fn effect(&self, id: &str) -> Option<&Arc<dyn Effect>> {

@@ -7,13 +7,12 @@ use nalgebra::{DMatrix, DVector};
 use super::descent::Minimum;
 use super::fitted_model::put;
 use super::free_spread::FreeSpread;
-use super::interval::{Interval, Target, interval};
 use super::member::{CHART_STEP, Member, Part};
 use super::problem::Problem;
 use super::resemblance::{Resemblance, resemblances};
-use super::sandwich::Sandwich;
+use super::sandwich::sandwich;
 use super::search::Found;
-use super::{EffectFit, Fit, FitSettings, Intervals, NuisanceFit, ParameterFit};
+use super::{EffectFit, Fit, FitSettings, Interval, NuisanceFit, ParameterFit};
 use crate::cut_offs::{ALIKE, NAME};
 use crate::statistics::quantile::{fisher_tail, student_975, student_tail};
 use crate::undetermined::Undetermined;
@@ -26,7 +25,8 @@ const WIDTH: f64 = 3.92;
 struct Ending<'a> {
     problem: &'a Problem<'a>,
     found: &'a Found,
-    sandwich: Sandwich,
+    /// Of the numbers that were moved.
+    covariance: DMatrix<f64>,
     /// The pushes of each cluster.
     clusters: Vec<Vec<usize>>,
 }
@@ -62,7 +62,7 @@ pub(super) fn estimates(
         effects: effects.collect::<Result<_, _>>()?,
         nuisances: nuisances.flat_map(|(index, _)| ending.nuisance(index, settings)).collect(),
         coordinates: minimum.moved.iter().map(|k| names[*k].clone()).collect(),
-        covariance: ending.sandwich.covariance.clone(),
+        covariance: ending.covariance.clone(),
         cluster: observations.cluster,
         n_clusters: ending.clusters.len(),
         n_pushes: observations.pushes().len(),
@@ -93,8 +93,8 @@ impl<'a> Ending<'a> {
         found: &'a Found,
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
-        let sandwich = Sandwich::of(problem, &found.after, observations)?;
-        Ok(Self { problem, found, sandwich, clusters: observations.pushes_of_clusters() })
+        let covariance = sandwich(problem, &found.after, observations)?;
+        Ok(Self { problem, found, covariance, clusters: observations.pushes_of_clusters() })
     }
 }
 
@@ -119,14 +119,13 @@ impl Ending<'_> {
         })
     }
 
-    /// The values of a member, with their covariances by clusters and by the curvature alone.
-    fn values(&self, index: usize) -> (Vec<f64>, [DMatrix<f64>; 2]) {
+    /// The values of a member, with their covariance by clusters.
+    fn values(&self, index: usize) -> (Vec<f64>, DMatrix<f64>) {
         let member = &self.problem.space.members[index];
         let (x, columns) = self.own(index);
         let slopes = member.value_slopes(&x);
-        let of = |matrix| &slopes * self.block(&columns, matrix) * slopes.transpose();
-        let Sandwich { covariance, of_curvature } = &self.sandwich;
-        (member.values(&x), [of(covariance), of(of_curvature)])
+        let of_numbers = self.block(&columns, &self.covariance);
+        (member.values(&x), &slopes * of_numbers * slopes.transpose())
     }
 
     fn effect(&self, index: usize, settings: &FitSettings) -> Result<EffectFit, DiagnosisError> {
@@ -137,27 +136,16 @@ impl Ending<'_> {
             false => Vec::new(),
         };
         let unseen = self.unseen(index);
-        let has_intervals = settings.intervals != Intervals::None
-            && unseen.is_none()
-            && (p <= NAME || !has_direction(member));
-        let (values, covariances) = self.values(index);
+        // Beside an axis that may have any direction, the ratio of a lucky one means nothing.
+        let has_intervals = unseen.is_none() && (p <= NAME || !has_direction(member));
+        let (values, covariance) = self.values(index);
         let mut parameters = Vec::new();
         for (k, (parameter, value)) in member.parameters().iter().zip(values).enumerate() {
-            let mut se = covariances[0][(k, k)].sqrt();
+            let mut se = covariance[(k, k)].sqrt();
             let interval = match parameter.role {
                 Role::Threshold => self.limits(index, k)?,
-                Role::X(_) | Role::Y(_) | Role::Part | Role::Cell if member.is_mixture() => {
-                    self.of_cluster_scatter(parameter.range, value, se)
-                }
-                _ if !has_intervals || se == 0.0 => None,
-                _ if settings.intervals == Intervals::Profiles => {
-                    self.interval(index, k, &covariances)?
-                }
-                // A direction goes on beyond the ends of a half turn.
-                Role::Direction(_) => {
-                    self.of_cluster_scatter((f64::NEG_INFINITY, f64::INFINITY), value, se)
-                }
-                _ => self.of_cluster_scatter(parameter.range, value, se),
+                _ if has_intervals => self.interval(member.range_of(k), value, se),
+                _ => None,
             };
             if let (Role::Threshold, Some(Interval { low95, high95 })) = (parameter.role, interval)
             {
@@ -167,9 +155,8 @@ impl Ending<'_> {
             let (name, unit) = (parameter.name, parameter.unit);
             parameters.push(ParameterFit { name, unit, off, value, se, interval });
         }
-        let undetermined = unseen
-            .or_else(|| alike(&resemblances))
-            .or_else(|| open(member, &parameters, has_intervals));
+        let undetermined =
+            unseen.or_else(|| alike(&resemblances)).or_else(|| open(member, &parameters));
         let follows = self.follows(index);
         Ok(EffectFit { id: member.id(), parameters, follows, p, resemblances, undetermined })
     }
@@ -182,7 +169,7 @@ impl Ending<'_> {
     }
 
     /// The interval by a standard error, within a range; none without one.
-    fn of_cluster_scatter(&self, (low, high): (f64, f64), value: f64, se: f64) -> Option<Interval> {
+    fn interval(&self, (low, high): (f64, f64), value: f64, se: f64) -> Option<Interval> {
         let reach = student_975(self.clusters.len() as f64 - 1.0) * se;
         let (low95, high95) = ((value - reach).max(low), (value + reach).min(high));
         (se > 0.0).then_some(Interval { low95, high95 })
@@ -202,8 +189,7 @@ impl Ending<'_> {
                 slopes[(row, k)] = (at - moved) / (CHART_STEP * coordinate.secant);
             }
         }
-        let covariance =
-            &slopes * self.block(&columns, &self.sandwich.covariance) * slopes.transpose();
+        let covariance = &slopes * self.block(&columns, &self.covariance) * slopes.transpose();
         let names = [
             ("center of friction x", f64::NEG_INFINITY),
             ("center of friction y", f64::NEG_INFINITY),
@@ -211,23 +197,10 @@ impl Ending<'_> {
         ];
         let one = |(k, ((name, least), value)): (usize, ((&'static str, f64), f64))| {
             let se = covariance[(k, k)].sqrt();
-            let interval = self.of_cluster_scatter((least, f64::INFINITY), value, se);
+            let interval = self.interval((least, f64::INFINITY), value, se);
             ParameterFit { name, unit: "m", off: None, value, se, interval }
         };
         names.into_iter().zip(told).enumerate().map(one).collect()
-    }
-
-    fn interval(
-        &self,
-        member: usize,
-        value: usize,
-        [by_clusters, by_curvature]: &[DMatrix<f64>; 2],
-    ) -> Result<Option<Interval>, DiagnosisError> {
-        let variance = by_clusters[(value, value)];
-        let (se, ratio) = (variance.sqrt(), by_curvature[(value, value)] / variance);
-        let quantile = student_975(self.clusters.len() as f64 - 1.0);
-        let target = Target { member, value, se, ratio, quantile };
-        interval(self.problem, self.minimum(), &target)
     }
 
     /// Probability of an estimate as far from "off": Wald's test by the covariance of clusters, with
@@ -245,7 +218,7 @@ impl Ending<'_> {
         let off = member.place(&member.off);
         let sized = |k: &usize| is_size(member, *k) && columns[*k].is_some();
         let sized: Vec<usize> = (0..x.len()).filter(sized).collect();
-        let block = self.block(&columns, &self.sandwich.covariance);
+        let block = self.block(&columns, &self.covariance);
         let covariance = block.select_rows(&sized).select_columns(&sized);
         let distance = DVector::from_iterator(sized.len(), sized.iter().map(|k| x[*k] - off[*k]));
         let Some(factor) = covariance.cholesky().filter(|_| !sized.is_empty()) else {
@@ -294,7 +267,7 @@ impl Ending<'_> {
 
     fn nuisance(&self, index: usize, settings: &FitSettings) -> Vec<NuisanceFit> {
         let member = &self.problem.space.members[index];
-        let (values, [covariance, _]) = self.values(index);
+        let (values, covariance) = self.values(index);
         let parameters = member.parameters().iter().zip(values).enumerate();
         let of = |(k, (parameter, value)): (usize, (&effects::Parameter, f64))| NuisanceFit {
             id: member.id(),
@@ -320,7 +293,7 @@ impl Ending<'_> {
             if !is_kept(member.part) {
                 continue;
             }
-            let (values, [covariance, _]) = self.values(index);
+            let (values, covariance) = self.values(index);
             let mut effect = ModelEffect::from(Setting::new(member.effect.info(), &values));
             for (k, parameter) in member.parameters().iter().enumerate() {
                 if let Some(estimate) = effect.parameters.get_mut(parameter.name) {
@@ -361,18 +334,21 @@ fn alike(resemblances: &[Resemblance]) -> Option<Undetermined> {
 }
 
 /// A size that the data leave open; a reference, as the speed at which a law sets in, may be.
-fn open(member: &Member, parameters: &[ParameterFit], has_intervals: bool) -> Option<Undetermined> {
+fn open(member: &Member, parameters: &[ParameterFit]) -> Option<Undetermined> {
     if member.is_mixture() {
         return None;
     }
-    let switches = member.switches();
-    let mut sizes =
-        parameters.iter().zip(switches).enumerate().filter(|(k, _)| is_size(member, *k));
-    let open = sizes.find(|(_, (parameter, is_switch))| {
-        let is_at_bound = parameter.se == 0.0;
-        !is_switch && (is_at_bound || (has_intervals && parameter.interval.is_none()))
-    });
-    open.map(|(_, (parameter, _))| Undetermined::Open { parameter: parameter.name })
+    let (switches, shares) = (member.switches(), member.shares());
+    let is_open = |(k, fitted): &(usize, &ParameterFit)| {
+        let (low, high) = member.range_of(*k);
+        let reaches = |ends: Interval| ends.low95 <= low || ends.high95 >= high;
+        let is_at_bound = fitted.se == 0.0;
+        is_size(member, *k)
+            && !switches[*k]
+            && (is_at_bound || !shares[*k] && fitted.interval.is_some_and(reaches))
+    };
+    let open = parameters.iter().enumerate().find(is_open);
+    open.map(|(_, parameter)| Undetermined::Open { parameter: parameter.name })
 }
 
 #[cfg(test)]

@@ -20,16 +20,7 @@ pub(super) enum Part {
     Nuisance,
 }
 
-/// The numbers in which an effect is moved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Chart {
-    /// The effect's coordinates, smooth at "off".
-    Coordinates,
-    /// The values that people read, for intervals of one of them.
-    Values,
-}
-
-/// An effect with its start, its prior and the numbers in which it is moved.
+/// An effect with its start and its prior, moved in its coordinates, which are smooth at "off".
 #[derive(Clone, Debug)]
 pub(super) struct Member {
     pub(super) effect: Arc<dyn Effect>,
@@ -45,17 +36,11 @@ pub(super) struct Member {
     pub(super) center: Vec<f64>,
     /// Of the prior, in coordinates.
     pub(super) prior_sd: Vec<f64>,
-    pub(super) chart: Chart,
     /// Smallest and largest of each value.
     ranges: Vec<(f64, f64)>,
     /// Of what it says where it rests.
     object: Option<Arc<Object>>,
 }
-
-/// A ratio of 1 has no direction.
-const LEAST: f64 = 1e-4;
-/// Steps of directions in an interval's search, in rad.
-const TURN: f64 = 0.2;
 
 impl Member {
     /// An effect with the weak prior of its coordinates about "off".
@@ -71,7 +56,6 @@ impl Member {
             center: coordinates.iter().map(|coordinate| coordinate.off).collect(),
             prior_sd: coordinates.iter().map(|coordinate| coordinate.prior_sd).collect(),
             coordinates,
-            chart: Chart::Coordinates,
             ranges: about.parameters.iter().map(|parameter| parameter.range).collect(),
             object: None,
         }
@@ -131,12 +115,9 @@ impl Member {
         self.coordinates.len()
     }
 
-    /// The effect's values at a place of its chart, within their ranges.
+    /// The effect's values at a place, within their ranges.
     pub(super) fn values(&self, x: &[f64]) -> Vec<f64> {
-        let values = match self.chart {
-            Chart::Coordinates => self.effect.info().from_coordinates(x),
-            Chart::Values => x.to_vec(),
-        };
+        let values = self.effect.info().from_coordinates(x);
         let inside =
             |((parameter, value), range): ((&Parameter, f64), &(f64, f64))| match parameter.role {
                 Role::Direction(_) => value.rem_euclid(std::f64::consts::PI),
@@ -145,14 +126,11 @@ impl Member {
         self.parameters().iter().zip(values).zip(&self.ranges).map(inside).collect()
     }
 
-    /// The place of values in the chart.
+    /// The place of values.
     ///
     /// Parts of the whole weight have room to either side: they stay in proportion while all but the
     /// largest are moved.
     pub(super) fn place(&self, values: &[f64]) -> Vec<f64> {
-        if self.chart == Chart::Values {
-            return values.to_vec();
-        }
         let mut place = self.effect.info().to_coordinates(values);
         let parts: Vec<usize> =
             (0..place.len()).filter(|k| is_part(&self.parameters()[*k])).collect();
@@ -220,32 +198,23 @@ impl Member {
         sizes
     }
 
-    /// The bounds of the chart.
+    /// The bounds of the coordinates.
     pub(super) fn ranges(&self) -> Vec<(f64, f64)> {
-        let of_value = |(parameter, range): (&Parameter, &(f64, f64))| match parameter.role {
-            Role::Ratio(_) => (1.0 + LEAST, parameter.range.1),
+        self.coordinates.iter().map(|coordinate| coordinate.range).collect()
+    }
+
+    /// Smallest and largest of a value, within what object and pusher allow; a direction goes on beyond the
+    /// ends of a half turn.
+    pub(super) fn range_of(&self, value: usize) -> (f64, f64) {
+        match self.parameters()[value].role {
             Role::Direction(_) => (f64::NEG_INFINITY, f64::INFINITY),
-            _ => *range,
-        };
-        match self.chart {
-            Chart::Coordinates => self.coordinates.iter().map(|c| c.range).collect(),
-            Chart::Values => self.parameters().iter().zip(&self.ranges).map(of_value).collect(),
+            _ => self.ranges[value],
         }
     }
 
     /// Steps that reach over the kinks of sticking and sliding.
     pub(super) fn secants(&self) -> Vec<f64> {
-        let of_value = |(parameter, coordinate): (&Parameter, &Coordinate)| match parameter.role {
-            Role::Ratio(_) => 0.5 * (parameter.typical - 1.0).abs(),
-            Role::Direction(_) => TURN,
-            _ => coordinate.secant,
-        };
-        match self.chart {
-            Chart::Coordinates => self.coordinates.iter().map(|c| c.secant).collect(),
-            Chart::Values => {
-                self.parameters().iter().zip(&self.coordinates).map(of_value).collect()
-            }
-        }
+        self.coordinates.iter().map(|coordinate| coordinate.secant).collect()
     }
 
     /// Which numbers are not moved by slopes: switches, limits, and what is held without a prior.
@@ -283,7 +252,7 @@ mod tests {
     use effects::{Rig, Role, Surface, all, by_id};
     use nalgebra::{DMatrix, DVector, Rotation2};
 
-    use super::{Chart, Member, Part};
+    use super::{Member, Part};
 
     /// An effect at some of its values, with the squares of its sizes.
     fn sized(id: &str, values: &[f64]) -> (Member, Vec<f64>, DMatrix<f64>) {
@@ -319,11 +288,9 @@ mod tests {
             let effect = by_id(id).unwrap();
             let start = effect.info().off(&rig);
             let member = Member::new(effect, Part::Asked, &start, &rig);
-            let mut inside = member.inside(std::iter::once(&step), &rig);
-            for chart in [Chart::Coordinates, Chart::Values] {
-                inside.chart = chart;
-                assert!((inside.values(&[place])[0] - end).abs() < 1e-6, "{id}");
-                let (low, high) = inside.ranges()[0];
+            let inside = member.inside(std::iter::once(&step), &rig);
+            assert!((inside.values(&[place])[0] - end).abs() < 1e-6, "{id}");
+            for (low, high) in [inside.ranges()[0], inside.range_of(0)] {
                 assert!((low - end).abs() < 1e-6 || (high - end).abs() < 1e-6, "{id} {low} {high}");
             }
         }

@@ -6,7 +6,6 @@ mod descent;
 mod estimates;
 mod fitted_model;
 mod free_spread;
-mod interval;
 mod left_out;
 mod member;
 mod motion_errors;
@@ -30,7 +29,6 @@ use models::{Cluster, Description};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
-pub use self::interval::Interval;
 pub use self::motion_errors::MotionErrors;
 pub use self::per_push::{SpreadFit, fit_per_push};
 pub(crate) use self::pulls::Pulls;
@@ -55,28 +53,14 @@ pub struct FitSettings {
     /// Whether standard errors in the model are priors: right where they come from other
     /// recordings. Without, what has one is fitted anew.
     pub priors: bool,
-    /// How intervals are found.
-    pub intervals: Intervals,
     /// Whether it is told what fitted effects could be taken for.
     pub resemblances: bool,
-}
-
-/// How the intervals of a fit are found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Intervals {
-    /// There are none.
-    None,
-    /// By the standard error over clusters and Student's t, within what values may be.
-    StandardErrors,
-    /// By profile likelihood, which takes several fits each.
-    Profiles,
 }
 
 impl Default for FitSettings {
     fn default() -> Self {
         let tolerances = Tolerances::default();
-        let intervals = Intervals::Profiles;
-        Self { own: Vec::new(), tolerances, priors: true, intervals, resemblances: true }
+        Self { own: Vec::new(), tolerances, priors: true, resemblances: true }
     }
 }
 
@@ -147,8 +131,17 @@ pub struct ParameterFit {
     pub value: f64,
     /// Its standard error, from whole clusters; 0 for a switch.
     pub se: f64,
-    /// Its 95 % interval; none where it does not close, and where none was sought.
+    /// Its 95 % interval, by the standard error and Student's t; none where the data do not show the effect.
     pub interval: Option<Interval>,
+}
+
+/// A 95 % interval, within what its number may be.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Interval {
+    /// Lower end; of a direction perhaps below 0.
+    pub low95: f64,
+    /// Upper end; of a direction perhaps above π.
+    pub high95: f64,
 }
 
 /// The estimate of a nominal number that was left open.
@@ -227,7 +220,7 @@ pub fn fit_with_noise(
     settings: &FitSettings,
 ) -> Result<Fit, DiagnosisError> {
     let whitening = |model| noise.whitening(model, &settings.own, observations);
-    let first = FitSettings { intervals: Intervals::None, resemblances: false, ..settings.clone() };
+    let first = FitSettings { resemblances: false, ..settings.clone() };
     let first = fit(observations, model, free, &whitening(model)?, &first)?;
     let (whitening, near) = (whitening(&first.with_nuisances)?, Some(&first.description));
     fit_near(observations, model, free, &whitening, settings, near)

@@ -14,7 +14,7 @@ use super::problem::Problem;
 use super::robust::Robust;
 use super::search::Found;
 use super::space::Space;
-use super::{Fit, FitSettings, Intervals, MotionErrors};
+use super::{Fit, FitSettings, MotionErrors};
 use crate::predict::candidates::follow_from_points;
 use crate::{DiagnosisError, NoiseModel, Observations};
 
@@ -56,8 +56,8 @@ const ROUNDS: usize = 2;
 /// not the motion at the mean: that tells the whole spread. What a push keeps of it moves all of its steps
 /// alike: that tells the share from push to push. Other errors, of each step and of the push, have
 /// Student's t with four degrees. A friction differs by its logarithm, other parameters by their unit; the
-/// components of a vector alike. Intervals are by standard errors. A center of friction beside points that
-/// say where the object rests keeps its value.
+/// components of a vector alike. A center of friction beside points that say where the object rests keeps its
+/// value.
 ///
 /// # Errors
 /// `NotPerPush` for an effect that the model lacks, or whose parameters are no plain numbers or vectors;
@@ -77,11 +77,7 @@ pub fn fit_per_push(
     if !about.parameters.iter().all(is_plain) {
         return refuse("its parameters are no plain numbers; choose an effect that has such alone");
     }
-    let intervals = match settings.intervals {
-        Intervals::None => Intervals::None,
-        Intervals::StandardErrors | Intervals::Profiles => Intervals::StandardErrors,
-    };
-    let settings = &FitSettings { intervals, resemblances: false, ..settings.clone() };
+    let settings = &FitSettings { resemblances: false, ..settings.clone() };
     let fitting = Fitting { observations, about, unit: unit(about), settings };
     let none = fitting.at(carrying(model, about)?, 0.0)?;
     let mut best = fitting.likeliest_size(none.clone())?;

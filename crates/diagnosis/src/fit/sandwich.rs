@@ -7,58 +7,47 @@ use super::problem::Problem;
 use crate::cut_offs::MODEL_TOLERANCE;
 use crate::{DiagnosisError, Observations};
 
-/// What estimates leave open, in the numbers that were moved.
-#[derive(Clone, Debug)]
-pub(super) struct Sandwich {
-    /// By the scatter of whole clusters and the priors, with the model's own tolerance.
-    pub(super) covariance: DMatrix<f64>,
-    /// By the curvature alone, as if the noise were known.
-    pub(super) of_curvature: DMatrix<f64>,
-}
-
-impl Sandwich {
-    /// The jackknife over clusters, in one Newton step each.
-    ///
-    /// With A the curvature and δ what leaving a cluster out moves the estimate by,
-    /// V = (G−1)/G Σ δδᵀ + A⁻¹PA⁻¹, with P the priors' share of A, for each prior stands for one
-    /// measurement of its own. To each variance (1 % of the estimate's size)² is added, a vector's in
-    /// every direction, so that no choice of axes matters; and to V what the descent left undone.
-    ///
-    /// # Errors
-    /// `Flat`; `OneCluster`.
-    ///
-    /// # Source
-    /// Bell & McCaffrey (2002), Bias reduction in standard errors for linear regression with
-    /// multi-stage samples, Survey Methodology 28(2).
-    pub(super) fn of(
-        problem: &Problem,
-        minimum: &Minimum,
-        observations: &Observations,
-    ) -> Result<Self, DiagnosisError> {
-        let Minimum { at, slopes, curvature, moved, .. } = minimum;
-        let (all_rows, n) = (problem.whitening.rows(), moved.len());
-        let inverse = curvature.clone().cholesky().ok_or(DiagnosisError::Flat)?.inverse();
-        let mut sum = DMatrix::zeros(n, n);
-        let clusters = observations.pushes_of_clusters();
-        for (cluster, pushes) in clusters.iter().enumerate() {
-            let rows: Vec<usize> = pushes.iter().flat_map(|push| all_rows[*push].clone()).collect();
-            let shift = minimum.shift_without(&rows);
-            let shift = shift.ok_or_else(|| observations.alone_determines(cluster))?;
-            sum.ger(1.0, &shift, &shift, 1.0);
-        }
-        let n_clusters = clusters.len() as f64;
-        let first = problem.whitening.n_numbers();
-        let priors = slopes.rows(first, slopes.nrows() - first);
-        let of_priors = &inverse * (priors.transpose() * priors) * &inverse;
-        let of_curvature = &inverse * problem.robust.scale().powi(2);
-        let mut covariance = sum * ((n_clusters - 1.0) / n_clusters) + of_priors;
-        covariance += minimum.decrement * &of_curvature;
-        let shares = problem.space.shares(&at.x);
-        let sizes = shares.flat_map(|(member, own)| member.sizes(own));
-        let sizes: Vec<f64> = sizes.chain(problem.space.spread_at(&at.x)).collect();
-        for (column, &k) in moved.iter().enumerate() {
-            covariance[(column, column)] += (MODEL_TOLERANCE * sizes[k]).powi(2);
-        }
-        Ok(Self { covariance, of_curvature })
+/// The jackknife over clusters, in one Newton step each.
+///
+/// With A the curvature and δ what leaving a cluster out moves the estimate by,
+/// V = (G−1)/G Σ δδᵀ + A⁻¹PA⁻¹, with P the priors' share of A, for each prior stands for one
+/// measurement of its own. To each variance (1 % of the estimate's size)² is added, a vector's in
+/// every direction, so that no choice of axes matters; and to V what the descent left undone.
+///
+/// # Errors
+/// `Flat`; `OneCluster`.
+///
+/// # Source
+/// Bell & McCaffrey (2002), Bias reduction in standard errors for linear regression with
+/// multi-stage samples, Survey Methodology 28(2).
+pub(super) fn sandwich(
+    problem: &Problem,
+    minimum: &Minimum,
+    observations: &Observations,
+) -> Result<DMatrix<f64>, DiagnosisError> {
+    let Minimum { at, slopes, curvature, moved, .. } = minimum;
+    let (all_rows, n) = (problem.whitening.rows(), moved.len());
+    let inverse = curvature.clone().cholesky().ok_or(DiagnosisError::Flat)?.inverse();
+    let mut sum = DMatrix::zeros(n, n);
+    let clusters = observations.pushes_of_clusters();
+    for (cluster, pushes) in clusters.iter().enumerate() {
+        let rows: Vec<usize> = pushes.iter().flat_map(|push| all_rows[*push].clone()).collect();
+        let shift = minimum.shift_without(&rows);
+        let shift = shift.ok_or_else(|| observations.alone_determines(cluster))?;
+        sum.ger(1.0, &shift, &shift, 1.0);
     }
+    let n_clusters = clusters.len() as f64;
+    let first = problem.whitening.n_numbers();
+    let priors = slopes.rows(first, slopes.nrows() - first);
+    let of_priors = &inverse * (priors.transpose() * priors) * &inverse;
+    let of_curvature = &inverse * problem.robust.scale().powi(2);
+    let mut covariance = sum * ((n_clusters - 1.0) / n_clusters) + of_priors;
+    covariance += minimum.decrement * &of_curvature;
+    let shares = problem.space.shares(&at.x);
+    let sizes = shares.flat_map(|(member, own)| member.sizes(own));
+    let sizes: Vec<f64> = sizes.chain(problem.space.spread_at(&at.x)).collect();
+    for (column, &k) in moved.iter().enumerate() {
+        covariance[(column, column)] += (MODEL_TOLERANCE * sizes[k]).powi(2);
+    }
+    Ok(covariance)
 }

@@ -13,7 +13,7 @@ use models::{
 use rayon::prelude::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use super::free_spread::FreeSpread;
-use super::member::{Chart, Member, Part};
+use super::member::{Member, Part};
 use super::{FitSettings, supports};
 use crate::{DiagnosisError, Observations};
 
@@ -128,13 +128,6 @@ impl<'a> Space<'a> {
         let index = self.members.iter().position(|member| member.id() == id)?;
         let first = self.first(index);
         Some(first..first + self.members[index].len())
-    }
-
-    /// The same space, in which one effect is moved in the values that people read.
-    pub(super) fn in_values(&self, member: usize) -> Self {
-        let mut other = self.clone();
-        other.members[member].chart = Chart::Values;
-        other
     }
 
     /// Each member with its share of a place.

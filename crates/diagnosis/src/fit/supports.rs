@@ -224,7 +224,7 @@ mod tests {
 
     use super::start;
     use crate::synthetic::{pushed_with, white};
-    use crate::{FitSettings, Intervals, Observations, fit};
+    use crate::{FitSettings, Observations, fit};
 
     const FEET: [f64; 9] = [0.030, 0.025, 0.30, -0.035, 0.010, 0.45, 0.005, -0.035, 0.25];
 
@@ -270,11 +270,7 @@ mod tests {
     #[test]
     fn a_fit_finds_the_feet_and_leaves_the_noise() {
         let (observations, model, _) = on_feet();
-        let settings = FitSettings {
-            intervals: Intervals::None,
-            resemblances: false,
-            ..FitSettings::default()
-        };
+        let settings = FitSettings { resemblances: false, ..FitSettings::default() };
         let whitening = white(&observations);
         let found = fit(&observations, &model, &["support-points"], &whitening, &settings).unwrap();
         let values: Vec<f64> = found.effects[0].parameters.iter().map(|one| one.value).collect();

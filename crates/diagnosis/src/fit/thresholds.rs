@@ -2,7 +2,7 @@
 
 use effects::Parameter;
 
-use super::interval::Interval;
+use super::Interval;
 use super::member::Part;
 use super::problem::Problem;
 use crate::DiagnosisError;

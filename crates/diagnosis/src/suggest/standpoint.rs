@@ -12,8 +12,7 @@ use crate::predict::candidates::Candidates;
 use crate::predict::error_shapes::push_directions;
 use crate::predict::secants::{Direction, Linearisation};
 use crate::{
-    DiagnosisError, FitSettings, Intervals, NoiseModel, Observations, Tolerances, Whitening,
-    fit_with_noise,
+    DiagnosisError, FitSettings, NoiseModel, Observations, Tolerances, Whitening, fit_with_noise,
 };
 
 /// A model with effects, refitted, and its free numbers.
@@ -59,7 +58,7 @@ impl Standpoint {
     ) -> Result<Self, DiagnosisError> {
         let (own, tolerances) = (settings.own.clone(), settings.tolerances);
         let known = FitSettings { own: own.clone(), tolerances, ..FitSettings::default() };
-        let fit_settings = FitSettings { intervals: Intervals::None, resemblances: false, ..known };
+        let fit_settings = FitSettings { resemblances: false, ..known };
         let fit = fit_with_noise(observations, model, ids, noise, &fit_settings)?;
         let description = fit.with_nuisances;
         let candidates = Candidates::of(&description, &own, observations)?;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use diagnosis::{Fit, FitSettings, Intervals, NoiseModel, Observations, fit};
+use diagnosis::{Fit, FitSettings, NoiseModel, Observations, fit};
 use effects::{
     Channel, Effect, EffectInfo, MeasurementModel, Nuisance, Origin, Parameter, Stage, StepInput,
 };
@@ -53,7 +53,7 @@ fn fitted(asked: &[&str], x: f64, nuisance: Nuisance) -> Fit {
     let noise = NoiseModel::learn(&model, &[], &observations).unwrap();
     let whitening = noise.whitening(&model, &[], &observations).unwrap();
     let own: Vec<Arc<dyn Effect>> = vec![Arc::new(cable)];
-    let settings = FitSettings { own, intervals: Intervals::None, ..FitSettings::default() };
+    let settings = FitSettings { own, ..FitSettings::default() };
     fit(&observations, &model, asked, &whitening, &settings).unwrap()
 }
 

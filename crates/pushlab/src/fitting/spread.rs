@@ -1,7 +1,7 @@
 //! By how much an effect differs from push to push and from place to place, and the scatter that is left.
 
 use anyhow::Result;
-use diagnosis::{FitSettings, Intervals, MotionErrors, SpreadFit, fit_per_push};
+use diagnosis::{FitSettings, MotionErrors, SpreadFit, fit_per_push};
 use effects::by_id;
 use models::{Analytical, Base, Description, ModelFile};
 use nalgebra::Matrix3;
@@ -15,8 +15,7 @@ impl Fitting {
     /// What the fit says.
     pub(crate) fn per_push(&self, model: &ModelFile, effect: &str) -> Result<SpreadFit> {
         self.testable(by_id(effect)?.info())?;
-        let settings =
-            FitSettings { intervals: Intervals::None, resemblances: false, ..self.settings() };
+        let settings = FitSettings { resemblances: false, ..self.settings() };
         let mut found = fit_per_push(&self.train, &model.description, effect, &settings)?;
         // The covariance of the errors of a step over the mean square of its way.
         let ways = self.train.steps().iter().map(|step| {

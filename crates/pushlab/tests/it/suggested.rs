@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use dataset::{Manifest, RecordingSet, StepRow, Table, ingest};
 use diagnosis::{
-    Aim, FitSettings, Intervals, NoiseModel, Observations, Separation, SuggestSettings,
-    SuggestedPush, fit_with_noise, steady_ingest, suggest,
+    Aim, FitSettings, NoiseModel, Observations, Separation, SuggestSettings, SuggestedPush,
+    fit_with_noise, steady_ingest, suggest,
 };
 use models::{Analytical, Base, Description, SurfaceKind};
 use nalgebra::Vector2;
@@ -62,8 +62,7 @@ fn model() -> Description {
 
 /// By how much twice the log likelihood of the true rival is larger, both fitted to these pushes.
 fn ratio(observations: &Observations) -> f64 {
-    let settings =
-        FitSettings { intervals: Intervals::None, resemblances: false, ..FitSettings::default() };
+    let settings = FitSettings { resemblances: false, ..FitSettings::default() };
     let noise = NoiseModel::learn(&model(), &[], observations).unwrap();
     let misfit = RIVALS.map(|rival| {
         let fit = fit_with_noise(observations, &model(), &[rival], &noise, &settings).unwrap();

@@ -1,7 +1,7 @@
 //! Fits as `pushlab fit` and `pushlab add --fit` make them, without intervals.
 
 use anyhow::Result;
-use diagnosis::{Fit, FitSettings, Intervals, NoiseModel, Observations, fit_with_noise};
+use diagnosis::{Fit, FitSettings, NoiseModel, Observations, fit_with_noise};
 use effects::{Effect, Setting, SupportPoints, by_id};
 use models::{Description, ModelEffect};
 
@@ -37,12 +37,7 @@ pub(super) fn fit(
             model.effects.push(ModelEffect::from(Setting::new(about, &off)));
         }
     }
-    let settings = FitSettings {
-        priors: false,
-        intervals: Intervals::None,
-        resemblances: false,
-        ..FitSettings::default()
-    };
+    let settings = FitSettings { priors: false, resemblances: false, ..FitSettings::default() };
     let noise = NoiseModel::learn(&model, &[], observations)?;
     Ok(fit_with_noise(observations, &model, free, &noise, &settings)?)
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use dataset::{ObjectChoice, StepRow, TableMapping};
-use diagnosis::{FitSettings, Intervals, MotionErrors, Observations, fit_per_push};
+use diagnosis::{FitSettings, MotionErrors, Observations, fit_per_push};
 use effects::{Effect, FrictionCenterOffset, Setting};
 use models::{
     Analytical, ChannelModel, ChannelObservation, Description, ModelEffect, PushModel,
@@ -100,7 +100,6 @@ impl Supports {
                     model.effects.push(ModelEffect::from(Setting::new(about, &[0.0, 0.0])));
                     let settings = FitSettings {
                         priors: false,
-                        intervals: Intervals::None,
                         resemblances: false,
                         ..FitSettings::default()
                     };

@@ -9,8 +9,8 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use dataset::{RecordingSet, Table, ingest};
 use diagnosis::{
-    DiagnoseSettings, Diagnosed, FitSettings, Intervals, NoiseModel, Observations, Predictions,
-    diagnose, fit_with_noise, split, steady_ingest,
+    DiagnoseSettings, Diagnosed, FitSettings, NoiseModel, Observations, Predictions, diagnose,
+    fit_with_noise, split, steady_ingest,
 };
 use models::{Analytical, Description, ModelFile, PushModel};
 use plant::{GenerateReport, GenerateSettings, generate};
@@ -238,8 +238,7 @@ fn closed_by_hand(
     let (fitted, kept) =
         (told.observations.part(&parts.fit)?, told.observations.part(&parts.confirm)?);
     let noise = NoiseModel::learn(&told.model, &[], &fitted)?;
-    let settings =
-        FitSettings { intervals: Intervals::None, priors: true, ..FitSettings::default() };
+    let settings = FitSettings::default();
     let error = |free: &[&str]| -> Result<f64> {
         let fit = fit_with_noise(&fitted, &told.model, free, &noise, &settings)?;
         Ok(over_floor(errors(&fit.with_nuisances, &kept)?, floor))

@@ -2,8 +2,8 @@
 
 use dataset::{Manifest, RecordingSet, Table, ingest};
 use diagnosis::{
-    DiagnosisError, Fit, FitSettings, Intervals, NoiseModel, Observations, Undetermined,
-    fit_with_noise, steady_ingest,
+    DiagnosisError, Fit, FitSettings, NoiseModel, Observations, Undetermined, fit_with_noise,
+    steady_ingest,
 };
 use models::{Analytical, Description, PushModel, SurfaceKind};
 use plant::{Design, GenerateSettings, Scatter, generate};
@@ -32,20 +32,23 @@ fn base(manifest: &Manifest) -> Description {
 }
 
 fn fitted(observations: &Observations, model: &Description, free: &[&str]) -> Fit {
-    let settings = FitSettings::default();
     let noise = NoiseModel::learn(model, &[], observations).unwrap();
-    fit_with_noise(observations, model, free, &noise, &settings).unwrap()
+    fit_with_noise(observations, model, free, &noise, &FitSettings::default()).unwrap()
 }
 
 fn rich() -> Design {
     Design { n_pushes: 60, repeat_share: 0.3, n_repeated: 4, ..Design::default() }
 }
 
-/// The truth of each parameter is within its 95 % interval.
-fn assert_recovers(hidden: &str, seed: u64, effect: &str, truth: &[f64]) {
+fn recovered(hidden: &str, seed: u64, effect: &str) -> Fit {
     let (table, manifest) = made(&[hidden], seed, rich());
     let observations = Observations::steady(&table, &manifest).unwrap();
-    let fit = fitted(&observations, &base(&manifest), &[effect]).distinct().unwrap();
+    fitted(&observations, &base(&manifest), &[effect]).distinct().unwrap()
+}
+
+/// The truth of each parameter is within its 95 % interval.
+fn assert_recovers(hidden: &str, seed: u64, effect: &str, truth: &[f64]) {
+    let fit = recovered(hidden, seed, effect);
     for (parameter, truth) in fit.effects[0].parameters.iter().zip(truth) {
         let interval = parameter.interval.unwrap();
         let range = interval.low95..interval.high95;
@@ -60,19 +63,10 @@ fn a_grain_of_the_table_is_recovered() {
     assert_recovers(hidden, 11, "table-anisotropy", &[1.3, 34_f64.to_radians()]);
 }
 
-fn without_intervals(hidden: &str, seed: u64, effect: &str) -> Fit {
-    let (table, manifest) = made(&[hidden], seed, rich());
-    let observations = Observations::steady(&table, &manifest).unwrap();
-    let model = base(&manifest);
-    let settings = FitSettings { intervals: Intervals::None, ..FitSettings::default() };
-    let noise = NoiseModel::learn(&model, &[], &observations).unwrap();
-    fit_with_noise(&observations, &model, &[effect], &noise, &settings).unwrap().distinct().unwrap()
-}
-
 #[test]
 fn a_load_that_leans_is_recovered() {
     let hidden = "friction-center-offset: x_mm=5, y_mm=-3";
-    let fit = without_intervals(hidden, 21, "friction-center-offset");
+    let fit = recovered(hidden, 21, "friction-center-offset");
     for (parameter, truth) in fit.effects[0].parameters.iter().zip([5e-3, -3e-3]) {
         assert!((parameter.value - truth).abs() <= 3.0 * parameter.se, "{parameter:?}");
     }
@@ -83,7 +77,7 @@ fn a_load_that_leans_is_recovered() {
 /// that makes of 0.85 is 0.859 ± 0.009.
 #[test]
 fn a_load_that_gathers_is_recovered_to_two_percent() {
-    let fit = without_intervals("pressure-radius: ratio=0.85", 22, "pressure-radius");
+    let fit = recovered("pressure-radius: ratio=0.85", 22, "pressure-radius");
     let ratio = &fit.effects[0].parameters[0];
     assert!((ratio.value / 0.85 - 1.0).abs() < 0.02, "{ratio:?}");
     assert!(fit.whitened_rms[1] < 1.3, "{:?}", fit.whitened_rms);

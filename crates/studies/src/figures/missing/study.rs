@@ -5,9 +5,8 @@ use std::sync::Mutex;
 
 use anyhow::Result;
 use diagnosis::{
-    DiagnoseSettings, Fit, FitSettings, Intervals, NoiseFloor, NoiseModel, Observations,
-    Predictions, RepeatTolerance, ScreenSettings, ScreenedEffect, diagnose, fit_with_noise,
-    noise_floor, screen,
+    DiagnoseSettings, Fit, FitSettings, NoiseFloor, NoiseModel, Observations, Predictions,
+    RepeatTolerance, ScreenSettings, ScreenedEffect, diagnose, fit_with_noise, noise_floor, screen,
 };
 use effects::by_id;
 use models::{Analytical, Description, PushModel};
@@ -77,8 +76,7 @@ fn stages(fitted: &Observations, nominal: &Description, named: &[String]) -> Res
     let first = NoiseModel::learn(nominal, &[], fitted)?;
     let free: Vec<&str> = named.iter().map(String::as_str).collect();
     let stage = |n: usize| {
-        let (intervals, resemblances) = (Intervals::None, false);
-        let settings = FitSettings { intervals, resemblances, ..FitSettings::default() };
+        let settings = FitSettings { resemblances: false, ..FitSettings::default() };
         let fit = fit_with_noise(fitted, nominal, &free[..n], &first, &settings)?;
         let Fit { description, with_nuisances: model, .. } = fit;
         let noise = NoiseModel::learn(&model, &[], fitted)?;
