@@ -341,7 +341,11 @@ fn open(member: &Member, parameters: &[ParameterFit]) -> Option<Undetermined> {
     let (switches, shares) = (member.switches(), member.shares());
     let is_open = |(k, fitted): &(usize, &ParameterFit)| {
         let (low, high) = member.range_of(*k);
-        let reaches = |ends: Interval| ends.low95 <= low || ends.high95 >= high;
+        // An interval that reaches "off" says that the effect may not be there, which its p does as well.
+        let is_end = |end: f64| end != member.off[*k];
+        let reaches = |ends: Interval| {
+            ends.low95 <= low && is_end(low) || ends.high95 >= high && is_end(high)
+        };
         let is_at_bound = fitted.se == 0.0;
         is_size(member, *k)
             && !switches[*k]
