@@ -13,7 +13,7 @@ use anyhow::{Context, Result};
 use super::case::Case;
 use super::record::{Record, append};
 use super::score::is_right;
-use super::truth;
+use super::truth::{self, Truth};
 
 /// How trials are run.
 pub(super) struct Queue<'a> {
@@ -103,7 +103,10 @@ impl Queue<'_> {
             Some(status) => format!("{status}: {}", last_line(child)),
         };
         let sealed = folder.join("made/set.truth.toml");
-        let truth = truth::open(&sealed, &case.setup.profile().nominal()).unwrap_or_default();
+        let (truth, why) = match truth::open(&sealed, &case.setup.profile().nominal()) {
+            Ok(truth) => (truth, why),
+            Err(error) => (Truth::default(), format!("{why}; its truth is not known: {error:#}")),
+        };
         if folder.exists() {
             fs::remove_dir_all(&folder)?;
         }
