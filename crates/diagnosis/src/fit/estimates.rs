@@ -136,7 +136,6 @@ impl Ending<'_> {
             false => Vec::new(),
         };
         let unseen = self.unseen(index);
-        // Beside an axis that may have any direction, the ratio of a lucky one means nothing.
         let has_intervals = unseen.is_none() && (p <= NAME || !has_direction(member));
         let (values, covariance) = self.values(index);
         let mut parameters = Vec::new();
@@ -357,7 +356,32 @@ fn open(member: &Member, parameters: &[ParameterFit]) -> Option<Undetermined> {
 
 #[cfg(test)]
 mod tests {
-    use super::p_of_mean;
+    use effects::{Rig, Surface, by_id};
+
+    use super::{open, p_of_mean};
+    use crate::fit::member::{Member, Part};
+    use crate::{Interval, ParameterFit, Undetermined};
+
+    #[test]
+    fn a_size_is_open_to_the_ends_of_its_range_but_not_to_off() {
+        let rig = Rig::new(Surface::Ellipsoid, 0.25, 0.3).unwrap();
+        let is_open = |id: &str, low95: f64, high95: f64| {
+            let effect = by_id(id).unwrap();
+            let member = Member::new(effect, Part::Asked, &effect.info().off(&rig), &rig);
+            let parameter = &member.parameters()[0];
+            let (name, unit, value) = (parameter.name, parameter.unit, 0.5 * (low95 + high95));
+            let interval = Some(Interval { low95, high95 });
+            let fitted = ParameterFit { name, unit, off: None, value, se: 0.1 * value, interval };
+            open(&member, &[fitted]) == Some(Undetermined::Open { parameter: name })
+        };
+        let range = |id: &str| by_id(id).unwrap().info().parameters[0].range;
+        let (least, most) = range("pusher-friction");
+        assert!(!is_open("pusher-friction", 0.2, 0.3));
+        assert!(is_open("pusher-friction", least, 0.3) && is_open("pusher-friction", 0.2, most));
+        let (off, most) = range("pusher-compliance");
+        assert!(!is_open("pusher-compliance", off, 1e-5));
+        assert!(is_open("pusher-compliance", 1e-6, most));
+    }
 
     #[test]
     fn pushes_that_repeat_their_session_make_no_switch_surer() {

@@ -131,11 +131,12 @@ pub struct ParameterFit {
     pub value: f64,
     /// Its standard error, from whole clusters; 0 for a switch.
     pub se: f64,
-    /// Its 95 % interval, by the standard error and Student's t; none where the data do not show the effect.
+    /// Its 95 % interval, by the standard error and Student's t; none of a number without standard error, where the
+    /// data do not show the effect, and of one with a direction that may be chance.
     pub interval: Option<Interval>,
 }
 
-/// A 95 % interval, within what its number may be.
+/// A 95 % interval in the unit of its number, within what that may be.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
     /// Lower end; of a direction perhaps below 0.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use effects::Effect;
 use models::{ChannelModel, Description};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, SymmetricEigen, Vector3};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, Matrix3xX, SymmetricEigen, Vector3};
 use rayon::prelude::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use crate::{DiagnosisError, Observations, Whitening};
@@ -255,21 +255,17 @@ impl Factor {
     /// The sums of the inverse's blocks of three rows and three columns: of those on the diagonal, and of all.
     fn sums_of_inverse(&self) -> [Matrix3<f64>; 2] {
         let n_steps = self.directions.nrows() / 3;
-        let columns = self.directions.ncols();
-        let mut together = DMatrix::zeros(3, columns);
+        let mut together = Matrix3xX::zeros(self.directions.ncols());
         let mut of_steps = Matrix3::zeros();
-        // B M⁻¹ Bᵀ by the factor of M.
-        let reached = self.inner.l_dirty().solve_lower_triangular(&self.directions.transpose());
-        let reached = reached.unwrap_or_else(|| DMatrix::zeros(columns, 3 * n_steps));
         for step in 0..n_steps {
-            let of_step = reached.fixed_columns::<3>(3 * step);
-            of_steps += of_step.tr_mul(&of_step);
-            together += of_step.transpose();
+            let of_step = self.directions.fixed_rows::<3>(3 * step);
+            of_steps += of_step * self.inner.solve(&of_step.transpose());
+            together += of_step;
         }
-        let of_all = &together * together.transpose();
+        let of_all = &together * self.inner.solve(&together.transpose());
         let whole = n_steps as f64 * Matrix3::identity();
         let outward = |inside: Matrix3<f64>| self.whitened.transpose() * inside * self.whitened;
-        [outward(whole - of_steps), outward(whole - of_all.fixed_view::<3, 3>(0, 0))]
+        [outward(whole - of_steps), outward(whole - of_all)]
     }
 }
 
