@@ -22,6 +22,9 @@ pub(crate) struct LearnedKind {
 /// Trains a model from a nominal one.
 type Train = fn(&Analytical, &[StepObservation]) -> Result<Box<dyn PushModel>>;
 
+/// The place of the exact process in [`KINDS`].
+pub(crate) const GP: usize = 1;
+
 /// Every kind, the fitted analytical model first.
 pub(crate) const KINDS: [LearnedKind; 6] = [
     LearnedKind {

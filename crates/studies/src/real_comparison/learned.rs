@@ -9,16 +9,15 @@ use models::{Analytical, OUTPUTS, StepObservation};
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::held_out::{HeldOut, LEVEL_95, Score, Scores, quantile, shuffled};
-use crate::learned_kinds::{KINDS, LearnedKind};
+use crate::learned_kinds::{GP, KINDS, LearnedKind};
 
 /// Training steps, and random splits with so many.
 const COUNTS: [(usize, u64); 3] = [(100, 10), (500, 5), (1500, 3)];
 const SEED: u64 = 1;
 /// A process with a parameter for each step takes hours to learn from more.
 const MOST_VHGP: usize = 500;
-/// Places in [`KINDS`], and the published error of the analytical model over the GP's.
+/// Place in [`KINDS`], and the published error of the analytical model over the GP's.
 const ANALYTICAL: usize = 0;
-const GP: usize = 1;
 const PUBLISHED_RATIO: f64 = 0.72 / 0.38;
 
 /// A kind to be trained on a split.

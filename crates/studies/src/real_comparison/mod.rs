@@ -82,7 +82,8 @@ impl Part {
             Self::Learned => learned::Learned::of(&table)?.text(),
             Self::Supports => {
                 let found = supports::Supports::of(&table)?;
-                write(&args.output.join("real-data-feet.svg"), &found.picture()?)?;
+                write(&args.output.join("real-data-error.svg"), &found.falling()?)?;
+                write(&args.output.join("real-data-feet.svg"), &found.feet()?)?;
                 found.text()
             }
             Self::Raw => page::raw_text(&source::raw_pushes(&args.data.join("mit-push-raw"))?),
