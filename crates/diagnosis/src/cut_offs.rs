@@ -77,10 +77,6 @@ pub(crate) const FAR: f64 = 8.0;
 pub(crate) const FEWEST_FAR: usize = 3;
 /// Share of the pushes from which those missed by as much are no exception. Convention.
 pub(crate) const MOST_FAR: f64 = 0.25;
-/// Mean square of a region, in variances of the noise, from which something is wrong there. Convention.
-pub(crate) const GATHERED: f64 = 4.0;
-/// Steps of held-out pushes in that region that have to say the same. Convention.
-pub(crate) const FEWEST_GATHERED: usize = 3;
 
 /// Share of the noise that one quantity's differences from push to push make, from which the sentence tells it.
 /// Convention: most.

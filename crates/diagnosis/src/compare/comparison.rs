@@ -89,18 +89,6 @@ pub fn compare(
     })
 }
 
-/// Where squared errors of another scale gather.
-pub(crate) fn gathered(
-    residuals: &[[Option<f64>; 7]],
-    observations: &Observations,
-    predictions: &Predictions,
-    floor: &NoiseFloor,
-    settings: &MapSettings,
-) -> Vec<Concentration> {
-    let settings = MapSettings { n_flips: 1, ..*settings };
-    concentrations(&Structure::of(residuals, observations, predictions, floor, &settings))
-}
-
 /// What is not answered, for it was not measured or does not vary.
 fn not_asked(observations: &Observations, channels: &[ChannelError]) -> Vec<String> {
     let axes = Axis::all(observations);

@@ -1,6 +1,5 @@
 //! Where the squared error gathers, whether or not it has a sign.
 
-use effects::Channels;
 use serde::Serialize;
 
 use crate::Condition;
@@ -32,14 +31,6 @@ pub struct Concentration {
     pub error_share: f64,
     /// Share of the steps there.
     pub step_share: f64,
-}
-
-impl Concentration {
-    /// Index of its number in [`effects::Channels`].
-    pub(crate) fn number(&self) -> usize {
-        let mut names = Channels::NAMES.iter();
-        names.position(|name| *name == self.name).expect("a number of the channels")
-    }
 }
 
 /// Least share of the squared error.

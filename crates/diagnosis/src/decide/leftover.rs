@@ -2,13 +2,12 @@
 
 use super::far_off::{Shared, shared_by_far_off};
 use super::found::Found;
-use super::scatter::gathered_again;
 use super::standing::Standing;
 use super::{DiagnoseSettings, Leftover};
 use crate::cut_offs::{FAR_OFF, HINT, LEFT_SHARE, MISSES, NAME};
 use crate::{
-    Concentration, DiagnosisError, MapSettings, NoiseFloor, Observations, Predictions,
-    RepeatTolerance, compare, noise_floor,
+    DiagnosisError, MapSettings, NoiseFloor, Observations, Predictions, RepeatTolerance, compare,
+    noise_floor,
 };
 
 /// Structure in the residuals of the last model.
@@ -18,8 +17,6 @@ pub(super) struct Left {
     is_doubted_enough: bool,
     /// Whitened root mean square of the last model, on held-out pushes.
     rms: f64,
-    /// Where errors gather that may have no sign of their own.
-    gathered: Option<Concentration>,
     /// What pushes that are missed by far have in common, if anything.
     shared: Option<Shared>,
 }
@@ -71,27 +68,20 @@ pub(super) fn leftover(
     });
     let with_doubted = with_doubted.transpose()?;
     let is_doubted_enough = with_doubted.is_some_and(|with| !with.is_surer_than(NAME));
-    let gathered = gathered_again([&here, &there], &floor, settings);
     let shared = shared_by_far_off([&here, &there], settings);
     let shared = shared.filter(|shared| shared.p <= NAME);
-    Ok(Left { structure, is_doubted_enough, rms: found.error.after, gathered, shared })
+    Ok(Left { structure, is_doubted_enough, rms: found.error.after, shared })
 }
 
 impl Left {
     /// Whether something is left that matters.
     pub(super) fn is_left(&self) -> bool {
-        self.has_structure() || self.scatters() || self.shared.is_some()
+        self.has_structure() || self.shared.is_some()
     }
 
     fn has_structure(&self) -> bool {
         let matters = self.structure.share >= LEFT_SHARE || self.rms >= MISSES;
         self.structure.is_surer_than(NAME) && matters && !self.is_doubted_enough
-    }
-
-    /// Whether errors gather somewhere, without a sign of their own, on the held-out pushes as well.
-    fn scatters(&self) -> bool {
-        let share = self.gathered.as_ref().map_or(0.0, |region| region.error_share);
-        share >= LEFT_SHARE && self.rms >= MISSES
     }
 
     /// Whether something may be left.
@@ -112,13 +102,11 @@ impl Left {
 
     /// Where something is left, in words.
     pub(super) fn told(&self) -> Option<String> {
-        let gathered = || self.gathered.as_ref().map(|region| region.sentence.clone());
+        let shared = || self.shared.as_ref().map(Shared::sentence);
         if self.has_structure() {
-            self.structure.sentence.clone().or_else(gathered)
-        } else if self.scatters() {
-            gathered()
+            self.structure.sentence.clone().or_else(shared)
         } else {
-            self.shared.as_ref().map(Shared::sentence)
+            shared()
         }
     }
 }
@@ -126,28 +114,11 @@ impl Left {
 #[cfg(test)]
 mod tests {
     use super::{Left, Structure};
-    use crate::{Concentration, Condition, Covariate};
 
     fn left(p: f64, share: f64, rms: f64) -> Left {
         let sentence = Some("turns too far".to_owned());
         let structure = Structure { p: Some(p), sentence, share };
-        Left { structure, is_doubted_enough: false, rms, gathered: None, shared: None }
-    }
-
-    fn gathered(error_share: f64) -> Option<Concentration> {
-        let [from, to] = [None, Some(0.2)];
-        Some(Concentration {
-            sentence: "misses a corner".to_owned(),
-            name: "dtheta",
-            unit: "rad",
-            conditions: vec![Condition { covariate: Covariate::P, from, to }],
-            n_steps: 40,
-            n_pushes: 10,
-            rms: 0.1,
-            rms_elsewhere: 0.01,
-            error_share,
-            step_share: 0.05,
-        })
+        Left { structure, is_doubted_enough: false, rms, shared: None }
     }
 
     #[test]
@@ -161,21 +132,6 @@ mod tests {
         assert!(!doubted.is_left() && doubted.is_hint());
         assert!(left(0.05, 0.1, 1.0).is_hint() && left(0.03, 0.0, 1.2).is_hint());
         assert!(!left(0.06, 0.5, 1.4).is_hint() && !left(0.001, 0.09, 1.1).is_hint());
-    }
-
-    #[test]
-    fn errors_that_gather_are_left_whatever_their_sign() {
-        let scatters = Left { gathered: gathered(0.3), ..left(0.6, 0.0, 1.2) };
-        assert!(scatters.scatters() && scatters.is_left());
-        assert_eq!(scatters.told().as_deref(), Some("misses a corner"));
-        let signed = Left { gathered: gathered(0.3), ..left(0.001, 0.3, 1.2) };
-        assert_eq!(signed.told().as_deref(), Some("turns too far"));
-        for nothing in [
-            Left { gathered: gathered(0.1), ..left(0.6, 0.0, 1.2) },
-            Left { gathered: gathered(0.3), ..left(0.6, 0.0, 1.1) },
-        ] {
-            assert!(!nothing.is_left() && nothing.told().is_none());
-        }
     }
 
     #[test]

@@ -16,7 +16,6 @@ mod push_scatter;
 mod read;
 mod rivals;
 mod rules;
-mod scatter;
 mod search;
 mod sentence;
 mod standing;
