@@ -2,7 +2,7 @@
 
 mod table;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -105,13 +105,12 @@ impl Supports {
     /// Files that cannot be read; what a fit says.
     pub(super) fn of(table: &Path) -> Result<Self> {
         let table = Table::read(table)?;
-        let folds = &table.runs;
-        let outline = table.steps[0].input.object.shape().outline(4);
-        let n = table.steps.len();
+        let outline = table.mapping.object.shape.outline(4);
+        let n = table.runs.len();
         let none = Left { squares: vec![[0.0; 3]; n], densities: [0.0; 2] };
         let mut found = Self {
             variances: table.variances(),
-            runs: folds.iter().map(|run| run.run).collect(),
+            runs: table.runs.iter().map(|run| run.run).collect(),
             left: vec![none; STAGES.len()],
             learned: vec![[0.0; 3]; n],
             floor: [0.0; 3],
@@ -119,14 +118,16 @@ impl Supports {
             outline: outline.iter().map(|place| [place.x, place.y]).collect(),
             spreads: Vec::new(),
         };
-        let n_folds = 1 + folds.iter().map(|run| run.fold).max().unwrap_or_default();
-        for fold in 0..n_folds {
+        let folds: BTreeSet<usize> = table.runs.iter().map(|run| run.fold).collect();
+        for (k, fold) in folds.iter().enumerate() {
             let (held, train): (Vec<usize>, Vec<usize>) =
-                (0..folds.len()).partition(|row| folds[*row].fold == fold);
+                (0..n).partition(|row| table.runs[*row].fold == *fold);
             let model = found.add(&table, &train, &held)?;
             found.learn(&table, &train, &held)?;
-            found.floor = table.floor(&model)?;
-            println!("fold {} of {n_folds}", fold + 1);
+            if Some(fold) == folds.last() {
+                found.floor = table.floor(&model)?;
+            }
+            println!("fold {} of {}", k + 1, folds.len());
         }
         Ok(found)
     }
@@ -155,7 +156,8 @@ impl Supports {
                     found.fit.description
                 }
             };
-            for (row, squares) in held.iter().zip(table.squares(&model, held)?) {
+            let told = table.predicted(&model, held)?;
+            for (row, squares) in held.iter().zip(table.squares(told.into_iter(), held)) {
                 left.squares[*row] = squares;
             }
             for (sum, tails) in left.densities.iter_mut().zip([None, Some(TAILS)]) {
@@ -174,9 +176,9 @@ impl Supports {
         let model = (KINDS[GP].train)(&nominal, &steps)?;
         let inputs: Vec<StepInput> =
             held.iter().map(|row| table.motions[*row].input.clone()).collect();
-        for (row, told) in held.iter().zip(model.predict(&inputs, Noise::Excluded)?) {
-            let miss = table.motions[*row].outputs - told.mean;
-            self.learned[*row] = miss.map(|miss| miss * miss).into();
+        let told = model.predict(&inputs, Noise::Excluded)?.into_iter().map(|told| told.mean);
+        for (row, squares) in held.iter().zip(table.squares(told, held)) {
+            self.learned[*row] = squares;
         }
         Ok(())
     }

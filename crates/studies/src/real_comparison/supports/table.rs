@@ -6,6 +6,7 @@ use anyhow::{Context, Result, ensure};
 use dataset::{ObjectChoice, StepRow, TableMapping};
 use diagnosis::{Observations, Predictions, RepeatTolerance, noise_floor};
 use models::{ChannelModel, ChannelObservation, Description, StepObservation, StepSelection};
+use nalgebra::Vector3;
 
 /// Squared errors of a row's three outputs.
 pub(super) type Squares = [f64; 3];
@@ -24,7 +25,7 @@ pub(super) struct Table {
     /// Of each row, in its order.
     pub(super) runs: Vec<Run>,
     observations: Observations,
-    pub(super) steps: Vec<ChannelObservation>,
+    steps: Vec<ChannelObservation>,
     /// The same without anything but the motion.
     pub(super) motions: Vec<StepObservation>,
     /// Of each row's push.
@@ -38,7 +39,8 @@ impl Table {
         let of = path.with_file_name("runs.csv");
         let mut reader =
             csv::Reader::from_path(&of).with_context(|| format!("cannot read {}", of.display()))?;
-        let mut runs: Vec<Run> = reader.deserialize().collect::<Result<_, _>>()?;
+        let runs: Result<Vec<Run>, _> = reader.deserialize().collect();
+        let mut runs = runs.with_context(|| format!("cannot read {}", of.display()))?;
         let mapping = TableMapping::mit_table()?;
         let mut table = mapping.read_table(path)?;
         let n = table.rows.len();
@@ -70,12 +72,42 @@ impl Table {
         Ok(self.observations.part(&names)?)
     }
 
-    pub(super) fn variances(&self) -> [f64; 3] {
-        [0, 1, 2].map(|k| {
-            let values: Vec<f64> = self.steps.iter().filter_map(|step| step.observed[k]).collect();
-            let mean = values.iter().sum::<f64>() / values.len() as f64;
-            values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64
-        })
+    /// In the order of the outputs.
+    pub(super) fn variances(&self) -> Squares {
+        let n = self.motions.len() as f64;
+        let sum: Vector3<f64> = self.motions.iter().map(|step| step.outputs).sum();
+        let square = |step: &StepObservation| (step.outputs - sum / n).map(|off| off * off);
+        (self.motions.iter().map(square).sum::<Vector3<f64>>() / n).into()
+    }
+
+    /// Squares of what predicted motions of some rows miss.
+    pub(super) fn squares(
+        &self,
+        told: impl Iterator<Item = Vector3<f64>>,
+        rows: &[usize],
+    ) -> Vec<Squares> {
+        let miss = |(row, told): (&usize, Vector3<f64>)| {
+            (self.motions[*row].outputs - told).map(|miss| miss * miss).into()
+        };
+        rows.iter().zip(told).map(miss).collect()
+    }
+
+    /// The motions of some rows by a model.
+    ///
+    /// # Errors
+    /// What the model refuses.
+    pub(super) fn predicted(
+        &self,
+        model: &Description,
+        rows: &[usize],
+    ) -> Result<Vec<Vector3<f64>>> {
+        let channels = ChannelModel::new(model, self.mapping.support, &[])?;
+        let told = channels.predict(rows.iter().map(|row| &self.steps[*row].input))?;
+        Ok(told
+            .iter()
+            .map(|told| told.to_array())
+            .map(|[dx, dy, dtheta, ..]| Vector3::new(dx, dy, dtheta))
+            .collect())
     }
 
     /// What rows of different runs that begin alike differ by beside a model, mean squares.
@@ -86,18 +118,5 @@ impl Table {
         let squares = [0, 1, 2].map(of);
         let known: Option<Vec<f64>> = squares.into_iter().collect();
         known.and_then(|all| all.try_into().ok()).context("no rows begin alike")
-    }
-
-    pub(super) fn squares(&self, model: &Description, rows: &[usize]) -> Result<Vec<Squares>> {
-        let channels = ChannelModel::new(model, self.mapping.support, &[])?;
-        let predicted = channels.predict(rows.iter().map(|row| &self.steps[*row].input))?;
-        let miss = |(row, told): (&usize, &effects::Channels)| {
-            let told = told.to_array();
-            [0, 1, 2].map(|k| {
-                let miss = self.steps[*row].observed[k].map(|is| is - told[k]);
-                miss.unwrap_or_default().powi(2)
-            })
-        };
-        Ok(rows.iter().zip(&predicted).map(miss).collect())
     }
 }
