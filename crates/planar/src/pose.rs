@@ -19,28 +19,33 @@ pub struct Pose {
 
 impl Pose {
     /// A pose from its three numbers, in m, m and rad.
+    #[inline]
     pub fn new(x: f64, y: f64, angle: f64) -> Self {
         Self { position: Vector2::new(x, y), angle }
     }
 
     /// A vector (not a point) of the inner frame, in the axes of the outer one.
+    #[inline]
     pub fn rotate(&self, vector: &Vector2<f64>) -> Vector2<f64> {
         let (sin, cos) = self.angle.sin_cos();
         Vector2::new(cos * vector.x - sin * vector.y, sin * vector.x + cos * vector.y)
     }
 
     /// A vector (not a point) of the outer frame, in the axes of the inner one.
+    #[inline]
     pub fn inverse_rotate(&self, vector: &Vector2<f64>) -> Vector2<f64> {
         let (sin, cos) = self.angle.sin_cos();
         Vector2::new(cos * vector.x + sin * vector.y, cos * vector.y - sin * vector.x)
     }
 
     /// A point of the inner frame (m), in the outer one.
+    #[inline]
     pub fn transform_point(&self, point: &Vector2<f64>) -> Vector2<f64> {
         self.position + self.rotate(point)
     }
 
     /// A point of the outer frame (m), in the inner one.
+    #[inline]
     pub fn inverse_transform_point(&self, point: &Vector2<f64>) -> Vector2<f64> {
         self.inverse_rotate(&(point - self.position))
     }
@@ -87,6 +92,7 @@ impl std::ops::Mul for Pose {
 
     // Turns add where poses compose.
     #[allow(clippy::suspicious_arithmetic_impl)]
+    #[inline]
     fn mul(self, inner: Pose) -> Pose {
         Pose { position: self.transform_point(&inner.position), angle: self.angle + inner.angle }
     }

@@ -17,16 +17,19 @@ pub struct Twist {
 
 impl Twist {
     /// A twist from its three numbers, in m/s, m/s and rad/s.
+    #[inline]
     pub fn new(vx: f64, vy: f64, omega: f64) -> Self {
         Self { linear: Vector2::new(vx, vy), angular: omega }
     }
 
     /// (vx, vy, ω) in m/s, m/s and rad/s.
+    #[inline]
     pub fn to_vector(&self) -> Vector3<f64> {
         Vector3::new(self.linear.x, self.linear.y, self.angular)
     }
 
     /// The inverse of [`Twist::to_vector`].
+    #[inline]
     pub fn from_vector(vector: &Vector3<f64>) -> Self {
         Self::new(vector.x, vector.y, vector.z)
     }
@@ -34,11 +37,13 @@ impl Twist {
     /// Velocity of the body's point that is now at `point` (m, same frame), in m/s: V + ω × r.
     ///
     /// The thesis' eq. 2.10 has V − ω × r in front of the same, right components.
+    #[inline]
     pub fn velocity_at(&self, point: &Vector2<f64>) -> Vector2<f64> {
         self.linear + self.angular * perpendicular(point)
     }
 
     /// The same motion stated at `point` (m, same axes) instead of at the origin.
+    #[inline]
     pub fn shifted(&self, point: &Vector2<f64>) -> Self {
         Self { linear: self.velocity_at(point), angular: self.angular }
     }
@@ -47,11 +52,13 @@ impl Twist {
 vector_space!(Twist { linear, angular });
 
 /// The vector turned by +90°: (x, y) ↦ (−y, x).
+#[inline]
 pub fn perpendicular(vector: &Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-vector.y, vector.x)
 }
 
 /// The out-of-plane part of a × b: a_x b_y − a_y b_x.
+#[inline]
 pub fn cross(a: &Vector2<f64>, b: &Vector2<f64>) -> f64 {
     a.x * b.y - a.y * b.x
 }

@@ -9,6 +9,7 @@ macro_rules! vector_space {
         impl std::ops::Neg for $name {
             type Output = Self;
 
+            #[inline]
             fn neg(self) -> Self {
                 Self { $vector: -self.$vector, $number: -self.$number }
             }
@@ -17,6 +18,7 @@ macro_rules! vector_space {
         impl std::ops::Mul<f64> for $name {
             type Output = Self;
 
+            #[inline]
             fn mul(self, factor: f64) -> Self {
                 Self { $vector: factor * self.$vector, $number: factor * self.$number }
             }
@@ -25,6 +27,7 @@ macro_rules! vector_space {
         impl std::ops::Mul<$name> for f64 {
             type Output = $name;
 
+            #[inline]
             fn mul(self, vector: $name) -> $name {
                 $name { $vector: self * vector.$vector, $number: self * vector.$number }
             }
@@ -41,6 +44,7 @@ macro_rules! vector_space {
         impl std::ops::$trait for $name {
             type Output = Self;
 
+            #[inline]
             fn $method(self, other: Self) -> Self {
                 Self {
                     $vector: self.$vector $sign other.$vector,
@@ -50,6 +54,7 @@ macro_rules! vector_space {
         }
 
         impl std::ops::$assign_trait for $name {
+            #[inline]
             fn $assign_method(&mut self, other: Self) {
                 self.$vector $assign other.$vector;
                 self.$number $assign other.$number;

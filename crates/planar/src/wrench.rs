@@ -16,6 +16,7 @@ pub struct Wrench {
 
 impl Wrench {
     /// A wrench from its three numbers, in N, N and N·m.
+    #[inline]
     pub fn new(fx: f64, fy: f64, torque: f64) -> Self {
         Self { force: Vector2::new(fx, fy), torque }
     }
@@ -26,11 +27,13 @@ impl Wrench {
     }
 
     /// (Fx, Fy, M) in N, N and N·m.
+    #[inline]
     pub fn to_vector(&self) -> Vector3<f64> {
         Vector3::new(self.force.x, self.force.y, self.torque)
     }
 
     /// The inverse of [`Wrench::to_vector`].
+    #[inline]
     pub fn from_vector(vector: &Vector3<f64>) -> Self {
         Self::new(vector.x, vector.y, vector.z)
     }

@@ -114,8 +114,8 @@ impl StepTable {
         if !shares.iter().all(|share| (0.0..=1.0).contains(share)) {
             return None;
         }
-        let [(row, along_p), (column, along_beta)] =
-            [0, 1].map(|axis| cubic(shares[axis], self.n[axis]));
+        let (row, along_p) = cubic(shares[0], self.n[0]);
+        let (column, along_beta) = cubic(shares[1], self.n[1]);
         let mut sum = Belief::default();
         for (i, of_p) in along_p.iter().enumerate() {
             let start = (row + i) * self.n[1] + column;

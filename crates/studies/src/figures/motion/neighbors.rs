@@ -76,7 +76,8 @@ fn halve(points: &mut [[f64; 3]], axes: &mut [u8]) {
 }
 
 fn square(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+    let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    x * x + y * y + z * z
 }
 
 /// Keeps the smallest, in order.
