@@ -93,18 +93,23 @@ fn learn(
     let (train, test) = steps.split_at(most);
     let test_steps = &test[..test.len().min(MOST_TESTED)];
     let test = HeldOut::new(test_steps);
+    let learnt = |kind: usize, count: usize| {
+        let model = (KINDS[kind].train)(nominal, &train[..count]);
+        model.with_context(|| format!("{}, {count} steps", KINDS[kind].name))
+    };
+    let gp_of_all = learnt(GP, most)?;
     let scores = |kind: usize| {
         let counts = counts.iter().filter(|count| kind != VHGP || **count <= most_vhgp);
-        let score = |&count: &usize| {
-            let model = (KINDS[kind].train)(nominal, &train[..count]);
-            test.scores(&*model.with_context(|| format!("{}, {count} steps", KINDS[kind].name))?)
+        let score = |&count: &usize| match (kind, count == most) {
+            (GP, true) => test.scores(&*gp_of_all),
+            _ => test.scores(&*learnt(kind, count)?),
         };
         counts.map(score).collect::<Result<Vec<_>>>()
     };
     Ok(Curves {
         nominal: test.nmse(nominal)?,
         scores: (0..KINDS.len()).map(scores).collect::<Result<_>>()?,
-        joint: JointOutputs::of(&*(KINDS[GP].train)(nominal, train)?, test_steps)?,
+        joint: JointOutputs::of(&*gp_of_all, test_steps)?,
     })
 }
 

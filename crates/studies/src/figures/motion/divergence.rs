@@ -1,6 +1,7 @@
 //! How far a density is from the one that particles come from.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::OnceLock;
 
 use anyhow::{Context, Result};
 use filter::Mixture;
@@ -28,6 +29,8 @@ pub(super) struct Cloud {
     tree: Neighbors,
     /// Some of them, in SI and in units.
     read: Vec<(Vector3<f64>, [f64; 3])>,
+    /// In nats of m, m and rad, once it has been asked for.
+    entropy: OnceLock<f64>,
 }
 
 /// A mean, and the root of a covariance.
@@ -70,7 +73,7 @@ impl Cloud {
         let tree = Neighbors::of(all.iter().map(|(_, scaled)| *scaled).collect());
         let every = all.len().div_ceil(N_READ).max(1);
         let read = all.into_iter().step_by(every).collect();
-        Self { units, tree, read }
+        Self { units, tree, read, entropy: OnceLock::new() }
     }
 
     /// Of so many of the particles, evenly chosen.
@@ -86,7 +89,8 @@ impl Cloud {
     /// Kozachenko & Leonenko (1987), Sample estimate of the entropy of a random vector.
     pub(super) fn divergence_of(&self, density: &Density) -> f64 {
         let log = |(place, _): &(Vector3<f64>, _)| density.log_at(place);
-        -self.entropy() - mean(&self.read.par_iter().map(log).collect::<Vec<_>>())
+        let entropy = self.entropy.get_or_init(|| self.entropy());
+        -entropy - mean(&self.read.par_iter().map(log).collect::<Vec<_>>())
     }
 
     /// The same of the density of other particles, which are known by their distances alone.
