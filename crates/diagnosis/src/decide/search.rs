@@ -234,7 +234,12 @@ impl Search<'_> {
     ) -> Result<Vec<Tried<'a>>, DiagnosisError> {
         let mut tried = Vec::new();
         for id in self.worth_a_trial(screen, progress) {
-            tried.extend(self.try_one(here, id, &mut progress.refused)?);
+            let Some(mut one) = self.try_one(here, id, &mut progress.refused)? else { continue };
+            if one.size < SIZE && screen.p_of(id) <= NAME {
+                one.trial.look_farther();
+                one.size = one.without.as_ref().unwrap_or(here).size_of(&one.trial)?;
+            }
+            tried.push(one);
         }
         // Numbers left open may hide from a screen what explains as much as the best.
         for id in self.alike_the_best(&tried, screen, progress) {

@@ -130,14 +130,21 @@ impl Problem<'_> {
     pub(super) fn farther(&self, mut best: Evaluation, numbers: Range<usize>) -> Evaluation {
         let from = best.x.clone();
         for k in numbers.filter(|k| !self.frozen[*k]) {
-            for side in [-2.0, 2.0] {
-                let mut x = from.clone();
-                let (low, high) = self.ranges[k];
-                x[k] = (x[k] + side * self.secants[k]).clamp(low, high);
+            for x in self.typical_sizes(&from, k) {
                 // A size that the mechanics refuse is no start.
                 best = self.stand(x).ok().filter(|to| to.value < best.value).unwrap_or(best);
             }
         }
         best
+    }
+
+    /// A place with a typical size of a number to either side.
+    pub(super) fn typical_sizes(&self, from: &[f64], k: usize) -> [Vec<f64>; 2] {
+        let (low, high) = self.ranges[k];
+        [-2.0, 2.0].map(|side| {
+            let mut x = from.to_vec();
+            x[k] = (x[k] + side * self.secants[k]).clamp(low, high);
+            x
+        })
     }
 }

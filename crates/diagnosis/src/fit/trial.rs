@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 
 use super::Refit;
 use super::descent::{BRIEF, Exactness, Minimum, Start};
-use super::problem::Problem;
+use super::problem::{Evaluation, Problem};
 use crate::DiagnosisError;
 
 /// One more effect beside a fitted model, near the minimum of both.
@@ -99,6 +99,17 @@ impl<'a> Refit<'a> {
     }
 }
 
+impl Problem<'_> {
+    /// A minimum near a place from which `others` moves first.
+    fn beside_others(&self, others: &Self, x: Vec<f64>) -> Result<Minimum, DiagnosisError> {
+        let near = |problem: &Self, at: Evaluation| {
+            let start = Start { at, slopes: None, exactness: Exactness::Rough };
+            problem.descend_briefly(start, BRIEF)
+        };
+        near(self, near(others, self.stand(x)?)?.at)
+    }
+}
+
 impl Trial<'_> {
     pub(crate) fn id(&self) -> &'static str {
         self.effect.info().id
@@ -112,6 +123,27 @@ impl Trial<'_> {
     /// As [`Refit::misfit_by`].
     pub(crate) fn misfit_by(&self, other: &Refit) -> f64 {
         other.problem.robust.value(&self.minimum.at.z)
+    }
+
+    /// Looks for a lower minimum from the effect's typical sizes to either side, to each of which all else
+    /// is fitted first.
+    ///
+    /// A number left open may hold the model where most pushes go right and some far wrong: there friction
+    /// that suits one side of the pusher, and of which no other size is better by itself.
+    pub(crate) fn look_farther(&mut self) {
+        let numbers = self.problem.space.numbers_of(self.id()).unwrap_or(0..0);
+        let mut others = self.problem.clone();
+        others.frozen[numbers.clone()].fill(true);
+        let off = self.minimum.at.x.clone();
+        for k in numbers.filter(|k| !self.problem.frozen[*k]) {
+            for x in self.problem.typical_sizes(&off, k) {
+                // A size that the mechanics refuse is no start.
+                let Ok(found) = self.problem.beside_others(&others, x) else { continue };
+                if found.at.value < self.minimum.at.value {
+                    self.minimum = found;
+                }
+            }
+        }
     }
 
     /// Goes on to where the sum falls no more, with the same weights.

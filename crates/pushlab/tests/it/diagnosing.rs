@@ -53,6 +53,20 @@ fn a_hidden_effect_is_named_with_its_size_and_closes_the_gap() {
     assert!(error["gap_closed"].as_f64().unwrap() > 0.85, "{error}");
 }
 
+/// Friction that suits one side is where the fit stays if nothing looks farther.
+#[test]
+fn friction_that_differs_by_side_is_named_beside_friction_that_suits_one_side() {
+    let set = SmallSet::new();
+    let hidden = "pusher-friction-asymmetry";
+    set.done(&["generate", "-o", "pushes", "--seed", "530012", "-n", "60", "--hidden", hidden]);
+    set.done(&["models", "init", "pushes"]);
+    let found = diagnosed(&set);
+    let identified = found["identified"].as_array().unwrap();
+    assert!(identified.contains(&json!(hidden)), "{}", found["sentence"]);
+    let asymmetry = effect(&found, hidden)["parameters"][0]["estimate"].as_f64().unwrap();
+    assert!((asymmetry - 0.2).abs() < 0.01, "{asymmetry}");
+}
+
 #[test]
 fn nothing_is_named_where_nothing_is_missing() {
     let set = generated(&[], &[]);
