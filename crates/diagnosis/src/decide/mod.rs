@@ -20,6 +20,7 @@ mod search;
 mod sentence;
 mod standing;
 mod superset;
+mod tried;
 
 use std::borrow::Cow;
 use std::sync::Arc;

@@ -2,7 +2,8 @@
 
 use super::found::{Choice, Progress, Refused, ids};
 use super::rules::Objection;
-use super::search::{Search, Tried};
+use super::search::Search;
+use super::tried::Tried;
 use crate::cut_offs::{APART, OWN_SHARE, SHARE_APART, SIZE};
 use crate::fit::Refit;
 use crate::{DiagnosisError, Screen};

@@ -9,8 +9,9 @@ use super::DiagnoseSettings;
 use super::found::{Choice, Found, Progress, Refused, ids};
 use super::linearised::Linearised;
 use super::rules::{Objection, Rules};
+use super::tried::Tried;
 use crate::cut_offs::{APART, HINT, MOST_SMALL, NAME, SIZE};
-use crate::fit::{Refit, Trial};
+use crate::fit::Refit;
 use crate::predict::candidates::follow_from_points;
 use crate::{DiagnosisError, FitSettings, Observations, Screen, ScreenedEffect};
 
@@ -22,15 +23,6 @@ pub(super) struct Search<'a> {
     /// Opened when the search is over.
     pub(super) aside: &'a Observations,
     pub(super) settings: &'a DiagnoseSettings,
-}
-
-/// An effect tried beside a model.
-pub(super) struct Tried<'a> {
-    pub(super) trial: Trial<'a>,
-    /// The model without it, where its nominal value was a nuisance before.
-    without: Option<Refit<'a>>,
-    /// What it changes, over the noise.
-    pub(super) size: f64,
 }
 
 /// Where a search goes on.
@@ -118,6 +110,37 @@ impl Search<'_> {
         let gain_so_far = gain_so_far(here, progress)?;
         let rules = Rules { gain_so_far, is_first: progress.n_chosen(false) == 0 };
         let tried = self.tried(here, screen, progress)?;
+        let noted = progress.refused.len();
+        let next = self.best(here, screen, (&rules, tried), progress)?;
+        let Next::Small { mut tried, which } = next else { return Ok(next) };
+        if !Self::look_farther(here, screen, &mut tried)? {
+            return Ok(Next::Small { tried, which });
+        }
+        progress.refused.truncate(noted);
+        self.best(here, screen, (&rules, tried), progress)
+    }
+
+    /// Looks farther where what is sure seemed hardly seen; tells whether any is large there.
+    fn look_farther(
+        here: &Refit,
+        screen: &Screen,
+        tried: &mut [Tried],
+    ) -> Result<bool, DiagnosisError> {
+        let is_small = |one: &&mut Tried| one.size < SIZE && screen.p_of(one.trial.id()) <= NAME;
+        let mut small = tried.iter_mut().filter(is_small);
+        let is_any = small.try_fold(false, |is_any, one| Ok(one.goes_farther(here)? || is_any));
+        tried.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        is_any
+    }
+
+    /// The best of what was tried that obeys every rule; notes what does not.
+    fn best<'a>(
+        &self,
+        here: &Refit<'a>,
+        screen: &Screen,
+        (rules, tried): (&Rules, Vec<Tried<'a>>),
+        progress: &mut Progress,
+    ) -> Result<Next<'a>, DiagnosisError> {
         let mut which = Vec::new();
         for (index, Tried { trial, without, size }) in tried.iter().enumerate() {
             let id = trial.id();
@@ -234,12 +257,7 @@ impl Search<'_> {
     ) -> Result<Vec<Tried<'a>>, DiagnosisError> {
         let mut tried = Vec::new();
         for id in self.worth_a_trial(screen, progress) {
-            let Some(mut one) = self.try_one(here, id, &mut progress.refused)? else { continue };
-            if one.size < SIZE && screen.p_of(id) <= NAME {
-                one.trial.look_farther();
-                one.size = one.without.as_ref().unwrap_or(here).size_of(&one.trial)?;
-            }
-            tried.push(one);
+            tried.extend(self.try_one(here, id, &mut progress.refused)?);
         }
         // Numbers left open may hide from a screen what explains as much as the best.
         for id in self.alike_the_best(&tried, screen, progress) {
@@ -379,11 +397,4 @@ fn gain_so_far(here: &Refit, progress: &Progress) -> Result<f64, DiagnosisError>
         return Ok(0.0);
     }
     Ok(here.briefly_without(&ids(&progress.chosen))?.misfit_by(here) - here.objective())
-}
-
-impl Tried<'_> {
-    /// What is minimised, with a price for each number.
-    pub(super) fn cost(&self) -> f64 {
-        self.trial.objective() + 2.0 * self.trial.freedom as f64
-    }
 }
