@@ -38,7 +38,7 @@ pub(super) struct RawOut<'a> {
 }
 
 #[derive(Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table with the kind of the model, as `[base]`")]
 pub(super) struct RawBase {
     pub kind: Spanned<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -59,7 +59,7 @@ pub(super) struct RawBase {
 }
 
 #[derive(Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table with the id of an effect, as `[[effects]]`")]
 pub(super) struct RawEffect {
     pub id: Spanned<String>,
     #[serde(default)]
@@ -67,7 +67,7 @@ pub(super) struct RawEffect {
 }
 
 #[derive(Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table with a value, as `{ value = 0.3 }`")]
 pub(super) struct RawParameter {
     pub value: f64,
     #[serde(default)]
@@ -85,7 +85,7 @@ pub(super) struct RawParameter {
 }
 
 #[derive(Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table with the file of the weights, as `[learned]`")]
 pub(super) struct RawLearned {
     pub weights: String,
     pub sha256: String,

@@ -421,6 +421,7 @@ fn every_impossible_file_names_its_line_and_key() {
             "on quartic give pressure",
         ),
         (good.split("\n[base.pusher").next().unwrap().into(), 4, "base.pusher_friction", "missing"),
+        (good.split("[base]").next().unwrap().to_owned() + "base = 3", 4, "base", "a table with"),
         (scatter("[[1, 2, 0], [3, 1, 0], [0, 0, 1]]"), 7, "base.scatter_per_m", "symmetric"),
         (scatter("[[1, 2, 0], [2, 1, 0], [0, 0, 1]]"), 7, "base.scatter_per_m", "semi-definite"),
         (good.replace("analytical", "gp"), 4, "learned", "needs"),
