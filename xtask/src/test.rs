@@ -8,9 +8,9 @@ use std::sync::{Mutex, mpsc};
 use std::thread;
 
 use anyhow::{Context, Result, ensure};
-use cargo_metadata::{Artifact, Message};
+use cargo_metadata::{Artifact, Message, MetadataCommand};
 
-use crate::cargo::cargo;
+use crate::cargo::{cargo, workspace_root};
 
 /// Run every test and doctest of the workspace and print their total.
 #[derive(clap::Args)]
@@ -36,7 +36,7 @@ pub(crate) fn run(_args: &Args) -> Result<()> {
         let workers: Vec<_> = (0..n_workers).map(|_| scope.spawn(work)).collect();
         let compiled = compile(|program| queue.send(program).context("no thread is left"));
         drop(queue);
-        let doctests = compiled.and_then(|()| Program::doctests().run(&total, io::stdout()));
+        let doctests = compiled.and_then(|()| Program::doctests()?.run(&total, io::stdout()));
         workers
             .into_iter()
             .map(|worker| worker.join().expect("no thread panics"))
@@ -94,9 +94,16 @@ impl Program {
         Some(Self { name, command })
     }
 
-    fn doctests() -> Self {
-        let command = cargo(&["test", "--workspace", "--doc", "--no-fail-fast"]);
-        Self { name: "doctests".to_owned(), command }
+    /// Those of the libraries that have some: cargo would compile the others for them, too.
+    fn doctests() -> Result<Self> {
+        let metadata = MetadataCommand::new().no_deps().current_dir(workspace_root()).exec()?;
+        let mut command = cargo(&["test", "--workspace", "--doc", "--no-fail-fast"]);
+        for package in metadata.workspace_packages() {
+            if !package.targets.iter().any(|target| target.doctest) {
+                command.args(["--exclude", package.name.as_str()]);
+            }
+        }
+        Ok(Self { name: "doctests".to_owned(), command })
     }
 
     /// Runs it to its end, prints its output in one piece and adds it up.

@@ -15,7 +15,7 @@ use crate::{
 
 /// Time the workspace beside a reference; writes target/bench/NAME.json.
 #[derive(clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     /// Benchmarks to run, all without it
     #[arg(value_parser = PossibleValuesParser::new(BENCHMARKS.iter().map(|benchmark| benchmark.name)))]
     names: Vec<String>,
@@ -33,7 +33,7 @@ pub struct Args {
 ///
 /// # Errors
 /// The first benchmark that fails, by name.
-pub fn run(args: &Args) -> Result<()> {
+pub(crate) fn run(args: &Args) -> Result<()> {
     if let Some(n_pushes) = args.once {
         return diagnosis::once(n_pushes);
     }

@@ -4,6 +4,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use crate::bench;
+
 /// Tasks of the project, which `cargo xtask` starts by their names.
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", max_term_width = 100)]
@@ -14,13 +16,13 @@ struct CommandLine {
 
 #[derive(Subcommand)]
 enum Task {
-    Bench(crate::Args),
+    Bench(bench::Args),
 }
 
 /// Does what the command line says, and tells on standard error why it cannot.
 pub fn main() -> ExitCode {
     let result = match CommandLine::parse().task {
-        Task::Bench(args) => crate::run(&args),
+        Task::Bench(args) => bench::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

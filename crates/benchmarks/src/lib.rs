@@ -19,5 +19,4 @@ mod push;
 mod report;
 mod timing;
 
-pub use bench::{Args, run};
 pub use command_line::main;

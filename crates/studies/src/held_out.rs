@@ -98,7 +98,7 @@ impl HeldOut {
 }
 
 /// The value below which a share of the values lies, linear between them; NaN of nothing.
-pub fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
+pub(crate) fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let Some(last) = values.len().checked_sub(1) else { return f64::NAN };
     let place = share * last as f64;

@@ -13,4 +13,3 @@ pub mod simulated_and_real;
 pub mod thesis_claims;
 
 pub use command_line::main;
-pub use held_out::quantile;

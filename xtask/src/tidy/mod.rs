@@ -127,6 +127,7 @@ mod tests {
             name: "planar".into(),
             folder: "crates/planar".into(),
             is_library: true,
+            has_doctests: true,
             roots: vec!["crates/planar/src/lib.rs".into()],
             ..Crate::default()
         };

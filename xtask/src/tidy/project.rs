@@ -35,6 +35,7 @@ pub(super) struct Crate {
     pub(super) name: String,
     pub(super) folder: String,
     pub(super) is_library: bool,
+    pub(super) has_doctests: bool,
     /// Root files of its library and programs.
     pub(super) roots: Vec<String>,
     /// Root files of its programs of integration tests.
@@ -185,6 +186,7 @@ fn load_crates(metadata: &Metadata) -> Result<Vec<Crate>> {
         Ok(Crate {
             folder,
             is_library: package.targets.iter().any(|target| target.is_lib()),
+            has_doctests: package.targets.iter().any(|target| target.doctest),
             roots: paths_of(&[TargetKind::Lib, TargetKind::Bin]),
             test_roots: paths_of(&[TargetKind::Test]),
             imports: imports.filter(|import| names.contains(import)).collect(),
