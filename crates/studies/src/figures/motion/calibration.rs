@@ -9,14 +9,16 @@ use super::pushes::turns;
 use crate::figures::inputs::Inputs;
 use crate::figures::sketch::Sketch;
 
-const N_PARTICLES: usize = 200;
+/// With care, and quickly.
+const N_PARTICLES: [usize; 2] = [200, 80];
 /// Where the curves are read.
 const N_LEVELS: usize = 51;
 
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let pushes = inputs.whole_pushes()?;
     let setting = inputs.setting()?;
-    let all = all_ends(&setting, &turns(&pushes), N_PARTICLES)?;
+    let n_particles = N_PARTICLES[usize::from(inputs.quick())];
+    let all = all_ends(&setting, &turns(&pushes), n_particles)?;
     let figure = Figure::new(1, 2)
         .panel_size(400.0, 340.0)
         .with(panel("steps taken for independent", &all, |ends| &ends.independent))
@@ -25,7 +27,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let told: Vec<String> = all.iter().map(in_words).collect();
     let chance = LEVELS.map(|level| format!("{:.0}", 100.0 * binomial_sd(level, n))).join(", ");
     let caption = format!(
-        "Ends of {n} pushes that no model has seen, each among {N_PARTICLES} particles: the share that \
+        "Ends of {n} pushes that no model has seen, each among {n_particles} particles: the share that \
          lies within the region of a level. A model that knows how sure it is follows the diagonal. \
          Neighboring steps of a push share errors, which a variance per step does not tell (left); \
          which part goes on over which way, and how unevenly pushes err, was measured on the pushes \
