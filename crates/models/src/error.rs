@@ -221,7 +221,8 @@ pub enum ModelError {
     },
     /// A model that claims no variance was asked how far off it is.
     #[error(
-        "the model of kind {kind} claims no scatter in some output; fit one, or train a learnt kind"
+        "the model of kind {kind} claims no scatter of steps in some output; how errors go together is \
+         measured of a fitted scatter or a learnt kind"
     )]
     NoVariance {
         /// The kind.

@@ -4,6 +4,7 @@ use models::Description;
 use serde::{Deserialize, Serialize};
 
 use super::DiagnoseSettings;
+use crate::cut_offs::MUCH_OF_NOISE;
 use crate::predict::tangent::Tangent;
 use crate::remains::noise_beside;
 use crate::{DiagnosisError, ErrorSource, NoiseModel, Observations};
@@ -24,6 +25,13 @@ pub struct PushScatter {
     pub high95: f64,
     /// Share of the variance of a step's motion and force that is noise to the best model.
     pub share: f64,
+}
+
+impl PushScatter {
+    /// Whether it makes so much of the noise that it is told and carried.
+    pub fn is_much(&self) -> bool {
+        self.share >= MUCH_OF_NOISE
+    }
 }
 
 /// How often the noise is learnt with secants as long as what differs does.

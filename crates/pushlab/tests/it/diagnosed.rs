@@ -99,6 +99,50 @@ fn what_a_diagnosis_names_is_added_and_compared_on_the_pushes_that_confirmed_it(
 }
 
 #[test]
+fn what_differs_from_push_to_push_is_carried_with_all_the_rest() {
+    let (set, mut diagnosis) = diagnosed();
+    let scatter = |id: &str, unit: &str, sd: f64, share: f64| {
+        json!({ "effect": id, "unit": unit, "sd": sd, "low95": 0.5 * sd, "high95": 2.0 * sd,
+                "share": share })
+    };
+    diagnosis["noise"]["push_to_push"] = json!([
+        scatter("friction-center-offset", "m", 4e-3, 0.4),
+        scatter("support-friction", "1", 0.02, 0.3),
+        scatter("pusher-friction", "1", 0.03, 0.2),
+        scatter("contact-bias", "m", 1e-4, 0.01),
+    ]);
+    set.write("d.json", &diagnosis.to_string());
+    let added = set.done(&["add", "--all", "--from", "d.json", "-o", "all.toml"]);
+    assert!(added.stderr.contains("pushlab add support-friction --fit SET --per-push"));
+    assert!(added.stdout.contains("friction-center-offset dy, sd per push: 0.004 m"));
+    let all: toml::Value = toml::from_str(&set.read("all.toml")).unwrap();
+    let effect = |id: &str| {
+        let mut effects = all["effects"].as_array().unwrap().iter();
+        effects.find(|effect| effect["id"].as_str() == Some(id))
+    };
+    assert!(effect("support-friction").is_none() && effect("contact-bias").is_none(), "{all}");
+    // About the value that the model has already.
+    let friction = &effect("pusher-friction").unwrap()["parameters"]["friction"];
+    assert_eq!(friction["value"].as_float(), Some(0.25));
+    // Nothing is named, but that pushes differ.
+    (diagnosis["identified"], diagnosis["ambiguous"]) = (json!([]), json!([]));
+    set.write("d.json", &diagnosis.to_string());
+    set.done(&["add", "--all", "--from", "d.json", "-o", "scatter.toml"]);
+    let simulate = ["simulate", "pushes", "--particles", "200", "-n", "15", "--json"];
+    let held = |model: &str| -> u64 {
+        let out = format!("out-{model}");
+        let words = ["--model", model, "-o", &out];
+        let run = set.done(&[&simulate[..], &words].concat());
+        let result: Value = serde_json::from_str(&run.stdout).unwrap();
+        result["coverage"][1]["n_within"].as_u64().unwrap()
+    };
+    let plain = set.done(&["simulate", "pushes", "-n", "1", "--particles", "9", "-o", "p"]).stdout;
+    assert!(plain.contains("`pushlab add --all --from DIAGNOSIS`"), "{plain}");
+    // Of 15 ends, those within the 90 % region.
+    assert!(held("scatter.toml") > 9 && held("model.toml") == 0);
+}
+
+#[test]
 fn the_page_tells_where_the_rest_comes_from_and_what_speaks_against_a_cause() {
     let (set, mut diagnosis) = diagnosed();
     let gain = |mean: f64| json!({ "mean": mean, "se": 10.0 });

@@ -1,9 +1,9 @@
 //! Effects of a diagnosis as a model carries them.
 
 use anyhow::{Result, bail, ensure};
-use diagnosis::{Diagnosis, EffectFinding, Grade, ParameterFinding};
-use effects::{Setting, by_id};
-use models::{Estimate, ModelEffect};
+use diagnosis::{Diagnosis, EffectFinding, Grade, ParameterFinding, PushScatter};
+use effects::{EffectInfo, Off, Parameter, Setting, Spread, by_id};
+use models::{Base, Description, Estimate, ModelEffect};
 
 /// Which effects of a diagnosis are added.
 pub(super) enum Asked<'a> {
@@ -34,7 +34,8 @@ pub(super) fn chosen(found: &Diagnosis, asked: &Asked) -> Result<Vec<ModelEffect
             identified.chain(others).collect()
         }
     };
-    if ids.is_empty() {
+    let is_spread = matches!(asked, Asked::All) && much_scatter(found).next().is_some();
+    if ids.is_empty() && !is_spread {
         ensure!(
             found.effective.is_empty(),
             "the diagnosis names no effect for sure, but the error falls with {}: \
@@ -90,6 +91,53 @@ pub(crate) fn diagnosed_effect(found: &Diagnosis, id: &str) -> Result<ModelEffec
         (one.name.clone(), Estimate { value, se: se(one), source: source.clone() })
     };
     Ok(ModelEffect::new(id, parameters.iter().map(estimate).collect()))
+}
+
+/// Lets what the diagnosis found to differ from push to push differ in a model, as far as it is much of the
+/// noise and the model says about which value; returns the effects' ids, and those that are left out.
+///
+/// # Errors
+/// If an effect differs from place to place as well, by another measure.
+pub(super) fn spread<'a>(
+    model: &mut Description,
+    found: &'a Diagnosis,
+) -> Result<(Vec<&'a str>, Vec<&'a str>)> {
+    let (mut given, mut left_out) = (Vec::new(), Vec::new());
+    for scatter in much_scatter(found) {
+        let (id, about) = (scatter.effect.as_str(), by_id(&scatter.effect)?.info());
+        if !model.effects.iter().any(|carried| carried.id == id) {
+            match off(model, about) {
+                Some(off) => model.effects.push(off),
+                None => {
+                    left_out.push(id);
+                    continue;
+                }
+            }
+        }
+        let alike = about.parameters.iter().filter(|one| one.unit == scatter.unit);
+        for carried in model.effects.iter_mut().filter(|carried| carried.id == id) {
+            let sd = |one: &Parameter| (one.name.to_owned(), Spread::Sd(scatter.sd));
+            carried.per_push.extend(alike.clone().map(sd));
+            carried.setting().check_spreads()?;
+        }
+        given.push(id);
+    }
+    Ok((given, left_out))
+}
+
+/// An effect at the values where it changes nothing; none where a model does not say which they are.
+fn off(model: &Description, about: &EffectInfo) -> Option<ModelEffect> {
+    let value = |parameter: &Parameter| match (parameter.off, &model.base) {
+        (Off::At(value), _) => Some(Estimate::exact(value, "")),
+        (Off::PusherFriction, Base::Analytical(base)) => Some(base.pusher_friction().clone()),
+        _ => None,
+    };
+    let values = about.parameters.iter().map(|one| Some((one.name.to_owned(), value(one)?)));
+    Some(ModelEffect::new(about.id, values.collect::<Option<_>>()?))
+}
+
+fn much_scatter(found: &Diagnosis) -> impl Iterator<Item = &PushScatter> {
+    found.noise.push_to_push.iter().filter(|one| one.is_much())
 }
 
 /// The standard error, or the half-width of the interval over the normal quantile.

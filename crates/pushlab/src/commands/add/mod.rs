@@ -15,7 +15,7 @@ use output::OutputFile;
 
 pub(super) use self::from_diagnosis::diagnosed_effect;
 
-use self::from_diagnosis::{Asked, chosen};
+use self::from_diagnosis::{Asked, chosen, spread};
 use super::models::Parameters;
 use crate::command_line::seed_parser;
 use crate::destination::{Force, Inputs};
@@ -57,7 +57,8 @@ pub(crate) struct Args {
           conflicts_with_all = ["set", "fit"])]
     from: Option<PathBuf>,
     /// Of a diagnosis not only what is identified, but all that lowers the error: what it calls
-    /// effective, too, and the first of each group that it cannot tell apart
+    /// effective, too, and the first of each group that it cannot tell apart; what it found to differ
+    /// from push to push does so in the model as well
     #[arg(long, requires = "from", conflicts_with = "effect")]
     all: bool,
     /// Model file to add to
@@ -201,6 +202,16 @@ fn from_file(
         ));
     }
     model.description.effects.extend(added);
+    if args.all {
+        let (given, left_out) = spread(&mut model.description, &found)?;
+        given.iter().for_each(|id| model.name += &format!(" + {id} per push"));
+        for id in left_out {
+            terminal.remark(format_args!(
+                "{id} differs from push to push, but the model does not say about which value; \
+                 `pushlab add {id} --fit SET --per-push` fits both"
+            ));
+        }
+    }
     model.split = Some(found.split);
     write(model, &origin, destination, terminal)
 }

@@ -86,13 +86,12 @@ impl fmt::Display for Answer<'_> {
 
 /// What differs from push to push, as far as it is much of the noise.
 fn write_scatter(f: &mut fmt::Formatter<'_>, scatter: &[PushScatter]) -> fmt::Result {
-    const MUCH: f64 = 0.1;
-    if !scatter.iter().any(|one| one.share >= MUCH) {
+    if !scatter.iter().any(PushScatter::is_much) {
         return Ok(());
     }
     writeln!(f, "{TITLE}differs from push to push{TITLE:#}")?;
     for PushScatter { effect, unit, sd, low95, high95, share } in
-        scatter.iter().filter(|one| one.share >= MUCH)
+        scatter.iter().filter(|one| one.is_much())
     {
         let size = spread([*sd, *low95, *high95], unit);
         writeln!(f, "  {effect:26} {size}: {:.0} % of the noise", 100.0 * share)?;

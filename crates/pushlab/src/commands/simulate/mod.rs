@@ -21,7 +21,7 @@ use planar::MIT_NAMES;
 
 use self::method::{Method, tabulated};
 use self::place::Place;
-use self::result::{How, Simulated};
+use self::result::{How, Simulated, Sureness};
 use self::rolled::Rolled;
 use self::tasks::Source;
 use crate::command_line::{preset_parser, seed_parser};
@@ -132,7 +132,9 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         progress.advance();
     }
     progress.finish();
-    let how = How { settings: &settings, tables, matched: args.matched, correlation };
+    let sureness = Sureness::of(&file.description.base, model);
+    let matched = args.matched;
+    let how = How { settings: &settings, tables, matched, correlation, sureness };
     let result = Simulated::new(&args.output, &file.name, how, &rolled);
     let json = document(&origin, &terminal.warnings(), &result)?;
     destination.fill(|part| write(part, &rolled, json, &origin))?;

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use models::{Moment, RollOutSettings, StepCorrelation};
+use models::{Base, Moment, PushModel, RollOutSettings, StepCorrelation};
 use serde::Serialize;
 
 use super::method::{Method, Tables};
@@ -15,6 +15,44 @@ pub(super) struct How<'a> {
     pub(super) tables: Option<Tables>,
     pub(super) matched: Option<Method>,
     pub(super) correlation: Option<StepCorrelation>,
+    pub(super) sureness: Sureness,
+}
+
+/// What a model knows of how far apart like pushes end, beside how the errors of their steps go together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sureness {
+    /// Its steps have errors.
+    OfSteps,
+    /// Parameters differ from push to push.
+    OfPushes,
+    /// It is physics without any scatter.
+    None,
+}
+
+impl Sureness {
+    pub(super) fn of(base: &Base, model: &dyn PushModel) -> Self {
+        match base {
+            _ if model.n_drawn() > 0 => Self::OfPushes,
+            Base::Analytical(_) => Self::None,
+            _ => Self::OfSteps,
+        }
+    }
+
+    fn told(self) -> &'static str {
+        match self {
+            Self::OfPushes => {
+                "what differs from push to push is drawn for each, errors of steps anew each step"
+            }
+            Self::OfSteps => {
+                "errors of steps taken for independent, which is too sure of whole pushes: \
+                 --correlation SET"
+            }
+            Self::None => {
+                "the model does not say by how much pushes differ, so it is too sure of all of them: \
+                 `pushlab add --all --from DIAGNOSIS` lets them differ as a diagnosis found them to"
+            }
+        }
+    }
 }
 
 /// All pushes that were rolled out.
@@ -33,6 +71,8 @@ pub(super) struct Simulated {
     longest_step: f64,
     /// How errors of steps go together; none if they were taken for independent.
     correlation: Option<StepCorrelation>,
+    #[serde(skip)]
+    sureness: Sureness,
     /// The probabilities of the quantiles.
     probabilities: [f64; 3],
     pushes: Vec<Push>,
@@ -71,7 +111,7 @@ impl Simulated {
     pub(super) fn new(
         folder: &Path,
         model: &str,
-        How { settings, tables, matched, correlation }: How<'_>,
+        How { settings, tables, matched, correlation, sureness }: How<'_>,
         rolled: &[Rolled],
     ) -> Self {
         let push = |one: &Rolled| Push {
@@ -97,6 +137,7 @@ impl Simulated {
             tables,
             longest_step: settings.step,
             correlation,
+            sureness,
             probabilities: PROBABILITIES,
             pushes: rolled.iter().map(push).collect(),
             coverage: if ends.is_empty() { Vec::new() } else { LEVELS.map(within).into() },
@@ -126,11 +167,7 @@ impl fmt::Display for Simulated {
         }
         match &self.correlation {
             Some(found) => writeln!(f, "  {}", Shares(found))?,
-            None => writeln!(
-                f,
-                "  errors of steps taken for independent, which is too sure of whole pushes: \
-                 --correlation SET"
-            )?,
+            None => writeln!(f, "  {}", self.sureness.told())?,
         }
         for push in pushes {
             write!(f, "{}", Told { push, by_particles: n_particles.is_some() })?;
