@@ -87,6 +87,24 @@ fn json(set: &SmallSet, arguments: &[&str]) -> Value {
 }
 
 #[test]
+fn pushes_that_begin_inside_the_models_object_are_left_out_of_roll_outs_and_named() {
+    let set = pushes();
+    set.done(&["models", "init", "ends"]);
+    // The pushes begin 1 mm before the touch.
+    set.done(&["add", "pose-offset", "--set", "mx=0.003", "--set", "my=0", "-o", "off.toml"]);
+    let simulate = ["simulate", "ends", "--model", "off.toml", "--particles", "9", "-n", "100"];
+    let run = set.done(&[&simulate[..], &["-o", "out"]].concat());
+    let (_, told) = run.stderr.split_once("warning: ").unwrap();
+    let (n_out, told) = told.split_once(" of 60 pushes cannot be rolled out: ").unwrap();
+    let (name, why) = told.split_once(" (").unwrap();
+    assert!(why.contains("mm inside the object"), "{why}");
+    let n_ends = 60 - n_out.parse::<usize>().unwrap();
+    assert!(run.stdout.contains(&format!("of {n_ends} measured ends")), "{}", run.stdout);
+    let alone = ["simulate", "ends", "--model", "off.toml", "--push", name, "-o", "other"];
+    assert!(set.error(&alone).contains(&format!("cannot roll out {name}")));
+}
+
+#[test]
 fn ends_are_ingested_compared_and_added_to_like_any_other_set() {
     let set = pushes();
     let text = set.done(&["ingest", "ends", "-o", "steps.csv"]).stdout;

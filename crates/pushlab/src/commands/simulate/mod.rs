@@ -22,7 +22,7 @@ use planar::MIT_NAMES;
 use self::method::{Method, tabulated};
 use self::place::Place;
 use self::result::{How, Simulated, Sureness};
-use self::rolled::Rolled;
+use self::rolled::{Rolled, Task};
 use self::tasks::Source;
 use crate::command_line::{preset_parser, seed_parser};
 use crate::destination::{Inputs, folder};
@@ -123,15 +123,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let settings = args.settings(&source, correlation.as_ref());
     let (table, tables) = args.fast.then(|| tabulated(model.as_ref())).transpose()?.unzip();
     let model = table.as_ref().map_or(model.as_ref(), |table| table as &dyn PushModel);
-    let mut rolled = Vec::new();
-    let mut progress = terminal.progress("pushes rolled out:", source.tasks.len());
-    for task in source.tasks {
-        let name = task.name.clone();
-        let one = task.roll_out(model, &settings, args.matched);
-        rolled.push(one.with_context(|| format!("cannot roll out {name}"))?);
-        progress.advance();
-    }
-    progress.finish();
+    let rolled = all_rolled(args, source.tasks, (model, &settings), terminal)?;
     let sureness = Sureness::of(&file.description.base, model);
     let matched = args.matched;
     let how = How { settings: &settings, tables, matched, correlation, sureness };
@@ -139,6 +131,46 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let json = document(&origin, &terminal.warnings(), &result)?;
     destination.fill(|part| write(part, &rolled, json, &origin))?;
     terminal.finish(&origin, &result, &result)
+}
+
+/// The pushes as they go by a model. Of an even choice those that cannot be rolled out are named and left
+/// out, as long as others can.
+///
+/// # Errors
+/// What the model says of a push that was asked for, or of the first one where it says so of all.
+fn all_rolled(
+    args: &Args,
+    tasks: Vec<Task>,
+    (model, settings): (&dyn PushModel, &RollOutSettings),
+    terminal: &Terminal,
+) -> Result<Vec<Rolled>> {
+    let n = tasks.len();
+    let (mut rolled, mut left_out) = (Vec::new(), Vec::new());
+    let mut progress = terminal.progress("pushes rolled out:", n);
+    for task in tasks {
+        let name = task.name.clone();
+        match task.roll_out(model, settings, args.matched) {
+            Ok(one) => rolled.push(one),
+            Err(error) if args.push.is_empty() => left_out.push((name, error)),
+            Err(error) => return Err(error).with_context(|| cannot(&name)),
+        }
+        progress.advance();
+    }
+    progress.finish();
+    if rolled.is_empty() && !left_out.is_empty() {
+        let (name, error) = left_out.swap_remove(0);
+        return Err(error).with_context(|| cannot(&name));
+    }
+    if !left_out.is_empty() {
+        let told = left_out.iter().map(|(name, error)| format!("{name} ({error:#})"));
+        let (n_out, told) = (left_out.len(), told.collect::<Vec<_>>().join(", "));
+        terminal.warn(format_args!("{n_out} of {n} pushes cannot be rolled out: {told}"));
+    }
+    Ok(rolled)
+}
+
+fn cannot(name: &str) -> String {
+    format!("cannot roll out {name}")
 }
 
 /// Every file of the result.
