@@ -98,6 +98,9 @@ fn pushes_that_begin_inside_the_models_object_are_left_out_of_roll_outs_and_name
     let (n_out, told) = told.split_once(" of 60 pushes cannot be rolled out: ").unwrap();
     let (name, why) = told.split_once(" (").unwrap();
     assert!(why.contains("mm inside the object"), "{why}");
+    // The object's place has a tenth of a millimeter of scatter.
+    let sd = run.stderr.split_once("taken as measured to ").unwrap().1.split_once(" mm").unwrap().0;
+    assert!((0.03..0.15).contains(&sd.parse::<f64>().unwrap()), "{sd}");
     let n_ends = 60 - n_out.parse::<usize>().unwrap();
     assert!(run.stdout.contains(&format!("of {n_ends} measured ends")), "{}", run.stdout);
     let alone = ["simulate", "ends", "--model", "off.toml", "--push", name, "-o", "other"];

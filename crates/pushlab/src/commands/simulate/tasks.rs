@@ -174,6 +174,18 @@ struct Recorded {
     unseen: Vec<RecordedPush>,
 }
 
+/// How well the places of ends were measured, in m: where the pusher still touches, within its radius, the
+/// median size of the gap, as the standard deviation of a normal number.
+fn sd_of_ends(all: &[RecordedPush]) -> f64 {
+    const MEDIAN_OF_NORMAL: f64 = 0.674_489_750_196_081_7;
+    let gap = |push: &RecordedPush| push.gaps(&push.pushed.stated()).last().copied();
+    let touches =
+        |push: &&RecordedPush| gap(push).is_some_and(|gap| gap < push.pushed.pusher_radius);
+    let mut sizes: Vec<f64> = all.iter().filter(touches).filter_map(gap).map(f64::abs).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.get(sizes.len() / 2).map_or(0.0, |median| median / MEDIAN_OF_NORMAL)
+}
+
 impl Recorded {
     fn read<'a>(
         (path, (preset, shape)): Named<'_>,
@@ -196,6 +208,14 @@ impl Recorded {
         all.retain(|push| is_of_ends || push.steps.len() >= FEWEST_STEPS);
         let least = if is_of_ends { "" } else { " of two steps or more" };
         ensure!(!all.is_empty(), "{} has no push{least}", path.display());
+        if is_of_ends {
+            let sd = sd_of_ends(&all);
+            terminal.remark(format_args!(
+                "places of ends are taken as measured to {:.2} mm, which their gaps to the pusher show",
+                1e3 * sd
+            ));
+            all.iter_mut().for_each(|push| push.pose_sd[1][0] = push.pose_sd[1][0].hypot(sd));
+        }
         let split = file.into().and_then(|file| file.split.as_ref());
         let is_of = |split: &&models::Split| {
             Observations::of(&table, manifest).is_ok_and(|observations| observations.are_of(split))
