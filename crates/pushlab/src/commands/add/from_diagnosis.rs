@@ -94,15 +94,15 @@ pub(crate) fn diagnosed_effect(found: &Diagnosis, id: &str) -> Result<ModelEffec
 }
 
 /// Lets what the diagnosis found to differ from push to push differ in a model, as far as it is much of the
-/// noise and the model says about which value; returns the effects' ids, and those that are left out.
+/// noise and the model says about which value; says whether something did, and of which effects not.
 ///
 /// # Errors
 /// If an effect differs from place to place as well, by another measure.
 pub(super) fn spread<'a>(
     model: &mut Description,
     found: &'a Diagnosis,
-) -> Result<(Vec<&'a str>, Vec<&'a str>)> {
-    let (mut given, mut left_out) = (Vec::new(), Vec::new());
+) -> Result<(bool, Vec<&'a str>)> {
+    let (mut is_given, mut left_out) = (false, Vec::new());
     for scatter in much_scatter(found) {
         let (id, about) = (scatter.effect.as_str(), by_id(&scatter.effect)?.info());
         if !model.effects.iter().any(|carried| carried.id == id) {
@@ -120,9 +120,9 @@ pub(super) fn spread<'a>(
             carried.per_push.extend(alike.clone().map(sd));
             carried.setting().check_spreads()?;
         }
-        given.push(id);
+        is_given = true;
     }
-    Ok((given, left_out))
+    Ok((is_given, left_out))
 }
 
 /// An effect at the values where it changes nothing; none where a model does not say which they are.

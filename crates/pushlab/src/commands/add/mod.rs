@@ -203,8 +203,10 @@ fn from_file(
     }
     model.description.effects.extend(added);
     if args.all {
-        let (given, left_out) = spread(&mut model.description, &found)?;
-        given.iter().for_each(|id| model.name += &format!(" + {id} per push"));
+        let (is_given, left_out) = spread(&mut model.description, &found)?;
+        if is_given {
+            model.name += " + scatter per push";
+        }
         for id in left_out {
             terminal.remark(format_args!(
                 "{id} differs from push to push, but the model does not say about which value; \

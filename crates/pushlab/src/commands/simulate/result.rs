@@ -48,8 +48,8 @@ impl Sureness {
                  --correlation SET"
             }
             Self::None => {
-                "the model does not say by how much pushes differ, so it is too sure of all of them: \
-                 `pushlab add --all --from DIAGNOSIS` lets them differ as a diagnosis found them to"
+                "no push differs from another in the model, which is too sure of all: \
+                 `pushlab add --all --from DIAGNOSIS`"
             }
         }
     }
