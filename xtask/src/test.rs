@@ -205,6 +205,15 @@ mod tests {
     }
 
     #[test]
+    fn libraries_that_say_so_have_no_doctests() {
+        let doctests = Program::doctests().unwrap();
+        let words: Vec<_> =
+            doctests.command.get_args().map(|word| word.to_string_lossy()).collect();
+        let is_left_out = |name: &str| words.windows(2).any(|two| two == ["--exclude", name]);
+        assert!(is_left_out("studies") && !is_left_out("pushlab-planar"), "{words:?}");
+    }
+
+    #[test]
     fn integration_tests_wait_for_the_programs_that_they_run() {
         let artifact = |kind: &str, name: &str, is_test: bool| {
             serde_json::json!({

@@ -81,7 +81,7 @@ pub(crate) const MOST_FAR: f64 = 0.25;
 /// Share of the noise that one quantity's differences from push to push make, from which the sentence tells it.
 /// Convention: most.
 pub(crate) const MOST_OF_NOISE: f64 = 0.5;
-/// The same from which it is listed, and carried by a model. Convention: a tenth.
+/// The same from which it is listed, and carried by a model. Convention: a twentieth.
 pub(crate) const MUCH_OF_NOISE: f64 = 0.05;
 
 /// Share of the pushes that may be excluded since a number rests on one of them, or on one session, alone.

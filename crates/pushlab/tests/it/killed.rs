@@ -22,7 +22,7 @@ const COMMANDS: [(&str, &[&str]); 6] = [
 
 /// Kills of each command; `PUSHLAB_KILLS` asks for more of them.
 fn n_kills() -> u32 {
-    std::env::var("PUSHLAB_KILLS").map_or(6, |text| text.parse().unwrap())
+    std::env::var("PUSHLAB_KILLS").map_or(10, |text| text.parse().unwrap())
 }
 
 /// A folder with a few pushes and a model.

@@ -106,7 +106,7 @@ pub(super) fn spread<'a>(
     for scatter in much_scatter(found) {
         let (id, about) = (scatter.effect.as_str(), by_id(&scatter.effect)?.info());
         if !model.effects.iter().any(|carried| carried.id == id) {
-            match off(model, about) {
+            match off(model, about, &source(found)) {
                 Some(off) => model.effects.push(off),
                 None => {
                     left_out.push(id);
@@ -125,10 +125,11 @@ pub(super) fn spread<'a>(
     Ok((is_given, left_out))
 }
 
-/// An effect at the values where it changes nothing; none where a model does not say which they are.
-fn off(model: &Description, about: &EffectInfo) -> Option<ModelEffect> {
+/// An effect at the values where it changes nothing, with the source of its scatter; none where a model does not
+/// say which they are.
+fn off(model: &Description, about: &EffectInfo, source: &str) -> Option<ModelEffect> {
     let value = |parameter: &Parameter| match (parameter.off, &model.base) {
-        (Off::At(value), _) => Some(Estimate::exact(value, "")),
+        (Off::At(value), _) => Some(Estimate::exact(value, &format!("scatter {source}"))),
         (Off::PusherFriction, Base::Analytical(base)) => Some(base.pusher_friction().clone()),
         _ => None,
     };

@@ -33,7 +33,7 @@ impl Sureness {
     pub(super) fn of(base: &Base, model: &dyn PushModel) -> Self {
         match base {
             _ if model.n_drawn() > 0 => Self::OfPushes,
-            Base::Analytical(_) => Self::None,
+            Base::Analytical(base) if base.scatter().iter().all(|of| *of == 0.0) => Self::None,
             _ => Self::OfSteps,
         }
     }

@@ -5,9 +5,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Result, bail, ensure};
-use dataset::{IngestSettings, Manifest, Preset, StepLength, SupportSpec, is_end_points};
+use dataset::{IngestSettings, Manifest, Preset, StepLength, SupportSpec, is_end_points, quantile};
 use diagnosis::Observations;
 use effects::Object;
+use gp_core::quantile::normal;
 use models::{
     ModelFile, PushModel, PushPath, Pushed, RecordedPush, SeenSteps, StepCorrelation, StepSelection,
 };
@@ -175,15 +176,13 @@ struct Recorded {
 }
 
 /// How well the places of ends were measured, in m: where the pusher still touches, within its radius, the
-/// median size of the gap, as the standard deviation of a normal number.
-fn sd_of_ends(all: &[RecordedPush]) -> f64 {
-    const MEDIAN_OF_NORMAL: f64 = 0.674_489_750_196_081_7;
-    let gap = |push: &RecordedPush| push.gaps(&push.pushed.stated()).last().copied();
-    let touches =
-        |push: &&RecordedPush| gap(push).is_some_and(|gap| gap < push.pushed.pusher_radius);
-    let mut sizes: Vec<f64> = all.iter().filter(touches).filter_map(gap).map(f64::abs).collect();
-    sizes.sort_by(f64::total_cmp);
-    sizes.get(sizes.len() / 2).map_or(0.0, |median| median / MEDIAN_OF_NORMAL)
+/// median size of the gap, as the standard deviation of a normal number. None where it never touches.
+fn sd_of_ends<'a>(pushes: impl Iterator<Item = &'a RecordedPush>) -> Option<f64> {
+    let gap = |push: &RecordedPush| {
+        let gap = *push.gaps(&push.pushed.stated()).last()?;
+        (gap < push.pushed.pusher_radius).then_some(gap.abs())
+    };
+    Some(quantile(pushes.filter_map(gap).collect(), 0.5)? / normal(0.75))
 }
 
 impl Recorded {
@@ -208,25 +207,25 @@ impl Recorded {
         all.retain(|push| is_of_ends || push.steps.len() >= FEWEST_STEPS);
         let least = if is_of_ends { "" } else { " of two steps or more" };
         ensure!(!all.is_empty(), "{} has no push{least}", path.display());
-        if is_of_ends {
-            let sd = sd_of_ends(&all);
-            terminal.remark(format_args!(
-                "places of ends are taken as measured to {:.2} mm, which their gaps to the pusher show",
-                1e3 * sd
-            ));
-            all.iter_mut().for_each(|push| push.pose_sd[1][0] = push.pose_sd[1][0].hypot(sd));
-        }
         let split = file.into().and_then(|file| file.split.as_ref());
         let is_of = |split: &&models::Split| {
             Observations::of(&table, manifest).is_ok_and(|observations| observations.are_of(split))
         };
-        let unseen = match split.filter(is_of) {
-            Some(split) => {
-                let kept = |push: &&RecordedPush| split.confirm.contains(&push.name);
-                all.iter().filter(kept).cloned().collect()
+        let split = split.filter(is_of);
+        let is_unseen =
+            |push: &RecordedPush| split.is_none_or(|split| split.confirm.contains(&push.name));
+        if is_of_ends {
+            // Of pushes that are to be held against a model their ends tell nothing, where others do.
+            let sd = sd_of_ends(all.iter().filter(|push| !is_unseen(push)));
+            if let Some(sd) = sd.or_else(|| sd_of_ends(all.iter())) {
+                terminal.remark(format_args!(
+                    "places of ends are taken as measured to {:.2} mm, which their gaps to the pusher show",
+                    1e3 * sd
+                ));
+                all.iter_mut().for_each(|push| push.pose_sd[1][0] = push.pose_sd[1][0].hypot(sd));
             }
-            None => all.clone(),
-        };
+        }
+        let unseen = all.iter().filter(|push| is_unseen(push)).cloned().collect();
         Ok(Self { is_of_ends, support: manifest.support, all, unseen })
     }
 

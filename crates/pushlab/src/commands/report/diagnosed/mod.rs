@@ -70,8 +70,8 @@ fn scatter(scatter: &[PushScatter], section: Section) -> Section {
     section
         .text(
             "What differs from push to push, and makes the pushes of one kind end differently: no model of these \
-             inputs can foresee it, but it can be told how much it is. `pushlab add --all --from DIAGNOSIS` gives it \
-             to a model, which then predicts the scatter as well.",
+             inputs can foresee it, but it can be told how much it is. `pushlab add --all --from DIAGNOSIS` gives \
+             what is a twentieth or more to a model, which then predicts the scatter as well.",
         )
         .table(
             &["effect", "standard deviation (95 %)", "share of what is noise to the model"],
