@@ -1,6 +1,10 @@
 //! Vectors with a covariance of several sources, and how their likelihood depends on each.
 
-use nalgebra::{DMatrix, DVector};
+use faer::{Mat, MatMut};
+use gp_core::triangle::scratch_rows;
+use gp_core::vector::{add_multiple, dot};
+use gp_core::{GpError, cholesky};
+use nalgebra::{DMatrix, DMatrixView, DVector};
 
 /// Independent vectors y ~ N(X b, Σ θₖ Kₖ) with a common covariance.
 #[derive(Clone, Debug)]
@@ -47,15 +51,11 @@ pub(super) struct Derivatives {
 impl<'a> Solved<'a> {
     pub(super) fn of(block: &'a Block, theta: &[f64]) -> Option<Self> {
         let n = block.vectors.nrows();
-        let mut covariance = DMatrix::zeros(n, n);
+        let mut inverse = DMatrix::zeros(n, n);
         for (theta, shape) in theta.iter().zip(&block.shapes) {
-            covariance.zip_apply(shape, |sum: &mut f64, shape| *sum += theta * shape);
+            add_multiple(inverse.as_mut_slice(), *theta, shape.as_slice());
         }
-        let factor = covariance.cholesky()?;
-        let roots = factor.l_dirty().diagonal();
-        let n_vectors = block.vectors.ncols() as f64;
-        let log_determinant = 2.0 * n_vectors * roots.iter().map(|root| root.ln()).sum::<f64>();
-        let inverse = factor.inverse();
+        let log_determinant = invert(&mut inverse).ok()? * block.vectors.ncols() as f64;
         let (vectors, fixed) = (&inverse * &block.vectors, &inverse * &block.fixed);
         let square = block.vectors.dot(&vectors);
         Some(Self { block, inverse, vectors, fixed, log_determinant, square })
@@ -69,22 +69,35 @@ impl<'a> Solved<'a> {
         if has_fixed {
             left.set_column(0, &(left.column(0) - &self.fixed * &fixed.coefficients));
         }
-        let pulled: Vec<DMatrix<f64>> = shapes.iter().map(|shape| shape * &left).collect();
-        let solved: Vec<DMatrix<f64>> =
-            pulled.iter().map(|pulled| &self.inverse * pulled).collect();
+        // A column for each source: Kₖ P y of all vectors.
+        let mut pulled = DMatrix::zeros(left.len(), n);
+        for (shape, mut pulled) in shapes.iter().zip(pulled.column_iter_mut()) {
+            let columns = || shape.as_slice().chunks_exact(left.nrows());
+            let of_vectors = pulled.as_mut_slice().chunks_exact_mut(left.nrows());
+            for (left, pulled) in left.column_iter().zip(of_vectors) {
+                left.iter()
+                    .zip(columns())
+                    .for_each(|(left, column)| add_multiple(pulled, *left, column));
+            }
+        }
+        let by_vector = DMatrixView::from_slice(pulled.as_slice(), left.nrows(), left.ncols() * n);
+        let solved = &self.inverse * by_vector;
+        let solved = DMatrixView::from_slice(solved.as_slice(), left.len(), n);
         // W, once a vector, less W X (1 + Σ Xᵀ W X)⁻¹ Xᵀ W.
         let mut projected = n_vectors * &self.inverse;
         if has_fixed {
             projected -= &self.fixed * &fixed.inverse * self.fixed.transpose();
         }
-        let slope = DVector::from_fn(n, |k, _| left.dot(&pulled[k]) - projected.dot(&shapes[k]));
-        let information = DMatrix::from_fn(n, n, |k, l| pulled[k].dot(&solved[l]));
-        let mut of_fixed = DMatrix::zeros(fixed.coefficients.len(), n);
-        if has_fixed {
-            for (k, pulled) in pulled.iter().enumerate() {
-                of_fixed.set_column(k, &(self.fixed.transpose() * pulled.column(0)));
-            }
-        }
+        let slope = DVector::from_fn(n, |k, _| {
+            let (own, shape) = (pulled.column(k), shapes[k].as_slice());
+            dot(left.as_slice(), own.as_slice()) - dot(projected.as_slice(), shape)
+        });
+        let information = pulled.tr_mul(&solved);
+        // Fixed columns belong to one vector.
+        let of_fixed = match has_fixed {
+            true => self.fixed.tr_mul(&pulled),
+            false => DMatrix::zeros(0, n),
+        };
         Derivatives { slope, information, of_fixed }
     }
 }
@@ -107,4 +120,15 @@ impl Fixed {
         let fitted = coefficients.dot(&right);
         Some(Self { coefficients, inverse: factor.inverse(), log_determinant, fitted })
     }
+}
+
+/// Inverts a covariance in its place, and returns the logarithm of its determinant.
+fn invert(covariance: &mut DMatrix<f64>) -> Result<f64, GpError> {
+    let n = covariance.nrows();
+    let mut matrix = MatMut::from_column_major_slice_mut(covariance.as_mut_slice(), n, n);
+    cholesky::factorize("a covariance of errors", matrix.as_mut())?;
+    let log_determinant = cholesky::log_determinant(matrix.as_ref());
+    cholesky::invert(matrix, Mat::zeros(scratch_rows(n), n).as_mut());
+    covariance.fill_upper_triangle_with_lower_triangle();
+    Ok(log_determinant)
 }
