@@ -4,100 +4,78 @@ use std::process::Command;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use cargo_metadata::{MetadataCommand, Package};
-use clap::ValueEnum;
+use clap::builder::PossibleValuesParser;
+use clap::{Arg, ArgAction, ArgMatches, Command as Task};
 
-use crate::cargo::{cargo, output, run as run_command, workspace_root};
+use crate::cargo::{cargo, output, run as run_command};
+use crate::packages::packages;
 use crate::{fmt, starters, test, tidy};
 
 /// Time for each reader of files, in s.
 const FUZZ_SECONDS: &str = "10";
 
-/// Run every check that a change has to pass; stops at the first that fails.
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    /// Stages to leave out, for a caller that runs them itself
-    #[arg(long, value_enum, value_delimiter = ',')]
-    skip: Vec<Stage>,
+/// The task's name, help and options.
+pub(crate) fn task() -> Task {
+    let skip = Arg::new("skip")
+        .long("skip")
+        .value_name("STAGE")
+        .value_parser(PossibleValuesParser::new(STAGES.map(|stage| stage.name)))
+        .value_delimiter(',')
+        .action(ArgAction::Append)
+        .help("Stages to leave out, for a caller that runs them itself");
+    Task::new("ci")
+        .about("Run every check that a change has to pass; stops at the first that fails")
+        .arg(skip)
 }
 
 /// Runs the stages in order and prints the time each took.
 ///
 /// # Errors
 /// The first stage that fails, by name.
-pub(crate) fn run(args: &Args) -> Result<()> {
-    for stage in Stage::value_variants().iter().filter(|stage| !args.skip.contains(stage)) {
-        println!("== {}", stage.name());
+pub(crate) fn run(matches: &ArgMatches) -> Result<()> {
+    let skipped: Vec<&String> = matches.get_many("skip").unwrap_or_default().collect();
+    for Stage { name, run } in
+        STAGES.iter().filter(|stage| !skipped.iter().any(|skipped| *skipped == stage.name))
+    {
+        println!("== {name}");
         let start = Instant::now();
-        stage.run().with_context(|| format!("stage `{}`", stage.name()))?;
-        println!("== {}: {:.1} s", stage.name(), start.elapsed().as_secs_f64());
+        run().with_context(|| format!("stage `{name}`"))?;
+        println!("== {name}: {:.1} s", start.elapsed().as_secs_f64());
     }
     Ok(())
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
-enum Stage {
-    /// Formatting
-    Fmt,
-    /// What tidy's rules forbid
-    Tidy,
-    /// Lints, as errors
-    Clippy,
-    /// Documentation, its warnings as errors
-    Doc,
-    /// Licenses and versions of dependencies, where cargo-deny is installed
-    Deny,
-    /// Each library packs, and builds without the features that others turn on
-    Package,
-    /// Committed recordings are what the task that makes them writes
-    Fixtures,
-    /// All tests and doctests
-    Test,
-    /// Damaged inputs for every reader
-    Fuzz,
-    /// Recordings with sealed truth, answered by the diagnosis
-    Trials,
+/// A check, by the name that it prints and is skipped by.
+struct Stage {
+    name: &'static str,
+    run: fn() -> Result<()>,
 }
 
-impl Stage {
-    fn name(self) -> &'static str {
-        match self {
-            Stage::Fmt => "fmt",
-            Stage::Tidy => "tidy",
-            Stage::Clippy => "clippy",
-            Stage::Doc => "doc",
-            Stage::Deny => "deny",
-            Stage::Package => "package",
-            Stage::Fixtures => "fixtures",
-            Stage::Test => "test",
-            Stage::Fuzz => "fuzz",
-            Stage::Trials => "trials",
-        }
-    }
+/// In order of cost.
+const STAGES: [Stage; 10] = [
+    Stage { name: "fmt", run: || fmt::run(true) },
+    Stage { name: "tidy", run: tidy::run },
+    Stage { name: "clippy", run: clippy },
+    Stage { name: "doc", run: doc },
+    // Licenses and versions of dependencies, where cargo-deny is installed.
+    Stage { name: "deny", run: check_dependencies },
+    // Each library packs, and builds without the features that others turn on.
+    Stage { name: "package", run: package_libraries },
+    // Committed recordings are what the task that makes them writes.
+    Stage { name: "fixtures", run: || start("fixtures", &["--check"]) },
+    Stage { name: "test", run: test::run },
+    Stage { name: "fuzz", run: || start("fuzz", &["--seconds", FUZZ_SECONDS]) },
+    // Recordings with sealed truth, answered by the diagnosis.
+    Stage { name: "trials", run: || start("diagnosis-trials", &["--quick"]) },
+];
 
-    fn run(self) -> Result<()> {
-        match self {
-            Stage::Fmt => fmt::run(&fmt::Args { check: true }),
-            Stage::Tidy => tidy::run(&tidy::Args::default()),
-            Stage::Clippy => run_command(&mut cargo(&[
-                "clippy",
-                "--workspace",
-                "--all-targets",
-                "--",
-                "-D",
-                "warnings",
-            ])),
-            Stage::Doc => run_command(
-                cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"),
-            ),
-            Stage::Deny => check_dependencies(),
-            Stage::Package => package_libraries(),
-            Stage::Fixtures => start("fixtures", &["--check"]),
-            Stage::Test => test::run(&test::Args {}),
-            Stage::Fuzz => start("fuzz", &["--seconds", FUZZ_SECONDS]),
-            Stage::Trials => start("diagnosis-trials", &["--quick"]),
-        }
-    }
+fn clippy() -> Result<()> {
+    run_command(&mut cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))
+}
+
+fn doc() -> Result<()> {
+    let mut doc = cargo(&["doc", "--workspace", "--no-deps"]);
+    run_command(doc.env("RUSTDOCFLAGS", "-D warnings"))
 }
 
 fn start(task: &str, arguments: &[&str]) -> Result<()> {
@@ -113,33 +91,32 @@ fn check_dependencies() -> Result<()> {
 }
 
 fn package_libraries() -> Result<()> {
-    let metadata = MetadataCommand::new().no_deps().current_dir(workspace_root()).exec()?;
-    // A package with an empty list of registries is published nowhere.
-    let is_kept = |package: &&Package| package.publish.as_ref().is_some_and(Vec::is_empty);
-    let (kept, libraries): (Vec<_>, Vec<_>) =
-        metadata.workspace_packages().into_iter().partition(is_kept);
+    let packages = packages()?;
+    let (published, kept): (Vec<_>, Vec<_>) =
+        packages.iter().partition(|package| package.is_published());
     // What packages hold is checked here; built, one by one, they would take many minutes.
     let mut pack = cargo(&["package", "--workspace", "--quiet", "--allow-dirty", "--no-verify"]);
     for package in kept {
-        pack.args(["--exclude", package.name.as_str()]);
+        pack.args(["--exclude", package.name()]);
     }
     run_command(&mut pack)?;
-    for package in libraries {
-        run_command(&mut cargo(&["check", "--package", package.name.as_str()]))?;
+    for package in published {
+        run_command(&mut cargo(&["check", "--package", package.name()]))?;
     }
     Ok(())
 }
 
 #[cfg(test)]
 mod tests {
-    use clap::ValueEnum;
-
-    use super::Stage;
+    use super::{STAGES, task};
 
     #[test]
     fn stages_are_skipped_by_the_names_they_print() {
-        for stage in Stage::value_variants() {
-            assert_eq!(Stage::from_str(stage.name(), false), Ok(*stage));
+        for stage in &STAGES {
+            assert!(task().try_get_matches_from(["ci", "--skip", stage.name]).is_ok());
         }
+        let both = task().try_get_matches_from(["ci", "--skip", "test,fuzz"]).unwrap();
+        assert_eq!(both.get_many::<String>("skip").unwrap().count(), 2);
+        assert!(task().try_get_matches_from(["ci", "--skip", "lunch"]).is_err());
     }
 }

@@ -3,6 +3,7 @@
 mod cargo;
 mod ci;
 mod fmt;
+mod packages;
 mod starters;
 mod test;
 mod tidy;
@@ -10,16 +11,8 @@ mod tidy;
 use std::env;
 use std::process::ExitCode;
 
-use anyhow::Result;
-use clap::{Command, FromArgMatches, Subcommand};
-
-#[derive(Subcommand)]
-enum Task {
-    Ci(ci::Args),
-    Fmt(fmt::Args),
-    Test(test::Args),
-    Tidy(tidy::Args),
-}
+use anyhow::{Result, bail};
+use clap::Command;
 
 fn main() -> ExitCode {
     let mut words = env::args_os().skip(1);
@@ -37,24 +30,30 @@ fn main() -> ExitCode {
 /// Runs a task of this program.
 fn run() -> Result<()> {
     let matches = command_line().get_matches();
-    match Task::from_arg_matches(&matches).unwrap_or_else(|error| error.exit()) {
-        Task::Ci(args) => ci::run(&args),
-        Task::Fmt(args) => fmt::run(&args),
-        Task::Test(args) => test::run(&args),
-        Task::Tidy(args) => tidy::run(&args),
+    match matches.subcommand() {
+        Some(("ci", options)) => ci::run(options),
+        Some(("fmt", options)) => fmt::run(options.get_flag("check")),
+        Some(("test", _)) => test::run(),
+        Some(("tidy", options)) if options.get_flag("list") => {
+            tidy::list();
+            Ok(())
+        }
+        Some(("tidy", _)) => tidy::run(),
+        task => bail!("there is no task {task:?}"),
     }
 }
 
 /// All tasks by their names: those of this program, and those that it starts.
 fn command_line() -> Command {
-    let program = Command::new("cargo xtask")
+    Command::new("cargo xtask")
         .bin_name("cargo xtask")
         .max_term_width(100)
         .about("Project tasks: checks, tests, and what is made from the sources")
         .subcommand_required(true)
         .arg_required_else_help(true)
-        .next_display_order(None);
-    Task::augment_subcommands(program).subcommands(starters::commands())
+        .next_display_order(None)
+        .subcommands([ci::task(), fmt::task(), test::task(), tidy::task()])
+        .subcommands(starters::commands())
 }
 
 #[cfg(test)]

@@ -33,7 +33,7 @@ const STARTERS: &[Starter] = &[
     },
     Starter {
         task: "fixtures",
-        package: "validation",
+        package: "fixtures",
         about: "Write the recordings in `fixtures/` anew",
     },
     Starter {

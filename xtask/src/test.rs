@@ -3,18 +3,22 @@
 use std::fmt;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::iter;
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::{Mutex, mpsc};
 use std::thread;
 
 use anyhow::{Context, Result, ensure};
-use cargo_metadata::{Artifact, Message, MetadataCommand};
+use serde_json::Value;
 
-use crate::cargo::{cargo, workspace_root};
+use crate::cargo::cargo;
+use crate::packages::{Target, packages};
 
-/// Run every test and doctest of the workspace and print their total.
-#[derive(clap::Args)]
-pub(crate) struct Args {}
+/// The task's name and help.
+pub(crate) fn task() -> clap::Command {
+    clap::Command::new("test")
+        .about("Run every test and doctest of the workspace and print their total")
+}
 
 /// Runs unit tests as soon as they are compiled and integration tests once everything is, as many at once
 /// as there are cores, and prints what each said when it ends; the last line on standard output is
@@ -22,7 +26,7 @@ pub(crate) struct Args {}
 ///
 /// # Errors
 /// When a test fails, when something does not compile, or when nothing ran.
-pub(crate) fn run(_args: &Args) -> Result<()> {
+pub(crate) fn run() -> Result<()> {
     let total = Mutex::new(Total::default());
     let (queue, programs) = mpsc::channel();
     let programs = Mutex::new(programs);
@@ -64,11 +68,12 @@ fn compile(ready: impl Fn(Program) -> Result<()>) -> Result<()> {
 /// their packages, which cargo may compile after them.
 fn compiled(messages: impl BufRead, ready: impl Fn(Program) -> Result<()>) -> Result<Vec<Program>> {
     let mut last = Vec::new();
-    for message in Message::parse_stream(messages) {
-        let message = message.context("cannot read what cargo compiled")?;
-        let Message::CompilerArtifact(artifact) = message else { continue };
-        match Program::of(&artifact) {
-            Some(program) if artifact.target.is_test() => last.push(program),
+    for line in messages.lines() {
+        let line = line.context("cannot read what cargo compiled")?;
+        let message: Value = serde_json::from_str(&line)
+            .with_context(|| format!("cargo compiled, and told of it with {line:?}"))?;
+        match Program::of(&message) {
+            Some(program) if Target(&message["target"]).is("test") => last.push(program),
             Some(program) => ready(program)?,
             None => {}
         }
@@ -83,12 +88,13 @@ struct Program {
 }
 
 impl Program {
-    /// The program of an artifact, if it is one with tests.
-    fn of(artifact: &Artifact) -> Option<Self> {
-        let program = artifact.executable.as_ref().filter(|_| artifact.profile.test)?;
-        let package = artifact.manifest_path.parent()?;
-        let source = artifact.target.src_path.strip_prefix(package).ok()?;
-        let name = format!("{}: {source}", package.file_name()?);
+    /// The program that a message of cargo tells of, if it is one with tests.
+    fn of(message: &Value) -> Option<Self> {
+        let program =
+            message["executable"].as_str().filter(|_| message["profile"]["test"] == true)?;
+        let package = Path::new(message["manifest_path"].as_str()?).parent()?;
+        let source = Target(&message["target"]).root().strip_prefix(package).ok()?;
+        let name = format!("{}: {}", package.file_name()?.display(), source.display());
         let mut command = Command::new(program);
         command.current_dir(package).env("CARGO_MANIFEST_DIR", package);
         Some(Self { name, command })
@@ -96,11 +102,10 @@ impl Program {
 
     /// Those of the libraries that have some: cargo would compile the others for them, too.
     fn doctests() -> Result<Self> {
-        let metadata = MetadataCommand::new().no_deps().current_dir(workspace_root()).exec()?;
         let mut command = cargo(&["test", "--workspace", "--doc", "--no-fail-fast"]);
-        for package in metadata.workspace_packages() {
-            if !package.targets.iter().any(|target| target.doctest) {
-                command.args(["--exclude", package.name.as_str()]);
+        for package in packages()? {
+            if !package.targets().any(|target| target.has_doctests()) {
+                command.args(["--exclude", package.name()]);
             }
         }
         Ok(Self { name: "doctests".to_owned(), command })

@@ -4,7 +4,7 @@
 
 use anyhow::{Context, Result};
 use clap::builder::PossibleValuesParser;
-use validation::workspace_root;
+use fixtures::workspace_root;
 
 use crate::benchmark::{Benchmark, Sizes};
 use crate::report::publish;

@@ -18,8 +18,8 @@ use rayon::ThreadPoolBuilder;
 use super::benchmark::Benchmark;
 use super::floor::Floor;
 use super::timing::{Case, Row};
-use validation::surface::surface;
-use validation::workspace_root;
+use fixtures::surface::surface;
+use fixtures::workspace_root;
 
 pub(super) const BENCHMARK: Benchmark = Benchmark {
     name: "filter",

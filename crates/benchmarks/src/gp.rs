@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::benchmark::Benchmark;
 use super::floor::Floor;
 use super::timing::{Case, Row};
-use validation::surface::{NOISE_SD, surface};
+use fixtures::surface::{NOISE_SD, surface};
 
 pub(super) const BENCHMARK: Benchmark = Benchmark {
     name: "gp",

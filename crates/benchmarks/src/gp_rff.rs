@@ -10,7 +10,7 @@ use super::benchmark::Benchmark;
 use super::floor::Floor;
 use super::gp::predictions_name;
 use super::timing::{Case, Row};
-use validation::surface::{NOISE_SD, surface};
+use fixtures::surface::{NOISE_SD, surface};
 
 pub(super) const BENCHMARK: Benchmark = Benchmark {
     name: "gp-rff",

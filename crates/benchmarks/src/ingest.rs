@@ -14,7 +14,7 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use super::benchmark::Benchmark;
 use super::timing::{Case, Row};
-use validation::workspace_root;
+use fixtures::workspace_root;
 
 pub(super) const BENCHMARK: Benchmark = Benchmark {
     name: "ingest",

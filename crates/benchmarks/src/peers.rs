@@ -18,8 +18,8 @@ use rayon::ThreadPoolBuilder;
 use serde::{Deserialize, Serialize};
 
 use super::timing::median;
-use validation::surface::{NOISE_SD, surface};
-use validation::workspace_root;
+use fixtures::surface::{NOISE_SD, surface};
+use fixtures::workspace_root;
 
 /// Sizes and runs of the likelihood.
 const LIKELIHOODS: [(usize, usize); 3] = [(500, 21), (2000, 5), (5000, 1)];

@@ -10,7 +10,7 @@ use std::fs;
 use anyhow::{Context, Result};
 use effects::all;
 
-use validation::workspace_root;
+use fixtures::workspace_root;
 
 /// Draw each effect's signature into docs/effects, write docs/effects.md, and list the names in
 /// docs/model.schema.json.
@@ -54,7 +54,7 @@ mod tests {
     use std::fs;
 
     use super::{SCHEMA, page, schema};
-    use validation::workspace_root;
+    use fixtures::workspace_root;
 
     #[test]
     fn the_page_says_what_the_effects_say_of_themselves() {

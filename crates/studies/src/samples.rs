@@ -15,7 +15,7 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
-use validation::workspace_root;
+use fixtures::workspace_root;
 
 /// Seed of the halves.
 const SEED: u64 = 7;

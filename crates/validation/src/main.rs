@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use validation::{fixtures, rig_calibration, trials};
+use validation::{rig_calibration, trials};
 
 /// Tasks of the project, which `cargo xtask` starts by their names.
 #[derive(Parser)]
@@ -16,14 +16,12 @@ struct CommandLine {
 #[derive(Subcommand)]
 enum Task {
     DiagnosisTrials(trials::Args),
-    Fixtures(fixtures::Args),
     RigCalibration(rig_calibration::Args),
 }
 
 fn main() -> ExitCode {
     let result = match CommandLine::parse().task {
         Task::DiagnosisTrials(args) => trials::run(&args),
-        Task::Fixtures(args) => fixtures::run(&args),
         Task::RigCalibration(args) => rig_calibration::run(&args),
     };
     match result {

@@ -28,27 +28,32 @@ mod unit_suffix;
 mod use_path;
 
 use anyhow::{Result, ensure};
+use clap::{Arg, ArgAction, Command};
 
 use self::project::{Finding, Project, RustFile};
 use self::use_path::listed;
 
-/// Check the rules of the workspace that no compiler lint knows.
-#[derive(clap::Args, Default)]
-pub(crate) struct Args {
-    /// Print the rules instead of checking them
-    #[arg(long)]
-    list: bool,
+/// The task's name, help and options.
+pub(crate) fn task() -> Command {
+    let list = Arg::new("list")
+        .long("list")
+        .action(ArgAction::SetTrue)
+        .help("Print the rules instead of checking them");
+    Command::new("tidy")
+        .about("Check the rules of the workspace that no compiler lint knows")
+        .arg(list)
+}
+
+/// Prints the rules.
+pub(crate) fn list() {
+    RULES.iter().for_each(|rule| println!("{}: {}", rule.name, rule.demand));
 }
 
 /// Prints every finding as `path:line: rule: what is wrong; what to do`.
 ///
 /// # Errors
 /// When there is a finding, or the project cannot be read.
-pub(crate) fn run(args: &Args) -> Result<()> {
-    if args.list {
-        RULES.iter().for_each(|rule| println!("{}: {}", rule.name, rule.demand));
-        return Ok(());
-    }
+pub(crate) fn run() -> Result<()> {
     let project = Project::load()?;
     let messages = check(&project);
     messages.iter().for_each(|message| println!("{message}"));

@@ -3,13 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::ErrorKind;
+use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context, Result};
-use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package, TargetKind};
 
 use super::rust_code::mask;
 use crate::cargo::{cargo, output, workspace_root};
+use crate::packages::{Package, packages};
 
 /// Crates that are useful alone: of these it is read what they pull in.
 pub(super) const LIGHT: &[&str] = &["planar", "mechanics", "gp-core", "gp-rff", "gp-sparse"];
@@ -91,8 +92,7 @@ impl Project {
                 Err(error) => return Err(error).with_context(|| format!("cannot read {path}")),
             }
         }
-        let metadata = MetadataCommand::new().no_deps().current_dir(&root).exec()?;
-        Ok(Project::new(files).with_crates(load_crates(&metadata)?))
+        Ok(Project::new(files).with_crates(load_crates(&root)?))
     }
 
     fn new(files: BTreeMap<String, Option<String>>) -> Project {
@@ -166,33 +166,29 @@ impl Crate {
     }
 }
 
-fn load_crates(metadata: &Metadata) -> Result<Vec<Crate>> {
-    let members = metadata.workspace_packages();
-    let names: BTreeSet<_> = members.iter().map(|package| short_name(&package.name)).collect();
-    let root = &metadata.workspace_root;
-    let relative = |path: &cargo_metadata::camino::Utf8Path| {
-        path.strip_prefix(root).unwrap_or(path).as_str().replace('\\', "/")
-    };
-    let load = |package: &&Package| {
-        let name = short_name(&package.name);
-        let folder = package.manifest_path.parent().map(relative).unwrap_or_default();
-        let paths_of = |kinds: &[TargetKind]| {
-            let targets = package.targets.iter();
+fn load_crates(root: &Path) -> Result<Vec<Crate>> {
+    let members = packages()?;
+    let names: BTreeSet<_> = members.iter().map(|package| short_name(package.name())).collect();
+    let relative =
+        |path: &Path| path.strip_prefix(root).unwrap_or(path).to_string_lossy().replace('\\', "/");
+    let load = |package: &Package| {
+        let name = short_name(package.name());
+        let roots_of = |kinds: &[&str]| {
             let of_kind =
-                targets.filter(|target| target.kind.iter().any(|kind| kinds.contains(kind)));
-            of_kind.map(|target| relative(&target.src_path)).collect()
+                package.targets().filter(|target| kinds.iter().any(|kind| target.is(kind)));
+            of_kind.map(|target| relative(target.root())).collect()
         };
-        let imports = package.dependencies.iter().map(|dependency| short_name(&dependency.name));
+        let imports = package.dependencies().map(short_name);
         Ok(Crate {
-            folder,
-            is_library: package.targets.iter().any(|target| target.is_lib()),
-            has_doctests: package.targets.iter().any(|target| target.doctest),
-            roots: paths_of(&[TargetKind::Lib, TargetKind::Bin]),
-            test_roots: paths_of(&[TargetKind::Test]),
+            folder: package.manifest().parent().map(relative).unwrap_or_default(),
+            is_library: package.targets().any(|target| target.is("lib")),
+            has_doctests: package.targets().any(|target| target.has_doctests()),
+            roots: roots_of(&["lib", "bin"]),
+            test_roots: roots_of(&["test"]),
             imports: imports.filter(|import| names.contains(import)).collect(),
             unset_keys: unset_keys(package),
             pulls_in: if LIGHT.contains(&name.as_str()) {
-                tree(&package.name)?
+                tree(package.name())?
             } else {
                 BTreeSet::new()
             },
@@ -207,33 +203,24 @@ fn short_name(package: &str) -> String {
     package.strip_prefix("pushlab-").unwrap_or(package).to_owned()
 }
 
+/// Of the keys that every manifest has, and those of published packages, the unset ones.
 fn unset_keys(package: &Package) -> Vec<&'static str> {
-    // A package with an empty list of registries is published nowhere.
-    let is_published = package.publish.as_ref().is_none_or(|registries| !registries.is_empty());
-    [
-        ("description", package.description.is_none()),
-        ("license", package.license.is_none()),
-        ("rust-version", package.rust_version.is_none()),
-        ("authors", package.authors.is_empty()),
-        ("readme", is_published && package.readme.is_none()),
-        ("categories", is_published && package.categories.is_empty()),
-        ("keywords", is_published && package.keywords.is_empty()),
-    ]
-    .into_iter()
-    .filter_map(|(key, is_unset)| is_unset.then_some(key))
-    .collect()
+    let of_all = ["description", "license", "rust-version", "authors"];
+    let of_published = ["readme", "categories", "keywords"];
+    let of_published = of_published.into_iter().filter(|_| package.is_published());
+    let is_unset = |key: &&str| package.is_unset(&key.replace('-', "_"));
+    of_all.into_iter().chain(of_published).filter(is_unset).collect()
 }
 
 /// Names of the packages that building one crate alone compiles, with its default features.
 fn tree(name: &str) -> Result<BTreeSet<String>> {
-    let edges = format!("{},{}", DependencyKind::Normal, DependencyKind::Build);
     let list = output(&mut cargo(&[
         "tree",
         "--locked",
         "--package",
         name,
         "--edges",
-        &edges,
+        "normal,build",
         "--prefix",
         "none",
         "--format",

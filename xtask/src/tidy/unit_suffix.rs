@@ -10,8 +10,17 @@ pub(super) const RULE: Rule = Rule {
 };
 
 /// Crates at the edges.
-const EDGES: &[&str] =
-    &["dataset", "report", "pushlab", "studies", "validation", "fuzzing", "benchmarks", "xtask"];
+const EDGES: &[&str] = &[
+    "dataset",
+    "report",
+    "pushlab",
+    "fixtures",
+    "studies",
+    "validation",
+    "fuzzing",
+    "benchmarks",
+    "xtask",
+];
 
 /// Endings of names that are not in SI units.
 const SUFFIXES: &[&str] =

@@ -10,9 +10,9 @@ use diagnosis::{Observations, steady_ingest};
 use planar::{Pose, Twist};
 use plant::{Design, GenerateSettings, Hidden, generate};
 
-use validation::fixtures::rig;
-use validation::made_once::{key, made_once};
-use validation::workspace_root;
+use fixtures::made_once::{key, made_once};
+use fixtures::rig;
+use fixtures::workspace_root;
 
 const N_ORIGINALS: usize = 1000;
 const FOLDER: &str = "bench-diagnosis";

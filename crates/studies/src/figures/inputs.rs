@@ -19,7 +19,7 @@ use super::lacking::Lacking;
 use super::missing::{Study, hidden_effects};
 use super::motion::{Scene, Setting};
 pub(crate) use super::seed::SEED;
-use validation::workspace_root;
+use fixtures::workspace_root;
 
 /// The recording set for a first look.
 const FIXTURES: &str = "fixtures/pushes";
@@ -99,7 +99,7 @@ impl Inputs {
             let study = if self.is_users() {
                 Study::of(self.steady_observations()?, self.pusher()?.friction)
             } else {
-                let set = Self::open(&hidden_effects()?, self.quick())?;
+                let set = Self::open(&hidden_effects(self.quick())?, self.quick())?;
                 Study::of(set.steady_observations()?, set.pusher()?.friction)
             };
             study?.ok_or_else(|| self.lacking("effects that a diagnosis names"))

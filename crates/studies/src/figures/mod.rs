@@ -27,10 +27,10 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use report::{Claim, Page, Plate, Provenance, Section};
 
 use catalogue::{ALL, Chapter, Entry};
+use fixtures::workspace_root;
 use inputs::Inputs;
 use lacking::Lacking;
 use sketch::Sketch;
-use validation::workspace_root;
 
 pub(crate) use thesis_design::{named, rigs, thesis_design};
 

@@ -7,9 +7,9 @@ use clap::builder::PossibleValuesParser;
 use indicatif::{ProgressBar, ProgressStyle};
 use plant::{Design, GenerateSettings, Layout, Profile, SetOutput, generate_each};
 
-use validation::fixtures::rig_of;
-use validation::made_once::{key, made_once};
-use validation::workspace_root;
+use fixtures::made_once::{key, made_once};
+use fixtures::rig_of;
+use fixtures::workspace_root;
 
 /// The thesis' speeds, in mm/s; each has a recording set of its own.
 const SPEEDS_MM_S: [u32; 5] = [20, 50, 100, 200, 400];
@@ -77,7 +77,7 @@ fn simulate(settings: &[GenerateSettings], rig: &str, folder: &Path) -> Result<(
 #[cfg(test)]
 mod tests {
     use super::{PUSHES_PER_SPEED, Profile, SPEEDS_MM_S, settings};
-    use validation::made_once::key;
+    use fixtures::made_once::key;
 
     #[test]
     fn the_key_tells_settings_apart() {

@@ -15,7 +15,7 @@ use crate::figures::inputs::Inputs;
 use crate::figures::models::steps::Steps;
 use crate::figures::{named, rigs, thesis_design};
 use described::Described;
-use validation::workspace_root;
+use fixtures::workspace_root;
 
 /// Name of the page and of its picture.
 const NAME: &str = "simulated-and-real";

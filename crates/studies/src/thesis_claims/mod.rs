@@ -11,7 +11,7 @@ use report::{Claim, Verdict};
 
 use crate::figures::inputs::Inputs;
 use crate::figures::{named, settled, thesis_design};
-use validation::workspace_root;
+use fixtures::workspace_root;
 
 /// Judge the thesis' claims on real, rough and quiet pushes side by side, in docs/.
 #[derive(clap::Args)]

@@ -30,7 +30,7 @@ use self::case::{Case, FIRST_REPORTED_SEED, Family};
 use self::oracle::Oracle;
 use self::queue::Queue;
 use self::record::Record;
-use crate::workspace::workspace_root;
+use fixtures::workspace_root;
 
 /// Answer many recording sets with sealed truth, score the answers, write the table in docs/.
 #[derive(clap::Args)]

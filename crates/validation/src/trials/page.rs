@@ -226,7 +226,7 @@ mod tests {
     use super::INTRODUCTION;
     use crate::trials::row::Mark;
     use crate::trials::wilson::Share;
-    use crate::workspace::workspace_root;
+    use fixtures::workspace_root;
 
     /// The marks of the page in its own words.
     fn mark(text: &str) -> Option<Mark> {

@@ -10,7 +10,7 @@ use crate::figures::inputs::{Inputs, SEED};
 use crate::figures::quartiles::Quartiles;
 use crate::figures::sketch::Sketch;
 use crate::held_out::{LEVEL_95, Score};
-use validation::surface::{NOISE_SD, surface};
+use fixtures::surface::{NOISE_SD, surface};
 
 const COUNTS: [usize; 6] = [5, 10, 20, 35, 50, 80];
 const QUICK_COUNTS: [usize; 3] = [5, 20, 50];

@@ -12,14 +12,14 @@ use effects::by_id;
 use models::{Analytical, Description, PushModel};
 use plant::{Design, GenerateSettings, Hidden, generate};
 
-use validation::fixtures::rig;
-use validation::made_once::{key, made_once};
-use validation::workspace_root;
+use fixtures::made_once::{key, made_once};
+use fixtures::rig;
+use fixtures::workspace_root;
 
 /// Where the set with hidden effects is kept, below `target/`.
 const FOLDER: &str = "hidden-effects";
-/// With fewer, a diagnosis is not sure enough to name what is hidden.
-const N_PUSHES: usize = 60;
+/// With fewer, a diagnosis is not sure enough to name all that is hidden; quickly, a part of it is enough.
+const N_PUSHES: [usize; 2] = [60, 24];
 const SEED: u64 = 41;
 /// What it hides besides that its object stands on its whole face, which no ellipsoid describes.
 const HIDDEN: [&str; 2] =
@@ -100,19 +100,20 @@ impl Stage {
 ///
 /// # Errors
 /// Pushes that cannot be made.
-pub(crate) fn hidden_effects() -> Result<PathBuf> {
+pub(crate) fn hidden_effects(quick: bool) -> Result<PathBuf> {
     /// Figures are drawn side by side.
     static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
     let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     let hidden = HIDDEN.iter().map(|text| text.parse::<Hidden>());
+    let n_pushes = N_PUSHES[usize::from(quick)];
     let settings = GenerateSettings {
-        name: format!("{N_PUSHES} simulated pushes with hidden effects"),
-        design: Design { n_pushes: N_PUSHES, ..Design::default() },
+        name: format!("{n_pushes} simulated pushes with hidden effects"),
+        design: Design { n_pushes, ..Design::default() },
         hidden: hidden.collect::<Result<_, _>>()?,
         seed: SEED,
         ..rig()
     };
-    let folder = workspace_root().join("target").join(FOLDER);
+    let folder = workspace_root().join("target").join(format!("{FOLDER}-{n_pushes}"));
     made_once(&folder, &key(std::slice::from_ref(&settings))?, |folder| {
         generate(&settings, &folder.join("set"))?;
         Ok(())

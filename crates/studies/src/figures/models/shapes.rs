@@ -15,9 +15,9 @@ use super::steps::Steps;
 use crate::figures::inputs::{Inputs, SEED};
 use crate::figures::sketch::Sketch;
 use crate::held_out::{HeldOut, quantile, shuffled};
-use validation::fixtures::rig;
-use validation::made_once::{key, made_once};
-use validation::workspace_root;
+use fixtures::made_once::{key, made_once};
+use fixtures::rig;
+use fixtures::workspace_root;
 
 /// Objects to learn from, and the last one to be asked about alone.
 const OBJECTS: [&str; 4] = ["rect1", "ellip2", "tri1", "hex"];

@@ -24,9 +24,9 @@ use super::neighbors::Neighbors;
 use super::pushes::steps_of;
 use crate::figures::inputs::{Inputs, SEED};
 use crate::figures::sketch::Sketch;
-use validation::fixtures::rig;
-use validation::made_once::{key, made_once};
-use validation::workspace_root;
+use fixtures::made_once::{key, made_once};
+use fixtures::rig;
+use fixtures::workspace_root;
 
 const N_REPEATS: usize = 240;
 /// Scatter of where the object is laid down, along each axis in m, and of its turn in rad.
