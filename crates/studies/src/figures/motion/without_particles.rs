@@ -23,7 +23,7 @@ use crate::figures::inputs::{Inputs, SEED};
 use crate::figures::sketch::Sketch;
 
 /// Particles that the others are held against.
-const MANY: usize = 250_000;
+const MANY: usize = 500_000;
 const MANY_QUICK: usize = 10_000;
 const FEW: usize = 1000;
 /// Pushes that go one way all along, and pushes whose contact changes between sticking and slipping.
