@@ -58,7 +58,7 @@ pub use decide::{
 pub use error::DiagnosisError;
 pub use fit::{
     EffectFit, Fit, FitSettings, Interval, MotionErrors, NuisanceFit, ParameterFit, Resemblance,
-    SpreadFit, fit, fit_per_push, fit_with_noise,
+    SpreadFit, SupportPointsFit, fit, fit_per_push, fit_with_noise,
 };
 pub use noise::noise_floor::{Floor, FloorSource, NoiseFloor, noise_floor};
 pub use noise::noise_model::{ErrorSource, NoiseModel};

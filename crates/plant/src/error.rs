@@ -104,6 +104,13 @@ pub enum PlantError {
     Output(#[from] output::OutputError),
 }
 
+impl PlantError {
+    /// Whether it is the motion of a push that could not be followed, and not what was asked for.
+    pub(crate) fn is_of_the_motion(&self) -> bool {
+        matches!(self, Self::NotConverged { .. })
+    }
+}
+
 /// Refuses a number outside of its range.
 pub(crate) fn check_range(
     name: &str,

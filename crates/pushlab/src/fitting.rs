@@ -1,5 +1,6 @@
 //! A model fitted to the part of a recording set that fits may see.
 
+mod options;
 mod result;
 mod spread;
 
@@ -13,6 +14,7 @@ use effects::{EffectInfo, by_id};
 use models::{ModelFile, Split};
 use output::OutputFile;
 
+pub(crate) use self::options::FitOptions;
 pub(crate) use self::result::Fitted;
 use crate::destination::{Force, Inputs};
 use crate::origin::{Input, Origin, readable};
@@ -26,6 +28,7 @@ pub(crate) struct Fitting {
     train: Observations,
     /// Whether the model was fitted to these recordings before.
     is_known: bool,
+    options: FitOptions,
 }
 
 impl Fitting {
@@ -35,7 +38,7 @@ impl Fitting {
     /// # Errors
     /// If it cannot be read, contradicts the mechanics, or has too few pushes.
     pub(crate) fn read(
-        source: &StepSource,
+        (source, options): (&StepSource, &FitOptions),
         model: &ModelFile,
         seed: u64,
         origin: &mut Origin,
@@ -51,7 +54,8 @@ impl Fitting {
             None => split(&all, seed)?,
         };
         let train = all.part(&split.fit)?;
-        Ok(Self { set: source.set.display().to_string(), split, train, is_known })
+        let (set, options) = (source.set.display().to_string(), options.clone());
+        Ok(Self { set, split, train, is_known, options })
     }
 
     /// Values at which an effect changes nothing of a model on this set.
@@ -83,7 +87,11 @@ impl Fitting {
     }
 
     fn settings(&self) -> FitSettings {
-        FitSettings { priors: !self.is_known, ..FitSettings::default() }
+        FitSettings {
+            priors: !self.is_known,
+            points: self.options.support_points(),
+            ..FitSettings::default()
+        }
     }
 
     fn fit_with(&self, model: &ModelFile, free: &[&str], settings: &FitSettings) -> Result<Fit> {
@@ -109,12 +117,14 @@ impl Fitting {
     /// # Errors
     /// If the file cannot be written.
     pub(crate) fn write(self, fit: Fit, name: String, to: OutputFile) -> Result<Fitted> {
-        let description = fit.description.clone();
+        let writes_nuisances = self.options.writes_nuisances();
+        let description = if writes_nuisances { &fit.with_nuisances } else { &fit.description };
+        let description = description.clone();
         let n_kept = self.split.confirm.len();
         let model = ModelFile { name, description, split: Some(self.split) };
         let path = to.path().to_owned();
         model.write_to(to)?;
-        Ok(Fitted::new(fit, &self.set, &path, n_kept))
+        Ok(Fitted::new(fit, (&self.set, &path), n_kept, writes_nuisances))
     }
 }
 

@@ -383,7 +383,7 @@ impl Search<'_> {
 
     pub(super) fn fit_settings(&self) -> FitSettings {
         let (own, tolerances) = (self.settings.own.clone(), self.settings.screen.tolerances);
-        FitSettings { own, tolerances, priors: true, resemblances: false }
+        FitSettings { own, tolerances, resemblances: false, ..FitSettings::default() }
     }
 
     pub(super) fn effect(&self, id: &str) -> Option<&Arc<dyn Effect>> {

@@ -40,6 +40,8 @@ pub(super) struct Member {
     ranges: Vec<(f64, f64)>,
     /// Of what it says where it rests.
     object: Option<Arc<Object>>,
+    /// Whether its parts of the weight balance the object.
+    is_by_statics: bool,
 }
 
 impl Member {
@@ -58,6 +60,7 @@ impl Member {
             coordinates,
             ranges: about.parameters.iter().map(|parameter| parameter.range).collect(),
             object: None,
+            is_by_statics: false,
         }
     }
 
@@ -170,7 +173,7 @@ impl Member {
         (0..self.len()).filter(is).collect()
     }
 
-    /// (coordinate − center)/sd of the prior; 0 where there is none.
+    /// (coordinate − center)/sd of the prior; 0 where there is none. Then what is not balanced.
     pub(super) fn prior_residual(&self, values: &[f64]) -> Vec<f64> {
         let coordinates = self.effect.info().to_coordinates(values);
         let priors = self.center.iter().zip(&self.prior_sd);
@@ -181,6 +184,7 @@ impl Member {
         let mut residuals: Vec<f64> =
             coordinates.into_iter().zip(priors).map(prior_residual).collect();
         self.add_strains_outside(values, &mut residuals);
+        residuals.extend(self.unbalanced(values));
         residuals
     }
 

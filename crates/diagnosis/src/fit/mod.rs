@@ -55,12 +55,35 @@ pub struct FitSettings {
     pub priors: bool,
     /// Whether it is told what fitted effects could be taken for.
     pub resemblances: bool,
+    /// On how many points the object may rest, and what is known of them.
+    pub points: SupportPointsFit,
+}
+
+/// What a fit of `support-points` takes as known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SupportPointsFit {
+    /// How many points there are, 3 to 6.
+    pub n: usize,
+    /// Whether the weight is shared so that the object does not tip: Σ share · place is its center of mass, as
+    /// of a rigid object that is pushed near the table.
+    pub by_statics: bool,
+}
+
+impl Default for SupportPointsFit {
+    fn default() -> Self {
+        Self { n: 4, by_statics: false }
+    }
 }
 
 impl Default for FitSettings {
     fn default() -> Self {
-        let tolerances = Tolerances::default();
-        Self { own: Vec::new(), tolerances, priors: true, resemblances: true }
+        Self {
+            own: Vec::new(),
+            tolerances: Tolerances::default(),
+            priors: true,
+            resemblances: true,
+            points: SupportPointsFit::default(),
+        }
     }
 }
 

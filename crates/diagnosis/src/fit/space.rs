@@ -14,7 +14,7 @@ use rayon::prelude::{IndexedParallelIterator, IntoParallelRefIterator, ParallelI
 
 use super::free_spread::FreeSpread;
 use super::member::{Member, Part};
-use super::{FitSettings, supports};
+use super::{FitSettings, SupportPointsFit, supports};
 use crate::{DiagnosisError, Observations};
 
 /// A model whose effects stand at any place, on observed steps.
@@ -70,7 +70,8 @@ impl<'a> Space<'a> {
                 let known = known.and_then(|effect| effect.setting().values(about).ok());
                 let steps = observations.steps.iter().map(|step| &step.input);
                 let found = found.map(|member| member.inside(steps, &rig));
-                let start = |member| with_start(member, known, observations, &first);
+                let start =
+                    |member| with_start(member, known, settings.points, observations, &first);
                 members.extend(found.map(start));
             }
         }
@@ -119,7 +120,8 @@ impl<'a> Space<'a> {
         let steps = self.observations.steps.iter().map(|step| &step.input);
         let member = Member::new(effect, Part::Asked, &off, &rig).inside(steps, &rig);
         let object = &self.observations.steps[0].input.object;
-        other.members.push(with_start(member, None, self.observations, object));
+        let points = SupportPointsFit::default();
+        other.members.push(with_start(member, None, points, self.observations, object));
         Ok(other)
     }
 
@@ -223,6 +225,7 @@ fn nuisances(ids: &[&str], settings: &FitSettings) -> Vec<&'static str> {
 fn with_start(
     member: Member,
     known: Option<Vec<f64>>,
+    points: SupportPointsFit,
     observations: &Observations,
     object: &Arc<Object>,
 ) -> Member {
@@ -230,9 +233,9 @@ fn with_start(
         return member;
     }
     let known = known.filter(|values| *values != member.off);
-    let found = known.or_else(|| supports::start(member.effect.as_ref(), observations));
+    let found = known.or_else(|| supports::start(member.effect.as_ref(), points.n, observations));
     let values = found.unwrap_or_else(|| member.typical.clone());
-    member.starting_from(values, object)
+    member.starting_from(values, object, points.by_statics)
 }
 
 /// Whether an effect that nobody knows well changes nothing but the force, so that every force shows

@@ -180,12 +180,13 @@ fn grid(object: &Object) -> Vec<Spot> {
     inside.map(|place_o| Spot { place_o, share: 0.0, radius }).collect()
 }
 
-/// Points of which a fit makes use, where it is not said how many.
-const N_POINTS: usize = 4;
-
-/// Values from which a fit of an effect that says where an object rests starts; none for other effects
-/// and where the motion does not tell.
-pub(super) fn start(effect: &dyn Effect, observations: &Observations) -> Option<Vec<f64>> {
+/// Values from which a fit of an effect that says where an object rests starts, on so many points; none for
+/// other effects and where the motion does not tell.
+pub(super) fn start(
+    effect: &dyn Effect,
+    n_points: usize,
+    observations: &Observations,
+) -> Option<Vec<f64>> {
     let parameters = effect.info().parameters;
     let is = |role: Role| move |parameter: &Parameter| parameter.role == role;
     let has_cells = parameters.iter().any(is(Role::Cell));
@@ -208,7 +209,7 @@ pub(super) fn start(effect: &dyn Effect, observations: &Observations) -> Option<
             values[k] = share;
         }
     } else {
-        let points = motions.points(object, N_POINTS.min(parameters.len() / 3));
+        let points = motions.points(object, n_points.min(parameters.len() / 3));
         for (values, point) in values.chunks_exact_mut(3).zip(points) {
             values.copy_from_slice(&[point.place_o.x, point.place_o.y, point.share]);
         }
@@ -224,13 +225,13 @@ mod tests {
 
     use super::start;
     use crate::synthetic::{pushed_with, white};
-    use crate::{FitSettings, Observations, fit};
+    use crate::{Fit, FitSettings, Observations, SupportPointsFit, fit};
 
     const FEET: [f64; 9] = [0.030, 0.025, 0.30, -0.035, 0.010, 0.45, 0.005, -0.035, 0.25];
 
-    fn on_feet() -> (Observations, Description, Description) {
+    fn on_feet(feet: &[f64; 9]) -> (Observations, Description, Description) {
         let mut values = vec![0.0; SupportPoints.info().parameters.len()];
-        values[..FEET.len()].copy_from_slice(&FEET);
+        values[..feet.len()].copy_from_slice(feet);
         pushed_with((SupportPoints.info().id, &values), 1)
     }
 
@@ -250,12 +251,12 @@ mod tests {
 
     #[test]
     fn motions_alone_tell_where_an_object_rests() {
-        let (observations, ..) = on_feet();
+        let (observations, ..) = on_feet(&FEET);
         let (center, distance) = center_and_distance(&points(&FEET));
         let object = observations.steps[0].input.object.clone();
         // Within a quarter of a cell, which is 8 mm for points and 18 mm for the map.
         for (effect, near) in [(&SupportPoints as &dyn Effect, 2e-3), (&PressureMap, 4.5e-3)] {
-            let values = start(effect, &observations).unwrap();
+            let values = start(effect, 4, &observations).unwrap();
             let mut spots = Vec::new();
             effect.spots(&values, &object, &mut spots);
             let spots: Vec<_> = spots.iter().map(|spot| (spot.place_o, spot.share)).collect();
@@ -264,29 +265,54 @@ mod tests {
             assert!((found.1 - distance).abs() < near, "{} {distance}", found.1);
         }
         let other = effects::by_id("table-tilt").unwrap();
-        assert_eq!(start(other.as_ref(), &observations), None);
+        assert_eq!(start(other.as_ref(), 4, &observations), None);
+    }
+
+    fn fitted(feet: &[f64; 9], known: SupportPointsFit) -> (Fit, Vec<(Vector2<f64>, f64)>) {
+        let (observations, model, _) = on_feet(feet);
+        let settings = FitSettings { resemblances: false, points: known, ..FitSettings::default() };
+        let whitening = white(&observations);
+        let found = fit(&observations, &model, &["support-points"], &whitening, &settings).unwrap();
+        let values: Vec<f64> = found.effects[0].parameters.iter().map(|one| one.value).collect();
+        (found, points(&values))
+    }
+
+    /// Each foot has points near by that bear its share.
+    fn check_feet(found: &[(Vector2<f64>, f64)], feet: &[f64; 9]) {
+        for (foot, share) in points(feet) {
+            let near = found.iter().filter(|(place, _)| (place - foot).norm() < 5e-3);
+            let borne: f64 = near.map(|(_, share)| share).sum();
+            assert!((borne - share).abs() < 0.05, "{foot} {borne}");
+        }
     }
 
     #[test]
     fn a_fit_finds_the_feet_and_leaves_the_noise() {
-        let (observations, model, _) = on_feet();
-        let settings = FitSettings { resemblances: false, ..FitSettings::default() };
-        let whitening = white(&observations);
-        let found = fit(&observations, &model, &["support-points"], &whitening, &settings).unwrap();
-        let values: Vec<f64> = found.effects[0].parameters.iter().map(|one| one.value).collect();
+        let (found, points_found) = fitted(&FEET, SupportPointsFit::default());
         let (center, distance) = center_and_distance(&points(&FEET));
-        let (found_center, found_distance) = center_and_distance(&points(&values));
+        let (found_center, found_distance) = center_and_distance(&points_found);
         assert!((found_center - center).norm() < 5e-4, "{found_center} {center}");
         assert!((found_distance / distance - 1.0).abs() < 0.01, "{found_distance} {distance}");
         let [before, after] = found.whitened_rms;
         assert!(before > 1.3 && after < 1.1, "{before} {after}");
         assert!(found.effects[0].p < 1e-3 && found.effects[0].undetermined.is_none());
-        // Each foot has a point near by.
-        for (foot, share) in points(&FEET) {
-            let near =
-                points(&values).into_iter().filter(|(place, _)| (place - foot).norm() < 5e-3);
-            let borne: f64 = near.map(|(_, share)| share).sum();
-            assert!((borne - share).abs() < 0.05, "{foot} {borne}");
-        }
+        check_feet(&points_found, &FEET);
+    }
+
+    #[test]
+    fn points_by_statics_bear_the_center_of_mass_whatever_the_pushes_say() {
+        let known = SupportPointsFit { n: 3, by_statics: true };
+        // By hand: w (35, 25) + w (−35, 20) + (1 − 2w) (0, −35) mm is 0 at w = 35/115.
+        let (one, other) = (35.0 / 115.0, 45.0 / 115.0);
+        let balanced = [0.035, 0.025, one, -0.035, 0.020, one, 0.0, -0.035, other];
+        let (found, points) = fitted(&balanced, known);
+        assert_eq!(points.iter().filter(|(_, share)| *share > 0.0).count(), 3);
+        assert!(center_and_distance(&points).0.norm() < 2e-4);
+        assert!(found.whitened_rms[1] < 1.1, "{:?}", found.whitened_rms);
+        check_feet(&points, &balanced);
+        // Of feet whose center is 6 mm off, it says what is assumed, and misses the pushes.
+        let (found, points) = fitted(&FEET, known);
+        assert!(center_and_distance(&points).0.norm() < 2e-3);
+        assert!(found.whitened_rms[1] > 1.2, "{:?}", found.whitened_rms);
     }
 }

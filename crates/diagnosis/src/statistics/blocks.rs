@@ -71,9 +71,11 @@ impl<'a> Solved<'a> {
         }
         // A column for each source: Kₖ P y of all vectors.
         let mut pulled = DMatrix::zeros(left.len(), n);
+        // A push of which nothing was observed has no numbers.
+        let height = left.nrows().max(1);
         for (shape, mut pulled) in shapes.iter().zip(pulled.column_iter_mut()) {
-            let columns = || shape.as_slice().chunks_exact(left.nrows());
-            let of_vectors = pulled.as_mut_slice().chunks_exact_mut(left.nrows());
+            let columns = || shape.as_slice().chunks_exact(height);
+            let of_vectors = pulled.as_mut_slice().chunks_exact_mut(height);
             for (left, pulled) in left.column_iter().zip(of_vectors) {
                 left.iter()
                     .zip(columns())

@@ -316,6 +316,21 @@ mod tests {
     }
 
     #[test]
+    fn a_block_without_numbers_tells_nothing() {
+        for n_fixed in [0, 2] {
+            let mut with = blocks(40, [0.04, 0.5], n_fixed);
+            let without = variances(&with, &vague());
+            let none = DMatrix::zeros(0, 0);
+            with.push(Block {
+                vectors: DMatrix::zeros(0, 1),
+                shapes: vec![none.clone(), none],
+                fixed: DMatrix::zeros(0, n_fixed),
+            });
+            assert_eq!(variances(&with, &vague()).values, without.values);
+        }
+    }
+
+    #[test]
     fn the_slope_is_that_of_the_likelihood() {
         for n_fixed in [0, 2] {
             let blocks = blocks(6, [0.3, 0.2], n_fixed);

@@ -55,12 +55,12 @@ catalogue! {
         yaw_offset::YawOffset,
         stream_latency::StreamLatency,
         force_bias::ForceBias,
+        push_height::PushHeight,
     }
     fitted {
         support_points::SupportPoints,
         pressure_map::PressureMap,
         vertex_contact::VertexContact,
-        push_height::PushHeight,
         approach_gap::ApproachGap,
     }
 }

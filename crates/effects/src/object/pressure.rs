@@ -83,36 +83,49 @@ fn weights(points: &[Point], center: &Vector2<f64>) -> Result<Vec<f64>, EffectEr
         Vector3::new(from_center.x, from_center.y, from_center.norm() - uniform) / uniform
     };
     let misses: Vec<Vector3<f64>> = points.iter().map(miss).collect();
-    let dual = |exponents: &Vector3<f64>| {
-        let terms = points.iter().zip(&misses);
-        terms.map(|(point, miss)| point.share * exponents.dot(miss).exp()).sum::<f64>().ln()
-    };
     let mut exponents = Vector3::zeros();
-    let mut value = dual(&exponents);
+    let mut now = Dual::at(points, &misses, &exponents);
     for _ in 0..MAX_ITERATIONS {
-        let (mut slope, mut curvature) = (Vector3::zeros(), Matrix3::zeros());
-        for (point, miss) in points.iter().zip(&misses) {
-            let share = point.share * (exponents.dot(miss) - value).exp();
+        if now.slope.amax() < TOLERANCE {
+            return Ok(now.weights);
+        }
+        let Some(factor) = now.curvature.cholesky() else { break };
+        let step = factor.solve(&now.slope);
+        let mut share = 1.0;
+        let mut next = Dual::at(points, &misses, &(exponents - step));
+        while next.value > now.value + ROUNDING && share > 1e-6 {
+            share *= 0.5;
+            next = Dual::at(points, &misses, &(exponents - share * step));
+        }
+        exponents -= share * step;
+        now = next;
+    }
+    Err(EffectError::NotConverged { what: "the pressure's center", iterations: MAX_ITERATIONS })
+}
+
+/// ln Σ s exp(e·φ) with its derivatives, and the weights exp(e·φ) over that sum.
+struct Dual {
+    weights: Vec<f64>,
+    value: f64,
+    slope: Vector3<f64>,
+    curvature: Matrix3<f64>,
+}
+
+impl Dual {
+    fn at(points: &[Point], misses: &[Vector3<f64>], exponents: &Vector3<f64>) -> Self {
+        let mut weights: Vec<f64> = misses.iter().map(|miss| exponents.dot(miss).exp()).collect();
+        let (mut sum, mut slope, mut curvature) = (0.0, Vector3::zeros(), Matrix3::zeros());
+        for ((point, miss), weight) in points.iter().zip(misses).zip(&weights) {
+            let share = point.share * weight;
+            sum += share;
             slope += share * miss;
             curvature += share * miss * miss.transpose();
         }
-        if slope.amax() < TOLERANCE {
-            let weight = |miss: &Vector3<f64>| (exponents.dot(miss) - value).exp();
-            return Ok(misses.iter().map(weight).collect());
-        }
-        curvature -= slope * slope.transpose();
-        let Some(factor) = curvature.cholesky() else { break };
-        let step = factor.solve(&slope);
-        let mut share = 1.0;
-        let mut next = dual(&(exponents - step));
-        while next > value + ROUNDING && share > 1e-6 {
-            share *= 0.5;
-            next = dual(&(exponents - share * step));
-        }
-        exponents -= share * step;
-        value = next;
+        weights.iter_mut().for_each(|weight| *weight /= sum);
+        slope /= sum;
+        curvature = curvature / sum - slope * slope.transpose();
+        Self { weights, value: sum.ln(), slope, curvature }
     }
-    Err(EffectError::NotConverged { what: "the pressure's center", iterations: MAX_ITERATIONS })
 }
 
 #[cfg(test)]

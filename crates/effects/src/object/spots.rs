@@ -152,38 +152,54 @@ fn leaning(
 fn tilted(points: &[Point], center: &Vector2<f64>) -> Option<Vec<f64>> {
     let arms: Vec<Vector2<f64>> = points.iter().map(|point| point.place - center).collect();
     let spread = arms.iter().map(Vector2::norm).fold(0.0, f64::max);
-    let dual = |tilt: &Vector2<f64>| {
-        let terms = points.iter().zip(&arms);
-        terms.map(|(point, arm)| point.share * tilt.dot(arm).exp()).sum::<f64>().ln()
-    };
     let mut tilt = Vector2::zeros();
-    let mut value = dual(&tilt);
+    let mut now = Dual::at(points, &arms, &tilt);
     for _ in 0..MAX_ITERATIONS {
-        let shares = || {
-            let terms = points.iter().zip(&arms);
-            terms.map(|(point, arm)| (point.share * (tilt.dot(arm) - value).exp(), arm))
-        };
-        let slope: Vector2<f64> = shares().map(|(share, arm)| share * arm).sum();
-        if slope.norm() <= TOLERANCE * spread {
-            return Some(shares().map(|(share, _)| share).collect());
+        if now.slope.norm() <= TOLERANCE * spread {
+            return Some(now.shares);
         }
-        let square: Matrix2<f64> = shares().map(|(share, arm)| share * arm * arm.transpose()).sum();
-        let step = (square - slope * slope.transpose()).try_inverse()? * slope;
+        let step = now.curvature.try_inverse()? * now.slope;
         // Near an end of the shares' reach a whole step overshoots.
         let part = (1.0 / (step.norm() * spread)).min(1.0);
         let mut length = part;
-        let mut next = dual(&(tilt - length * step));
-        while next > value && length > 1e-3 * part {
+        let mut next = Dual::at(points, &arms, &(tilt - length * step));
+        while next.value > now.value && length > 1e-3 * part {
             length *= 0.5;
-            next = dual(&(tilt - length * step));
+            next = Dual::at(points, &arms, &(tilt - length * step));
         }
         tilt -= length * step;
-        value = next;
-        if !value.is_finite() {
+        now = next;
+        if !now.value.is_finite() {
             return None;
         }
     }
     None
+}
+
+/// ln Σ w exp(g·a) of arms a with its derivatives, and the shares w exp(g·a) over that sum.
+struct Dual {
+    shares: Vec<f64>,
+    value: f64,
+    slope: Vector2<f64>,
+    curvature: Matrix2<f64>,
+}
+
+impl Dual {
+    fn at(points: &[Point], arms: &[Vector2<f64>], tilt: &Vector2<f64>) -> Self {
+        let terms = points.iter().zip(arms);
+        let mut shares: Vec<f64> =
+            terms.map(|(point, arm)| point.share * tilt.dot(arm).exp()).collect();
+        let (mut sum, mut slope, mut curvature) = (0.0, Vector2::zeros(), Matrix2::zeros());
+        for (share, arm) in shares.iter().zip(arms) {
+            sum += share;
+            slope += *share * arm;
+            curvature += *share * arm * arm.transpose();
+        }
+        shares.iter_mut().for_each(|share| *share /= sum);
+        slope /= sum;
+        curvature = curvature / sum - slope * slope.transpose();
+        Self { shares, value: sum.ln(), slope, curvature }
+    }
 }
 
 #[cfg(test)]

@@ -75,6 +75,8 @@ impl Memory {
     }
 }
 
+/// Speeds of a runaway that are tried, in the pusher's.
+const FASTER: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
 /// Speed below which squares of velocities may underflow, in m/s.
 const SLOWEST: f64 = 1e-60;
 
@@ -172,12 +174,15 @@ impl<'a> ForceBalance<'a> {
         Ok(self.rate(&answer))
     }
 
-    /// Why there is no push of an object that rests but slides by itself at the pusher's speed.
+    /// Why there is no push of an object that rests but slides by itself at the pusher's speed, or at one that
+    /// it reaches while it turns.
     fn runaway(&self, touch: &ContactKinematics, memory: &mut Memory) -> Option<EffectError> {
         if self.external == Vector3::zeros() {
             return None;
         }
-        let level = self.overload(touch.velocity.norm(), memory).ok()??;
+        let speed = touch.velocity.norm();
+        let of_speed = |times: f64| self.overload(times * speed, memory).ok().flatten();
+        let level = FASTER.into_iter().find_map(of_speed)?;
         Some(MechanicsError::SlidesByItself { level }.into())
     }
 

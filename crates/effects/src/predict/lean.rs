@@ -14,7 +14,7 @@ use crate::predict::instant::{ForceBalance, Memory, Rate};
 const MAX_LEANS: i32 = 40;
 const PLAIN_LEANS: i32 = 10;
 /// In m.
-const LEAN_TOLERANCE: f64 = 1e-10;
+const LEAN_TOLERANCE: f64 = 1e-9;
 /// What a change of sides may move the pressure by, over the object's mean distance.
 const LARGEST_JUMP: f64 = 0.1;
 
@@ -55,6 +55,7 @@ impl<'a> Forward<'a> {
     ) -> Result<Rate, EffectError> {
         let point = self.acting_point(&meeting.contact);
         let gain = self.law.height / (self.step.object.mass() * self.physics.rig().gravity());
+        let mut last: Option<[Vector2<f64>; 2]> = None;
         for iteration in 0..MAX_LEANS {
             let instant = self.balance(pose, time, &self.lean_o)?;
             let touch = instant.touch(&meeting.contact, &point, &meeting.velocity_w);
@@ -63,10 +64,21 @@ impl<'a> Forward<'a> {
             }
             let memory = self.memory.clone();
             let rate = answer(&instant, &touch, &mut self.memory)?;
-            let change = gain * rate.force_o - self.lean_o;
+            let answered = gain * rate.force_o;
+            let change = answered - self.lean_o;
             // The force may jump where it changes sides: ever shorter steps find where.
             let part = 0.5_f64.powi((iteration - PLAIN_LEANS).max(0));
-            self.lean_o += part * change;
+            let next = match last.filter(|_| iteration < PLAIN_LEANS) {
+                Some([answered_before, change_before]) => {
+                    // Anderson's acceleration: the mix of two answers that would change least.
+                    let turn = change - change_before;
+                    let share = change.dot(&turn) / turn.norm_squared().max(f64::MIN_POSITIVE);
+                    answered - share.clamp(-1.0, 1.0) * (answered - answered_before)
+                }
+                None => self.lean_o + part * change,
+            };
+            last = Some([answered, change]);
+            self.lean_o = next;
             let is_jump = iteration == MAX_LEANS - 1
                 && change.norm() <= LARGEST_JUMP * self.step.object.mean_distance();
             if change.norm() <= LEAN_TOLERANCE || is_jump {

@@ -41,9 +41,9 @@ struct Uneven {
 /// What the ground does to each pad.
 #[derive(Clone, Debug)]
 pub(crate) struct Footprint {
-    /// State in which it was found: place (m and rad) and force of the tip (N), world frame.
+    /// State in which it was found: place (m and rad) and what the table's friction met (N), world frame.
     pub(crate) place: Vector3<f64>,
-    pub(crate) force: Vector2<f64>,
+    pub(crate) rubbed: Vector2<f64>,
     /// Load of each pad over what it is on an even table.
     pub(crate) loads: Vec<f64>,
     /// The same for its friction.
@@ -132,7 +132,7 @@ impl Ground {
                 .zip(places_w)
                 .map(|(bump, place)| bump + self.heights.at(place))
                 .collect();
-            let force_b = rotation(state.place.z).transpose() * state.force;
+            let force_b = rotation(state.place.z).transpose() * state.rubbed;
             let center = uneven.lever / uneven.radius * force_b;
             let last = last.and_then(|last| last.stand.as_ref());
             let found = uneven.bottom.stand(&bumps, &center, last)?;
@@ -146,6 +146,6 @@ impl Ground {
         let rub =
             |(load, place): (&f64, &Vector2<f64>)| load * (1.0 + self.frictions.at(place)).max(0.0);
         let frictions = loads.iter().zip(places_w).map(rub).collect();
-        Ok(Footprint { place: state.place, force: state.force, loads, frictions, stand })
+        Ok(Footprint { place: state.place, rubbed: state.rubbed, loads, frictions, stand })
     }
 }

@@ -6,12 +6,19 @@ use planar::{Shape, cross};
 use std::f64::consts::TAU;
 
 use crate::PlantError;
+use crate::truth::Feet;
 
 /// Pads are handled in groups of this many, side by side in vector registers.
 pub(crate) const LANES: usize = 4;
 
 const ELLIPSE_VERTICES: usize = 720;
 const MAX_ITERATIONS: usize = 40;
+const BISECTIONS: usize = 60;
+
+/// Of the way from the center to the outline the rim begins here.
+const INSIDE_RIM: f64 = 0.75;
+/// Radius of gyration of a foot, in m.
+const FOOT: f64 = 1e-3;
 
 /// The pads of one support, each a small plate that slides and turns with the object.
 ///
@@ -145,6 +152,55 @@ impl Pads {
         pads
     }
 
+    /// The same with a share of the load near the outline, spread there as it was.
+    pub(crate) fn rimmed(&self, shape: &Shape, rim_share: f64) -> Self {
+        let mut pads = self.clone();
+        if rim_share == 0.0 {
+            return pads;
+        }
+        let center = self.center();
+        let is_rim = |i: usize| {
+            let outward = Vector2::new(self.x[i], self.y[i]) - center;
+            !shape.contains(&(center + outward / INSIDE_RIM))
+        };
+        let of_rim = |i: usize| if is_rim(i) { self.share[i] } else { 0.0 };
+        let rim: Vec<f64> = (0..self.share.len()).map(of_rim).collect();
+        let total: f64 = rim.iter().sum();
+        for (share, rim) in pads.share.iter_mut().zip(rim) {
+            *share = (1.0 - rim_share) * *share + rim_share * rim / total;
+        }
+        pads
+    }
+
+    /// The same with a share of the load on three feet about the center of mass, which are moved by `shift`
+    /// (m) and, from there, by the factor `ratio`.
+    pub(crate) fn on_feet(
+        &self,
+        (feet, shape): (&Feet, &Shape),
+        center_of_mass: &Vector2<f64>,
+        (shift, ratio): (&Vector2<f64>, f64),
+    ) -> Self {
+        let mut pads = self.clone();
+        if feet.is_off() {
+            return pads;
+        }
+        pads.share.iter_mut().for_each(|share| *share *= 1.0 - feet.share);
+        let arms = [0.0, 1.0, 2.0].map(|third| {
+            let (sin, cos) = sincos(feet.direction + third * TAU / 3.0);
+            let direction = Vector2::new(cos, sin);
+            feet.reach * way_to_outline(shape, center_of_mass, &direction) * direction
+        });
+        // A third of a turn apart, forces balance where each times its arm is the same.
+        let weights = arms.map(|arm| 1.0 / arm.norm());
+        let whole: f64 = weights.iter().sum();
+        for (arm, weight) in arms.into_iter().zip(weights) {
+            let place = center_of_mass + shift + ratio * arm;
+            pads.push(place, 0.5 * FOOT * FOOT, feet.share * weight / whole);
+        }
+        pads.fill_group();
+        pads
+    }
+
     fn weighted(&self, center: &Vector2<f64>, length: f64, exponents: &Vector3<f64>) -> Self {
         let mut pads = self.clone();
         let mut total = 0.0;
@@ -176,6 +232,18 @@ impl Pads {
             self.push(Vector2::zeros(), 0.0, 0.0);
         }
     }
+}
+
+/// Distance of the outline from a place under the object, in m.
+fn way_to_outline(shape: &Shape, from: &Vector2<f64>, direction: &Vector2<f64>) -> f64 {
+    let (mut inside, mut outside) = (0.0, 2.0 * shape.bounding_radius());
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (inside + outside);
+        let end =
+            if shape.contains(&(from + middle * direction)) { &mut inside } else { &mut outside };
+        *end = middle;
+    }
+    inside
 }
 
 /// Area in m², centroid in m, and squared radius of gyration about it in m², of a cut-out cell.
@@ -228,7 +296,7 @@ fn cut(outline: &[Vector2<f64>], axis: usize, inside: impl Fn(f64) -> f64) -> Ve
 
 #[cfg(test)]
 mod tests {
-    use super::Pads;
+    use super::{Feet, Pads};
     use nalgebra::Vector2;
     use planar::{MIT_NAMES, Shape, mit_object};
 
@@ -274,5 +342,40 @@ mod tests {
         }
         assert!(pads.reshaped(&Vector2::new(0.05, 0.0), 1.0).is_err());
         assert_eq!(pads.reshaped(&Vector2::zeros(), 1.0).unwrap(), pads);
+    }
+
+    #[test]
+    fn feet_balance_the_object_and_lie_inside_it() {
+        for name in MIT_NAMES {
+            let shape = mit_object(name).unwrap().shape;
+            let (center, feet) =
+                (shape.centroid(), Feet { share: 1.0, reach: 0.8, direction: 0.5 });
+            let pads = Pads::uniform(&shape, 100);
+            let shift = Vector2::new(1e-3, -2e-3);
+            let stood = pads.on_feet((&feet, &shape), &center, (&Vector2::zeros(), 1.0));
+            assert!((stood.center() - center).norm() < 1e-12, "{name}");
+            let bears = |k: &usize| stood.share[*k] > 0.0;
+            let places: Vec<_> = (0..stood.share.len()).filter(bears).collect();
+            assert_eq!(places.len(), 3);
+            for k in places {
+                assert!(shape.contains(&Vector2::new(stood.x[k], stood.y[k])), "{name}");
+            }
+            let moved = pads.on_feet((&feet, &shape), &center, (&shift, 1.1));
+            assert!((moved.center() - center - shift).norm() < 1e-12, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_rim_bears_what_is_said() {
+        let shape = Shape::square(0.09).unwrap();
+        let pads = Pads::uniform(&shape, 144);
+        let (c, zero) = (pads.mean_distance(&Vector2::zeros()), Vector2::zeros());
+        let rim = pads.rimmed(&shape, 1.0);
+        assert!((rim.share.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!(rim.center().norm() < 1e-12);
+        // The mean distance of a thin frame from its center is 1.5 times the square's.
+        let ratio = rim.mean_distance(&zero) / c;
+        assert!((1.3..1.5).contains(&ratio), "{ratio}");
+        assert_eq!(pads.rimmed(&shape, 0.0), pads);
     }
 }

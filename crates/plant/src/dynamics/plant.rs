@@ -2,6 +2,7 @@
 
 use dataset::ObjectSpec;
 use nalgebra::Vector2;
+use planar::Shape;
 
 use crate::dynamics::ground::Ground;
 use crate::dynamics::outline::Outline;
@@ -27,6 +28,7 @@ pub struct Plant {
     pub(crate) truth: Truth,
     pub(crate) numerics: Numerics,
     pub(crate) ground: Ground,
+    shape: Shape,
     uniform: Pads,
 }
 
@@ -79,6 +81,7 @@ impl Plant {
             truth: truth.clone(),
             numerics: *numerics,
             ground: Ground::new(truth, &object.shape, &uniform, &center_of_mass, mass * gravity),
+            shape: object.shape.clone(),
             uniform,
         };
         plant.pads(&Variation::default())?;
@@ -96,6 +99,9 @@ impl Plant {
         let pressure = &self.truth.pressure;
         let shift = Vector2::from(pressure.center_shift) + Vector2::from(variation.pressure_shift);
         let ratio = pressure.radius_ratio * variation.pressure_radius;
-        Ok(self.uniform.reshaped(&shift, ratio)?.blended(pressure.patch_share))
+        let area = self.uniform.rimmed(&self.shape, pressure.rim_share).reshaped(&shift, ratio)?;
+        let feet = (&pressure.feet, &self.shape);
+        let stood = area.on_feet(feet, &self.center_of_mass, (&shift, ratio));
+        Ok(stood.blended(pressure.patch_share))
     }
 }

@@ -96,7 +96,7 @@ impl<'a> Rig<'a> {
         let moved = state.place - footprint.place;
         let turned = self.radius() * moved.z;
         let squared = moved.x * moved.x + moved.y * moved.y + turned * turned;
-        let pushed = state.force - footprint.force;
+        let pushed = state.rubbed - footprint.rubbed;
         let felt = PUSHED * self.plant.mass * self.plant.gravity;
         squared > MOVED * MOVED || pushed.dot(&pushed) > felt * felt
     }

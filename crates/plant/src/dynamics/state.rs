@@ -18,7 +18,9 @@ pub(crate) struct State {
     pub(crate) grip: Vector2<f64>,
     /// Force of the tip on the object, in N.
     pub(crate) force: Vector2<f64>,
-    /// Its integral over time, in N·s.
+    /// What of it and of other forces the table's friction meets, and not the object's mass, in N.
+    pub(crate) rubbed: Vector2<f64>,
+    /// Integral of the tip's force over time, in N·s.
     pub(crate) impulse: Vector2<f64>,
     /// Integral of the object's torque on the tip about the tip's axis, in N·m·s.
     pub(crate) twisting: f64,
@@ -36,6 +38,7 @@ impl State {
             deflection: Vector2::zeros(),
             grip: Vector2::zeros(),
             force: Vector2::zeros(),
+            rubbed: Vector2::zeros(),
             impulse: Vector2::zeros(),
             twisting: 0.0,
             energy: Energy::default(),

@@ -91,6 +91,7 @@ impl Rig<'_> {
         next.motion = in_axes(turn, &solved.motion);
         next.place += step * next.motion;
         next.force = turn * response.force;
+        next.rubbed = turn * solved.support.xy();
         next.impulse += step * next.force;
         next.twisting += step * response.torque;
         next.slip_speed = response.slip.abs();

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::{EffectKind, Parameter, Quantity};
 use crate::design::layout::Layout;
-use crate::{Design, PlantError};
+use crate::{Burr, Design, Feet, PlantError};
 
 const TURN: (f64, f64) = (-2.0 * PI, 2.0 * PI);
 const SPEED: (f64, f64) = (1e-4, 1.0);
@@ -274,6 +274,66 @@ pub(super) const KINDS: &[EffectKind] = &[
         },
     },
 ];
+
+/// Of the catalogue, but of shapes and supports that have many numbers: the plant has a few of its own.
+pub(super) const OF_SUPPORT_AND_TIP: &[EffectKind] = &[
+    EffectKind {
+        id: "support-points",
+        about: "three feet bear a share of the weight, at a part of the way to the outline",
+        in_catalogue: true,
+        parameters: &[
+            Parameter::new("share", Quantity::Number, 0.0, 1.0, (0.0, 1.0)),
+            Parameter::free("reach", Quantity::Number, 0.8, (0.05, 0.98)),
+            Parameter::free("direction", Quantity::Angle, 0.5, TURN),
+        ],
+        apply: |truth, _, v| {
+            truth.pressure.feet = Feet { share: v[0], reach: v[1], direction: v[2] };
+            Ok(())
+        },
+    },
+    EffectKind {
+        id: "pressure-map",
+        about: "the rim bears a share of the weight beside what even pressure has there",
+        in_catalogue: true,
+        parameters: &[Parameter::new("rim_share", Quantity::Number, 0.0, 0.8, (0.0, 1.0))],
+        apply: |truth, _, v| {
+            truth.pressure.rim_share = v[0];
+            Ok(())
+        },
+    },
+    EffectKind {
+        id: "vertex-contact",
+        about: "the tip catches near every vertex",
+        in_catalogue: true,
+        parameters: &[Parameter::new("reach", Quantity::Length, 0.0, 0.006, (0.0, 0.03))],
+        apply: |truth, _, v| {
+            if v[0] > 0.0 {
+                truth.wear.burr = Burr { n_vertices: ALL, friction: CAUGHT, reach: v[0] };
+            }
+            Ok(())
+        },
+    },
+    EffectKind {
+        id: "push-height",
+        about: "the tip pushes above the table and moves the load forward",
+        in_catalogue: true,
+        parameters: &[Parameter::new("height", Quantity::Length, 0.0, 0.01, (0.0, 0.1))],
+        apply: |truth, _, v| {
+            truth.tip.height = v[0];
+            if v[0] > 0.0 && truth.underside.stiffness == 0.0 {
+                truth.underside.stiffness = STIFF;
+            }
+            Ok(())
+        },
+    },
+];
+
+/// More than any outline has vertices.
+const ALL: usize = 1000;
+/// Friction of the tip at a vertex, beside that of the sides: it sticks wherever it pushes.
+const CAUGHT: f64 = 3.0;
+/// Of a table under a flat bottom, in N/m.
+const STIFF: f64 = 1e6;
 
 /// Gives the design speeds up to a largest one.
 fn hurry(design: &mut Design, largest: f64) -> Result<(), PlantError> {

@@ -11,11 +11,12 @@ pub use effect_kind::{EffectKind, Parameter};
 pub use quantity::Quantity;
 pub use spec::{Hidden, HiddenEffect};
 
-/// Every effect that can be hidden: first those of the catalogue of missing effects, then those
-/// that no catalogue has.
+/// Every effect that can be hidden: those that models have a parameter for, those that no catalogue has,
+/// and those of the catalogue of which the plant has laws of its own.
 #[must_use]
 pub fn effect_kinds() -> Vec<&'static EffectKind> {
-    catalogue::KINDS.iter().chain(additional::KINDS).collect()
+    let others = catalogue::OF_SUPPORT_AND_TIP.iter();
+    catalogue::KINDS.iter().chain(additional::KINDS).chain(others).collect()
 }
 
 pub(crate) fn effect_kind(id: &str) -> Option<&'static EffectKind> {

@@ -24,6 +24,8 @@ pub struct GenerateReport {
     pub n_pushes: usize,
     /// Pushes of the grid left out because the tip would have begun inside the object.
     pub n_blocked: usize,
+    /// Pushes left out because the object tipped over or the motion could not be followed: name and reason.
+    pub not_made: Vec<(String, String)>,
     /// Time that all the pushes take on the rig, in s.
     pub rig_time: f64,
 }
@@ -80,11 +82,12 @@ pub fn generate(settings: &GenerateSettings, out: &Path) -> Result<GenerateRepor
 /// As [`generate`], and calls `after_push` after each push, in no certain order, with the number of
 /// pushes that the set will have.
 ///
-/// The folder appears when it is whole, after the truth: there is no set without its truth.
+/// The folder appears when it is whole, after the truth: there is no set without its truth. A push in which
+/// the object tips over, or whose motion cannot be followed, is left out and told, up to a tenth of them.
 ///
 /// # Errors
-/// An error of the settings; `Push` with the name of a push that could not be simulated; `Output`
-/// if a file cannot be written.
+/// An error of the settings; `Push` with the name of a push that could not be simulated, if they are more
+/// than a tenth; `Output` if a file cannot be written.
 pub fn generate_each(
     settings: &GenerateSettings,
     out: SetOutput,
@@ -95,16 +98,29 @@ pub fn generate_each(
     let part = out.folder.begin()?;
     let pushes_folder = part.path().join("pushes");
     let written = set.pushes().map(|push| {
-        let push = push?;
+        let push = match push {
+            Err(PlantError::Push { name, source }) if source.is_of_the_motion() => {
+                after_push(set.plan.len());
+                return Ok(Err(PlantError::Push { name, source }));
+            }
+            push => push?,
+        };
         writer.write(&push.recording, &pushes_folder)?;
         after_push(set.plan.len());
         let SimulatedPush { plan, variation, start, trajectory, recording } = push;
         let place = [start.position.x, start.position.y, start.angle];
         let sealed = SealedPush { recording: recording.name, plan, place, variation };
-        Ok((sealed, trajectory.duration()))
+        Ok(Ok((sealed, trajectory.duration())))
     });
-    let (pushes, durations): (Vec<_>, Vec<f64>) =
-        written.collect::<Result<Vec<_>, PlantError>>()?.into_iter().unzip();
+    let (mut made, mut failed) = (Vec::new(), Vec::new());
+    for push in written.collect::<Result<Vec<_>, PlantError>>()? {
+        match push {
+            Ok(push) => made.push(push),
+            Err(error) => failed.push(error),
+        }
+    }
+    let not_made = left_out(failed, set.plan.len())?;
+    let (pushes, durations): (Vec<_>, Vec<f64>) = made.into_iter().unzip();
     let sessions = pushes.iter().map(|push| {
         format!("{},session-{},{}\n", push.recording, push.plan.session, push.plan.repeat)
     });
@@ -120,6 +136,7 @@ pub fn generate_each(
         sealed_truth: out.sealed_truth.path().to_owned(),
         n_pushes,
         n_blocked: set.n_blocked,
+        not_made,
         rig_time: durations.iter().sum(),
     };
     let truth = SealedTruth::new(settings, &set, pushes).to_text()?;
@@ -128,10 +145,46 @@ pub fn generate_each(
     Ok(report)
 }
 
+/// Names and reasons of pushes that could not be made, of so many.
+///
+/// # Errors
+/// The first of them, if they are more than a tenth.
+fn left_out(failed: Vec<PlantError>, n: usize) -> Result<Vec<(String, String)>, PlantError> {
+    let are_few = MOST_LEFT_OUT * failed.len() <= n;
+    let told = failed.into_iter().map(|error| match error {
+        PlantError::Push { name, source } if are_few => Ok((name, source.to_string())),
+        error => Err(error),
+    });
+    told.collect()
+}
+
+/// One push in so many may be left out.
+const MOST_LEFT_OUT: usize = 10;
+
 fn writer(name: &str) -> Result<&'static dyn RecordingWriter, PlantError> {
     let found = all_writers().iter().find(|writer| writer.id() == name);
     found.copied().ok_or_else(|| PlantError::UnknownFormat {
         name: name.to_owned(),
         allowed: all_writers().iter().map(|writer| writer.id()).collect::<Vec<_>>().join(", "),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{PlantError, left_out};
+
+    #[test]
+    fn few_pushes_that_cannot_be_made_are_named_and_many_are_an_error() {
+        let failed = |n: usize| {
+            let source = || PlantError::NotConverged { time: 0.5, step: 1e-5, why: "it tips" };
+            let push = |k| PlantError::Push { name: format!("push-{k}"), source: source().into() };
+            (0..n).map(push).collect::<Vec<_>>()
+        };
+        assert_eq!(left_out(Vec::new(), 0).unwrap(), Vec::new());
+        let told = left_out(failed(2), 20).unwrap();
+        assert_eq!(told[1].0, "push-1");
+        assert!(told[1].1.contains("it tips"), "{told:?}");
+        let many = left_out(failed(2), 19).unwrap_err();
+        assert!(matches!(many, PlantError::Push { name, .. } if name == "push-0"));
+    }
 }

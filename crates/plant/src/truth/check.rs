@@ -30,7 +30,7 @@ impl Truth {
     }
 
     /// Of what is between object and table.
-    fn table_ranges(&self) -> [Range; 22] {
+    fn table_ranges(&self) -> [Range; 26] {
         let (support, rate) = (&self.support_friction, &self.support_friction.rate);
         let (spot, groove) = (&self.friction_map.spot, &self.height_map.groove);
         [
@@ -44,6 +44,10 @@ impl Truth {
             ("rate.film_speed", rate.film_speed, "m/s", 1e-4, 10.0),
             ("pressure.radius_ratio", self.pressure.radius_ratio, "", 0.2, 2.0),
             ("pressure.patch_share", self.pressure.patch_share, "", 0.0, 1.0),
+            ("pressure.rim_share", self.pressure.rim_share, "", 0.0, 1.0),
+            ("pressure.feet.share", self.pressure.feet.share, "", 0.0, 1.0),
+            ("pressure.feet.reach", self.pressure.feet.reach, "", 0.05, 0.98),
+            ("pressure.feet.direction", self.pressure.feet.direction, "rad", -7.0, 7.0),
             ("table_grain.ratio", self.table_grain.ratio, "", 0.1, 10.0),
             ("table_grain.direction", self.table_grain.direction, "rad", -7.0, 7.0),
             ("body_grain.ratio", self.body_grain.ratio, "", 0.1, 10.0),

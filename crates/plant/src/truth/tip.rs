@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 pub struct Tip {
     /// Radius, in m; 0 for a point.
     pub radius: f64,
-    /// How high above the table it pushes, in m; felt where the underside has a stiffness.
+    /// How high above the table it pushes, and the center of mass is, in m: against the table's friction
+    /// the load moves forward, under an impact it does not. Felt where the underside has a stiffness.
     pub height: f64,
     /// Compliance of tip and arm in every direction, in m/N.
     pub compliance: f64,

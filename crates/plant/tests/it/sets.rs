@@ -6,7 +6,7 @@ use std::path::Path;
 
 use dataset::{IngestSettings, RecordingSet, Table, ingest};
 use plant::{
-    Design, GenerateReport, GenerateSettings, Hidden, Layout, PlannedPush, PlantError,
+    Design, GenerateReport, GenerateSettings, Hidden, Layout, PlannedPush, PlantError, Profile,
     PushedObject, Scatter, Sensors, SetOutput, generate,
 };
 
@@ -70,6 +70,22 @@ fn every_push_is_told_with_their_number() {
     let out = SetOutput::new(&dir.path().join("set")).unwrap();
     plant::generate_each(&small(), out, |n| told.lock().unwrap().push(n)).unwrap();
     assert_eq!(told.into_inner().unwrap(), [6; 6]);
+}
+
+#[test]
+fn an_impact_does_not_tip_what_a_steady_push_does_not_and_a_high_push_tips() {
+    let rough = Profile::named("rough").unwrap().settings();
+    let design = Design { speeds: vec![0.4], ..small().design };
+    let fast = GenerateSettings { design, ..rough };
+    let dir = tempfile::tempdir().unwrap();
+    let report = made(&fast, dir.path());
+    assert_eq!((report.n_pushes, report.not_made), (6, Vec::new()));
+    // Friction of a quarter of the weight, at 0.3 m, is beyond the rim at 45 mm.
+    let mut high = fast;
+    high.truth.tip.height = 0.3;
+    let refused = generate(&high, &tempfile::tempdir().unwrap().path().join("set"));
+    let refused = format!("{:?}", refused.unwrap_err());
+    assert!(refused.contains("tips over"), "{refused}");
 }
 
 #[test]

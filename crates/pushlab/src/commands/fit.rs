@@ -7,7 +7,7 @@ use anyhow::Result;
 use crate::command_line::seed_parser;
 use crate::destination::Force;
 use crate::file_ending;
-use crate::fitting::{Fitting, model_for};
+use crate::fitting::{FitOptions, Fitting, model_for};
 use crate::origin::Origin;
 use crate::step_source::StepSource;
 use crate::terminal::Terminal;
@@ -24,6 +24,8 @@ pub(crate) struct Args {
     /// What to fit: pusher-friction, pressure-radius, support-friction, or ids of effects
     #[arg(long, value_name = "IDS", required = true, value_delimiter = ',')]
     free: Vec<String>,
+    #[command(flatten)]
+    options: FitOptions,
     /// Model file to start from
     #[arg(long, value_name = "FILE", default_value = "model.toml",
           value_parser = file_ending::model)]
@@ -44,6 +46,7 @@ Examples:
   pushlab fit pushes --free pusher-friction -o fitted.toml
   pushlab fit pushes --free pusher-friction,pressure-radius --model nominal.toml -o fitted.toml
   pushlab fit table.csv --preset mit-table --free pusher-friction -o fitted.toml
+  pushlab fit pushes --free pusher-friction,support-points --points 3 --by-statics -o feet.toml
 then:
   pushlab compare pushes --model fitted.toml --against model.toml";
 
@@ -53,8 +56,10 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let inputs = args.source.inputs();
     let output = (args.output.as_path(), &args.force);
     let (model, destination) = model_for(&args.model, output, inputs, &mut origin)?;
-    let fitting = Fitting::read(&args.source, &model, args.seed, &mut origin, terminal)?;
     let free: Vec<&str> = args.free.iter().map(String::as_str).collect();
+    args.options.check(&free)?;
+    let source = (&args.source, &args.options);
+    let fitting = Fitting::read(source, &model, args.seed, &mut origin, terminal)?;
     let fit = fitting.fit(&model, &free)?.determined()?;
     let fitted = fitting.write(fit, format!("{}, fitted", model.name), destination)?;
     terminal.finish(&origin, &fitted, &fitted)
@@ -65,6 +70,7 @@ impl Args {
         Origin::new("fit")
             .path(&self.source.set)
             .option("free", [self.free.join(",")])
+            .words(self.options.words())
             .paths("model", [&self.model])
             .words(self.source.words())
             .option("seed", [self.seed])

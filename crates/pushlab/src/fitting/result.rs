@@ -27,6 +27,8 @@ pub(crate) struct Fitted {
     whitened_rms: [f64; 2],
     effects: Vec<EffectFit>,
     nuisances: Vec<NuisanceFit>,
+    /// Whether the model file has the nuisances.
+    writes_nuisances: bool,
     coordinates: Vec<String>,
     covariance: Vec<Vec<f64>>,
     iterations: usize,
@@ -55,7 +57,12 @@ impl Fitted {
         Self { per_push: Some(per_push), ..self }
     }
 
-    pub(super) fn new(fit: Fit, set: &str, model: &Path, n_kept: usize) -> Self {
+    pub(super) fn new(
+        fit: Fit,
+        (set, model): (&str, &Path),
+        n_kept: usize,
+        writes_nuisances: bool,
+    ) -> Self {
         let Fit { n_pushes, n_steps, cluster, n_clusters, whitened_rms, iterations, .. } = fit;
         let rows = fit.covariance.row_iter().map(|row| row.iter().copied().collect());
         Self {
@@ -70,6 +77,7 @@ impl Fitted {
             covariance: rows.collect(),
             effects: fit.effects,
             nuisances: fit.nuisances,
+            writes_nuisances,
             coordinates: fit.coordinates,
             iterations,
             per_push: None,
@@ -106,7 +114,8 @@ impl fmt::Display for Fitted {
         }
         let [before, after] = self.whitened_rms;
         writeln!(f, "error over noise on these pushes: {before:.2} before, {after:.2} after")?;
-        writeln!(f, "{TITLE}left open beside it{TITLE:#}, not written")?;
+        let is_written = if self.writes_nuisances { "written, too" } else { "not written" };
+        writeln!(f, "{TITLE}left open beside it{TITLE:#}, {is_written}")?;
         self.nuisances.iter().try_for_each(|nuisance| write_nuisance(f, nuisance))
     }
 }

@@ -23,7 +23,9 @@ impl Fitting {
             (track.end() - track.start()).norm_squared()
         });
         let square = ways.sum::<f64>() / self.train.n_steps().max(1) as f64;
-        renew_scatter(&mut found.fit.description, &found.errors, square)?;
+        for model in [&mut found.fit.description, &mut found.fit.with_nuisances] {
+            renew_scatter(model, &found.errors, square)?;
+        }
         Ok(found)
     }
 }

@@ -111,3 +111,57 @@ fn values_by_hand_are_checked_and_raise_the_error_where_they_are_wrong() {
     let same = ["add", "inertia", "--set", "kappa=1", "-o", "model.toml"];
     assert!(set.error(&same).contains("belongs to the input"));
 }
+
+#[test]
+fn what_is_known_of_points_is_for_fits_of_points() {
+    let set = pushes();
+    let fit = ["fit", "pushes", "--free", "support-points", "--points", "3", "--by-statics"];
+    let told = set.done(&[&fit[..], &["-o", "feet.toml", "--json"]].concat()).stdout;
+    let fitted = result(&told);
+    let follows = fitted["effects"][0]["follows"].as_array().unwrap();
+    // The square's center of mass is its origin.
+    for center in &follows[..2] {
+        assert!(center["value"].as_f64().unwrap().abs() < 1e-3, "{center}");
+    }
+    let written = set.read("feet.toml");
+    assert!(written.contains("share3") && !written.contains("share4"), "{written}");
+    let made_by = fitted["made_by"]["arguments"].to_string();
+    assert!(made_by.contains(r#""--points","3","--by-statics""#), "{made_by}");
+    for wrong in [
+        &["fit", "pushes", "--free", "pusher-friction", "--points", "3", "-o", "a.toml"][..],
+        &["add", "table-tilt", "--fit", "pushes", "--by-statics", "-o", "a.toml"],
+        &["add", "support-points", "--set", "x1=0.1", "--by-statics", "-o", "a.toml"],
+    ] {
+        let message = set.wrong_usage(wrong);
+        assert!(message.contains("are for fits of support-points"), "{message}");
+    }
+    let message = set.wrong_usage(&["fit", "pushes", "--free", "support-points", "--points", "7"]);
+    assert!(message.contains("7 is not in 3..=6"), "{message}");
+}
+
+#[test]
+fn nuisances_are_written_where_they_are_asked_for() {
+    let set = pushes();
+    let fit = ["fit", "pushes", "--free", "pusher-friction", "-o"];
+    let plain = set.done(&[&fit[..], &["plain.toml"]].concat()).stdout;
+    let whole = set.done(&[&fit[..], &["whole.toml", "--nuisances"]].concat()).stdout;
+    assert!(plain.contains("left open beside it, not written"), "{plain}");
+    assert!(whole.contains("left open beside it, written, too"), "{whole}");
+    let numbers = |text: &str| text.lines().skip(1).filter(|l| !l.contains("left open")).count();
+    assert_eq!(numbers(&plain), numbers(&whole));
+    assert!(!set.read("plain.toml").contains("pose-offset"));
+    let written = set.read("whole.toml");
+    for id in ["pose-offset", "pusher-radius", "yaw-offset"] {
+        assert!(written.contains(&format!("id = \"{id}\"")), "{id} {written}");
+    }
+    // Both predict, and no number is of another push: they differ by little on a rig as claimed.
+    let error = |model: &str| {
+        let told = set.done(&["compare", "pushes", "--model", model, "--json"]).stdout;
+        result(&told)["channels"][0]["rms"].as_f64()
+    };
+    let [one, other] = ["plain.toml", "whole.toml"].map(error);
+    assert!(one.zip(other).is_some_and(|(one, other)| (other / one - 1.0).abs() < 0.2));
+    let message =
+        set.wrong_usage(&["add", "table-tilt", "--set", "ax=0.1", "--nuisances", "-o", "a.toml"]);
+    assert!(message.contains("--nuisances is for fits"), "{message}");
+}

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use dataset::{IngestSettings, Preset, RecordingSet, ingest};
-use diagnosis::{EffectFit, Observations, ParameterFit, Predictions};
+use diagnosis::{Fit, Observations, ParameterFit, Predictions, SupportPointsFit};
 use models::{Analytical, Description, PushModel};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use report::{Color, Ellipse, Figure, Panel, Points, Polygon};
@@ -21,23 +21,34 @@ const SETS: [(&str, Option<[[f64; 2]; 3]>); 5] = [
     ("full-face", None),
 ];
 const N_FOLDS: usize = 5;
-/// What is fitted: the pusher's friction and where the tracked frame is in the object, and then the points.
+/// What is fitted: the pusher's friction, where the tracked frame is in the object, and points.
 const FREE: [&str; 3] = ["pusher-friction", "pose-offset", "support-points"];
+/// Four points of which nothing is known, and three that share the weight by statics.
+const POINTS: [SupportPointsFit; 2] =
+    [SupportPointsFit { n: 4, by_statics: false }, SupportPointsFit { n: 3, by_statics: true }];
 
 /// What is known and what is found of one set.
 pub(super) struct Known {
     name: &'static str,
     /// Places and shares.
     feet: Vec<[f64; 3]>,
-    found: Vec<[f64; 3]>,
+    /// By each of [`POINTS`].
+    found: [Found; 2],
     /// Center of friction x and y, and c, in m.
     truth: [f64; 3],
+    /// Squared errors over variances of held-out motions: of the nominal model, with fitted friction and
+    /// frame, with each of [`POINTS`].
+    nmse: [f64; 4],
+    outline: Vec<[f64; 2]>,
+}
+
+/// What a fit of points to all pushes finds.
+struct Found {
+    /// Places and shares.
+    feet: Vec<[f64; 3]>,
+    /// Center of friction x and y, and c, in m.
     follows: Vec<ParameterFit>,
     pusher_friction: f64,
-    /// Squared errors over variances of held-out motions: of the nominal model, with fitted friction and
-    /// frame, with points.
-    nmse: [f64; 3],
-    outline: Vec<[f64; 2]>,
 }
 
 /// Fits each set, to all its pushes and in folds.
@@ -55,25 +66,23 @@ impl Known {
         let manifest = set.manifest();
         let all = Observations::of(&table, manifest)?;
         let nominal = Analytical::nominal(manifest.pusher.friction)?.describe()?;
-        let chain = |train: &Observations| {
-            let friction = fitted(train, nominal.clone(), &FREE[..2])?;
-            Ok::<_, anyhow::Error>((fit(train, friction.clone(), &FREE)?, friction))
-        };
+        let on_points = |train: &Observations, points| fit(train, nominal.clone(), &FREE, points);
         let names: Vec<String> = all.pushes().iter().map(ToString::to_string).collect();
-        let (mut squares, mut values) = ([[0.0; 3]; 3], [const { Vec::new() }; 3]);
+        let (mut squares, mut values) = ([[0.0; 3]; 4], [const { Vec::new() }; 3]);
         for fold in 0..N_FOLDS {
             let part = |is_in: bool| {
                 let part = names.iter().enumerate().filter(|(k, _)| (k % N_FOLDS == fold) == is_in);
                 all.part(&part.map(|(_, name)| name.clone()).collect::<Vec<_>>())
             };
             let (train, aside) = (part(false)?, part(true)?);
-            let (points, friction) = chain(&train)?;
+            let friction = fitted(&train, nominal.clone(), &FREE[..2])?;
+            let [free, by_statics] = POINTS.map(|points| on_points(&train, points));
             for step in aside.steps() {
                 for (values, observed) in values.iter_mut().zip(step.observed) {
                     values.extend(observed);
                 }
             }
-            let models = [&nominal, &friction, &points.description];
+            let models = [&nominal, &friction, &free?.description, &by_statics?.description];
             for (sums, model) in squares.iter_mut().zip(models) {
                 add_squares(sums, model, &aside)?;
             }
@@ -81,7 +90,7 @@ impl Known {
         let of_variance = |sums: [f64; 3]| {
             (0..3).map(|k| sums[k] / squares_about_mean(&values[k])).sum::<f64>() / 3.0
         };
-        let (points, _) = chain(&all)?;
+        let [free, by_statics] = POINTS.map(|points| Found::of(on_points(&all, points)?));
         let object = &all.steps().first().context("no pushes")?.input.object;
         let (feet_o, truth) = match feet_o {
             Some(feet) => standing(feet, object.centroid())?,
@@ -90,47 +99,59 @@ impl Known {
                 (Vec::new(), [center.x, center.y, object.mean_distance()])
             }
         };
-        let of_points = |effect: &&EffectFit| effect.id == FREE[2];
         Ok(Self {
             name,
             feet: feet_o,
             truth,
-            found: feet(&points.description).context("no points")?,
-            follows: points.effects.iter().find(of_points).context("no points")?.follows.clone(),
-            pusher_friction: points
-                .effects
-                .iter()
-                .find(|effect| effect.id == FREE[0])
-                .and_then(|effect| effect.parameters.first())
-                .context("no friction")?
-                .value,
+            found: [free?, by_statics?],
             nmse: squares.map(of_variance),
             outline: object.shape().outline(4).iter().map(|place| [place.x, place.y]).collect(),
         })
     }
 
     fn row(&self) -> String {
-        let [nominal, friction, points] = self.nmse;
+        let [nominal, friction, free, by_statics] = self.nmse;
         let mut row = format!(
-            "| {} | {nominal:.3} | {friction:.3} | {points:.3} | {:.2} | {:.2}",
-            self.name,
-            points / nominal,
-            self.pusher_friction
+            "| {} | {nominal:.3} | {friction:.3} | {free:.3} | {by_statics:.3} | {:.2}",
+            self.name, self.found[0].pusher_friction
         );
-        for (truth, found) in self.truth.iter().zip(&self.follows) {
-            let [truth, value] = [truth, &found.value].map(|number| 1e3 * number);
-            let ends = found.interval.map_or("–".to_owned(), |interval| {
+        let told = |found: &Found, k: usize| {
+            let ParameterFit { value, interval, .. } = found.follows[k];
+            let ends = interval.map_or("–".to_owned(), |interval| {
                 format!("{:.1} to {:.1}", 1e3 * interval.low95, 1e3 * interval.high95)
             });
-            let _ = write!(row, " | {value:.1} ({ends}) for {truth:.1}");
+            format!("{:.1} ({ends})", 1e3 * value)
+        };
+        for (k, truth) in self.truth.iter().enumerate() {
+            let _ = write!(row, " | {} for {:.1}", told(&self.found[0], k), 1e3 * truth);
         }
+        let _ = write!(row, " | {}", told(&self.found[1], 2));
         row + " |\n"
     }
+}
 
-    /// Distance of the centers, in m, and ratio of the mean distances.
-    fn off(&self) -> (f64, f64) {
-        let of = |k: usize| self.follows[k].value - self.truth[k];
-        (of(0).hypot(of(1)), self.follows[2].value / self.truth[2])
+impl Found {
+    fn of(fit: Fit) -> Result<Self> {
+        let feet = feet(&fit.description).context("no points")?;
+        let of = |id: &str| fit.effects.iter().find(|effect| effect.id == id);
+        let friction = of(FREE[0]).and_then(|effect| effect.parameters.first());
+        Ok(Self {
+            feet,
+            follows: of(FREE[2]).context("no points")?.follows.clone(),
+            pusher_friction: friction.context("no friction")?.value,
+        })
+    }
+
+    /// Distance of the center from the true one, in m, and ratio of the mean distances.
+    fn off(&self, truth: &[f64; 3]) -> (f64, f64) {
+        let of = |k: usize| self.follows[k].value - truth[k];
+        (of(0).hypot(of(1)), self.follows[2].value / truth[2])
+    }
+
+    /// Whether the 95 % interval of one of the three numbers holds it.
+    fn holds(&self, truth: &[f64; 3], k: usize) -> bool {
+        let interval = self.follows[k].interval;
+        interval.is_some_and(|range| (range.low95..=range.high95).contains(&truth[k]))
     }
 }
 
@@ -168,28 +189,24 @@ pub(super) fn text(known: &[Known]) -> String {
     for one in known {
         page += &one.row();
     }
-    let near = known.iter().filter(|one| one.off().0 < 5e-3).count();
-    let alike = known.iter().filter(|one| (one.off().1 - 1.0).abs() < 0.1).count();
-    let holds = |k: usize| {
-        let held = |one: &&Known| {
-            let interval = one.follows[k].interval;
-            interval.is_some_and(|range| (range.low95..=range.high95).contains(&one.truth[k]))
+    for (which, name) in ["four points", "three by statics"].into_iter().enumerate() {
+        let count = |is: &dyn Fn(&Found, &[f64; 3]) -> bool| {
+            known.iter().filter(|one| is(&one.found[which], &one.truth)).count()
         };
-        known.iter().filter(held).count()
-    };
-    let _ = writeln!(
-        page,
-        "\nThe center is within 5 mm of the true one in {near} of {n}, c within 10 % in {alike} of {n}; the \
-         95 % intervals hold the truth in {} (x), {} (y) and {} (c) of {n}.\n\n\
-         ![True feet and those found](real-data-known-supports.svg)\n\n\
-         Orange are the true feet and their center; blue the points found, their area by the share of \
-         the weight that they bear, and the center of friction that follows.",
-        holds(0),
-        holds(1),
-        holds(2),
-        n = known.len()
-    );
-    page
+        let is_near = |found: &Found, truth: &_| found.off(truth).0 < 5e-3;
+        let is_alike = |found: &Found, truth: &_| (found.off(truth).1 - 1.0).abs() < 0.1;
+        let [x, y, c] = [0, 1, 2].map(|k| count(&|found, truth| found.holds(truth, k)));
+        let _ = writeln!(
+            page,
+            "\nBy {name} the center is within 5 mm of the true one in {} of {n}, c within 10 % in {}, both \
+             in {}; the 95 % intervals hold the truth in {x} (x), {y} (y) and {c} (c) of {n}.",
+            count(&is_near),
+            count(&is_alike),
+            count(&|found, truth| is_near(found, truth) && is_alike(found, truth)),
+            n = known.len()
+        );
+    }
+    page + TAIL
 }
 
 /// The outline with true feet and those found.
@@ -198,7 +215,8 @@ pub(super) fn text(known: &[Known]) -> String {
 /// A picture that cannot be drawn.
 pub(super) fn picture(known: &[Known]) -> Result<String> {
     let mut figure = Figure::new(1, known.len()).panel_size(240.0, 240.0);
-    for Known { name, feet, found, truth, outline, .. } in known {
+    for Known { name, feet, found: [found, _], truth, outline, .. } in known {
+        let found = &found.feet;
         let mm = |place: &[f64]| [1e3 * place[0], 1e3 * place[1]];
         let outline: Vec<[f64; 2]> = outline.iter().map(|place| mm(place)).collect();
         let feet: Vec<[f64; 2]> = feet.iter().map(|foot| mm(foot)).collect();
@@ -232,16 +250,24 @@ tracked outline while it pushes.
 
 ```text
 cargo xtask real-comparison --data DIR --only known-supports
-pushlab fit cmu-known-supports/corners --preset cmu-known-supports --free pusher-friction --model nominal.toml -o friction.toml
-pushlab add support-points --fit cmu-known-supports/corners --preset cmu-known-supports --model friction.toml -o points.toml
+pushlab fit cmu-known-supports/corners --preset cmu-known-supports --free pusher-friction,pose-offset,support-points --model nominal.toml -o points.toml
+pushlab fit cmu-known-supports/corners --preset cmu-known-supports --free pusher-friction,pose-offset,support-points --points 3 --by-statics --model nominal.toml -o feet.toml
 ```
 
 Squared error over variance of motions that no fit has seen (five folds; mean of Δx, Δy, Δθ), with nothing
-fitted, with the pusher's friction and where the tracked frame is in the object (`pose-offset`, which `add`
-refuses where pushes do not tell it from none), and with four points besides; the ratio of the last to the
-first; and, fitted to all pushes, the pusher's friction, the center of friction and the mean distance c of
-the pressure from it in mm, with 95 % intervals, beside the truth (weights by statics).
+fitted, with the pusher's friction and where the tracked frame is in the object (`pose-offset`), with four
+points besides of which nothing is known, and with three that share the weight by statics; and, fitted to
+all pushes with four points, the pusher's friction, the center of friction and the mean distance c of the
+pressure from it in mm, with 95 % intervals, beside the truth (weights by statics); and c by three points.
+All is fitted at once from nominal values: a friction that was fitted beside a wrong support leads to wrong points.
 
-| set | nominal | μp, frame | and points | ratio | μp | x | y | c |
-|---|---|---|---|---|---|---|---|---|
+| set | nominal | μp, frame | four points | three by statics | μp | x | y | c | c by statics |
+|---|---|---|---|---|---|---|---|---|---|
+";
+
+const TAIL: &str = "
+![True feet and those found](real-data-known-supports.svg)
+
+Orange are the true feet and their center; blue the four points found, their area by the share of
+the weight that they bear, and the center of friction that follows.
 ";

@@ -1,7 +1,7 @@
 //! Fits as `pushlab fit` and `pushlab add --fit` make them, without intervals.
 
 use anyhow::Result;
-use diagnosis::{Fit, FitSettings, NoiseModel, Observations, fit_with_noise};
+use diagnosis::{Fit, FitSettings, NoiseModel, Observations, SupportPointsFit, fit_with_noise};
 use effects::{Effect, Setting, SupportPoints, by_id};
 use models::{Description, ModelEffect};
 
@@ -14,10 +14,10 @@ pub(super) fn fitted(
     model: Description,
     free: &[&str],
 ) -> Result<Description> {
-    Ok(fit(observations, model, free)?.description)
+    Ok(fit(observations, model, free, SupportPointsFit::default())?.description)
 }
 
-/// The same with what the fit leaves open.
+/// The same with what the fit leaves open, and what is known of support points.
 ///
 /// # Errors
 /// What the fit says.
@@ -25,6 +25,7 @@ pub(super) fn fit(
     observations: &Observations,
     mut model: Description,
     free: &[&str],
+    points: SupportPointsFit,
 ) -> Result<Fit> {
     // The points stand for the length.
     if free.contains(&SupportPoints.info().id) {
@@ -37,7 +38,8 @@ pub(super) fn fit(
             model.effects.push(ModelEffect::from(Setting::new(about, &off)));
         }
     }
-    let settings = FitSettings { priors: false, resemblances: false, ..FitSettings::default() };
+    let settings =
+        FitSettings { priors: false, resemblances: false, points, ..FitSettings::default() };
     let noise = NoiseModel::learn(&model, &[], observations)?;
     Ok(fit_with_noise(observations, &model, free, &noise, &settings)?)
 }

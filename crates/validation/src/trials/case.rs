@@ -58,6 +58,8 @@ pub(crate) enum Family {
     RoughTypical,
     /// One quantity that scatters from push to push
     Scattered,
+    /// A support, a tip at vertices or a height of the push, by the simulator's own law
+    Supports,
 }
 
 /// Which pushes are made.

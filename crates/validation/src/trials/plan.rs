@@ -40,6 +40,8 @@ const NARROW: [&str; 7] = [
     "body-anisotropy",
     "table-tilt",
 ];
+/// Of which the simulator has laws of its own.
+const SUPPORTS: [&str; 4] = ["support-points", "pressure-map", "vertex-contact", "push-height"];
 /// Fixed to the table or to time.
 const OF_THE_WORLD: [&str; 4] =
     ["table-anisotropy", "friction-gradient", "table-tilt", "friction-drift"];
@@ -89,6 +91,7 @@ pub(super) fn cases(family: Family, first_seed: u64) -> Vec<Case> {
             };
             cases.into_iter().enumerate().map(on_rough).collect()
         }
+        Family::Supports => each(N_EACH, &SUPPORTS, |id, turn| typical(family, id, turn)),
         Family::Scattered => {
             let names = SCATTERING.map(|source| source.name);
             each(N_SCATTERED, &names, |id, turn| Case {
@@ -128,8 +131,10 @@ fn case(family: Family, about: &str, kind: &str, turn: usize) -> Case {
     }
 }
 
+/// What is tested for, but for what stands among the supports.
 fn catalogue() -> Vec<&'static str> {
-    tested().iter().map(|effect| effect.info().id).collect()
+    let ids = tested().iter().map(|effect| effect.info().id);
+    ids.filter(|id| !SUPPORTS.contains(id)).collect()
 }
 
 fn without(ids: &[&'static str], id: &str) -> Vec<&'static str> {

@@ -101,7 +101,7 @@ fn one_hidden(records: &[Record]) -> [Row; 5] {
     ]
 }
 
-fn others_hidden(records: &[Record]) -> [Row; 8] {
+fn others_hidden(records: &[Record]) -> [Row; 10] {
     let (pairs, outside) = (of(records, Family::Pair), of(records, Family::Outside));
     let is_large = |record: &&Record| record.visibility.is_some_and(|size| size >= LARGE);
     let narrow = of(records, Family::Narrow);
@@ -134,6 +134,12 @@ fn others_hidden(records: &[Record]) -> [Row; 8] {
             ("100 %", Mark::AtLeast(1.0)),
             of(records, Family::Untestable).map(as_asked),
         ),
+        row(
+            "supports, caught tips and heights of the simulator: right class named",
+            ("≥ 97 %", Mark::AtLeast(0.97)),
+            of(records, Family::Supports).map(is_found),
+        ),
+        row("the same: a wrong name", RARE, of(records, Family::Supports).map(is_wrong)),
     ]
 }
 

@@ -21,6 +21,13 @@ const EQUIVALENTS: [(&str, &[&str]); 4] = [
     ("cable-drag", &["table-tilt"]),
 ];
 
+/// Supports of many numbers, and what says the same of them: a rim is a larger radius, and some feet are like
+/// it.
+const NESTED: [(&str, &[&str]); 2] = [
+    ("support-points", &["pressure-radius", "limit-surface-shape"]),
+    ("pressure-map", &["pressure-radius", "limit-surface-shape", "support-points"]),
+];
+
 /// What rough rigs have in every set: objects that stand on few spots of a bottom that is not flat, on
 /// a table whose friction changes from place to place; corners that are broken or catch the tip, which
 /// begins a little away and pushes above the table; friction of sides that changes along them; force
@@ -99,8 +106,14 @@ impl Score {
             assert!(by_id(id).is_err());
             right.extend(*same);
         }
+        for (_, same) in NESTED.iter().filter(|(id, _)| hidden.contains(id)) {
+            right.extend(*same);
+        }
         let is_found = |id: &&str| {
-            let names = answer.named().any(|name| name == *id);
+            // No diagnosis names a map.
+            let is_map = NESTED[1].0 == *id;
+            let says_it = |name: &str| name == *id || is_map && NESTED[1].1.contains(&name);
+            let names = answer.named().any(says_it);
             names || answer.ambiguous.iter().any(|group| is_class_of(group, id))
         };
         let is_wrong = |name: &&str| !right.contains(name);
@@ -128,7 +141,7 @@ pub(super) fn is_right(record: &Record) -> bool {
             score.wrong.is_empty() && record.truth.iter().all(|one| is_effective(record, &one.id))
         }
         Family::Scattered => score.wrong.is_empty() && names_what_scatters(record),
-        Family::Single | Family::Typical | Family::Pair | Family::Robust => {
+        Family::Single | Family::Typical | Family::Pair | Family::Robust | Family::Supports => {
             score.is_all_found() && score.wrong.is_empty()
         }
         Family::WrongNominal | Family::WrongEffect => score.is_all_found(),

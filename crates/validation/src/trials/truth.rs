@@ -112,9 +112,11 @@ fn mean(values: &[f64]) -> (f64, f64) {
 
 impl TrueEffect {
     /// Whether the catalogue's law is the simulator's, so that its parameters can be compared: a
-    /// pusher of the simulator has no state but its slip, where the catalogue's sticks or slides.
+    /// pusher of the simulator has no state but its slip, where the catalogue's sticks or slides; its feet
+    /// and rims follow from a few numbers, and its friction rises towards vertices.
     pub(super) fn is_same_law(&self) -> bool {
-        self.id != "pusher-stiction"
+        !["pusher-stiction", "support-points", "pressure-map", "vertex-contact"]
+            .contains(&self.id.as_str())
     }
 
     /// The values as parameters of the catalogue's effect; those that it shares alone. Most are the same
@@ -149,7 +151,7 @@ impl TrueEffect {
 
 #[cfg(test)]
 mod tests {
-    use effects::tested;
+    use effects::{all, tested};
     use plant::{HiddenEffect, Nominal, Variation, effect_kinds};
 
     use super::{TrueEffect, drawn};
@@ -172,13 +174,15 @@ mod tests {
     #[test]
     fn every_effect_of_the_catalogue_has_its_parameters_and_no_other_has() {
         for kind in effect_kinds() {
+            let known = all().iter().map(|effect| effect.info()).find(|about| about.id == kind.id);
+            assert_eq!(known.is_some(), kind.in_catalogue);
             let values = HiddenEffect::typical(kind.id).unwrap().values;
             let values = values.into_iter().map(|(name, value)| (name.to_owned(), value));
-            let told = TrueEffect { id: kind.id.into(), values: values.collect() }.parameters();
-            let known =
-                tested().iter().map(|effect| effect.info()).find(|about| about.id == kind.id);
-            assert_eq!(known.is_some(), kind.in_catalogue);
-            let names: Vec<_> = told.iter().map(|(name, _)| *name).collect();
+            let told = TrueEffect { id: kind.id.into(), values: values.collect() };
+            if !told.is_same_law() && kind.id != "pusher-stiction" {
+                continue;
+            }
+            let names: Vec<_> = told.parameters().iter().map(|(name, _)| *name).collect();
             let own = known.map_or(Vec::new(), |about| {
                 about.parameters.iter().map(|parameter| parameter.name).collect()
             });

@@ -9,9 +9,16 @@ use super::{Member, Part};
 
 impl Member {
     /// The same from other values, about an object. Of parts of the weight the largest is held, for they
-    /// count in proportion, and so is all of a point that bears nothing. The others are under the object.
-    pub(in crate::fit) fn starting_from(mut self, values: Vec<f64>, object: &Arc<Object>) -> Self {
+    /// count in proportion, and so is all of a point that bears nothing. The others are under the object; by
+    /// statics, they balance it.
+    pub(in crate::fit) fn starting_from(
+        mut self,
+        mut values: Vec<f64>,
+        object: &Arc<Object>,
+        by_statics: bool,
+    ) -> Self {
         self.object = Some(object.clone());
+        self.is_by_statics = by_statics;
         let parts = self.parts();
         let largest = parts.clone().max_by(|a, b| values[*a].total_cmp(&values[*b]));
         for part in parts {
@@ -21,6 +28,7 @@ impl Member {
             let is_point = self.parameters()[part].role == Role::Part;
             if is_point && values[part] == 0.0 {
                 self.prior_sd[part - 2..part].fill(0.0);
+                values[part - 2..part].fill(0.0);
             }
         }
         self.start = values;
@@ -53,6 +61,18 @@ impl Member {
         self.part != Part::Nuisance && self.is_mixture()
     }
 
+    /// The strains of a center of friction that is not below the center of mass; none where the weight may
+    /// be shared as it likes.
+    pub(super) fn unbalanced(&self, values: &[f64]) -> Vec<f64> {
+        let object = self.object.as_ref().filter(|_| self.is_by_statics && self.is_mixture());
+        object.map_or_else(Vec::new, |object| {
+            let mut spots = Vec::new();
+            self.effect.spots(values, object, &mut spots);
+            let center = object.support_summary(&spots).center_of_friction_o;
+            ((center - object.center_of_mass()) / BALANCED).as_slice().to_vec()
+        })
+    }
+
     /// Adds the strains of places outside of the outline.
     pub(super) fn add_strains_outside(&self, values: &[f64], residuals: &mut [f64]) {
         let Some(object) = &self.object else { return };
@@ -76,6 +96,8 @@ fn outside(object: &Object, place: &Vector2<f64>) -> Vector2<f64> {
 
 /// Tolerance of outlines, in m.
 const OUTSIDE: f64 = 2e-4;
+/// Tolerance of the center of mass, in m: small enough that no number of pushes moves it.
+const BALANCED: f64 = 2e-5;
 
 pub(super) fn is_part(parameter: &Parameter) -> bool {
     matches!(parameter.role, Role::Part | Role::Cell)

@@ -21,7 +21,7 @@ use crate::command_line::seed_parser;
 use crate::destination::{Force, Inputs};
 use crate::diagnosis_file;
 use crate::file_ending;
-use crate::fitting::{Fitting, model_for};
+use crate::fitting::{FitOptions, Fitting, model_for};
 use crate::origin::{Origin, TOOL};
 use crate::step_source::{Known, StepSource};
 use crate::suspected::warn;
@@ -48,6 +48,8 @@ pub(crate) struct Args {
     fit: Option<PathBuf>,
     #[command(flatten)]
     known: Known,
+    #[command(flatten)]
+    options: FitOptions,
     /// Fit, too, by how much the effect's parameters differ from push to push and from place to place; EFFECT may be one that
     /// the model carries
     #[arg(long, requires = "fit")]
@@ -114,6 +116,9 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
             "--manifest, --preset and --mapping tell of what --fit reads; give --fit SET"
         ));
     }
+    let fitted: Vec<&str> =
+        args.effect.as_deref().filter(|_| args.fit.is_some()).into_iter().collect();
+    args.options.check(&fitted)?;
     let source = args.fit.as_ref().map(|set| StepSource::of(set, args.known.clone()));
     let inputs = source.iter().fold(inputs, |inputs, source| inputs.and(source.inputs()));
     let output = (args.output.as_path(), &args.force);
@@ -130,6 +135,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let Some(source) = &source else {
         return by_hand(args, ModelFile { name, ..model }, &origin, destination, terminal);
     };
+    let source = (source, &args.options);
     let fitting = Fitting::read(source, &model, args.seed, &mut origin, terminal)?;
     let off = fitting.off(&model, about)?;
     model.description.effects.push(ModelEffect::from(Setting::new(about, &off)));
@@ -146,6 +152,7 @@ fn per_push(
     terminal: &Terminal,
 ) -> Result<()> {
     let about = by_id(args.effect())?.info();
+    let source = (source, &args.options);
     let fitting = Fitting::read(source, &model, args.seed, &mut origin, terminal)?;
     if !model.description.effects.iter().any(|effect| effect.id == about.id) {
         let off = fitting.off(&model, about)?;
@@ -280,6 +287,7 @@ impl Args {
             .paths("fit", &self.fit)
             .option("seed", self.fit.as_ref().map(|_| self.seed))
             .words(self.per_push.then(|| "--per-push".to_owned()))
+            .words(self.options.words())
             .words(self.known.words())
             .words(self.all.then(|| "--all".to_owned()))
             .paths("from", &self.from)

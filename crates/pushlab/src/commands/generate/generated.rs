@@ -22,6 +22,8 @@ pub(super) struct Generated {
     n_pushes: usize,
     /// Pushes of the grid left out because the tip would have begun inside the object.
     n_blocked: usize,
+    /// Pushes left out because the object tipped over or the motion could not be followed: name and reason.
+    not_made: Vec<(String, String)>,
     /// Time that the pushes take on the rig.
     rig_time_s: f64,
 }
@@ -35,6 +37,7 @@ impl Generated {
             format: args.format.clone(),
             n_pushes: report.n_pushes,
             n_blocked: report.n_blocked,
+            not_made: report.not_made.clone(),
             rig_time_s: report.rig_time,
         }
     }
@@ -42,12 +45,16 @@ impl Generated {
 
 impl fmt::Display for Generated {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { set, sealed_truth, shape, format, n_pushes, n_blocked, rig_time_s } = self;
+        let Self { set, sealed_truth, shape, format, n_pushes, n_blocked, not_made, rig_time_s } =
+            self;
         let (set, sealed_truth) = (set.display(), sealed_truth.display());
         writeln!(f, "{TITLE}wrote {set}{TITLE:#}")?;
         writeln!(f, "  {n_pushes} pushes of {shape} as {format}, {rig_time_s:.0} s on the rig")?;
         if *n_blocked > 0 {
             writeln!(f, "  {n_blocked} of the grid left out: the tip would begin in the object")?;
+        }
+        for (name, why) in not_made {
+            writeln!(f, "  {name} left out: {why}")?;
         }
         writeln!(f, "  the truth is sealed in {sealed_truth}")?;
         writeln!(f, "then: pushlab ingest {set} -o steps.csv")

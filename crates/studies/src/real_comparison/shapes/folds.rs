@@ -1,21 +1,24 @@
 //! Plain fits, and their errors on pushes that they have not seen.
 
 use anyhow::Result;
-use diagnosis::Observations;
+use diagnosis::{Observations, SupportPointsFit};
 use models::Description;
 
 use super::pushes::{Error, errors};
-use crate::real_comparison::plain_fit::fitted;
+use crate::real_comparison::plain_fit::fit;
 
 const N_FOLDS: usize = 2;
 /// What is fitted, each with the start that an earlier one of them gives; nothing for the nominal model.
-pub(super) const FREE: [(&[&str], usize); 5] = [
+const FREE: [(&[&str], usize); 5] = [
     (&[], 0),
     (&["pusher-friction"], 0),
     (&["pusher-friction", "pressure-radius"], 0),
-    (&["pusher-friction", "support-points"], 1),
+    // Friction that was fitted beside a wrong support leads to wrong points.
+    (&["pusher-friction", "support-points"], 0),
     (&["pusher-friction", "support-points", "approach-gap"], 3),
 ];
+/// Those, and the last with its nuisances.
+pub(super) const N_MODELS: usize = FREE.len() + 1;
 
 /// The mean error of a fit on all pushes, each by a fit to those of the other folds.
 pub(super) struct Fitted {
@@ -24,7 +27,15 @@ pub(super) struct Fitted {
     pub(super) n_failed: usize,
 }
 
-/// Every fit, in the order of [`FREE`], and the last model of each fold; pushes are dealt to the folds in
+/// Sums over pushes and folds.
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    error: Error,
+    n: usize,
+    n_failed: usize,
+}
+
+/// Every model in its order, and the last one of each fold without nuisances; pushes are dealt to the folds in
 /// turn.
 ///
 /// # Errors
@@ -34,7 +45,7 @@ pub(super) fn of_folds(
     nominal: &Description,
 ) -> Result<(Vec<Fitted>, Vec<Description>)> {
     let names: Vec<String> = all.pushes().iter().map(ToString::to_string).collect();
-    let mut sums = [(Error::default(), 0, 0); FREE.len()];
+    let mut sums = [Sum::default(); N_MODELS];
     let mut last = Vec::new();
     for fold in 0..N_FOLDS {
         let part = |is_in: bool| {
@@ -43,24 +54,33 @@ pub(super) fn of_folds(
         };
         let (train, aside) = (part(false)?, part(true)?);
         let mut models: Vec<Description> = Vec::new();
-        for ((free, from), (sum, n, n_failed)) in FREE.iter().zip(&mut sums) {
-            let start = models.get(*from).unwrap_or(nominal);
-            let found = match free {
-                [] => Ok(nominal.clone()),
-                _ => fitted(&train, start.clone(), free),
-            };
-            // That a fit fails is an outcome, too.
-            *n_failed += usize::from(found.is_err());
-            let found = found.unwrap_or_else(|_| start.clone());
-            for error in errors(&found, &aside)? {
-                sum.position += error.position;
-                sum.angle += error.angle;
-                *n += 1;
+        let mut whole = nominal.clone();
+        for ((free, from), sum) in FREE.iter().zip(&mut sums) {
+            let mut found = models.get(*from).unwrap_or(nominal).clone();
+            if !free.is_empty() {
+                // That a fit fails is an outcome, too.
+                match fit(&train, found.clone(), free, SupportPointsFit::default()) {
+                    Ok(fit) => (found, whole) = (fit.description, fit.with_nuisances),
+                    Err(_) => sum.n_failed += 1,
+                }
             }
+            sum.add(&errors(&found, &aside)?);
             models.push(found);
         }
+        sums[N_MODELS - 1].add(&errors(&whole, &aside)?);
+        sums[N_MODELS - 1].n_failed = sums[N_MODELS - 2].n_failed;
         last.extend(models.pop());
     }
-    let fitted = sums.map(|(sum, n, n_failed)| Fitted { error: sum.over(n), n_failed }).into_iter();
-    Ok((fitted.collect(), last))
+    let fitted = sums.map(|sum| Fitted { error: sum.error.over(sum.n), n_failed: sum.n_failed });
+    Ok((fitted.into_iter().collect(), last))
+}
+
+impl Sum {
+    fn add(&mut self, errors: &[Error]) {
+        for error in errors {
+            self.error.position += error.position;
+            self.error.angle += error.angle;
+            self.n += 1;
+        }
+    }
 }

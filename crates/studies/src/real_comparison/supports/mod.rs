@@ -7,7 +7,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::Result;
-use diagnosis::{FitSettings, MotionErrors, fit_per_push};
+use diagnosis::{FitSettings, MotionErrors, SupportPointsFit, fit_per_push};
 use effects::{Effect, FrictionCenterOffset, Setting};
 use models::{Analytical, Description, ModelEffect, Noise, PushModel, StepInput, StepObservation};
 use report::{
@@ -15,7 +15,7 @@ use report::{
 };
 
 use self::table::{Squares, Table};
-use super::plain_fit::{feet, fitted};
+use super::plain_fit::{feet, fit};
 use crate::learned_kinds::{GP, KINDS};
 
 /// What is done to the model before.
@@ -26,6 +26,8 @@ enum Addition {
     Fitted(&'static [&'static str]),
     /// A fit of how much the center of friction differs.
     PerPush,
+    /// What that fit left open.
+    Nuisances,
 }
 
 /// A model of the study.
@@ -37,7 +39,7 @@ struct Stage {
     addition: Addition,
 }
 
-const STAGES: [Stage; 5] = [
+const STAGES: [Stage; 6] = [
     Stage { name: "nothing fitted", label: "nominal", addition: Addition::Nominal },
     Stage {
         name: "μp and c fitted",
@@ -59,7 +61,13 @@ const STAGES: [Stage; 5] = [
         label: "+ center wanders",
         addition: Addition::PerPush,
     },
+    Stage {
+        name: "and the nuisances of that fit: tip and tracked frame",
+        label: "+ nuisances",
+        addition: Addition::Nuisances,
+    },
 ];
+const POINTS: SupportPointsFit = SupportPointsFit { n: 5, by_statics: false };
 const TAILS: f64 = 4.0;
 
 /// What is left of the errors by a model, on pushes that its fit has not seen.
@@ -136,10 +144,12 @@ impl Supports {
     fn add(&mut self, table: &Table, train: &[usize], held: &[usize]) -> Result<Description> {
         let (fitted_to, tested) = (table.part(train)?, table.part(held)?);
         let mut model = Analytical::nominal(table.mapping.pusher.friction)?.describe()?;
+        let mut nuisances = None;
         for (Stage { addition, .. }, left) in STAGES.iter().zip(&mut self.left) {
             model = match addition {
                 Addition::Nominal => model,
-                Addition::Fitted(free) => fitted(&fitted_to, model, free)?,
+                Addition::Fitted(free) => fit(&fitted_to, model, free, POINTS)?.description,
+                Addition::Nuisances => nuisances.take().unwrap_or(model),
                 Addition::PerPush => {
                     let about = FrictionCenterOffset.info();
                     model.effects.push(ModelEffect::from(Setting::new(about, &[0.0, 0.0])));
@@ -153,6 +163,7 @@ impl Supports {
                         effects::Spread::Sd(sd) | effects::Spread::RelativeSd(sd) => sd,
                     };
                     self.spreads.push([found.per_push, found.per_place].map(sd));
+                    nuisances = Some(found.fit.with_nuisances);
                     found.fit.description
                 }
             };
