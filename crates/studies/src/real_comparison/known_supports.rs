@@ -259,7 +259,8 @@ fitted, with the pusher's friction and where the tracked frame is in the object 
 points besides of which nothing is known, and with three that share the weight by statics; and, fitted to
 all pushes with four points, the pusher's friction, the center of friction and the mean distance c of the
 pressure from it in mm, with 95 % intervals, beside the truth (weights by statics); and c by three points.
-All is fitted at once from nominal values: a friction that was fitted beside a wrong support leads to wrong points.
+All is fitted at once from nominal values: a friction that was fitted beside a wrong support
+may lead to wrong points.
 
 | set | nominal | μp, frame | four points | three by statics | μp | x | y | c | c by statics |
 |---|---|---|---|---|---|---|---|---|---|

@@ -13,7 +13,7 @@ const FREE: [(&[&str], usize); 5] = [
     (&[], 0),
     (&["pusher-friction"], 0),
     (&["pusher-friction", "pressure-radius"], 0),
-    // Friction that was fitted beside a wrong support leads to wrong points.
+    // Friction that was fitted beside a wrong support may lead to wrong points.
     (&["pusher-friction", "support-points"], 0),
     (&["pusher-friction", "support-points", "approach-gap"], 3),
 ];

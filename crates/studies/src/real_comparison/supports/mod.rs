@@ -47,8 +47,8 @@ const STAGES: [Stage; 6] = [
         addition: Addition::Fitted(&["pusher-friction", "pressure-radius"]),
     },
     Stage {
-        name: "four support points instead of c",
-        label: "four feet",
+        name: "five support points instead of c",
+        label: "five feet",
         addition: Addition::Fitted(&["pusher-friction", "support-points"]),
     },
     Stage {
@@ -310,9 +310,9 @@ those of an exact Gaussian process of (p, β) that learns from the same folds.
 
 ```text
 cargo xtask real-comparison --data DIR --only supports
-pushlab add support-points --fit mit-push-table/table.csv --preset mit-table --model nominal.toml -o points.toml
+pushlab add support-points --fit mit-push-table/table.csv --preset mit-table --points 5 --model nominal.toml -o points.toml
 pushlab add vertex-contact --fit mit-push-table/table.csv --preset mit-table --model points.toml -o caught.toml
-pushlab add friction-center-offset --per-push --fit mit-push-table/table.csv --preset mit-table --model caught.toml -o wanders.toml
+pushlab add friction-center-offset --per-push --nuisances --fit mit-push-table/table.csv --preset mit-table --model caught.toml -o wanders.toml
 ```
 
 Squared error over variance, and mean log density of a channel (in m, m and rad, nats): of all steps of a run
