@@ -31,6 +31,17 @@ pub enum PlantError {
         /// Ratio of the mean distances.
         ratio: f64,
     },
+    /// Feet about a center of mass that is not under the outline.
+    #[error(
+        "no three feet about the center of mass ({}, {}) m balance the object, which has nothing there; hide \
+         another effect",
+        center_of_mass[0],
+        center_of_mass[1]
+    )]
+    Feet {
+        /// In m, body frame.
+        center_of_mass: [f64; 2],
+    },
     /// Wear that the outline has no room for.
     #[error("the outline cannot be worn like this: {what}")]
     Wear {

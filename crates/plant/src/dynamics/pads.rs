@@ -174,15 +174,21 @@ impl Pads {
 
     /// The same with a share of the load on three feet about the center of mass, which are moved by `shift`
     /// (m) and, from there, by the factor `ratio`.
+    ///
+    /// # Errors
+    /// `Feet` for a center of mass that is not under the outline, which no such feet balance.
     pub(crate) fn on_feet(
         &self,
         (feet, shape): (&Feet, &Shape),
         center_of_mass: &Vector2<f64>,
         (shift, ratio): (&Vector2<f64>, f64),
-    ) -> Self {
+    ) -> Result<Self, PlantError> {
         let mut pads = self.clone();
         if feet.is_off() {
-            return pads;
+            return Ok(pads);
+        }
+        if !shape.contains(center_of_mass) {
+            return Err(PlantError::Feet { center_of_mass: (*center_of_mass).into() });
         }
         pads.share.iter_mut().for_each(|share| *share *= 1.0 - feet.share);
         let arms = [0.0, 1.0, 2.0].map(|third| {
@@ -198,7 +204,7 @@ impl Pads {
             pads.push(place, 0.5 * FOOT * FOOT, feet.share * weight / whole);
         }
         pads.fill_group();
-        pads
+        Ok(pads)
     }
 
     fn weighted(&self, center: &Vector2<f64>, length: f64, exponents: &Vector3<f64>) -> Self {
@@ -297,6 +303,7 @@ fn cut(outline: &[Vector2<f64>], axis: usize, inside: impl Fn(f64) -> f64) -> Ve
 #[cfg(test)]
 mod tests {
     use super::{Feet, Pads};
+    use crate::PlantError;
     use nalgebra::Vector2;
     use planar::{MIT_NAMES, Shape, mit_object};
 
@@ -352,7 +359,7 @@ mod tests {
                 (shape.centroid(), Feet { share: 1.0, reach: 0.8, direction: 0.5 });
             let pads = Pads::uniform(&shape, 100);
             let shift = Vector2::new(1e-3, -2e-3);
-            let stood = pads.on_feet((&feet, &shape), &center, (&Vector2::zeros(), 1.0));
+            let stood = pads.on_feet((&feet, &shape), &center, (&Vector2::zeros(), 1.0)).unwrap();
             assert!((stood.center() - center).norm() < 1e-12, "{name}");
             let bears = |k: &usize| stood.share[*k] > 0.0;
             let places: Vec<_> = (0..stood.share.len()).filter(bears).collect();
@@ -360,8 +367,11 @@ mod tests {
             for k in places {
                 assert!(shape.contains(&Vector2::new(stood.x[k], stood.y[k])), "{name}");
             }
-            let moved = pads.on_feet((&feet, &shape), &center, (&shift, 1.1));
+            let moved = pads.on_feet((&feet, &shape), &center, (&shift, 1.1)).unwrap();
             assert!((moved.center() - center - shift).norm() < 1e-12, "{name}");
+            let beside = Vector2::new(1.0, 0.0);
+            let refused = pads.on_feet((&feet, &shape), &beside, (&shift, 1.0));
+            assert!(matches!(refused, Err(PlantError::Feet { .. })), "{name}");
         }
     }
 

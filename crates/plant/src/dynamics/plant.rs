@@ -39,7 +39,8 @@ impl Plant {
     ///
     /// # Errors
     /// `OutOfRange` for a number that is not possible, `Wear` for wear that the outline has no
-    /// room for, `Pressure` for a load that cannot be spread so.
+    /// room for, `Pressure` for a load that cannot be spread so,
+    /// `Feet` for feet that cannot balance the object.
     pub fn new(
         object: &ObjectSpec,
         truth: &Truth,
@@ -101,7 +102,7 @@ impl Plant {
         let ratio = pressure.radius_ratio * variation.pressure_radius;
         let area = self.uniform.rimmed(&self.shape, pressure.rim_share).reshaped(&shift, ratio)?;
         let feet = (&pressure.feet, &self.shape);
-        let stood = area.on_feet(feet, &self.center_of_mass, (&shift, ratio));
+        let stood = area.on_feet(feet, &self.center_of_mass, (&shift, ratio))?;
         Ok(stood.blended(pressure.patch_share))
     }
 }

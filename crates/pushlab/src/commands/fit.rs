@@ -57,7 +57,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let output = (args.output.as_path(), &args.force);
     let (model, destination) = model_for(&args.model, output, inputs, &mut origin)?;
     let free: Vec<&str> = args.free.iter().map(String::as_str).collect();
-    args.options.check(&free)?;
+    args.options.check(&free, &model)?;
     let source = (&args.source, &args.options);
     let fitting = Fitting::read(source, &model, args.seed, &mut origin, terminal)?;
     let fit = fitting.fit(&model, &free)?.determined()?;

@@ -3,6 +3,7 @@
 use anyhow::{Result, bail};
 use diagnosis::SupportPointsFit;
 use effects::{Effect, SupportPoints};
+use models::ModelFile;
 
 use crate::wrong_usage::WrongUsage;
 
@@ -23,14 +24,21 @@ pub(crate) struct FitOptions {
 }
 
 impl FitOptions {
-    /// Refuses what is not for a fit of these effects; of none for a command that fits nothing.
+    /// Refuses what is not for a fit of these effects to a model; of none for a command that fits nothing.
     ///
     /// # Errors
     /// Options that are given and have no use.
-    pub(crate) fn check(&self, fitted: &[&str]) -> Result<()> {
+    pub(crate) fn check(&self, fitted: &[&str], model: &ModelFile) -> Result<()> {
+        let id = SupportPoints.info().id;
         let is_about_points = self.points.is_some() || self.by_statics;
-        if is_about_points && !fitted.contains(&SupportPoints.info().id) {
+        if is_about_points && !fitted.contains(&id) {
             bail!(WrongUsage("--points and --by-statics are for fits of support-points"));
+        }
+        if self.points.is_some() && model.description.effects.iter().any(|known| known.id == id) {
+            bail!(WrongUsage(
+                "the model has support points, from which a fit goes on; leave --points out, or start \
+                 from a model without them"
+            ));
         }
         if self.nuisances && fitted.is_empty() {
             bail!(WrongUsage("--nuisances is for fits; give --fit SET"));

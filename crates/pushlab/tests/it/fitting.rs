@@ -135,6 +135,9 @@ fn what_is_known_of_points_is_for_fits_of_points() {
         let message = set.wrong_usage(wrong);
         assert!(message.contains("are for fits of support-points"), "{message}");
     }
+    let again = ["--points", "4", "--model", "feet.toml", "-o", "a.toml"];
+    let again = [&["fit", "pushes", "--free", "support-points"][..], &again].concat();
+    assert!(set.wrong_usage(&again).contains("the model has support points"));
     let message = set.wrong_usage(&["fit", "pushes", "--free", "support-points", "--points", "7"]);
     assert!(message.contains("7 is not in 3..=6"), "{message}");
 }

@@ -116,13 +116,13 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
             "--manifest, --preset and --mapping tell of what --fit reads; give --fit SET"
         ));
     }
-    let fitted: Vec<&str> =
-        args.effect.as_deref().filter(|_| args.fit.is_some()).into_iter().collect();
-    args.options.check(&fitted)?;
     let source = args.fit.as_ref().map(|set| StepSource::of(set, args.known.clone()));
     let inputs = source.iter().fold(inputs, |inputs, source| inputs.and(source.inputs()));
     let output = (args.output.as_path(), &args.force);
     let (mut model, destination) = model_for(&args.model, output, inputs, &mut origin)?;
+    let fitted: Vec<&str> =
+        args.effect.as_deref().filter(|_| args.fit.is_some()).into_iter().collect();
+    args.options.check(&fitted, &model)?;
     if let Some(from) = &args.from {
         return from_file(args, (from, model, origin), destination, terminal);
     }
