@@ -91,6 +91,12 @@ pub(crate) const MOST_ALONE: f64 = 0.1;
 /// Measuring sessions from which sessions, not pushes, are taken for independent. Convention: three are held out,
 /// and flips of the signs of nine are enough for [`NAME`].
 pub(crate) const FEWEST_SESSIONS: usize = 12;
+/// Sessions below which nothing is said of how much a parameter differs between them: three degrees of freedom
+/// leave a standard deviation open by a factor of four (95 %). Convention.
+pub(crate) const FEWEST_SESSIONS_OF_SPREAD: usize = 4;
+/// Log likelihood in nats that a variance has to gain over none: half the 95 % quantile of ½χ²₀ + ½χ²₁ (Self &
+/// Liang 1987). Derived.
+pub(crate) const SURE_OF_SPREAD: f64 = 1.353;
 /// Clusters below which nothing is asked of what is left. Derived: 2⁷ flips are the fewest for [`NAME`].
 pub(crate) const FEWEST_CLUSTERS: usize = 8;
 /// Pushes for each number that says where an object rests, below which nothing is asked of it. Convention.

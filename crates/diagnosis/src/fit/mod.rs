@@ -17,6 +17,7 @@ mod resemblance;
 mod robust;
 mod sandwich;
 mod search;
+mod session_share;
 mod space;
 mod supports;
 mod thresholds;

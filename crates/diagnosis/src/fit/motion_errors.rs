@@ -179,6 +179,23 @@ impl MotionErrors {
         Ok([rest, weight * common * common.transpose() + self.shared - known])
     }
 
+    /// What a push's motions tell of the numbers that it drew, with the weight that its tails leave it: J'C⁻¹J
+    /// and J'C⁻¹r, with C the covariance of all but the draws.
+    pub(super) fn told_of_draws(
+        &self,
+        push: usize,
+        missed: &Missed,
+    ) -> Result<(DMatrix<f64>, DVector<f64>), DiagnosisError> {
+        let n = missed.miss.len() as f64;
+        let square = missed.miss.dot(&self.factor(push, missed)?.solve(&missed.miss));
+        let weight = self.tails.map_or(1.0, |tails| (tails + n) / (tails + square));
+        let without = self.factor(push, &missed.keeping(0.0))?;
+        let pulled = missed.varied.column_iter().map(|column| without.solve(&column.into_owned()));
+        let pulled = DMatrix::from_columns(&pulled.collect::<Vec<_>>());
+        let information = weight * pulled.tr_mul(&missed.varied);
+        Ok((information, weight * pulled.tr_mul(&missed.miss)))
+    }
+
     pub(super) fn of_each(&self, all: &[Missed]) -> Result<Vec<f64>, DiagnosisError> {
         all.par_iter().enumerate().map(|(push, missed)| self.of_push(push, missed)).collect()
     }
@@ -270,7 +287,7 @@ impl Factor {
 }
 
 impl Missed {
-    fn n_steps(&self) -> usize {
+    pub(super) fn n_steps(&self) -> usize {
         self.steps.len()
     }
 

@@ -1,4 +1,4 @@
-//! How much a parameter differs from push to push, and from place to place within a push.
+//! How much a parameter differs from push to push, from session to session, and from place to place.
 
 use std::collections::BTreeMap;
 
@@ -13,6 +13,7 @@ use super::motion_errors::{Missed, missed};
 use super::problem::Problem;
 use super::robust::Robust;
 use super::search::Found;
+use super::session_share::session_share;
 use super::space::Space;
 use super::{Fit, FitSettings, MotionErrors};
 use crate::predict::candidates::follow_from_points;
@@ -25,8 +26,11 @@ pub struct SpreadFit {
     pub fit: Fit,
     /// Names of the parameters that have it.
     pub parameters: Vec<&'static str>,
-    /// How much they differ from push to push.
+    /// How much they differ from push to push of a session.
     pub per_push: Spread,
+    /// How much they differ from session to session, beside that; none where fewer than four sessions, or no
+    /// sure difference, were seen.
+    pub per_session: Option<Spread>,
     /// How much they differ from place to place, faster than a step is long.
     pub per_place: Spread,
     /// Mean gain of log density of a cluster over no spread, in nats, and its standard error.
@@ -90,14 +94,23 @@ pub fn fit_per_push(
     let best = fitting.likeliest_share((fit.clone(), whole))?;
     let gain = gain(&best.densities, &none.densities, observations);
     let parameters = about.parameters.iter().map(|parameter| parameter.name).collect();
-    let [per_push, per_place] = fitting.parts(&best);
+    let [of_pushes, per_place] = fitting.parts(&best);
+    let missed = missed(observations, &best.model, &settings.own)?;
+    let share = session_share(observations, &missed, &best.errors)?;
+    let part = |share: f64| sized(of_pushes, share.sqrt());
+    let (per_push, per_session) = (part(1.0 - share.unwrap_or_default()), share.map(part));
     let spread = |mut model: Description| {
         fitting.spread(&mut model, [per_push, per_place]);
+        for carried in model.effects.iter_mut().filter(|carried| carried.id == about.id) {
+            let names = about.parameters.iter().map(|one| one.name.to_owned());
+            carried.per_session = names.zip(per_session.into_iter().cycle()).collect();
+        }
         model
     };
     let (description, with_nuisances) = (spread(fit.description), spread(fit.with_nuisances));
     let fit = Fit { description, with_nuisances, ..fit };
-    Ok(SpreadFit { fit, parameters, per_push, per_place, gain, errors: best.errors })
+    let errors = best.errors;
+    Ok(SpreadFit { fit, parameters, per_push, per_session, per_place, gain, errors })
 }
 
 /// The spread of size 1 of an effect's parameters: of one positive number that is never off relative.
@@ -293,14 +306,30 @@ mod tests {
     /// The spreads from push to push and from place to place, and the gain, that are found of a pusher friction
     /// whose logarithm has a standard deviation of a push, and one within a step, which moves as expected over it.
     fn found(of_push: f64, of_place: f64) -> ([f64; 2], [f64; 2]) {
+        let (spreads, gain, of_session) = found_in(of_push, of_place, None);
+        assert_eq!(of_session, None);
+        (spreads, gain)
+    }
+
+    /// The same, and the spread from session to session, where so many pushes in a row are of one.
+    fn found_in(
+        of_push: f64,
+        of_place: f64,
+        n_of_session: Option<usize>,
+    ) -> ([f64; 2], [f64; 2], Option<f64>) {
         let (mut observations, model) = recorded(1);
         let about = by_id("pusher-friction").unwrap().info();
         let with = |friction: f64| ModelEffect::from(effects::Setting::new(about, &[friction]));
         let mut rng = ChaCha8Rng::seed_from_u64(4);
         let n = observations.pushes.len();
-        let of_pushes: Vec<f64> = (0..n).map(|_| of_push * normal(&mut rng)).collect();
+        let drawn: Vec<f64> = (0..n).map(|_| of_push * normal(&mut rng)).collect();
+        let of_pushes: Vec<f64> =
+            (0..n).map(|push| drawn[push - push % n_of_session.unwrap_or(1)]).collect();
         let push_of = observations.push_of.clone();
         for (step, push) in push_of.into_iter().enumerate() {
+            if let Some(n) = n_of_session {
+                observations.steps[step].input.session = u32::try_from(push / n).unwrap();
+            }
             let mut one = model.clone();
             let mut effect = with(0.25 * of_pushes[push].exp());
             effect.per_place.insert("friction".to_owned(), Spread::RelativeSd(of_place));
@@ -325,7 +354,13 @@ mod tests {
         for (of, told) in [(&carried.per_push, fit.per_push), (&carried.per_place, fit.per_place)] {
             assert_eq!(of.get("friction").copied().unwrap_or(Spread::RelativeSd(0.0)), told);
         }
-        ([fit.per_push, fit.per_place].map(sd), fit.gain)
+        ([fit.per_push, fit.per_place].map(sd), fit.gain, fit.per_session.map(sd))
+    }
+
+    #[test]
+    fn a_friction_that_a_session_shares_is_told_from_one_that_each_push_has() {
+        let ([push, _], _, session) = found_in(0.4, 0.0, Some(5));
+        assert!(session.is_some_and(|sd| sd > 0.2 && sd > 2.0 * push), "{session:?} {push}");
     }
 
     #[test]

@@ -80,6 +80,7 @@ impl<'a> Space<'a> {
             let mut effect = ModelEffect::from(Setting::new(member.effect.info(), &member.start));
             if let Some(carried) = carried {
                 effect.per_push.clone_from(&carried.per_push);
+                effect.per_session.clone_from(&carried.per_session);
                 effect.per_place.clone_from(&carried.per_place);
             }
             effect

@@ -25,23 +25,28 @@ impl Spread {
     }
 
     /// Whether both are of the value, or of its logarithm.
-    pub(crate) fn is_like(self, other: Self) -> bool {
+    pub fn is_like(self, other: Self) -> bool {
         matches!(
             (self, other),
             (Self::Sd(_), Self::Sd(_)) | (Self::RelativeSd(_), Self::RelativeSd(_))
         )
     }
 
-    /// With another one that is independent of it: the spread of both, and the share of its variance.
-    pub(crate) fn and(self, other: Self) -> (Self, f64) {
-        let (Self::Sd(one) | Self::RelativeSd(one)) = self;
+    /// With another one like it that is independent of it: the spread of both.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
         let (Self::Sd(two) | Self::RelativeSd(two)) = other;
-        let whole = one.hypot(two);
-        let both = match self {
-            Self::Sd(_) => Self::Sd(whole),
-            Self::RelativeSd(_) => Self::RelativeSd(whole),
-        };
-        (both, (one / whole).powi(2))
+        match self {
+            Self::Sd(one) => Self::Sd(one.hypot(two)),
+            Self::RelativeSd(one) => Self::RelativeSd(one.hypot(two)),
+        }
+    }
+
+    /// The share of its variance in that of a spread of which it is a part.
+    pub(crate) fn share_of(self, whole: Self) -> f64 {
+        let (Self::Sd(part) | Self::RelativeSd(part)) = self;
+        let (Self::Sd(whole) | Self::RelativeSd(whole)) = whole;
+        (part / whole).powi(2)
     }
 
     /// The parameter so many standard deviations from its value, within a range.

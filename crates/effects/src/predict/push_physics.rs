@@ -193,8 +193,9 @@ impl PushPhysics {
             match found.iter_mut().find(is_same) {
                 None => found.push(Differing { varying: *varying, share_of_push }),
                 Some(one) => {
-                    let (whole, share) = one.varying.2.and(varying.2);
-                    (one.varying.2, one.share_of_push) = (whole, share);
+                    let of_push = one.varying.2;
+                    one.varying.2 = of_push.and(varying.2);
+                    one.share_of_push = of_push.share_of(one.varying.2);
                 }
             }
         }

@@ -78,7 +78,8 @@ impl Source<'_> {
         }
         let mut effect = ModelEffect::new(id.get_ref(), parameters);
         for (name, raw) in raw_parameters {
-            let RawParameter { per_push, per_place, .. } = raw.get_ref();
+            let RawParameter { per_push, per_session, per_place, .. } = raw.get_ref();
+            effect.per_session.extend(per_session.map(|spread| (name.clone(), spread)));
             effect.per_push.extend(per_push.map(|spread| (name.clone(), spread)));
             effect.per_place.extend(per_place.map(|spread| (name.clone(), spread)));
         }
@@ -95,7 +96,8 @@ impl Source<'_> {
         parameter: &Parameter,
         key: &str,
     ) -> Result<Estimate, ModelError> {
-        let RawParameter { value, se, unit, source, per_push, per_place } = raw.get_ref();
+        let RawParameter { value, se, unit, source, per_push, per_session, per_place } =
+            raw.get_ref();
         let refuse = |name: &str, problem: String| {
             Err(self.invalid(raw.span().start, &format!("{key}.{name}"), problem))
         };
@@ -110,10 +112,18 @@ impl Source<'_> {
         if !(0.0..=LARGEST_SE).contains(se) {
             return refuse("se", format!("must be from 0 to {LARGEST_SE:e}, got {se:?}"));
         }
-        for (key, spread) in [("per_push", per_push), ("per_place", per_place)] {
+        let spreads =
+            [("per_push", per_push), ("per_session", per_session), ("per_place", per_place)];
+        for (key, spread) in spreads {
             if let Some(Err(error)) = spread.map(|spread| spread.check(parameter)) {
                 return refuse(key, error.to_string());
             }
+        }
+        if per_push.zip(*per_session).is_some_and(|(push, session)| !push.is_like(session)) {
+            return refuse(
+                "per_session",
+                "must be in the unit of per_push, `sd` or `relative_sd`".into(),
+            );
         }
         match unit {
             Some(unit) if unit != parameter.unit => {

@@ -77,6 +77,9 @@ pub(super) struct RawParameter {
     /// How it differs from push to push.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub per_push: Option<Spread>,
+    /// How it differs from session to session.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub per_session: Option<Spread>,
     /// How it differs from place to place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub per_place: Option<Spread>,
@@ -153,10 +156,12 @@ impl RawEffect {
         };
         let parameter = |(name, estimate): (&String, &Estimate)| {
             let Estimate { value, se, source } = estimate.clone();
-            let [per_push, per_place] =
-                [&effect.per_push, &effect.per_place].map(|spreads| spreads.get(name).copied());
+            let [per_push, per_session, per_place] =
+                [&effect.per_push, &effect.per_session, &effect.per_place]
+                    .map(|spreads| spreads.get(name).copied());
             let unit = unit(name);
-            (name.clone(), new(RawParameter { value, se, unit, per_push, per_place, source }))
+            let raw = RawParameter { value, se, unit, per_push, per_session, per_place, source };
+            (name.clone(), new(raw))
         };
         let nothing =
             |(_, estimate): &(&String, &Estimate)| estimate.value == 0.0 && estimate.se == 0.0;

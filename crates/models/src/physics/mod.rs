@@ -117,8 +117,11 @@ impl Physics {
 
     /// How many numbers a push draws.
     pub(crate) fn n_drawn(&self) -> usize {
-        let spreads = self.effects.iter().flat_map(|effect| effect.per_push.values());
-        spreads.filter(|spread| !spread.is_none()).count()
+        let n_of = |effect: &ModelEffect| {
+            let setting = effect.setting();
+            setting.per_push.values().filter(|spread| !spread.is_none()).count()
+        };
+        self.effects.iter().map(n_of).sum()
     }
 
     /// (Δx, Δy, Δθ) of each step, expected, and what the parameters that differ from push to push leave

@@ -199,11 +199,13 @@ fn points_that_bear_nothing_are_left_out_and_spreads_are_kept() {
     let mut friction = ModelEffect::from(friction);
     friction.per_push.insert("friction".into(), Spread::RelativeSd(0.3));
     friction.per_place.insert("friction".into(), Spread::RelativeSd(0.4));
+    friction.per_session.insert("friction".into(), Spread::RelativeSd(0.2));
     file.description.effects.push(friction);
     file.write(&path).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(!text.contains("share2") && text.contains("relative_sd = 0.3"), "{text}");
     assert!(text.contains("friction.per_place]\nrelative_sd = 0.4"), "{text}");
+    assert!(text.contains("friction.per_session]\nrelative_sd = 0.2"), "{text}");
     assert_eq!(ModelFile::read(&path).unwrap(), file);
     // A place without a share, and a share without a place.
     for lacking in ["share1", "y1"] {
@@ -221,7 +223,7 @@ fn points_that_bear_nothing_are_left_out_and_spreads_are_kept() {
     for (words, part) in
         [("{ relative_sd = 2.5 }", "2.5"), ("{ sd = -0.1 }", "-0.1"), ("{ width = 0.1 }", "width")]
     {
-        for key in ["per_push", "per_place"] {
+        for key in ["per_push", "per_session", "per_place"] {
             assert!(spread(&format!("{key} = {{ sd = 0.05 }}")).is_ok());
             let error = spread(&format!("{key} = {words}")).unwrap_err().to_string();
             assert!(error.contains(part), "{error}");
@@ -234,6 +236,28 @@ fn points_that_bear_nothing_are_left_out_and_spreads_are_kept() {
         error.contains("`friction` of pusher-friction") && error.contains("two units"),
         "{error}"
     );
+    let one = "per_push = { sd = 0.05 }, per_session = ";
+    assert!(spread(&format!("{one}{{ sd = 0.1 }}")).is_ok());
+    let error = spread(&format!("{one}{{ relative_sd = 0.1 }}")).unwrap_err().to_string();
+    assert!(error.contains("friction.per_session"), "{error}");
+}
+
+#[test]
+fn a_push_of_an_unknown_session_differs_by_both_spreads() {
+    let (steps, about) = (asked(), effects::by_id("pusher-friction").unwrap().info());
+    let over = |per_push: f64, per_session: f64| {
+        let mut effect = ModelEffect::from(Setting::new(about, &[0.25]));
+        effect.per_push.insert("friction".into(), Spread::RelativeSd(per_push));
+        effect.per_session.insert("friction".into(), Spread::RelativeSd(per_session));
+        let model = ChannelModel::new(&with(vec![effect]), TABLE, &[]).unwrap();
+        model.motion_over_pushes(steps.iter().map(|(_, step)| step)).unwrap()
+    };
+    let (push, both, session) = (over(0.5, 0.0), over(0.3, 0.4), over(0.0, 0.5));
+    for ((push, both), session) in push.iter().zip(&both).zip(&session) {
+        assert!((push.0 - both.0).norm() <= 1e-12 * push.0.norm());
+        assert!((push.0 - session.0).norm() <= 1e-12 * push.0.norm());
+        assert!((push.1 - both.1).norm() <= 1e-9 * push.1.norm() && push.1.norm() > 0.0);
+    }
 }
 
 #[test]

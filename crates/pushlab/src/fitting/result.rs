@@ -42,6 +42,8 @@ struct PerPush {
     parameters: Vec<&'static str>,
     #[serde(flatten)]
     spread: Spread,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    per_session: Option<Spread>,
     per_place: Spread,
     /// Of the log density of a cluster, in nats.
     gain: f64,
@@ -51,9 +53,10 @@ struct PerPush {
 impl Fitted {
     /// The same, with what was found of the differences from push to push.
     pub(crate) fn with_spread(self, found: &SpreadFit) -> Self {
-        let SpreadFit { parameters, per_push, per_place, gain: [gain, gain_se], .. } = found;
-        let (parameters, spread, per_place) = (parameters.clone(), *per_push, *per_place);
-        let per_push = PerPush { parameters, spread, per_place, gain: *gain, gain_se: *gain_se };
+        let [gain, gain_se] = found.gain;
+        let SpreadFit { per_push: spread, per_session, per_place, .. } = *found;
+        let parameters = found.parameters.clone();
+        let per_push = PerPush { parameters, spread, per_session, per_place, gain, gain_se };
         Self { per_push: Some(per_push), ..self }
     }
 
@@ -102,13 +105,17 @@ impl fmt::Display for Fitted {
                 writeln!(f, "  most like it: {} (correlation {:.2})", alike.id, alike.correlation)?;
             }
         }
-        if let Some(PerPush { parameters, spread, per_place, gain, gain_se }) = &self.per_push {
+        if let Some(of_pushes) = &self.per_push {
+            let PerPush { parameters, spread, per_session, per_place, gain, gain_se } = of_pushes;
             let size = |spread: &Spread| match spread {
                 Spread::Sd(sd) => format!("by {sd:.2e} (standard deviation)"),
                 Spread::RelativeSd(sd) => format!("by a factor of e^{sd:.2} (standard deviation)"),
             };
             let names = parameters.join(" and ");
             writeln!(f, "  {names} from push to push {}", size(spread))?;
+            if let Some(spread) = per_session {
+                writeln!(f, "  {names} from session to session {}", size(spread))?;
+            }
             writeln!(f, "  {names} from place to place, faster than a step, {}", size(per_place))?;
             writeln!(f, "  log density gained: {gain:.3} ± {gain_se:.3} nats a cluster")?;
         }

@@ -145,7 +145,12 @@ fn of_effect(effect: &ModelEffect) -> Vec<Parameter> {
     let mut parameters: Vec<Parameter> =
         effect.parameters.iter().filter(is_something).map(parameter).collect();
     parameters.extend(of_points(effect));
-    for (per, spreads) in [("push", &effect.per_push), ("place", &effect.per_place)] {
+    let spreads = [
+        ("push", &effect.per_push),
+        ("session", &effect.per_session),
+        ("place", &effect.per_place),
+    ];
+    for (per, spreads) in spreads {
         for (name, spread) in spreads {
             let (words, sd, unit) = match spread {
                 Spread::Sd(sd) => ("sd", sd, unit(name).unwrap_or("1")),
