@@ -11,7 +11,7 @@ use planar::{Pose, Twist};
 use plant::{Design, GenerateSettings, Hidden, generate};
 
 use fixtures::made_once::{key, made_once};
-use fixtures::rig;
+use fixtures::quiet_rig;
 use fixtures::workspace_root;
 
 const N_ORIGINALS: usize = 1000;
@@ -27,7 +27,7 @@ pub(super) fn originals() -> Result<PathBuf> {
         name: "pushes to copy".to_owned(),
         design: Design { n_pushes: N_ORIGINALS, ..Design::default() },
         hidden: vec![HIDDEN.parse::<Hidden>()?],
-        ..rig()
+        ..quiet_rig()
     };
     let folder = workspace_root().join("target").join(FOLDER);
     made_once(&folder, &key(std::slice::from_ref(&settings))?, |folder| {

@@ -1,5 +1,7 @@
 //! Sizes and places in words: mm, degrees and N, and where in a set.
 
+use std::f64::consts::{PI, TAU};
+
 use planar::wrap_angle;
 
 use crate::{Condition, Covariate};
@@ -92,9 +94,25 @@ fn range(
     }
 }
 
-/// Angles on the circle, the lower end within ± 180°.
+/// Angles on the circle, their middle within ± 180°.
 fn turned(what: &str, (from, to): (Option<f64>, Option<f64>)) -> String {
     let (from, to) = (from.unwrap_or_default(), to.unwrap_or_default());
-    let low = wrap_angle(from);
-    range(what, (Some(low), Some(low + to - from)), 1.0_f64.to_degrees(), 0, "°")
+    let (low, width) = (wrap_angle(from), to - from);
+    // A middle that rounding puts beyond stays.
+    let low = if low + 0.5 * width > PI + 1e-6 { low - TAU } else { low };
+    range(what, (Some(low), Some(low + width)), 1.0_f64.to_degrees(), 0, "°")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::turned;
+
+    #[test]
+    fn angles_are_told_about_a_middle_within_half_a_turn() {
+        let told =
+            |from: f64, to: f64| turned("at", (Some(from.to_radians()), Some(to.to_radians())));
+        assert_eq!(told(150.0, 210.0), "at from 150 to 210°");
+        assert_eq!(told(180.0, 450.0), "at from −180 to 90°");
+        assert_eq!(told(-30.0, 30.0), "at from −30 to 30°");
+    }
 }

@@ -110,6 +110,9 @@ const SIDES: Texture = Texture { sd: 0.15, longest: 0.03, shortest: 0.002, persi
 const BURR: Burr = Burr { n_vertices: 1, friction: 0.75, reach: 0.007 };
 
 impl Profile {
+    /// Name of the profile that is used where none is asked for: as real rigs are.
+    pub const DEFAULT: &'static str = "rough";
+
     /// Every profile, the quiet one first.
     #[must_use]
     pub fn all() -> &'static [Self] {

@@ -8,7 +8,8 @@ use crate::small_set::SmallSet;
 /// Pushes of the simulator as CSV, whose manifest can be made wrong, with the nominal model.
 fn pushes(more: &[&str]) -> SmallSet {
     let set = SmallSet::new();
-    let words = ["generate", "-o", "pushes", "--format", "csv", "--seed", "5", "-q"];
+    let words =
+        ["generate", "-o", "pushes", "--rig", "quiet", "--format", "csv", "--seed", "5", "-q"];
     set.done(&[&words[..], more].concat());
     set.done(&["models", "init", "pushes", "-q"]);
     set

@@ -9,8 +9,7 @@ use crate::small_set::SmallSet;
 fn generated(hidden: &[&str], more: &[&str]) -> SmallSet {
     let set = SmallSet::new();
     let hidden = hidden.iter().flat_map(|effect| ["--hidden", effect]);
-    let words =
-        ["generate", "-o", "pushes", "--seed", "11", "--pushes", "72", "--design", "random"];
+    let words = ["generate", "-o", "pushes", "--seed", "11", "--pushes", "72", "--rig", "quiet"];
     let words: Vec<&str> = words.into_iter().chain(hidden).chain(more.iter().copied()).collect();
     set.done(&words);
     set.done(&["models", "init", "pushes"]);
@@ -58,7 +57,8 @@ fn a_hidden_effect_is_named_with_its_size_and_closes_the_gap() {
 fn friction_that_differs_by_side_is_named_beside_friction_that_suits_one_side() {
     let set = SmallSet::new();
     let hidden = "pusher-friction-asymmetry";
-    set.done(&["generate", "-o", "pushes", "--seed", "530012", "-n", "60", "--hidden", hidden]);
+    let words = ["generate", "-o", "pushes", "--rig", "quiet", "--seed", "530012", "-n", "60"];
+    set.done(&[&words[..], &["--hidden", hidden]].concat());
     set.done(&["models", "init", "pushes"]);
     let found = diagnosed(&set);
     let identified = found["identified"].as_array().unwrap();
@@ -118,7 +118,8 @@ fn a_second_set_confirms_what_is_fitted_to_all_of_the_first() {
     let set = SmallSet::new();
     let hidden = "table-anisotropy: ratio=1.3, direction_deg=34";
     for (name, seed, pushes) in [("one", "11", "48"), ("two", "12", "16")] {
-        set.done(&["generate", "-o", name, "--hidden", hidden, "--seed", seed, "--pushes", pushes]);
+        let words = ["generate", "-o", name, "--rig", "quiet", "--seed", seed, "--pushes", pushes];
+        set.done(&[&words[..], &["--hidden", hidden]].concat());
     }
     set.done(&["models", "init", "one"]);
     set.done(&["add", "limit-surface-shape", "--set", "lambda=1", "-o", "patch.toml"]);
@@ -180,7 +181,17 @@ fn what_alike_pushes_leave_open_the_suggested_ones_decide() {
     set.write("rig.toml", "[sensors.force]\nrate = 0.0\n");
     set.write("alike.csv", &alike_pushes());
     let generate = |name: &str, design: &str, seed: &str| {
-        let words = ["generate", "-o", name, "--settings", "rig.toml", "--design", design];
+        let words = [
+            "generate",
+            "-o",
+            name,
+            "--rig",
+            "quiet",
+            "--settings",
+            "rig.toml",
+            "--design",
+            design,
+        ];
         set.done(&[&words[..], &["--seed", seed, "--hidden", TRUTH, "--format", "csv"]].concat());
     };
     generate("few", "alike.csv", "302");

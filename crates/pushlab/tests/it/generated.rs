@@ -54,7 +54,7 @@ fn every_push_that_is_generated_is_ingested() {
         ("tri", &["--shape", "tri1", "--format", "csv", "--speed", "50mm/s,0.1m/s"]),
         ("narrow", &["--design", "narrow", "--hidden", "table-tilt", "--format", "mit-json"]),
     ] {
-        set.done(&[&["generate", "-o", name, "--pushes", "10"], more].concat());
+        set.done(&[&["generate", "-o", name, "--rig", "quiet", "--pushes", "10"], more].concat());
         let text =
             set.done(&["ingest", name, "--step", "4mm", "-o", "steps.csv", "--force"]).stdout;
         assert!(text.contains("10 recordings, 10 pushes used, 0 excluded"), "{name}: {text}");

@@ -6,7 +6,8 @@ use crate::small_set::SmallSet;
 
 fn simulated() -> SmallSet {
     let set = SmallSet::new();
-    set.done(&["generate", "-o", "sim", "--hidden", "body-anisotropy", "--pushes", "16"]);
+    let generate = ["generate", "-o", "sim", "--rig", "quiet", "--pushes", "16"];
+    set.done(&[&generate[..], &["--hidden", "body-anisotropy"]].concat());
     set.done(&["models", "init", "sim"]);
     set
 }

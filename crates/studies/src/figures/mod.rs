@@ -22,6 +22,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
+use plant::Profile;
 use rayon::ThreadPoolBuilder;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use report::{Claim, Page, Plate, Provenance, Section};
@@ -44,7 +45,7 @@ pub struct Args {
     #[arg(long, value_name = "PATH")]
     data: Option<PathBuf>,
     /// How rough the simulated rig of the thesis' design is
-    #[arg(long, value_name = "NAME", default_value = "quiet", value_parser = rigs())]
+    #[arg(long, value_name = "NAME", default_value = Profile::DEFAULT, value_parser = rigs())]
     rig: String,
     /// The 60 pushes of fixtures/pushes, fewer repetitions and fewer steps to learn from, for a first look
     #[arg(long)]

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use dataset::TableMapping;
+use plant::Profile;
 
 use crate::figures::inputs::Inputs;
 use crate::figures::models::steps::Steps;
@@ -21,12 +22,12 @@ use fixtures::workspace_root;
 const NAME: &str = "simulated-and-real";
 /// Where the page of the documentation stands, and the rig that it is about.
 const DOCS: &str = "docs";
-const RIG: &str = "quiet";
+const RIG: &str = Profile::DEFAULT;
 
 /// Put the simulated table of the thesis' design beside a measured one, in docs/.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Table of measured steps (a file, or its folder, as `mit-push-table`); without it the
+    /// Table of measured steps, as `mit-push-table/table.csv`; without it the
     /// simulated numbers are printed alone, and nothing is written
     #[arg(long, value_name = "PATH")]
     data: Option<PathBuf>,
@@ -100,14 +101,14 @@ mod tests {
         fs::create_dir_all(&docs).unwrap();
         // There is nothing to keep.
         keep_documentation(&docs, &docs, false).unwrap();
-        fs::write(docs.join("simulated-and-real.md"), "# Quiet\n").unwrap();
+        fs::write(docs.join("simulated-and-real.md"), "# Rough\n").unwrap();
         keep_documentation(&docs, &docs, true).unwrap();
         keep_documentation(&docs, &other, false).unwrap();
         let same = [docs.clone(), dir.path().join("docs/../docs/.")];
         for out in same {
             let refused = keep_documentation(&docs, &out, false).unwrap_err().to_string();
             assert!(
-                refused.contains("docs/simulated-and-real.md is about the rig `quiet`"),
+                refused.contains("docs/simulated-and-real.md is about the rig `rough`"),
                 "{refused}"
             );
             assert!(refused.contains("--output"), "{refused}");

@@ -14,10 +14,11 @@ pub(super) fn page(data: &str, both: &[Described; 2], cells: &[Cell], paired: &P
 The figures are drawn from a simulated rig ([plant](../crates/plant)). How near is that to a real
 one? Here the table of the thesis' design, simulated at 20 mm/s with steps of 4 mm, stands beside one
 of the same kind that was measured and is public, but no part of this project:
-*{data}* of the MIT push data set. Everything on this page is made by one command:
+*{data}* of the MIT push data set. [More numbers of more rigs](rig-calibration.md), repeats of a push among
+them. Everything on this page is made by one command:
 
 ```sh
-cargo xtask simulated-and-real --data mit-push-table
+cargo xtask simulated-and-real --data mit-push-table/table.csv
 ```
 
 ![Outputs of measured and simulated steps over the push direction at three places, and learning

@@ -193,8 +193,8 @@ fn parameters(measured: &Described, simulated: &Described) -> String {
     let percent = |se: f64| format!("{:.1}", 100.0 * se);
     format!(
         "**{headline}**, within 1.96 standard errors. The fitted c is {} ± {} % off that of uniform \
-         pressure on the measured table and {} ± {} % on the simulated one, whose pads are uniform. The \
-         fitted friction of the tip is {:.3} ± {:.3} measured and {:.3} ± {:.3} simulated; nominal are \
+         pressure on the measured table and {} ± {} % on the simulated one. The fitted \
+         friction of the tip is {:.3} ± {:.3} measured and {:.3} ± {:.3} simulated; nominal are \
          {:.2} and {:.2}.",
         off(c),
         percent(relative(measured)),

@@ -8,9 +8,11 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use anyhow::Result;
 use clap::value_parser;
 use output::OutputError;
+use plant::Profile;
 
 use self::story::Story;
 use crate::command_line::seed_parser;
+use crate::commands::generate::rig_parser;
 use crate::destination::{Inputs, folder};
 use crate::file_ending;
 use crate::terminal::Terminal;
@@ -34,16 +36,19 @@ pub(crate) struct Args {
     #[arg(long, value_name = "EFFECT", default_value = "surprise")]
     hidden: String,
     /// Number of pushes
-    #[arg(short = 'n', long, value_name = "N", default_value_t = 80,
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 120,
           value_parser = value_parser!(u32).range(20..=10_000))]
     pushes: u32,
+    /// What kind of rig it is, as `pushlab generate` takes it
+    #[arg(long, value_name = "RIG", default_value = Profile::DEFAULT, value_parser = rig_parser())]
+    rig: String,
 }
 
 const EXAMPLES: &str = "\
 Examples:
   pushlab demo
   pushlab demo --seed 12 -o again
-  pushlab demo --hidden table-tilt -n 200 -o tilted";
+  pushlab demo --rig quiet --hidden table-tilt -o tilted";
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     folder(&args.output, &Inputs::default())?.fill(|_| Ok::<_, OutputError>(()))?;
@@ -52,6 +57,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         seed: args.seed.unwrap_or_else(seed_of_the_clock),
         hidden: &args.hidden,
         n_pushes: args.pushes,
+        rig: &args.rig,
         terminal,
     };
     story.tell()

@@ -17,6 +17,7 @@ pub(super) struct Story<'a> {
     pub(super) seed: u64,
     pub(super) hidden: &'a str,
     pub(super) n_pushes: u32,
+    pub(super) rig: &'a str,
     pub(super) terminal: &'a Terminal,
 }
 
@@ -53,7 +54,7 @@ impl Story<'_> {
         self.say(
             "A simulated rig pushes a square. Something is hidden in it; no command below is told.",
         );
-        let hidden = ["--hidden", self.hidden, "-n", &n_pushes, "--seed", &seed];
+        let hidden = ["--hidden", self.hidden, "-n", &n_pushes, "--rig", self.rig, "--seed", &seed];
         self.run(&[&["generate"], &hidden[..], &["-o", &set]].concat())?;
         self.say(
             "The model to begin with: the thesis' push, with what the rig's builder believes.",
@@ -68,11 +69,12 @@ impl Story<'_> {
         let found: Diagnosis =
             serde_json::from_str(&text).with_context(|| format!("cannot read {answer}"))?;
         let mut report = vec!["report", &set, "--model", &model];
-        if found.identified.is_empty() {
-            self.say("Nothing is identified, so nothing is added.");
+        let groups = [&found.identified, &found.effective];
+        if groups.iter().all(|group| group.is_empty()) && found.ambiguous.is_empty() {
+            self.say("Nothing lowers the error for sure, so nothing is added.");
         } else {
-            self.say("Add it, and look at the error on held-out pushes.");
-            self.run(&["add", "--from", &answer, "--model", &model, "-o", &better])?;
+            self.say("Add what lowers the error, and look at it on held-out pushes.");
+            self.run(&["add", "--all", "--from", &answer, "--model", &model, "-o", &better])?;
             self.run(&["compare", &set, "--model", &better, "--against", &model])?;
             report.extend(["--model", &better]);
         }
@@ -90,16 +92,31 @@ impl Story<'_> {
         let hidden: Vec<String> = truth.hidden.iter().map(HiddenEffect::text).collect();
         let text = format!(
             "\n{TITLE}The truth, sealed until now: {}{TITLE:#}\n\
-             The object stands on its whole face, of which the thesis' ellipsoid is an \
-             approximation: limit-surface-shape may be identified beside it.\n\
-             The page: {report}\nThe same again: pushlab demo --seed {} -o FOLDER\n",
+             {} limit-surface-shape, or another effect of the support, may be named beside it.\n\
+             The page: {report}\nThe same again: pushlab demo --rig {} --seed {} -o FOLDER\n",
             hidden.join("; "),
+            self.stands(),
+            self.rig,
             self.seed
         );
         let Diagnosis { verdict, identified, ambiguous, error, .. } = found;
         let (seed, hidden) = (self.seed, truth.hidden);
         let end = End { seed, hidden, verdict, identified, ambiguous, error, report };
         self.terminal.finish(&Origin::new("demo").option("seed", [self.seed]), &end, text)
+    }
+
+    /// On what the object stands besides what is hidden.
+    fn stands(&self) -> &'static str {
+        match self.rig {
+            "quiet" => {
+                "The object stands on its whole face, of which an ellipsoidal limit surface is an \
+                 approximation:"
+            }
+            _ => {
+                "The object stands on few spots that change from place to place, its friction varies, \
+                 and the tip is caught at one vertex, as on real rigs:"
+            }
+        }
     }
 
     /// Prints a command as one would type it, and runs it.

@@ -60,8 +60,8 @@ pub(crate) struct Args {
     /// The object: one of the MIT push data set's, or a dataset.toml, whose rig is taken with it
     #[arg(long, value_name = "NAME|FILE", default_value = "rect1")]
     shape: ShapeName,
-    /// What kind of rig it is: quiet, rough as real ones are, or rough on a published surface
-    #[arg(long, value_name = "RIG", default_value = "quiet", value_parser = rig_parser())]
+    /// What kind of rig it is: rough as real ones are, rough on a published surface, or quiet
+    #[arg(long, value_name = "RIG", default_value = Profile::DEFAULT, value_parser = rig_parser())]
     rig: String,
     /// Sensors, scatter, the design's details and the truth from this file
     #[arg(long, value_name = "FILE")]
@@ -76,11 +76,12 @@ Examples:
   pushlab generate --hidden 'table-anisotropy: ratio=1.3, direction_deg=34' -o set
   pushlab generate --hidden surprise -n 400 --seed 12 -o set
   pushlab generate --design thesis --shape tri1 --format csv -o set
-  pushlab generate --rig rough --hidden cable -o set
+  pushlab generate --rig quiet --hidden cable -o set
   pushlab generate --design pushes.csv --hidden table-tilt --hidden pusher-radius -o set
   pushlab generate --shape my-pushes/dataset.toml --settings rig.toml --sessions 5 -o twin";
 
-fn rig_parser() -> PossibleValuesParser {
+/// Names of the rigs, for a command line.
+pub(super) fn rig_parser() -> PossibleValuesParser {
     PossibleValuesParser::new(Profile::all().iter().map(|profile| profile.name))
 }
 

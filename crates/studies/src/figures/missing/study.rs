@@ -13,7 +13,7 @@ use models::{Analytical, Description, PushModel};
 use plant::{Design, GenerateSettings, Hidden, generate};
 
 use fixtures::made_once::{key, made_once};
-use fixtures::rig;
+use fixtures::quiet_rig;
 use fixtures::workspace_root;
 
 /// Where the set with hidden effects is kept, below `target/`.
@@ -111,7 +111,7 @@ pub(crate) fn hidden_effects(quick: bool) -> Result<PathBuf> {
         design: Design { n_pushes, ..Design::default() },
         hidden: hidden.collect::<Result<_, _>>()?,
         seed: SEED,
-        ..rig()
+        ..quiet_rig()
     };
     let folder = workspace_root().join("target").join(format!("{FOLDER}-{n_pushes}"));
     made_once(&folder, &key(std::slice::from_ref(&settings))?, |folder| {

@@ -167,11 +167,9 @@ impl Summary {
         let errors = self.nominal.draw_level(errors, &self.counts, Color::INK, "nominal");
         // From few steps the VHGP learns next to no noise where they happen to agree.
         let others = self.kinds.iter().enumerate().filter(|(kind, _)| *kind != VHGP);
-        let (low, high) = others
-            .map(|(_, curves)| curves.nlpd.span())
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (own_low, own_high)| {
-                (own_low.min(low), own_high.max(high))
-            });
+        let high = others.map(|(_, curves)| curves.nlpd.span().1).fold(f64::NEG_INFINITY, f64::max);
+        let low = self.kinds.iter().map(|curves| curves.nlpd.span().0);
+        let low = low.fold(f64::INFINITY, f64::min);
         let margin = 0.05 * (high - low);
         let density = Axis::new("negative log density / nat").range(low - margin, high + margin);
         let densities = panel(density, "density");

@@ -16,8 +16,8 @@ use crate::figures::inputs::{Inputs, SEED};
 use crate::figures::sketch::Sketch;
 use crate::held_out::{HeldOut, quantile, shuffled};
 use fixtures::made_once::{key, made_once};
-use fixtures::rig;
 use fixtures::workspace_root;
+use fixtures::{quiet_rig, rig};
 
 /// Objects to learn from, and the last one to be asked about alone.
 const OBJECTS: [&str; 4] = ["rect1", "ellip2", "tri1", "hex"];
@@ -99,14 +99,14 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     Ok(Sketch::new(figure(&medians), table(&medians), &caption, alt))
 }
 
-/// The recording sets of the objects, simulated once.
+/// The recording sets of the objects, simulated once; few pushes for a first look are quiet, as the fixtures are.
 fn sets(quick: bool) -> Result<Vec<PathBuf>> {
     let n_pushes = if quick { N_PUSHES.1 } else { N_PUSHES.0 };
     let settings = OBJECTS.map(|name| GenerateSettings {
         name: format!("{name}, simulated"),
         object: PushedObject::Mit { name: name.to_owned() },
         design: Design { n_pushes, ..Design::default() },
-        ..rig()
+        ..if quick { quiet_rig() } else { rig() }
     });
     let folder = workspace_root().join("target").join(format!("{FOLDER}-{n_pushes}"));
     made_once(&folder, &key(&settings)?, |own| {

@@ -25,7 +25,7 @@ use super::pushes::steps_of;
 use crate::figures::inputs::{Inputs, SEED};
 use crate::figures::sketch::Sketch;
 use fixtures::made_once::{key, made_once};
-use fixtures::rig;
+use fixtures::quiet_rig;
 use fixtures::workspace_root;
 
 const N_REPEATS: usize = 240;
@@ -113,7 +113,7 @@ pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
 
 /// The recording set of the repeats, simulated once.
 fn repeats() -> Result<PathBuf> {
-    let rig = rig();
+    let rig = quiet_rig();
     let push = |_| PlannedPush {
         edge: 0,
         p: 0.0,
