@@ -42,6 +42,7 @@ pub use compare::structure::MapSettings;
 pub use compare::worst::WorstPush;
 pub use data::covariate::Covariate;
 pub use data::coverage::Coverage;
+pub use data::footprints::Footprints;
 pub use data::observations::{Observations, PushName};
 pub use data::repeats::RepeatTolerance;
 pub use data::runs::Runs;
@@ -57,8 +58,9 @@ pub use decide::{
 };
 pub use error::DiagnosisError;
 pub use fit::{
-    EffectFit, Fit, FitSettings, Interval, MotionErrors, NuisanceFit, ParameterFit, Resemblance,
-    SpreadFit, SupportPointsFit, fit, fit_per_push, fit_with_noise,
+    EffectFit, FieldRegion, Fit, FitSettings, FrictionFieldFit, Interval, MotionErrors,
+    NuisanceFit, ParameterFit, Resemblance, SpreadFit, SupportPointsFit, fit, fit_per_push,
+    fit_with_noise,
 };
 pub use noise::noise_floor::{Floor, FloorSource, NoiseFloor, noise_floor};
 pub use noise::noise_model::{ErrorSource, NoiseModel};

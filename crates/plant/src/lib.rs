@@ -18,6 +18,7 @@ pub use design::layout::{Design, Layout};
 pub use design::planned_push::PlannedPush;
 pub use design::push_list::read_push_list;
 pub use dynamics::energy::Energy;
+pub use dynamics::ground::friction_over_table;
 pub use dynamics::numerics::Numerics;
 pub use dynamics::plant::Plant;
 pub use dynamics::tip_path::TipPath;

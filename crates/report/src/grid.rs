@@ -44,6 +44,11 @@ impl Grid {
         grid
     }
 
+    /// The values, row by row from the lowest y.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
     /// Shows only the cells that are `true`; the values of the others may be anything finite.
     #[must_use]
     pub fn mask(mut self, shown: Vec<bool>) -> Self {

@@ -4,6 +4,7 @@
 pub(crate) mod clusters;
 pub(crate) mod covariate;
 pub(crate) mod coverage;
+pub(crate) mod footprints;
 pub(crate) mod kept_steps;
 pub(crate) mod local_residuals;
 pub(crate) mod motion_steps;

@@ -5,6 +5,7 @@ use models::{Description, ModelEffect};
 use nalgebra::{DMatrix, DVector};
 
 use super::descent::Minimum;
+use super::field::{FrictionFieldFit, is_field};
 use super::fitted_model::put;
 use super::free_spread::FreeSpread;
 use super::member::{CHART_STEP, Member, Part};
@@ -43,6 +44,9 @@ pub(super) fn estimates(
     let members = || problem.space.members.iter().enumerate();
     let asked = members().filter(|(_, member)| member.part == Part::Asked);
     let effects = asked.map(|(index, _)| ending.effect(index, settings));
+    let mut asked = members().filter(|(_, member)| member.part == Part::Asked);
+    let field = asked.find(|(_, member)| is_field(member.effect.info()));
+    let field = field.map(|(index, _)| ending.values(index));
     let nuisances = members().filter(|(_, member)| member.part == Part::Nuisance);
     let names = problem.space.of_each(
         |member| {
@@ -61,6 +65,8 @@ pub(super) fn estimates(
         with_nuisances: ending.description(model, &source, |_| true)?,
         effects: effects.collect::<Result<_, _>>()?,
         nuisances: nuisances.flat_map(|(index, _)| ending.nuisance(index, settings)).collect(),
+        field: field
+            .map(|(values, covariance)| FrictionFieldFit::of(&values, &covariance, observations)),
         coordinates: minimum.moved.iter().map(|k| names[*k].clone()).collect(),
         covariance: ending.covariance.clone(),
         cluster: observations.cluster,
@@ -260,7 +266,8 @@ impl Ending<'_> {
         };
         let coordinates = columns.iter().zip(&member.coordinates).enumerate();
         let mut sizes = coordinates.filter(|(k, _)| is_size(member, *k)).map(|(_, pair)| pair);
-        let is_seen = if member.is_mixture() { sizes.any(shows) } else { sizes.all(shows) };
+        let has_many = member.is_mixture() || is_field(about);
+        let is_seen = if has_many { sizes.any(shows) } else { sizes.all(shows) };
         (!is_seen).then_some(Undetermined::Invisible)
     }
 

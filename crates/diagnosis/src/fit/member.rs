@@ -36,6 +36,8 @@ pub(super) struct Member {
     pub(super) center: Vec<f64>,
     /// Of the prior, in coordinates.
     pub(super) prior_sd: Vec<f64>,
+    /// By how much the model's errors are larger than the noise, for a prior that has to hold against them.
+    pub(super) noise: f64,
     /// Smallest and largest of each value.
     ranges: Vec<(f64, f64)>,
     /// Of what it says where it rests.
@@ -58,6 +60,7 @@ impl Member {
             center: coordinates.iter().map(|coordinate| coordinate.off).collect(),
             prior_sd: coordinates.iter().map(|coordinate| coordinate.prior_sd).collect(),
             coordinates,
+            noise: 1.0,
             ranges: about.parameters.iter().map(|parameter| parameter.range).collect(),
             object: None,
             is_by_statics: false,
@@ -173,12 +176,12 @@ impl Member {
         (0..self.len()).filter(is).collect()
     }
 
-    /// (coordinate − center)/sd of the prior; 0 where there is none. Then what is not balanced.
+    /// (coordinate − center)/sd of the prior, times the noise; 0 where there is none. Then what is not balanced.
     pub(super) fn prior_residual(&self, values: &[f64]) -> Vec<f64> {
         let coordinates = self.effect.info().to_coordinates(values);
         let priors = self.center.iter().zip(&self.prior_sd);
         let prior_residual = |(x, (center, sd)): (f64, (&f64, &f64))| match *sd > 0.0 {
-            true => (x - center) / sd,
+            true => self.noise * (x - center) / sd,
             false => 0.0,
         };
         let mut residuals: Vec<f64> =
@@ -349,6 +352,8 @@ mod tests {
                     | Role::Odd
                     | Role::Part
                     | Role::Cell
+                    | Role::Wave
+                    | Role::Reference
                     | Role::Threshold
                     | Role::Share
                     | Role::Switch => {

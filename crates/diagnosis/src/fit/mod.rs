@@ -4,6 +4,7 @@
 mod borne;
 mod descent;
 mod estimates;
+mod field;
 mod fitted_model;
 mod free_spread;
 mod left_out;
@@ -30,6 +31,7 @@ use models::{Cluster, Description};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
+pub use self::field::{FieldRegion, FrictionFieldFit};
 pub use self::motion_errors::MotionErrors;
 pub use self::per_push::{SpreadFit, fit_per_push};
 pub(crate) use self::pulls::Pulls;
@@ -100,6 +102,8 @@ pub struct Fit {
     pub effects: Vec<EffectFit>,
     /// The nuisances.
     pub nuisances: Vec<NuisanceFit>,
+    /// Of a field of friction that was asked for: where the pushes tell it.
+    pub field: Option<FrictionFieldFit>,
     /// Names of the numbers that were moved, such as `table-tilt ax`.
     pub coordinates: Vec<String>,
     /// Their covariance, by the scatter of whole clusters.
@@ -223,10 +227,11 @@ fn fit_near(
     settings: &FitSettings,
     near: Option<&Description>,
 ) -> Result<Fit, DiagnosisError> {
-    let space = Space::new(observations, model, free, settings, near)?;
+    let mut space = Space::new(observations, model, free, settings, near)?;
     let rows = whitening.rows();
     let start = space.place(|member| member.start.clone());
     let robust = Robust::at(&rows, &whitening.whiten(&space.residuals(&start)?));
+    space.hold_against(robust.scale());
     let mut problem = Problem::new(space, whitening, robust);
     let found = problem.search()?;
     estimates(&problem, &found, observations, model, settings)

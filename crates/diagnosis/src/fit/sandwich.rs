@@ -38,7 +38,11 @@ pub(super) fn sandwich(
     }
     let n_clusters = clusters.len() as f64;
     let first = problem.whitening.n_numbers();
-    let priors = slopes.rows(first, slopes.nrows() - first);
+    // What a prior says is off by its standard deviation, however much it is made to weigh.
+    let mut priors = slopes.rows(first, slopes.nrows() - first).into_owned();
+    for (mut row, noise) in priors.row_iter_mut().zip(problem.space.noise_of_strains(&at.x)) {
+        row *= noise;
+    }
     let of_priors = &inverse * (priors.transpose() * priors) * &inverse;
     let of_curvature = &inverse * problem.robust.scale().powi(2);
     let mut covariance = sum * ((n_clusters - 1.0) / n_clusters) + of_priors;

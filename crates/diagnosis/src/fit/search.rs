@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::DMatrix;
 
 use super::descent::{Exactness, Minimum, Start};
+use super::field::is_field;
 use super::member::{Member, Part};
 use super::problem::{Evaluation, Problem};
 use super::robust::Robust;
@@ -43,8 +44,10 @@ impl Problem<'_> {
         self.robust = without.robust;
         let plain = self.spread(&self.switched_on(&before.at.x));
         let plain = self.limited(plain)?;
-        let has_mixture = self.space.members.iter().any(Member::is_moved_mixture);
-        let exactness = if has_mixture { Exactness::Mixture } else { Exactness::Estimates };
+        let has_many =
+            |member: &Member| member.is_moved_mixture() || is_field(member.effect.info());
+        let has_many = self.space.members.iter().any(has_many);
+        let exactness = if has_many { Exactness::Mixture } else { Exactness::Estimates };
         let far = self.far_start(plain.clone())?;
         let mut other = self.clone();
         let mut after = self.settle(plain.clone(), None, exactness)?;
@@ -119,7 +122,8 @@ impl Problem<'_> {
         let mut best = self.stand(plain)?;
         for (index, member) in self.space.members.iter().enumerate() {
             let first = self.space.first(index);
-            let is_asked = member.part == Part::Asked && !member.is_mixture();
+            let has_many = member.is_mixture() || is_field(member.effect.info());
+            let is_asked = member.part == Part::Asked && !has_many;
             let own = if is_asked { first..first + member.len() } else { 0..0 };
             best = self.farther(best, own);
         }

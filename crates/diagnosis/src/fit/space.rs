@@ -14,7 +14,7 @@ use rayon::prelude::{IndexedParallelIterator, IntoParallelRefIterator, ParallelI
 
 use super::free_spread::FreeSpread;
 use super::member::{Member, Part};
-use super::{FitSettings, SupportPointsFit, supports};
+use super::{FitSettings, SupportPointsFit, field, supports};
 use crate::{DiagnosisError, Observations};
 
 /// A model whose effects stand at any place, on observed steps.
@@ -167,6 +167,21 @@ impl<'a> Space<'a> {
         self.members.iter().flat_map(of).chain(self.spread.iter().map(of_spread)).collect()
     }
 
+    /// Lets the prior of a field hold against errors of a typical size, in that of the noise: what the model
+    /// misses from push to push is no friction of the table.
+    pub(super) fn hold_against(&mut self, errors: f64) {
+        let fields = self.members.iter_mut().filter(|m| field::is_field(m.effect.info()));
+        fields.for_each(|member| member.noise = errors);
+    }
+
+    /// The noise of the members, for each of their strains.
+    pub(super) fn noise_of_strains(&self, x: &[f64]) -> Vec<f64> {
+        let of = |(member, own): (&Member, &[f64])| {
+            vec![member.noise; member.prior_residual(&member.values(own)).len()]
+        };
+        self.shares(x).flat_map(of).collect()
+    }
+
     /// The strains of the priors at a place.
     pub(super) fn strains(&self, x: &[f64]) -> Vec<f64> {
         self.shares(x)
@@ -221,8 +236,8 @@ fn nuisances(ids: &[&str], settings: &FitSettings) -> Vec<&'static str> {
     known.filter(is_open).map(|about| about.id).collect()
 }
 
-/// A member that says where the object rests, from what is known or else from where the motions say
-/// that it does.
+/// A member that says where the object rests, or how the table rubs where pushes were: from what is known or
+/// else from where the motions say that it does.
 fn with_start(
     member: Member,
     known: Option<Vec<f64>>,
@@ -230,10 +245,13 @@ fn with_start(
     observations: &Observations,
     object: &Arc<Object>,
 ) -> Member {
+    let known = known.filter(|values| *values != member.off);
+    if member.part == Part::Asked && field::is_field(member.effect.info()) {
+        return field::on_its_table(member, known, observations);
+    }
     if !member.is_moved_mixture() {
         return member;
     }
-    let known = known.filter(|values| *values != member.off);
     let found = known.or_else(|| supports::start(member.effect.as_ref(), points.n, observations));
     let values = found.unwrap_or_else(|| member.typical.clone());
     member.starting_from(values, object, points.by_statics)

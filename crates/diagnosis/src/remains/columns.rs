@@ -4,8 +4,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use effects::{
-    Effect, FrictionCenterOffset, Origin, PressureRadius, PusherFriction, SupportFriction,
-    SupportPoints, all,
+    Effect, FrictionCenterOffset, FrictionField, Origin, PressureRadius, PusherFriction,
+    SupportFriction, SupportPoints, all,
 };
 use models::Description;
 use nalgebra::{DMatrix, DVector};
@@ -59,9 +59,11 @@ pub(super) fn tangent_of_all(
     own: &[Arc<dyn Effect>],
     observations: &Observations,
 ) -> Result<Tangent, DiagnosisError> {
-    let points = SupportPoints.info().id;
-    let is_on_points = model.effects.iter().any(|effect| effect.id == points);
-    let known = all().iter().filter(|effect| is_on_points || effect.info().id != points);
+    // Of many numbers, which would take what is anything else's: where the model has them.
+    let many = [SupportPoints.info().id, FrictionField.info().id];
+    let has = |id: &str| model.effects.iter().any(|effect| effect.id == id);
+    let is_told = |id: &str| !many.contains(&id) || has(id);
+    let known = all().iter().filter(|effect| is_told(effect.info().id));
     Tangent::among(known.chain(own), model, own, observations)
 }
 

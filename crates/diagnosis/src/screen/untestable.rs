@@ -1,6 +1,8 @@
 //! Why data cannot show an effect, and what to measure.
 
-use effects::{Channel, Effect, EffectInfo, Frame, FrictionGradient, Role, Stage};
+use effects::{
+    Channel, Effect, EffectInfo, Frame, FrictionField, FrictionGradient, Origin, Role, Stage,
+};
 use serde::Serialize;
 
 use crate::cut_offs::ONE_SPEED;
@@ -94,8 +96,9 @@ pub fn lacking(observations: &Observations, about: &EffectInfo) -> Option<NotTes
         let (because, measure) = (because.to_owned(), measure.to_owned());
         Some(NotTestable { reason: Reason::NoCovariate, because, measure })
     };
-    // Without the force, a law of friction and speed is a shape of the limit surface at one speed.
-    let is_of_speed = about.stages.contains(&Stage::Local);
+    // Without the force, a law of friction and speed is a shape of the limit surface at one speed; one of
+    // places is not.
+    let is_of_speed = about.stages.contains(&Stage::Local) && about.origin != Origin::Table;
     if is_of_speed
         && !observations.channels().contains(&Channel::Force)
         && at_one_speed(observations)
@@ -113,7 +116,7 @@ pub fn lacking(observations: &Observations, about: &EffectInfo) -> Option<NotTes
         (true, false, _) => {
             "it depends on how the object lies on the table, and its orientation is not known"
         }
-        (true, true, false) if about.id == FrictionGradient.info().id => {
+        (true, true, false) if is_of_place(about) => {
             "it depends on where the object lies on the table, which is not known"
         }
         (true, true, false) => return None,
@@ -128,9 +131,18 @@ fn at_one_speed(observations: &Observations) -> bool {
     low.zip(high).is_some_and(|(low, high)| high < ONE_SPEED * low)
 }
 
-/// Whether one of an effect's vectors or axes is fixed to a frame.
+/// Whether it is another one at another place of the table.
+fn is_of_place(about: &EffectInfo) -> bool {
+    [FrictionGradient.info().id, FrictionField.info().id].contains(&about.id)
+}
+
+/// Whether one of an effect's vectors, axes or waves is fixed to a frame.
 fn fixed_to(about: &EffectInfo, frame: Frame) -> bool {
-    let of_frame = |role: Role| matches!(role, Role::X(f) | Role::Ratio(f) if f == frame);
+    let of_frame = |role: Role| match role {
+        Role::X(fixed) | Role::Ratio(fixed) => fixed == frame,
+        Role::Wave => frame == Frame::World,
+        _ => false,
+    };
     about.parameters.iter().any(|parameter| of_frame(parameter.role))
 }
 

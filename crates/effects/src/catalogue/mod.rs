@@ -62,6 +62,7 @@ catalogue! {
         pressure_map::PressureMap,
         vertex_contact::VertexContact,
         approach_gap::ApproachGap,
+        friction_field::FrictionField,
     }
 }
 

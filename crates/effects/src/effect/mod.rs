@@ -294,10 +294,11 @@ impl EffectInfo {
         self.parameters.iter().zip(values).try_for_each(|(p, value)| p.check(self.id, *value))
     }
 
-    /// The first parameter that has to be told, but is not; of points and cells that bear nothing none has.
+    /// The first parameter that has to be told, but is not; of points and cells that bear nothing, and of waves that are
+    /// not there, none has.
     pub fn missing(&self, is_told: impl Fn(&str) -> bool) -> Option<&'static Parameter> {
         let is_left_out = |index: usize, parameter: &Parameter| match parameter.role {
-            Role::Cell => true,
+            Role::Cell | Role::Wave => true,
             // A share follows the place of its point.
             Role::X(_) => self.is_part(index + 2) && !is_told(self.parameters[index + 2].name),
             Role::Y(_) => self.is_part(index + 1) && !is_told(self.parameters[index + 1].name),

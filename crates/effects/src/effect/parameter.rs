@@ -58,6 +58,11 @@ pub enum Role {
     Part,
     /// The same of a cell of a grid along the body's axes: seen from other axes it is not one of theirs.
     Cell,
+    /// An amplitude of a wave over the table, along the table's axes: seen from other axes it is not one of
+    /// theirs. Its typical size is the standard deviation of what is expected of it, and no more is.
+    Wave,
+    /// A number that says what others are about; no fit moves it.
+    Reference,
     /// A limit that a step is on one side of: predictions jump with it, and fits try values.
     Threshold,
     /// A share in a mixture, which neither changes: nothing is beyond the ends of its range, and an
@@ -88,7 +93,7 @@ pub struct Coordinate {
     pub off: f64,
     /// Step of secants that reach over the kinks of sticking and sliding.
     pub secant: f64,
-    /// Standard deviation of a weak prior about `off`: a few times the typical size.
+    /// Standard deviation of a weak prior about `off`: a few times the typical size; 0 for what no fit moves.
     pub prior_sd: f64,
     /// Smallest and largest allowed value.
     pub range: (f64, f64),
@@ -173,7 +178,8 @@ pub(crate) fn coordinates(parameters: &[Parameter], rig: &Rig) -> Vec<Coordinate
         match parameter.role {
             Role::Ratio(_) => axis("e cos 2φ", parameter.typical, range.1),
             Role::Part | Role::Cell => Coordinate { range: (0.0, LARGEST_PART), ..plain },
-            Role::Direction(_) => plain,
+            Role::Wave => Coordinate { prior_sd: size, ..plain },
+            Role::Reference => Coordinate { prior_sd: 0.0, ..plain },
             _ => plain,
         }
     };

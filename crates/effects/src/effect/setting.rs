@@ -30,7 +30,8 @@ impl Setting {
         Self { id: about.id.to_owned(), parameters, ..Self::default() }
     }
 
-    /// The values in the order of the effect's parameters; 0 for points and cells that are left out.
+    /// The values in the order of the effect's parameters; 0 for points, cells and waves that are
+    /// left out.
     ///
     /// # Errors
     /// `UnknownParameter` for one that the effect does not have, `MissingParameter` for one without value.

@@ -6,6 +6,7 @@ mod allowed;
 mod any_values;
 mod exact_push;
 mod extremes;
+mod field;
 mod known_answers;
 mod laws;
 mod separation;

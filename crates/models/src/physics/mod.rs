@@ -168,7 +168,7 @@ impl Physics {
 
     /// What a fit to such steps may move: μp, on an ellipsoid c, and the numbers of the effects.
     ///
-    /// An effect that says the same as μp or c stands for it; switches are not moved.
+    /// An effect that says the same as μp or c stands for it; switches and references are not moved.
     pub(crate) fn free(&self, step: &StepInput) -> Result<Vec<Free>, ModelError> {
         let carries = |id: &str| self.effects.iter().any(|effect| effect.id == id);
         let mut free = Vec::new();
@@ -186,7 +186,9 @@ impl Physics {
             let here = about.to_coordinates(&values);
             let whole = step.whole().ok_or_else(|| self.needs_more())?;
             let coordinates = self.effect(effect)?.coordinates_in(&self.rig(step)?, whole);
-            let moving = (0..here.len()).filter(|k| about.parameters[*k].role != Role::Switch);
+            let is_fixed =
+                |k: &usize| matches!(about.parameters[*k].role, Role::Switch | Role::Reference);
+            let moving = (0..here.len()).filter(|k| !is_fixed(k));
             free.extend(moving.map(|k| {
                 let effects::Coordinate { name, secant, range, .. } = coordinates[k];
                 let (effect, coordinate, at) = (index, k, here[k]);

@@ -13,6 +13,21 @@ use crate::truth::{Burr, Truth};
 /// Share of the tip's friction that no texture takes away.
 const LEAST_FRICTION: f64 = 0.1;
 
+/// Friction of a truth's table over that of its support, as a function of the place in m, frame W: 0 or more,
+/// and without what objects or speeds make of it.
+///
+/// Its texture is of the truth's `texture_seed`, as a set of recordings has it.
+pub fn friction_over_table(truth: &Truth) -> impl Fn(&Vector2<f64>) -> f64 + use<> {
+    let texture = Relief::new(&truth.friction_map.texture, truth.texture_seed, Part::TableFriction);
+    let map = truth.friction_map;
+    move |place_w| map.factor(place_w) * rubbing(&texture, place_w)
+}
+
+/// What a texture of friction does to it at a place; never negative.
+fn rubbing(texture: &Relief, place_w: &Vector2<f64>) -> f64 {
+    (1.0 + texture.at(place_w)).max(0.0)
+}
+
 /// What varies from place to place.
 #[derive(Clone, Debug)]
 pub(crate) struct Ground {
@@ -143,8 +158,7 @@ impl Ground {
             }
             stand = Some(found);
         }
-        let rub =
-            |(load, place): (&f64, &Vector2<f64>)| load * (1.0 + self.frictions.at(place)).max(0.0);
+        let rub = |(load, place): (&f64, &Vector2<f64>)| load * rubbing(&self.frictions, place);
         let frictions = loads.iter().zip(places_w).map(rub).collect();
         Ok(Footprint { place: state.place, rubbed: state.rubbed, loads, frictions, stand })
     }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::{EffectKind, Parameter, Quantity};
 use crate::design::layout::Layout;
-use crate::{Burr, Design, Feet, PlantError};
+use crate::{Burr, Design, Feet, PlantError, Texture};
 
 const TURN: (f64, f64) = (-2.0 * PI, 2.0 * PI);
 const SPEED: (f64, f64) = (1e-4, 1.0);
@@ -327,6 +327,25 @@ pub(super) const OF_SUPPORT_AND_TIP: &[EffectKind] = &[
         },
     },
 ];
+
+/// Of the catalogue, and in no surprise: surprises stay what they were for their seeds.
+pub(super) const OF_THE_TABLE: &[EffectKind] = &[EffectKind {
+    id: "friction-field",
+    about: "friction differs from place to place of the table, over decimetres",
+    in_catalogue: true,
+    parameters: &[
+        Parameter::new("sd", Quantity::Number, 0.0, 0.15, (0.0, 1.0)),
+        Parameter::free("longest", Quantity::Length, 0.3, (0.05, 2.0)),
+    ],
+    apply: |truth, _, v| {
+        if v[0] > 0.0 {
+            let (sd, longest) = (v[0], v[1]);
+            let shortest = 0.5 * longest;
+            truth.friction_map.texture = Texture { sd, longest, shortest, persistence: 0.6 };
+        }
+        Ok(())
+    },
+}];
 
 /// More than any outline has vertices.
 const ALL: usize = 1000;

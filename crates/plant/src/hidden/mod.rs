@@ -15,8 +15,13 @@ pub use spec::{Hidden, HiddenEffect};
 /// and those of the catalogue of which the plant has laws of its own.
 #[must_use]
 pub fn effect_kinds() -> Vec<&'static EffectKind> {
+    surprising().chain(catalogue::OF_THE_TABLE).collect()
+}
+
+/// What a surprise may be.
+fn surprising() -> impl Iterator<Item = &'static EffectKind> {
     let others = catalogue::OF_SUPPORT_AND_TIP.iter();
-    catalogue::KINDS.iter().chain(additional::KINDS).chain(others).collect()
+    catalogue::KINDS.iter().chain(additional::KINDS).chain(others)
 }
 
 pub(crate) fn effect_kind(id: &str) -> Option<&'static EffectKind> {

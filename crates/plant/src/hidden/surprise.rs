@@ -1,7 +1,7 @@
 //! A hidden effect that nobody chose.
 
 use super::spec::SURPRISE;
-use super::{Hidden, HiddenEffect, Quantity, effect_kinds};
+use super::{Hidden, HiddenEffect, Quantity, surprising};
 use crate::PlantError;
 use crate::random::{Purpose, Random};
 
@@ -32,7 +32,7 @@ impl Hidden {
 /// Draws any effect, its size around the typical one, to either side where there are two.
 fn draw(seed: u64, number: usize) -> HiddenEffect {
     let mut random = Random::new(seed, Purpose::Surprise, number as u64);
-    let kinds = effect_kinds();
+    let kinds: Vec<_> = surprising().collect();
     let kind = kinds[random.below(kinds.len())];
     let size = random.uniform(SIZES.0, SIZES.1);
     HiddenEffect::of(kind, |parameter| {

@@ -111,6 +111,7 @@ const CHANNELS: &[(&str, &str)] = &[
     ("pressure-map", "yynn"),
     ("vertex-contact", "--nn"),
     ("push-height", "yynn"),
+    ("friction-field", "yynn"),
     ("cable-drag", "yynn"),
     ("chipped-corner", "yyyn"),
     ("flexing-tip", "y-yn"),

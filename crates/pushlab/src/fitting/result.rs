@@ -3,7 +3,9 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use diagnosis::{EffectFit, Fit, Interval, NuisanceFit, ParameterFit, SpreadFit};
+use diagnosis::{
+    EffectFit, FieldRegion, Fit, FrictionFieldFit, Interval, NuisanceFit, ParameterFit, SpreadFit,
+};
 use effects::Spread;
 use models::Cluster;
 use serde::Serialize;
@@ -26,6 +28,8 @@ pub(crate) struct Fitted {
     /// Without what was fitted, and with it.
     whitened_rms: [f64; 2],
     effects: Vec<EffectFit>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    field: Option<FrictionFieldFit>,
     nuisances: Vec<NuisanceFit>,
     /// Whether the model file has the nuisances.
     writes_nuisances: bool,
@@ -79,6 +83,7 @@ impl Fitted {
             whitened_rms,
             covariance: rows.collect(),
             effects: fit.effects,
+            field: fit.field,
             nuisances: fit.nuisances,
             writes_nuisances,
             coordinates: fit.coordinates,
@@ -105,6 +110,8 @@ impl fmt::Display for Fitted {
                 writeln!(f, "  most like it: {} (correlation {:.2})", alike.id, alike.correlation)?;
             }
         }
+        let regions = self.field.iter().flat_map(|field| &field.regions);
+        regions.into_iter().try_for_each(|region| write_region(f, region))?;
         if let Some(of_pushes) = &self.per_push {
             let PerPush { parameters, spread, per_session, per_place, gain, gain_se } = of_pushes;
             let size = |spread: &Spread| match spread {
@@ -132,6 +139,22 @@ fn is_nothing(parameter: &ParameterFit) -> bool {
     parameter.value == 0.0 && parameter.se == 0.0 && parameter.off == Some(0.0)
 }
 
+fn write_region(f: &mut fmt::Formatter<'_>, region: &FieldRegion) -> fmt::Result {
+    let FieldRegion { n_pushes, area, range: [low, high], se, prior_sd } = region;
+    let went = match n_pushes {
+        0 => "no push",
+        1 => "one push",
+        _ => "several pushes",
+    };
+    let [area, low, high, se, prior_sd] =
+        [area, low, high, se, prior_sd].map(|share| 100.0 * share);
+    writeln!(
+        f,
+        "  where {went} went, {area:.0} % of its rectangle: {low:+.0} to {high:+.0} % of friction, \
+         ± {se:.1} % (± {prior_sd:.0} % beforehand)"
+    )
+}
+
 fn write_nuisance(f: &mut fmt::Formatter<'_>, nuisance: &NuisanceFit) -> fmt::Result {
     let NuisanceFit { id, name, unit, nominal, value, se, .. } = nuisance;
     let unit = behind_number(unit);
@@ -145,7 +168,10 @@ fn write_nuisance(f: &mut fmt::Formatter<'_>, nuisance: &NuisanceFit) -> fmt::Re
 }
 
 fn write_parameter(f: &mut fmt::Formatter<'_>, parameter: &ParameterFit) -> fmt::Result {
-    let ParameterFit { name, unit, value, se, interval, .. } = parameter;
+    let ParameterFit { name, unit, off, value, se, interval } = parameter;
+    if *se == 0.0 && off.is_none() {
+        return writeln!(f, "  {name}: {}{}, not moved", four_digits(*value), behind_number(unit));
+    }
     // Two digits of the standard error.
     let digits = if *se > 0.0 { (1.0 - se.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
     let unit = behind_number(unit);

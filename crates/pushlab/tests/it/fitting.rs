@@ -143,6 +143,25 @@ fn what_is_known_of_points_is_for_fits_of_points() {
 }
 
 #[test]
+fn few_pushes_tell_no_field_of_friction_and_one_by_hand_is_drawn_where_objects_lay() {
+    let set = SmallSet::new();
+    let hidden = ["generate", "--hidden", "friction-field: sd=0.3", "-n", "30", "--format", "csv"];
+    set.done(&[&hidden[..], &["-o", "pushes"]].concat());
+    set.done(&["models", "init", "pushes"]);
+    set.edit("model.toml", "limit_surface = \"ellipsoid\"", "limit_surface = \"uniform-patch\"");
+    let message = set.error(&["add", "friction-field", "--fit", "pushes", "-o", "field.toml"]);
+    assert!(message.contains("friction-field cannot be determined"), "{message}");
+    let by_hand = ["add", "friction-field", "--set", "x=0", "--set", "y=0", "--set", "half_x=0.2"];
+    let one_wave = ["--set", "half_y=0.2", "--set", "x1_y0=0.1", "-o", "field.toml"];
+    set.done(&[&by_hand[..], &one_wave].concat());
+    let has_map = |model: &str| {
+        set.done(&["report", "pushes", "--model", model, "-o", "page.html", "--force"]);
+        set.read("page.html").contains("Friction over the table")
+    };
+    assert!(has_map("field.toml") && !has_map("model.toml"));
+}
+
+#[test]
 fn nuisances_are_written_where_they_are_asked_for() {
     let set = pushes();
     let fit = ["fit", "pushes", "--free", "pusher-friction", "-o"];

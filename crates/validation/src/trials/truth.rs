@@ -112,11 +112,17 @@ fn mean(values: &[f64]) -> (f64, f64) {
 
 impl TrueEffect {
     /// Whether the catalogue's law is the simulator's, so that its parameters can be compared: a
-    /// pusher of the simulator has no state but its slip, where the catalogue's sticks or slides; its feet
-    /// and rims follow from a few numbers, and its friction rises towards vertices.
+    /// pusher of the simulator has no state but its slip, where the catalogue's sticks or slides; its feet,
+    /// rims and waves over the table follow from a few numbers, and its friction rises towards vertices.
     pub(super) fn is_same_law(&self) -> bool {
-        !["pusher-stiction", "support-points", "pressure-map", "vertex-contact"]
-            .contains(&self.id.as_str())
+        let own = [
+            "pusher-stiction",
+            "support-points",
+            "pressure-map",
+            "vertex-contact",
+            "friction-field",
+        ];
+        !own.contains(&self.id.as_str())
     }
 
     /// The values as parameters of the catalogue's effect; those that it shares alone. Most are the same

@@ -21,9 +21,11 @@ const SURFACES: [Surface; 2] = [Surface::Ellipsoid, Surface::UniformPatch];
 /// Differences that count as a change of a channel: a millionth of a step's motion, force and gap.
 const FLOOR: [f64; 7] = [1e-9, 1e-9, 1e-8, 1e-6, 1e-6, 1e-9, 1e-9];
 
-/// Whether its numbers are those of the body's axes alone: no other axes have the same.
-fn is_of_axes(effect: &dyn Effect) -> bool {
-    effect.info().parameters.iter().any(|parameter| parameter.role == Role::Cell)
+/// Whether its numbers are those of the body's axes alone, or of the table's: no other axes have the same.
+fn is_of_axes(effect: &dyn Effect, world: &World) -> bool {
+    let has = |role| effect.info().parameters.iter().any(|parameter| parameter.role == role);
+    has(Role::Cell) && (world.is_mirrored || world.body_turn != 0.0)
+        || has(Role::Wave) && (world.is_mirrored || world.turn != 0.0)
 }
 
 fn predict(physics: &PushPhysics, steps: &[StepInput]) -> Vec<[f64; 7]> {
@@ -81,7 +83,7 @@ fn agree(name: &str, world: &World, tolerance: f64) {
     for surface in SURFACES {
         for effect in all() {
             let id = effect.info().id;
-            if is_of_axes(effect.as_ref()) && (world.is_mirrored || world.body_turn != 0.0) {
+            if is_of_axes(effect.as_ref(), world) {
                 continue;
             }
             let is_tabulated = surface_shape(&surface) != 0.0 || id == "limit-surface-shape";

@@ -58,6 +58,8 @@ impl World {
                 | Role::Share
                 | Role::Part
                 | Role::Cell
+                | Role::Wave
+                | Role::Reference
                 | Role::Threshold => {}
             }
         }

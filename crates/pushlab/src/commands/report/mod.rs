@@ -2,6 +2,7 @@
 
 mod diagnosed;
 mod errors;
+mod friction;
 mod headline;
 mod maps;
 mod measure;
@@ -16,8 +17,9 @@ use ::report::{Page, Provenance};
 use anyhow::{Context, Result, bail};
 use dataset::Suspicion;
 use diagnosis::{
-    Comparison, Diagnosis, MapSettings, NoiseFloor, Observations, OutlineMap, Predictions,
-    PushEnds, RepeatTolerance, Rollout, compare, noise_floor, outline_maps, push_ends, roll_out,
+    Comparison, Diagnosis, Footprints, MapSettings, NoiseFloor, Observations, OutlineMap,
+    Predictions, PushEnds, RepeatTolerance, Rollout, compare, noise_floor, outline_maps, push_ends,
+    roll_out,
 };
 use models::ModelFile;
 use serde::Serialize;
@@ -75,6 +77,8 @@ struct Report {
     floor: NoiseFloor,
     observations: Observations,
     models: Vec<Tried>,
+    /// Of all pushes of the set.
+    footprints: Footprints,
     diagnosis: Option<(Diagnosis, Signatures)>,
     /// What of the set contradicts the mechanics.
     suspicions: Vec<Suspicion>,
@@ -143,6 +147,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
 impl Report {
     fn of(set: String, files: Vec<(&Path, ModelFile)>, all: Observations) -> Result<Self> {
         let part = Part::of(files.iter().filter_map(|(_, file)| file.split.as_ref()), &all);
+        let footprints = Footprints::of(&all);
         let observations = part.observations(all)?;
         let names = distinct_names(&files);
         let mut floor: Option<NoiseFloor> = None;
@@ -173,7 +178,7 @@ impl Report {
         }
         let floor = floor.context("name a model with --model")?;
         let (diagnosis, suspicions) = (None, Vec::new());
-        Ok(Self { set, part, floor, observations, models, diagnosis, suspicions })
+        Ok(Self { set, part, floor, observations, models, footprints, diagnosis, suspicions })
     }
 
     /// The same with what a diagnosis says of the first model, shown on all pushes.
@@ -199,13 +204,14 @@ impl Report {
         if let Some((found, signatures)) = &self.diagnosis {
             html = html.with(diagnosed::section(found, signatures)?);
         }
-        let html = html
+        html = html
             .with(errors::section(self)?)
             .with(pushes::section(player))
-            .with(outlines::section(self)?)
-            .with(maps::section(self)?)
-            .with(parameters::section(self))
-            .single_file()?;
+            .with(outlines::section(self)?);
+        if let Some(friction) = friction::section(self)? {
+            html = html.with(friction);
+        }
+        let html = html.with(maps::section(self)?).with(parameters::section(self)).single_file()?;
         let written = Written {
             page: page.to_owned(),
             bytes: html.len(),
