@@ -221,7 +221,10 @@ pub(super) fn picture(known: &[Known]) -> Result<String> {
         let outline: Vec<[f64; 2]> = outline.iter().map(|place| mm(place)).collect();
         let feet: Vec<[f64; 2]> = feet.iter().map(|foot| mm(foot)).collect();
         let [ours, true_color] = [Color::cycle(0), Color::cycle(1)];
-        let mut panel = Panel::new("x in mm", "y in mm").title(name).with(Polygon::new(&outline));
+        let mut panel = Panel::new("x in mm", "y in mm")
+            .title(name)
+            .equal_aspect()
+            .with(Polygon::new(&outline));
         for foot in found {
             let circle = Ellipse::circle(mm(foot), WHOLE * foot[2].sqrt());
             panel = panel.with(circle.fill(ours, 0.4));

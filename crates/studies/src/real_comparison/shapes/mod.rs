@@ -88,8 +88,10 @@ pub(super) fn picture(shapes: &[Shape]) -> Result<String> {
     for shape in shapes {
         let mm = |place: &[f64; 2]| place.map(|x| 1e3 * x);
         let outline: Vec<[f64; 2]> = shape.outline.iter().map(mm).collect();
-        let mut panel =
-            Panel::new("x in mm", "y in mm").title(&shape.name).with(Polygon::new(&outline));
+        let mut panel = Panel::new("x in mm", "y in mm")
+            .title(&shape.name)
+            .equal_aspect()
+            .with(Polygon::new(&outline));
         for (fold, feet) in shape.models.iter().filter_map(feet).enumerate() {
             let color = Color::cycle(fold);
             for [x, y, share] in &feet {
