@@ -291,6 +291,11 @@ impl Missed {
         self.steps.len()
     }
 
+    /// Whether its push draws numbers.
+    pub(super) fn has_drawn(&self) -> bool {
+        self.varied.ncols() > 0
+    }
+
     /// The same where a push keeps a share of the variance that it has.
     pub(super) fn keeping(&self, share: f64) -> Self {
         let (steps, miss) = (self.steps.clone(), self.miss.clone());

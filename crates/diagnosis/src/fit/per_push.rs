@@ -165,6 +165,8 @@ impl Fitting<'_> {
         };
         for carried in model.effects.iter_mut().filter(|carried| carried.id == self.about.id) {
             (carried.per_push, carried.per_place) = (of(per_push), of(per_place));
+            // What an earlier fit gave to sessions is told anew with the rest.
+            carried.per_session.clear();
         }
     }
 
@@ -358,9 +360,27 @@ mod tests {
     }
 
     #[test]
+    fn a_spread_that_is_tried_takes_the_place_of_all_that_an_earlier_fit_found() {
+        let (observations, mut model) = recorded(1);
+        let about = by_id("pusher-friction").unwrap().info();
+        let mut effect = ModelEffect::from(effects::Setting::new(about, &[0.25]));
+        effect.per_push.insert("friction".to_owned(), Spread::RelativeSd(0.3));
+        effect.per_session.insert("friction".to_owned(), Spread::RelativeSd(0.4));
+        model.effects.push(effect);
+        let settings = &FitSettings::default();
+        let unit = super::unit(about);
+        let fitting = super::Fitting { observations: &observations, about, unit, settings };
+        fitting.spread(&mut model, [Spread::RelativeSd(0.1), Spread::RelativeSd(0.0)]);
+        let setting = model.effects.last().unwrap().setting();
+        assert_eq!(setting.per_push["friction"], Spread::RelativeSd(0.1));
+    }
+
+    #[test]
     fn a_friction_that_a_session_shares_is_told_from_one_that_each_push_has() {
         let ([push, _], _, session) = found_in(0.4, 0.0, Some(5));
         assert!(session.is_some_and(|sd| sd > 0.2 && sd > 2.0 * push), "{session:?} {push}");
+        // Nothing differs, and no session has a part of it.
+        assert_eq!(found_in(0.0, 0.0, Some(5)).2, None);
     }
 
     #[test]

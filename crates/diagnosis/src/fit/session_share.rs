@@ -1,10 +1,11 @@
 //! How much of what differs from push to push is the same for all pushes of a session.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use nalgebra::{DMatrix, DVector};
 
 use super::motion_errors::{Missed, MotionErrors};
 use crate::cut_offs::{FEWEST_SESSIONS_OF_SPREAD, SURE_OF_SPREAD};
-use crate::data::clusters::numbered;
 use crate::{DiagnosisError, Observations};
 
 /// Shares that are tried.
@@ -17,7 +18,8 @@ struct Told {
 }
 
 /// The likeliest share of the variance of a spread that sessions have, of a model whose spread from push to
-/// push holds both; none for fewer than four sessions, and where the share may be chance (p > 0.05).
+/// push holds both; none for fewer than four sessions, where pushes do not differ, and where the share may be
+/// chance (p > 0.05).
 ///
 /// # Errors
 /// `NotACovariance` for a push whose numbers overflow.
@@ -27,16 +29,19 @@ pub(super) fn session_share(
     errors: &MotionErrors,
 ) -> Result<Option<f64>, DiagnosisError> {
     let session_of = sessions(observations);
-    let n_sessions = session_of.iter().max().map_or(0, |last| last + 1);
+    let n_sessions = session_of.values().copied().collect::<BTreeSet<_>>().len();
     if n_sessions < FEWEST_SESSIONS_OF_SPREAD {
         return Ok(None);
     }
-    let mut pushes: Vec<Vec<Told>> = (0..n_sessions).map(|_| Vec::new()).collect();
-    for (push, missed) in all.iter().enumerate().filter(|(_, missed)| missed.n_steps() > 0) {
-        let (information, score) = errors.told_of_draws(push, missed)?;
-        pushes[session_of[push]].push(Told { information, score });
+    let mut pushes: BTreeMap<u32, Vec<Told>> = BTreeMap::new();
+    for (push, session) in session_of {
+        let missed = &all[push];
+        if missed.n_steps() > 0 && missed.has_drawn() {
+            let (information, score) = errors.told_of_draws(push, missed)?;
+            pushes.entry(session).or_default().push(Told { information, score });
+        }
     }
-    let density = |share: f64| pushes.iter().map(|session| log_density(session, share)).sum();
+    let density = |share: f64| pushes.values().map(|session| log_density(session, share)).sum();
     let share_at = |k: usize| k as f64 / N_SHARES as f64;
     let densities: Vec<f64> = (0..=N_SHARES).map(|k| density(share_at(k))).collect();
     let best = (0..=N_SHARES).max_by(|a, b| densities[*a].total_cmp(&densities[*b]));
@@ -44,13 +49,13 @@ pub(super) fn session_share(
     Ok(best.filter(is_sure).map(share_at))
 }
 
-/// The number of each push's session: that in which it begins.
-fn sessions(observations: &Observations) -> Vec<usize> {
-    let mut names = vec![None; observations.pushes.len()];
+/// The session of each push that has steps: that in which it begins.
+fn sessions(observations: &Observations) -> BTreeMap<usize, u32> {
+    let mut sessions = BTreeMap::new();
     for (step, push) in observations.steps.iter().zip(&observations.push_of) {
-        names[*push].get_or_insert(&step.input.session);
+        sessions.entry(*push).or_insert(step.input.session);
     }
-    numbered(names.into_iter())
+    sessions
 }
 
 /// Log density of the pushes of a session that share a part of what they draw, but for what no share changes.

@@ -128,6 +128,13 @@ fn what_differs_from_push_to_push_is_carried_with_all_the_rest() {
     (diagnosis["identified"], diagnosis["ambiguous"]) = (json!([]), json!([]));
     set.write("d.json", &diagnosis.to_string());
     set.done(&["add", "--all", "--from", "d.json", "-o", "scatter.toml"]);
+    // What a model gave to sessions is a part of what differs between pushes, and not beside it.
+    let of_pushes = "friction.per_push]\nsd = 0.03\n";
+    let of_sessions = "\n[effects.parameters.friction.per_session]\nsd = 0.2\n";
+    set.write("sessions.toml", &set.read("scatter.toml"));
+    set.edit("sessions.toml", of_pushes, &format!("{of_pushes}{of_sessions}"));
+    set.done(&["add", "--all", "--from", "d.json", "--model", "sessions.toml", "-o", "again.toml"]);
+    assert!(!set.read("again.toml").contains("per_session"));
     let simulate = ["simulate", "pushes", "--particles", "200", "-n", "15", "--json"];
     let held = |model: &str| -> u64 {
         let out = format!("out-{model}");

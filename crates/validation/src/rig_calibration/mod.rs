@@ -44,8 +44,9 @@ pub struct Args {
     /// Leave out the learning curves
     #[arg(long)]
     quick: bool,
-    /// Write a page with the table here, such as docs/rig-calibration.md
-    #[arg(short, long, value_name = "FILE")]
+    /// Write a page with the whole table here, such as docs/rig-calibration.md
+    #[arg(short, long, value_name = "FILE", requires = "data",
+          conflicts_with_all = ["with", "repeats_alone", "quick"])]
     output: Option<PathBuf>,
 }
 
@@ -83,6 +84,11 @@ pub fn run(args: &Args) -> Result<()> {
         Some(data) if !args.repeats_alone => measured(data, args.quick)?,
         _ => None,
     };
+    if args.output.is_some() && measured.is_none() {
+        bail!(
+            "a page needs the measured steps: name the folder that has mit-push-table with --data"
+        );
+    }
     let seeds = if args.repeats_alone { &[] } else { &args.seeds[..] };
     let rig = Rig::of(&args.rig, args.with.as_deref())?;
     let simulated = seeds.iter().map(|&seed| {

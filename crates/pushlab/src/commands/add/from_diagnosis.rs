@@ -118,6 +118,10 @@ pub(super) fn spread<'a>(
         for carried in model.effects.iter_mut().filter(|carried| carried.id == id) {
             let sd = |one: &Parameter| (one.name.to_owned(), Spread::Sd(scatter.sd));
             carried.per_push.extend(alike.clone().map(sd));
+            // The diagnosis tells all that differs between pushes, sessions' part with it.
+            for one in alike.clone() {
+                carried.per_session.remove(one.name);
+            }
             carried.setting().check_spreads()?;
         }
         is_given = true;
