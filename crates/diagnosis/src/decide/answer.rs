@@ -1,6 +1,7 @@
 //! The answer to "which effect is missing?", for people and programs.
 
 use dataset::Suspicion;
+use effects::Origin;
 use models::{Cluster, Split};
 use serde::{Deserialize, Serialize};
 
@@ -186,6 +187,11 @@ pub struct Leftover {
     pub p: Option<f64>,
     /// Over what it shows most, in words; none where there is none.
     pub covariate: Option<String>,
+    /// What of the rig most of it comes from: by what the pushes share that are missed by far, where that is
+    /// all that is told, else by what can be predicted of it, else by the speed, time or place on the table
+    /// where it shows. None where none tells.
+    #[serde(default)]
+    pub origin: Option<Origin>,
 }
 
 impl NoiseOrigin {

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::cut_offs::{DIFFERENT, DIFFERENT_SHARE, FEWEST_IN_GROUP, N_GROUPS};
+use crate::cut_offs::{DIFFERENT, DIFFERENT_SHARE, FEWEST_IN_GROUP, N_GROUPS, ONE_SPEED};
 use crate::fit::Pulls;
 use crate::statistics::quantile::normal_of_chi_square;
 use crate::{Covariate, Observations};
@@ -37,7 +37,7 @@ impl Varies {
     }
 }
 
-/// Along what an effect's size differs most surely between five groups of pushes, if it does: by Cochran's
+/// Along what an effect's size differs most surely between groups of pushes, if it does: by Cochran's
 /// Q, and by more than a quarter of it.
 ///
 /// # Source
@@ -52,7 +52,8 @@ pub(super) fn varies(pulls: &Pulls, observations: &Observations) -> Option<Varie
     found.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, varies)| varies)
 }
 
-/// Pushes in the order of a covariate, in five parts; none where it is not known or hardly differs.
+/// Pushes in the order of a covariate, in five parts, or by speed where few are asked for; none where it is
+/// not known or hardly differs.
 fn groups(observations: &Observations, over: Covariate) -> Option<Vec<Vec<usize>>> {
     if observations.unknown.contains(&over) {
         return None;
@@ -64,13 +65,28 @@ fn groups(observations: &Observations, over: Covariate) -> Option<Vec<Vec<usize>
     let mut pushes: Vec<(f64, usize)> =
         first.iter().enumerate().filter_map(|(push, at)| Some(((*at)?, push))).collect();
     pushes.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    if let Some(speeds) = speeds(&pushes).filter(|_| over == Covariate::Speed) {
+        return Some(speeds);
+    }
     let n = pushes.len();
     let part = |k: usize| &pushes[k * n / N_GROUPS..(k + 1) * n / N_GROUPS];
     let parts: Vec<&[(f64, usize)]> = (0..N_GROUPS).map(part).collect();
     let (low, high) = (parts[0].last()?.0, parts[N_GROUPS - 1].first()?.0);
     let is_one = high - low <= 1e-3 * high.abs().max(low.abs());
-    (n >= FEWEST_IN_GROUP * N_GROUPS && !is_one)
-        .then(|| parts.iter().map(|part| part.iter().map(|(_, push)| *push).collect()).collect())
+    (n >= FEWEST_IN_GROUP * N_GROUPS && !is_one).then(|| parts.into_iter().map(names).collect())
+}
+
+fn names(part: &[(f64, usize)]) -> Vec<usize> {
+    part.iter().map(|(_, push)| *push).collect()
+}
+
+/// Pushes in the order of their speeds, in groups of one each; none where there are many speeds, or few pushes
+/// of one.
+fn speeds(pushes: &[(f64, usize)]) -> Option<Vec<Vec<usize>>> {
+    let speeds = pushes.chunk_by(|one, next| next.0 < ONE_SPEED * one.0);
+    let speeds: Vec<Vec<usize>> = speeds.map(names).collect();
+    let is_few = (2..=N_GROUPS).contains(&speeds.len());
+    (is_few && speeds.iter().all(|pushes| pushes.len() >= FEWEST_IN_GROUP)).then_some(speeds)
 }
 
 /// Cochran's Q as a normal quantile, and the standard deviation between groups over the size.
@@ -127,7 +143,7 @@ mod tests {
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
-    use super::spread;
+    use super::{FEWEST_IN_GROUP, speeds, spread};
     use crate::fit::Pulls;
     use crate::synthetic::normal;
 
@@ -141,6 +157,23 @@ mod tests {
         let of_pushes = (0..n).map(of_push).collect();
         let groups = (0..5).map(|k| (k * n / 5..(k + 1) * n / 5).collect()).collect();
         (Pulls { size: DVector::from_element(1, 1.0), of_pushes }, groups)
+    }
+
+    #[test]
+    fn few_speeds_are_the_groups() {
+        let at = |speeds: &[f64]| -> Vec<(f64, usize)> {
+            let all = speeds.iter().flat_map(|speed| [*speed; FEWEST_IN_GROUP]);
+            all.enumerate()
+                .map(|(push, speed)| (speed * (1.0 + 1e-3 * push as f64), push))
+                .collect()
+        };
+        let found = speeds(&at(&[0.01, 0.02, 0.04])).unwrap();
+        assert_eq!(found.concat(), (0..12).collect::<Vec<_>>());
+        assert!(found.iter().all(|group| group.len() == FEWEST_IN_GROUP));
+        assert_eq!(speeds(&at(&[0.02])), None);
+        assert_eq!(speeds(&at(&[0.01, 0.02, 0.04, 0.08, 0.16, 0.32])), None);
+        // Three pushes of a speed of their own are too few.
+        assert_eq!(speeds(&at(&[0.01, 0.02])[1..]), None);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
+use effects::Origin;
 use models::Cluster;
 use nalgebra::Vector2;
 use rand::SeedableRng;
@@ -21,6 +22,8 @@ pub(super) struct Shared {
     /// Probability that as many pushes of each session, where sessions are the clusters, or of all
     /// pushes, drawn at random, lie together as closely.
     pub(super) p: f64,
+    /// What of the rig is there.
+    pub(super) origin: Origin,
     /// Where they lie, in words.
     place: String,
 }
@@ -111,10 +114,16 @@ fn shared(pushes: &[Worst], seed: u64) -> Option<Shared> {
         let together = spread(&points, &far);
         let closer = draws.iter().filter(|draw| spread(&points, draw) <= together).count();
         let p = (AXES.len() * (1 + closer)) as f64 / (1 + N_DRAWS) as f64;
-        (p.min(1.0), (axis.told)(&far.iter().map(|push| pushes[*push]).collect::<Vec<_>>()))
+        let place = (axis.told)(&far.iter().map(|push| pushes[*push]).collect::<Vec<_>>());
+        Shared {
+            n_far: far.len(),
+            n_pushes: pushes.len(),
+            p: p.min(1.0),
+            origin: axis.origin,
+            place,
+        }
     };
-    let (p, place) = AXES.iter().map(of_axis).min_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some(Shared { n_far: far.len(), n_pushes: pushes.len(), p, place })
+    AXES.iter().map(of_axis).min_by(|a, b| a.p.total_cmp(&b.p))
 }
 
 /// As many pushes of each stratum as are missed by far, at random: that a session goes wrong as a whole
@@ -145,6 +154,8 @@ fn spread(points: &[Vector2<f64>], draw: &[usize]) -> f64 {
 
 /// Something that pushes may share.
 struct Axis {
+    /// What of the rig it is.
+    origin: Origin,
     /// Where a push lies on it.
     point: fn(&Worst) -> Vector2<f64>,
     /// Where all of some lie.
@@ -153,14 +164,17 @@ struct Axis {
 
 static AXES: [Axis; 5] = [
     Axis {
+        origin: Origin::Contact,
         point: |push| push.contact_b,
         told: |pushes| format!("touch {} of the object", around(pushes, |push| push.contact_b)),
     },
     Axis {
+        origin: Origin::Table,
         point: |push| push.object_w,
         told: |pushes| format!("are {} of the table", around(pushes, |push| push.object_w)),
     },
     Axis {
+        origin: Origin::Table,
         point: |push| Vector2::new(push.yaw.cos(), push.yaw.sin()),
         told: |pushes| {
             let sum: Vector2<f64> =
@@ -173,6 +187,7 @@ static AXES: [Axis; 5] = [
         },
     },
     Axis {
+        origin: Origin::Dynamics,
         point: |push| Vector2::new(push.speed.max(f64::MIN_POSITIVE).ln(), 0.0),
         told: |pushes| {
             let [low, high] = ends(pushes, |push| 1e3 * push.speed);
@@ -180,6 +195,7 @@ static AXES: [Axis; 5] = [
         },
     },
     Axis {
+        origin: Origin::Time,
         point: |push| Vector2::new(push.time, 0.0),
         told: |pushes| {
             let [low, high] = ends(pushes, |push| 100.0 * push.time);
@@ -212,6 +228,7 @@ impl Shared {
 #[cfg(test)]
 mod tests {
     use super::{FAR, Worst, shared};
+    use effects::Origin;
     use nalgebra::Vector2;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
@@ -243,12 +260,14 @@ mod tests {
         let found = shared(&all, 7).unwrap();
         assert!(found.p <= 0.01, "{found:?}");
         assert!(found.sentence().contains("of the object"), "{}", found.sentence());
+        assert_eq!(found.origin, Origin::Contact);
     }
 
     #[test]
     fn pushes_missed_in_a_part_of_the_set_share_the_time() {
         let found = shared(&pushes(4, |k, _| (60..66).contains(&k)), 7).unwrap();
         assert!(found.p <= 0.01 && found.sentence().ends_with("50 to 54 % of the recordings"));
+        assert_eq!(found.origin, Origin::Time);
     }
 
     #[test]

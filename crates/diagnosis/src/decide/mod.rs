@@ -219,7 +219,7 @@ fn diagnose_all(
         effective: claims.effective.iter().map(|(id, _)| (*id).to_owned()).collect(),
         error: found.error.clone(),
         effects,
-        leftover: left.summary(),
+        leftover: left.summary(remains.as_ref()),
         remains,
         noise: NoiseOrigin::of(&found.noise, push_to_push),
         data: data_used(&found, (observations, second), (fitted, aside), settings),

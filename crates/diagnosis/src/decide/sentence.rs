@@ -23,7 +23,7 @@ pub(super) fn sentence(
             Verdict::Unexplained => "Most of all it",
             _ => "Something is left that no effect explains: the model",
         };
-        text += &format!(" {what} {where_}.{}", remains.map_or_else(String::new, mostly_from));
+        text += &format!(" {what} {where_}.{}", mostly_from(left, remains));
     }
     if !claims.small.is_empty() {
         let small: Vec<String> = claims.small.iter().map(|(id, ..)| told(id)).collect();
@@ -124,9 +124,16 @@ fn lowers(effective: &[(&'static str, String)], told: &impl Fn(&str) -> String) 
 }
 
 /// What of the rig most of what is left comes from, if any is sure to.
-fn mostly_from(remains: &Remains) -> String {
-    let Some(main) = remains.main() else { return String::new() };
-    format!(" Of what can be predicted of it most comes from the {}.", main.origin.name())
+fn mostly_from(left: &Left, remains: Option<&Remains>) -> String {
+    match (left.origin_of_far_off(), remains.and_then(Remains::main)) {
+        (Some(origin), _) => format!(" What they share speaks of the {}.", origin.name()),
+        (None, Some(main)) => {
+            format!(" Of what can be predicted of it most comes from the {}.", main.origin.name())
+        }
+        (None, None) => left.origin_of_place().map_or_else(String::new, |origin| {
+            format!(" Where it shows speaks of the {}.", origin.name())
+        }),
+    }
 }
 
 /// What adding the effects does to the error.

@@ -323,7 +323,7 @@ fn p_of_mean(of_push: &[f64], clusters: &[Vec<usize>]) -> f64 {
 }
 
 /// Whether a coordinate tells how large the effect is: not so a direction or a reference.
-fn is_size(member: &Member, k: usize) -> bool {
+pub(super) fn is_size(member: &Member, k: usize) -> bool {
     let parameter = &member.parameters()[k];
     parameter.off != Off::Undefined || matches!(parameter.role, Role::Direction(_))
 }

@@ -67,12 +67,21 @@ impl<'a> Refit<'a> {
             let slopes = slopes.as_ref().map(|slopes| problem.carried(slopes.clone(), off, &far));
             Start { at: far, slopes, exactness: Exactness::Rough }
         });
+        let unseen = own.moved().into_iter().zip(of_effect.column_iter());
+        // Below the pushes' rows stand those of priors.
+        let n_rows = whitening.rows().last().map_or(0, |rows| rows.end);
+        let unseen = unseen.filter(|(_, slopes)| slopes.rows(0, n_rows).amax() == 0.0);
+        let unseen: Vec<usize> = unseen.map(|(k, _)| k).collect();
         let mut minimum = problem.descend_briefly(start, BRIEF)?;
         if let Some(far) = far
             && let Ok(other) = problem.descend_briefly(far, BRIEF)
             && other.at.value < minimum.at.value
         {
             minimum = other;
+        }
+        // What shows nothing at "off", as the speed over which nothing fades, shows something here.
+        if !unseen.is_empty() {
+            minimum = problem.with_slopes_of(&unseen, minimum)?;
         }
         Ok(Trial { effect: effect.clone(), freedom, problem, minimum })
     }
@@ -100,6 +109,29 @@ impl<'a> Refit<'a> {
 }
 
 impl Problem<'_> {
+    /// A minimum near another one, with slopes along some numbers that were not known there.
+    fn with_slopes_of(
+        &self,
+        numbers: &[usize],
+        Minimum { at, whole, .. }: Minimum,
+    ) -> Result<Minimum, DiagnosisError> {
+        let (mut alone, mut slopes) = (self.clone(), whole);
+        alone
+            .frozen
+            .iter_mut()
+            .enumerate()
+            .for_each(|(k, frozen)| *frozen |= !numbers.contains(&k));
+        let found = alone.slopes(&at, &alone.secants)?;
+        let moved = self.moved();
+        for (k, column) in alone.moved().iter().zip(found.column_iter()) {
+            if let Some(place) = moved.iter().position(|other| other == k) {
+                slopes.set_column(place, &column);
+            }
+        }
+        let start = Start { at, slopes: Some(slopes), exactness: Exactness::Rough };
+        self.descend_briefly(start, BRIEF)
+    }
+
     /// A minimum near a place from which `others` moves first.
     fn beside_others(&self, others: &Self, x: Vec<f64>) -> Result<Minimum, DiagnosisError> {
         let near = |problem: &Self, at: Evaluation| {
@@ -111,6 +143,13 @@ impl Problem<'_> {
 }
 
 impl Trial<'_> {
+    /// The effect's numbers near the minimum.
+    #[cfg(test)]
+    fn numbers(&self) -> Vec<f64> {
+        let numbers = self.problem.space.numbers_of(self.id()).unwrap_or(0..0);
+        self.minimum.at.x[numbers].to_vec()
+    }
+
     pub(crate) fn id(&self) -> &'static str {
         self.effect.info().id
     }
@@ -155,5 +194,26 @@ impl Trial<'_> {
         let start = Start { at, slopes: Some(whole), exactness: Exactness::Sum };
         self.minimum = self.problem.descend(start)?;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use effects::by_id;
+
+    use crate::FitSettings;
+    use crate::fit::Refit;
+    use crate::synthetic::{pushed_with, white};
+
+    #[test]
+    fn a_trial_finds_the_speed_over_which_stiction_fades_though_none_shows_it_at_first() {
+        let (id, truth) = ("support-stiction", [1.3, 0.03]);
+        let (observations, model, _) = pushed_with((id, &truth), 3);
+        let whitening = white(&observations);
+        let here = Refit::new(&observations, &model, &whitening, &FitSettings::default()).unwrap();
+        let found = here.trial(by_id(id).unwrap()).unwrap().numbers();
+        // It begins at 0.02 m/s.
+        assert!((found[1] / truth[1] - 1.0).abs() < 0.1, "{found:?}");
+        assert!((found[0] - truth[0]).abs() < 0.05, "{found:?}");
     }
 }

@@ -49,8 +49,8 @@ pub struct Calibration {
     pub n_flips: usize,
     /// Effects that are tested together.
     pub n_tests: usize,
-    /// The adjusted probability that an effect which every cluster shows is sure to get: each other
-    /// test, too, has a flip that makes it as surprising as any can be.
+    /// The adjusted probability of an effect that every cluster shows, and that explains more than the
+    /// others do after any flip of signs.
     pub smallest_p: f64,
     /// Clusters that are missing for that to be 0.01.
     pub clusters_missing: usize,
@@ -131,7 +131,7 @@ pub struct LookAlikes {
 pub struct ScreenSettings {
     /// How exactly nominal values are known.
     pub tolerances: Tolerances,
-    /// Random flips of signs: with k tests p can hardly be adjusted to less than k/(1 + n).
+    /// Random flips of signs: no p is adjusted to less than 2/(1 + n).
     pub n_flips: usize,
     /// Seed of the flips.
     pub seed: u64,

@@ -186,7 +186,7 @@ impl<'a> Whitened<'a> {
         if share == 0.0 {
             return (found, no_test);
         }
-        (found, FlipTest::new(parts))
+        (found, FlipTest::new(&parts, &score.information))
     }
 
     /// The share of a change that the parameters' ranges allow.
@@ -259,36 +259,42 @@ impl<'a> Whitened<'a> {
 
 impl Calibration {
     fn of(cluster: Cluster, n_clusters: usize, n_flips: usize, n_tests: usize) -> Self {
-        let of_flips = n_tests.max(1) as f64 / (1 + n_flips) as f64;
-        let smallest_p = of_flips.max(of_all_flips(n_clusters, n_tests)).min(1.0);
-        let needed = (1..).find(|n| of_all_flips(*n, n_tests) <= NAME).unwrap_or(n_clusters);
+        let smallest_p = (2.0 / (1 + n_flips) as f64).max(of_all_flips(n_clusters)).min(1.0);
+        let needed = (1..).find(|n| of_all_flips(*n) <= NAME).unwrap_or(n_clusters);
         let clusters_missing = needed.saturating_sub(n_clusters);
         Self { cluster, n_clusters, n_flips, n_tests, smallest_p, clusters_missing }
     }
 }
 
-/// What all flips of so many clusters give an effect that every cluster shows.
+/// What all flips of so many clusters give an effect that every cluster shows, and that explains more than
+/// the others do after any flip.
 ///
-/// A flip and its opposite are one, so its own probability is 2^(1−n). Each of the other tests has
-/// some flip of that probability, in the worst case all of them different ones.
-fn of_all_flips(n_clusters: usize, n_tests: usize) -> f64 {
-    n_tests.max(1) as f64 * 0.5_f64.powi(n_clusters as i32 - 1)
+/// A flip and its opposite are one, and the probability is twice the smaller one of two: 2 · 2^(1−n).
+fn of_all_flips(n_clusters: usize) -> f64 {
+    0.5_f64.powi(n_clusters as i32 - 2)
 }
 
 #[cfg(test)]
 mod tests {
     use models::Cluster;
-    use nalgebra::DVector;
+    use nalgebra::{DMatrix, DVector};
 
     use crate::Calibration;
     use crate::statistics::sign_flips::{FlipTest, Flips};
 
     /// The adjusted probability of an effect that every cluster shows alike, beside others each of
-    /// which is as strong after another flip: by all flips.
+    /// which is as sure, and explains half as much, after another flip: by all flips.
     fn by_all_flips(n_clusters: usize, n_tests: usize) -> f64 {
-        let sign = |test: usize, k: usize| if test >> k & 1 == 1 { -1.0 } else { 1.0 };
+        let sign = |test: usize, k: usize| match test {
+            0 => 1.0,
+            test if test >> k & 1 == 1 => -0.5_f64.sqrt(),
+            _ => 0.5_f64.sqrt(),
+        };
         let part = |test: usize, cluster: usize| DVector::from_element(1, sign(test, cluster));
-        let test = |test: usize| FlipTest::new((0..n_clusters).map(|k| part(test, k)).collect());
+        let test = |test: usize| {
+            let parts: Vec<DVector<f64>> = (0..n_clusters).map(|k| part(test, k)).collect();
+            FlipTest::new(&parts, &DMatrix::identity(1, 1))
+        };
         let tests: Vec<FlipTest> = (0..n_tests).map(test).collect();
         let flips = Flips::new(n_clusters, usize::MAX, 1);
         flips.probabilities(&tests)[0].p_adjusted
@@ -296,10 +302,11 @@ mod tests {
 
     #[test]
     fn clusters_that_are_missing_are_those_that_all_flips_need() {
-        for (n_tests, needed) in [(1, 8), (3, 10), (23, 13), (26, 13)] {
+        const NEEDED: usize = 9;
+        for n_tests in [3, 23, 26] {
             let told = |n: usize| Calibration::of(Cluster::Push, n, usize::MAX - 1, n_tests);
-            assert_eq!(told(4).clusters_missing, needed - 4, "{n_tests}");
-            for n in [needed - 1, needed] {
+            assert_eq!(told(4).clusters_missing, NEEDED - 4, "{n_tests}");
+            for n in [NEEDED - 1, NEEDED] {
                 let (told, found) = (told(n), by_all_flips(n, n_tests));
                 assert!((told.smallest_p / found - 1.0).abs() < 1e-9, "{told:?} {found}");
                 assert_eq!(found <= 0.01, told.clusters_missing == 0, "{told:?} {found}");
@@ -310,6 +317,6 @@ mod tests {
     #[test]
     fn few_flips_leave_a_probability_however_many_clusters_there_are() {
         let told = Calibration::of(Cluster::Push, 60, 999, 23);
-        assert_eq!((told.smallest_p, told.clusters_missing), (0.023, 0));
+        assert_eq!((told.smallest_p, told.clusters_missing), (0.002, 0));
     }
 }

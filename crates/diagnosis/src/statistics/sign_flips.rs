@@ -7,11 +7,13 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 /// A test whose statistic is a square of a sum over clusters.
 ///
-/// T = (Σs)ᵀ (Σssᵀ)⁺ (Σs), with s a cluster's part.
+/// T = (Σs)ᵀ (Σssᵀ)⁺ (Σs), with s a cluster's part, and (Σs)ᵀ I⁻¹ (Σs), which is what it explains.
 #[derive(Clone, Debug)]
 pub(crate) struct FlipTest {
     /// Each cluster's part, times (Σssᵀ)^(−½).
     parts: Vec<DVector<f64>>,
+    /// Each cluster's part, times I^(−½).
+    in_noise: Vec<DVector<f64>>,
 }
 
 /// Probabilities of a test.
@@ -52,22 +54,36 @@ impl Flips {
     /// The probabilities of all tests, the null imposed: each cluster's part as likely of the other
     /// sign.
     ///
-    /// A test's own probability is the rank of its statistic among its flips. Steps down from the
-    /// most surprising test (max-T over probabilities, for an effect that few clusters show has a
-    /// small statistic at any probability): each is compared with the most surprising of those not
+    /// Twice the smaller one of two. By T a test's probability is its rank among its flips; it finds what few
+    /// clusters show, and has little to say of few clusters, for every test has some flip of the first rank.
+    /// By (Σs)ᵀ I⁻¹ (Σs) what explains much is told from what is surprising and explains little.
+    /// Both step down from the most surprising test: each is compared with the most surprising of those not
     /// yet passed.
     ///
     /// # Source
     /// Westfall & Young (1993), Resampling-based multiple testing, algorithm 2.8.
     pub(crate) fn probabilities(&self, tests: &[FlipTest]) -> Vec<FlipProbability> {
-        let ranked: Vec<(f64, Vec<f64>)> =
-            tests.into_par_iter().map(|test| self.ranked(test)).collect();
-        let mut order: Vec<usize> = (0..tests.len()).collect();
-        order.sort_by(|a, b| ranked[*a].0.total_cmp(&ranked[*b].0));
+        let of_arm = |parts: fn(&FlipTest) -> &[DVector<f64>], by_rank: bool| {
+            let ranked: Vec<Ranked> =
+                tests.into_par_iter().map(|test| self.ranked(parts(test), by_rank)).collect();
+            self.stepped_down(&ranked)
+        };
+        let by_scatter = of_arm(|test| &test.parts, true);
+        let by_gain = of_arm(|test| &test.in_noise, false);
+        let of_both = |(one, other): (FlipProbability, FlipProbability)| FlipProbability {
+            p: (2.0 * one.p.min(other.p)).min(1.0),
+            p_adjusted: (2.0 * one.p_adjusted.min(other.p_adjusted)).min(1.0),
+        };
+        by_scatter.into_iter().zip(by_gain).map(of_both).collect()
+    }
+
+    fn stepped_down(&self, ranked: &[Ranked]) -> Vec<FlipProbability> {
+        let mut order: Vec<usize> = (0..ranked.len()).collect();
+        order.sort_by(|a, b| ranked[*a].own.total_cmp(&ranked[*b].own));
         let mut least = vec![f64::INFINITY; self.len()];
-        let mut adjusted = vec![1.0; tests.len()];
+        let mut adjusted = vec![1.0; ranked.len()];
         for test in order.iter().rev() {
-            let (own, flipped) = &ranked[*test];
+            let Ranked { own, flipped, .. } = &ranked[*test];
             least.iter_mut().zip(flipped).for_each(|(least, p)| *least = least.min(*p));
             let as_small = least.iter().filter(|least| *least <= own).count();
             adjusted[*test] = (1 + as_small) as f64 / (1 + self.len()) as f64;
@@ -77,63 +93,89 @@ impl Flips {
             floor = floor.max(adjusted[*test]);
             adjusted[*test] = floor;
         }
-        let of =
-            |(k, (p, _)): (usize, &(f64, _))| FlipProbability { p: *p, p_adjusted: adjusted[k] };
-        ranked.iter().enumerate().map(of).collect()
+        let found = ranked.iter().zip(adjusted);
+        found.map(|(one, p_adjusted)| FlipProbability { p: one.p, p_adjusted }).collect()
     }
 
-    /// The probability of a test's statistic, and of each of its flips, among all of them.
-    fn ranked(&self, test: &FlipTest) -> (f64, Vec<f64>) {
-        let own = test.statistic(|_| 1.0);
-        let flipped: Vec<f64> = self.0.iter().map(|signs| test.statistic(|k| signs[k])).collect();
+    /// How surprising the square of the sum of parts, and each of its flips, is: by its rank among them, or
+    /// the larger the more.
+    fn ranked(&self, parts: &[DVector<f64>], by_rank: bool) -> Ranked {
+        let own = square_of_sum(parts, |_| 1.0);
+        let flipped: Vec<f64> =
+            self.0.iter().map(|signs| square_of_sum(parts, |k| signs[k])).collect();
         let mut sorted: Vec<f64> = flipped.iter().copied().chain([own]).collect();
         sorted.sort_by(f64::total_cmp);
         let all = sorted.len();
+        // Flips that change nothing sum in another order only: equal up to rounding.
+        let enough = |value: f64| value * (1.0 - 1e-9);
         let p = |value: f64| {
-            // Flips that change nothing sum in another order only: equal up to rounding.
-            let below = sorted.partition_point(|other| *other < value * (1.0 - 1e-9));
+            let below = sorted.partition_point(|other| *other < enough(value));
             (all - below) as f64 / all as f64
         };
-        (p(own), flipped.into_iter().map(p).collect())
+        match by_rank {
+            true => {
+                Ranked { p: p(own), own: p(own), flipped: flipped.into_iter().map(p).collect() }
+            }
+            false => Ranked {
+                p: p(own),
+                own: -enough(own),
+                flipped: flipped.into_iter().map(|value| -value).collect(),
+            },
+        }
     }
 }
 
+/// How surprising a statistic is: the smaller the more.
+struct Ranked {
+    /// Its rank among its flips, as a probability.
+    p: f64,
+    own: f64,
+    flipped: Vec<f64>,
+}
+
 impl FlipTest {
-    /// Of each cluster's part of a score.
-    pub(crate) fn new(parts: Vec<DVector<f64>>) -> Self {
+    /// Of each cluster's part of a score with its information I.
+    pub(crate) fn new(parts: &[DVector<f64>], information: &DMatrix<f64>) -> Self {
         let n = parts.first().map_or(0, DVector::len);
         let scatter = parts.iter().fold(DMatrix::zeros(n, n), |all, s| all + s * s.transpose());
-        let eigen = scatter.symmetric_eigen();
-        let least = 1e-12 * eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
-        let roots =
-            eigen.eigenvalues.map(|value| if value > least { value.sqrt().recip() } else { 0.0 });
-        let whitening = DMatrix::from_diagonal(&roots) * eigen.eigenvectors.transpose();
-        Self { parts: parts.iter().map(|part| &whitening * part).collect() }
+        let whitened = |by: DMatrix<f64>| {
+            let root = inverse_root(by);
+            parts.iter().map(|part| &root * part).collect()
+        };
+        Self { parts: whitened(scatter), in_noise: whitened(information.clone()) }
     }
 
     /// A test that nothing can pass.
     pub(crate) fn none() -> Self {
-        Self { parts: Vec::new() }
+        Self { parts: Vec::new(), in_noise: Vec::new() }
     }
 
     pub(crate) fn n_parts(&self) -> usize {
         self.parts.len()
     }
+}
 
-    /// T with a sign for each part.
-    fn statistic(&self, sign: impl Fn(usize) -> f64) -> f64 {
-        let mut sum = DVector::zeros(self.parts.first().map_or(0, DVector::len));
-        for (k, part) in self.parts.iter().enumerate() {
-            sum.axpy(sign(k), part, 1.0);
-        }
-        sum.norm_squared()
+/// A root of the pseudo-inverse of a matrix that is not negative.
+fn inverse_root(matrix: DMatrix<f64>) -> DMatrix<f64> {
+    let eigen = matrix.symmetric_eigen();
+    let least = 1e-12 * eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+    let roots =
+        eigen.eigenvalues.map(|value| if value > least { value.sqrt().recip() } else { 0.0 });
+    DMatrix::from_diagonal(&roots) * eigen.eigenvectors.transpose()
+}
+
+fn square_of_sum(parts: &[DVector<f64>], sign: impl Fn(usize) -> f64) -> f64 {
+    let mut sum = DVector::zeros(parts.first().map_or(0, DVector::len));
+    for (k, part) in parts.iter().enumerate() {
+        sum.axpy(sign(k), part, 1.0);
     }
+    sum.norm_squared()
 }
 
 #[cfg(test)]
 mod tests {
     use super::{FlipTest, Flips};
-    use nalgebra::DVector;
+    use nalgebra::{DMatrix, DVector};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
@@ -153,7 +195,8 @@ mod tests {
                         .sum()
                 })
             };
-            FlipTest::new((0..n_clusters).map(part).collect())
+            let parts: Vec<DVector<f64>> = (0..n_clusters).map(part).collect();
+            FlipTest::new(&parts, &DMatrix::identity(freedom, freedom))
         };
         let errors: Vec<Vec<f64>> = (0..n_clusters)
             .map(|_| {
@@ -193,6 +236,23 @@ mod tests {
         assert_eq!(Flips::new(30, 999, 1).len(), 999);
         let share = alarms(6, 400);
         assert!(share <= 0.075, "{share}");
+    }
+
+    #[test]
+    fn among_many_tests_of_few_clusters_what_all_show_is_found() {
+        // 2^10 flips and 24 tests, each of which has some flip of the first rank.
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let mut test = |shift: f64| {
+            let part = |_| DVector::from_element(1, shift + normal(&mut rng));
+            FlipTest::new(&(0..11).map(part).collect::<Vec<_>>(), &DMatrix::identity(1, 1))
+        };
+        let tests: Vec<FlipTest> = (0..24).map(|k| test(if k == 7 { 5.0 } else { 0.0 })).collect();
+        let found = Flips::new(11, 9999, 1).probabilities(&tests);
+        assert_eq!(found[7].p_adjusted, 2.0 / 1024.0);
+        assert!(
+            found.iter().enumerate().all(|(k, one)| k == 7 || one.p_adjusted > 0.05),
+            "{found:?}"
+        );
     }
 
     #[test]

@@ -12,6 +12,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
+use super::scattering::SCATTERING;
 use super::variant::Variant;
 
 /// A kind of trial, with rows of its own in the table of pass marks.
@@ -87,6 +88,17 @@ pub(super) enum Outline {
     Corner,
 }
 
+/// Measuring sessions, whose friction, pressure, contact and force zero differ half as much as those of pushes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Sessions {
+    /// As if none differed.
+    Alike,
+    /// All pushes are of one that differs.
+    One,
+    Fifteen,
+}
+
 /// How the rig is set up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub(super) struct Setup {
@@ -95,6 +107,7 @@ pub(super) struct Setup {
     pub(super) has_force: bool,
     pub(super) outline: Outline,
     pub(super) rig: Rig,
+    pub(super) sessions: Sessions,
 }
 
 /// A profile of the simulator.
@@ -139,8 +152,6 @@ pub(super) struct Case {
     /// Surface of the model under test.
     pub(super) surface: SurfaceKind,
     pub(super) setup: Setup,
-    /// How many measuring sessions, and how they differ over how pushes do.
-    pub(super) sessions: (usize, f64),
     pub(super) hidden: Vec<Asked>,
     /// What else is asked of the same set.
     pub(super) variants: Vec<Variant>,
@@ -161,6 +172,9 @@ const CORNER: [[f64; 2]; 6] = [
 
 const SPEEDS: [f64; 3] = [0.01, 0.02, 0.04];
 const STEEPEST: f64 = 40.0 * PI / 180.0;
+/// Narrow pushes: the object hardly turns, and hardly slides along the tip.
+const NARROWEST: f64 = 10.0 * PI / 180.0;
+const SHORT: f64 = 0.015;
 
 impl Outline {
     pub(super) const ALL: [Self; 4] = [Self::Square, Self::Triangle, Self::Ellipse, Self::Corner];
@@ -176,6 +190,18 @@ impl Outline {
     }
 }
 
+impl Sessions {
+    pub(super) const ALL: [Self; 3] = [Self::Alike, Self::One, Self::Fifteen];
+
+    /// How sessions differ over how pushes do.
+    pub(super) fn share(self) -> f64 {
+        match self {
+            Self::Alike => 0.0,
+            Self::One | Self::Fifteen => 0.5,
+        }
+    }
+}
+
 impl Setup {
     pub(super) const RICH: Self = Self {
         pushes: Pushes::Rich,
@@ -183,6 +209,7 @@ impl Setup {
         has_force: true,
         outline: Outline::Square,
         rig: Rig::Quiet,
+        sessions: Sessions::Alike,
     };
 
     /// The setup that shows an effect.
@@ -212,7 +239,7 @@ impl Setup {
         Profile::named(name).expect("every rig is a profile of the simulator")
     }
 
-    /// A rig where nothing is hidden and sessions do not differ.
+    /// A rig where nothing is hidden.
     pub(super) fn rig(&self, seed: u64) -> GenerateSettings {
         let layout = match self.pushes {
             Pushes::Rich | Pushes::Speeds => Layout::Rich,
@@ -223,10 +250,12 @@ impl Setup {
         let design = Design {
             layout,
             n_pushes: self.n_pushes,
+            n_sessions: if self.sessions == Sessions::Fifteen { 15 } else { 1 },
             speeds,
             repeat_share: 0.25,
             n_repeated: 4,
-            steepest: STEEPEST,
+            steepest: if self.pushes == Pushes::Narrow { NARROWEST } else { STEEPEST },
+            travel: if self.pushes == Pushes::Narrow { SHORT } else { Design::default().travel },
             ..Design::default()
         };
         let profile = self.profile();
@@ -237,7 +266,7 @@ impl Setup {
             name: "pushes of a trial".to_owned(),
             object: self.outline.object(),
             design,
-            scatter: Scatter { session_share: 0.0, ..profile.scatter() },
+            scatter: Scatter { session_share: self.sessions.share(), ..profile.scatter() },
             sensors: Sensors { force, ..sensors },
             format: "csv".to_owned(),
             seed,
@@ -294,44 +323,32 @@ impl Asked {
         }
         Ok(effect)
     }
+
+    /// The effect at a share of its typical departure in each of its directions alone: each parameter by
+    /// itself; a grain as it is typically and turned by an eighth.
+    ///
+    /// # Errors
+    /// A value out of the effect's range.
+    pub(super) fn in_each_direction(id: &'static str, share: f64) -> Result<Vec<HiddenEffect>> {
+        const EIGHTH: f64 = PI / 4.0;
+        let kind = effect_kinds().into_iter().find(|kind| kind.id == id);
+        let kind = kind.with_context(|| format!("nothing hides {id}"))?;
+        let is_sized = |one: &&plant::Parameter| one.off.is_some_and(|off| off != one.typical);
+        let sized: Vec<&plant::Parameter> = kind.parameters.iter().filter(is_sized).collect();
+        let typical = Self::typical(id).hidden(share)?;
+        if let (1, Some(direction)) = (sized.len(), typical.values.get("direction")) {
+            let turned = typical.clone().with("direction", direction + EIGHTH)?;
+            return Ok(vec![typical, turned]);
+        }
+        let alone = |one: &&plant::Parameter| -> Result<HiddenEffect> {
+            let mut others = sized.iter().filter(|other| other.name != one.name);
+            others.try_fold(typical.clone(), |effect, other| {
+                Ok(effect.with(other.name, other.off.unwrap_or_default())?)
+            })
+        };
+        sized.iter().map(alone).collect()
+    }
 }
-
-/// A quantity that may scatter from push to push more than it usually does.
-pub(super) struct Scattering {
-    /// As the diagnosis names it.
-    pub(super) name: &'static str,
-    /// Of trials, in the unit that the diagnosis tells it in.
-    pub(super) sd: f64,
-    set: fn(&mut Scatter, f64),
-}
-
-/// Of table and tip, as trials claim it.
-const NOMINAL_FRICTION: f64 = 0.25;
-
-pub(super) const SCATTERING: [Scattering; 6] = [
-    Scattering {
-        name: "support-friction",
-        sd: 0.025,
-        set: |scatter, sd| scatter.support_friction_sd = sd / NOMINAL_FRICTION,
-    },
-    Scattering {
-        name: "pusher-friction",
-        sd: 0.05,
-        set: |scatter, sd| scatter.tip_friction_sd = sd / NOMINAL_FRICTION,
-    },
-    Scattering {
-        name: "pressure-radius",
-        sd: 0.1,
-        set: |scatter, sd| scatter.pressure_radius_sd = sd,
-    },
-    Scattering {
-        name: "friction-center-offset",
-        sd: 3e-3,
-        set: |scatter, sd| scatter.pressure_center_sd = sd,
-    },
-    Scattering { name: "contact-bias", sd: 1e-3, set: |scatter, sd| scatter.contact_sd = sd },
-    Scattering { name: "force-bias", sd: 0.1, set: |scatter, sd| scatter.force_bias_sd = sd },
-];
 
 impl Case {
     /// Whether every second push is kept from the diagnosis, to see what its model is worth on the
@@ -361,14 +378,13 @@ impl Case {
     /// A size out of an effect's range.
     pub(super) fn rig(&self, shares: &[f64]) -> Result<GenerateSettings> {
         let mut rig = self.setup.rig(self.seed);
-        (rig.design.n_sessions, rig.scatter.session_share) = self.sessions;
         if self.has_fresh_pushes() {
             rig.design.n_pushes *= 2;
         }
         if self.family == Family::Scattered {
             let source = SCATTERING.iter().find(|source| source.name == self.about);
             let source = source.with_context(|| format!("nothing scatters {}", self.about))?;
-            (source.set)(&mut rig.scatter, source.sd);
+            source.set(&mut rig.scatter);
         }
         for (asked, share) in self.hidden.iter().zip(shares) {
             rig.hidden.push(Hidden::Effect(asked.hidden(*share)?));
@@ -390,5 +406,17 @@ mod tests {
         assert!((grain.values["ratio"] - 1.15).abs() < 1e-12);
         assert_eq!(grain.values["direction"], 0.6);
         assert!(Asked { id: "limit-surface-shape", ..asked }.hidden(3.0).is_err());
+    }
+
+    #[test]
+    fn directions_of_an_effect_are_its_parameters_and_a_grain_has_two() {
+        let of = |id| Asked::in_each_direction(id, 0.5).unwrap();
+        let [tilt, grain] = [of("table-tilt"), of("table-anisotropy")];
+        let xy: Vec<[f64; 2]> = tilt.iter().map(|one| [one.values["x"], one.values["y"]]).collect();
+        assert_eq!(xy, [[-0.125, 0.0], [0.0, 0.1]]);
+        let turn = grain[1].values["direction"] - grain[0].values["direction"];
+        assert!((turn - std::f64::consts::FRAC_PI_4).abs() < 1e-12);
+        assert!(grain.iter().all(|one| (one.values["ratio"] - 1.15).abs() < 1e-12));
+        assert_eq!(of("contact-bias").len(), 1);
     }
 }

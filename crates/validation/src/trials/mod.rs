@@ -12,6 +12,7 @@ mod quick;
 mod record;
 mod row;
 mod rows;
+mod scattering;
 mod score;
 mod trial;
 mod truth;

@@ -7,8 +7,9 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
-use super::case::{Asked, Case, Family, Outline, Pushes, Rig, SCATTERING, Setup, Size};
+use super::case::{Asked, Case, Family, Outline, Pushes, Rig, Sessions, Setup, Size};
 use super::oracle::{OF_THE_PUSHES, Oracle};
+use super::scattering::SCATTERING;
 use super::variant::Variant;
 
 /// Seeds of one family.
@@ -28,8 +29,7 @@ const LARGE: usize = 400;
 /// Sizes of power curves, in nameable sizes.
 const MULTIPLES: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 const PAIR_MULTIPLE: f64 = 4.0;
-/// Measuring sessions, and their scatter over that of pushes: in turn.
-const SESSIONS: [(usize, f64); 3] = [(1, 0.0), (1, 0.5), (15, 0.5)];
+const NARROW_MULTIPLE: f64 = 4.0;
 /// What one edge, orientation and speed cannot tell apart.
 const NARROW: [&str; 7] = [
     "friction-center-offset",
@@ -70,7 +70,7 @@ pub(super) fn cases(family: Family, first_seed: u64) -> Vec<Case> {
         }
         Family::Rough => {
             let set = |turn: usize| Case {
-                setup: rough(Setup::RICH, turn),
+                setup: rough(Setup { sessions: in_turn(turn), ..Setup::RICH }, turn),
                 ..case(family, "", "", turn)
             };
             (0..N_NOTHING).map(set).collect()
@@ -78,7 +78,7 @@ pub(super) fn cases(family: Family, first_seed: u64) -> Vec<Case> {
         Family::RoughTypical => {
             let ids = without(&catalogue(), OF_THE_PUSHES);
             let cases = each(N_EACH, &ids, |id, turn| Case {
-                sessions: SESSIONS[0],
+                setup: Setup::of(id),
                 ..typical(family, id, turn)
             });
             let on_rough = |(turn, mut case): (usize, Case)| {
@@ -94,10 +94,7 @@ pub(super) fn cases(family: Family, first_seed: u64) -> Vec<Case> {
         Family::Supports => each(N_EACH, &SUPPORTS, |id, turn| typical(family, id, turn)),
         Family::Scattered => {
             let names = SCATTERING.map(|source| source.name);
-            each(N_SCATTERED, &names, |id, turn| Case {
-                sessions: SESSIONS[0],
-                ..case(family, id, "", turn)
-            })
+            each(N_SCATTERED, &names, |id, turn| case(family, id, "", turn))
         }
     };
     for (seed, case) in (first_seed + SEEDS_PER_FAMILY * family as u64..).zip(&mut cases) {
@@ -125,7 +122,6 @@ fn case(family: Family, about: &str, kind: &str, turn: usize) -> Case {
         seed: 0,
         surface: SurfaceKind::UniformPatch,
         setup: Setup::RICH,
-        sessions: SESSIONS[turn % SESSIONS.len()],
         hidden: Vec::new(),
         variants: Vec::new(),
     }
@@ -135,6 +131,11 @@ fn case(family: Family, about: &str, kind: &str, turn: usize) -> Case {
 fn catalogue() -> Vec<&'static str> {
     let ids = tested().iter().map(|effect| effect.info().id);
     ids.filter(|id| !SUPPORTS.contains(id)).collect()
+}
+
+/// Sessions of one trial after the other.
+fn in_turn(turn: usize) -> Sessions {
+    Sessions::ALL[turn % Sessions::ALL.len()]
 }
 
 fn without(ids: &[&'static str], id: &str) -> Vec<&'static str> {
@@ -157,7 +158,8 @@ fn nothing(family: Family, surface: SurfaceKind) -> Vec<Case> {
     let set = |turn: usize| {
         let pushes = if turn % 4 == 3 { Pushes::Speeds } else { Pushes::Rich };
         let outline = Outline::ALL[turn / 2 % 4];
-        let setup = Setup { pushes, has_force: turn % 5 != 4, outline, ..Setup::RICH };
+        let sessions = in_turn(turn);
+        let setup = Setup { pushes, has_force: turn % 5 != 4, outline, sessions, ..Setup::RICH };
         Case { surface, setup, ..case(family, "", "", turn) }
     };
     (0..N_NOTHING).map(set).collect()
@@ -166,7 +168,8 @@ fn nothing(family: Family, surface: SurfaceKind) -> Vec<Case> {
 /// One effect of its typical size.
 fn typical(family: Family, id: &'static str, turn: usize) -> Case {
     let asked = Asked { is_mirrored: turn % 2 == 1, ..Asked::typical(id) };
-    Case { setup: Setup::of(id), hidden: vec![asked], ..case(family, id, "", turn) }
+    let setup = Setup { sessions: in_turn(turn), ..Setup::of(id) };
+    Case { setup, hidden: vec![asked], ..case(family, id, "", turn) }
 }
 
 /// A rig as rough as real ones: surfaces and shapes in turn.
@@ -189,7 +192,7 @@ fn singles() -> Vec<Case> {
         let on_ellipsoid = turn % 4 == 3 && id != "limit-surface-shape";
         let surface = if on_ellipsoid { SurfaceKind::Ellipsoid } else { SurfaceKind::UniformPatch };
         let has_force = turn % 6 != 5 || is_shown_by_force_alone(id);
-        let setup = Setup { has_force, ..Setup::of(id) };
+        let setup = Setup { has_force, sessions: in_turn(turn), ..Setup::of(id) };
         Case {
             surface,
             setup,
@@ -219,7 +222,7 @@ fn pairs() -> Vec<Case> {
             |id| Asked { id, size: Size::Nameable(PAIR_MULTIPLE), is_mirrored: turn % 2 == 1 };
         let pushes = [one, other].map(|id| Setup::of(id).pushes);
         let pushes = if pushes.contains(&Pushes::Speeds) { Pushes::Speeds } else { Pushes::Rich };
-        let setup = Setup { pushes, ..Setup::RICH };
+        let setup = Setup { pushes, sessions: in_turn(turn), ..Setup::RICH };
         let hidden = vec![asked(one), asked(other)];
         Case { setup, hidden, ..case(Family::Pair, &format!("{one}+{other}"), "", turn) }
     };
@@ -229,8 +232,11 @@ fn pairs() -> Vec<Case> {
 fn narrow() -> Vec<Case> {
     let set = |turn: usize| {
         let id = NARROW[turn % NARROW.len()];
-        let setup = Setup { pushes: Pushes::Narrow, n_pushes: 100, ..Setup::RICH };
-        Case { setup, sessions: SESSIONS[0], ..typical(Family::Narrow, id, turn) }
+        let has_force = (turn / NARROW.len()).is_multiple_of(2);
+        let setup = Setup { pushes: Pushes::Narrow, n_pushes: 100, has_force, ..Setup::RICH };
+        let asked = Asked { id, size: Size::Nameable(NARROW_MULTIPLE), is_mirrored: turn % 2 == 1 };
+        let case = case(Family::Narrow, id, "", turn);
+        Case { setup, hidden: vec![asked], ..case }
     };
     (0..N_NARROW).map(set).collect()
 }
@@ -242,7 +248,7 @@ fn untestable() -> Vec<Case> {
         let has_force = !is_shown_by_force_alone(id);
         // Pushes at the middle of an edge say nothing about its corners.
         let pushes = if has_force { Pushes::Central } else { Pushes::Rich };
-        let setup = Setup { pushes, has_force, ..Setup::RICH };
+        let setup = Setup { pushes, has_force, sessions: in_turn(turn), ..Setup::RICH };
         Case { setup, ..typical(Family::Untestable, id, turn) }
     })
 }

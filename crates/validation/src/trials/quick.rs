@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use anyhow::{Result, ensure};
 
-use super::case::{Asked, Case, Family, Pushes, Setup};
+use super::case::{Asked, Case, Family, Pushes, Sessions, Setup, Size};
 use super::plan;
 use super::queue::Queue;
 use super::record::{self, Record};
@@ -43,7 +43,9 @@ pub(super) fn cases() -> Vec<Case> {
         case.name = format!("quick/{}", case.name);
         let is_plain = !matches!(pushes, Pushes::Narrow | Pushes::Central);
         case.setup = if is_plain { Setup { pushes, has_force, ..setup } } else { case.setup };
-        case.sessions = (1, 0.0);
+        case.setup.sessions = Sessions::Alike;
+        // No oracle is asked.
+        case.hidden.iter_mut().for_each(|asked| asked.size = Size::Typical(1.0));
     }
     cases
 }

@@ -31,6 +31,9 @@ pub(super) struct Record {
     /// Largest change of one of a step's numbers by the first hidden effect, over its noise, where
     /// the oracle knows it.
     pub(super) visibility: Option<f64>,
+    /// Documented look-alikes that explain the first hidden effect, too, where the oracle knows it.
+    #[serde(default)]
+    pub(super) alike: Vec<String>,
     /// From the sealed file, read after the answer.
     pub(super) truth: Vec<TrueEffect>,
     /// From there as well: what the pushes share beside it.
@@ -102,6 +105,7 @@ impl Record {
             setup: case.setup,
             multiple: case.multiple(),
             visibility: None,
+            alike: Vec::new(),
             truth: truth.hidden,
             drawn: truth.drawn,
             seconds,

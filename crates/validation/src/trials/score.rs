@@ -3,8 +3,9 @@
 use diagnosis::{Grade, Verdict};
 use effects::{Origin, by_id};
 
-use super::case::{Family, Rig, SCATTERING};
+use super::case::{Family, Rig};
 use super::record::{Answer, Outcome, Record};
+use super::scattering::SCATTERING;
 use super::truth::TrueEffect;
 
 /// The shape that an ellipsoid on a patch lacks, too.
@@ -12,11 +13,11 @@ const SHAPE: &str = "limit-surface-shape";
 /// The simulated rig has it in every set: naming it is true where fast pushes show it.
 const ALWAYS: &str = "inertia";
 /// Effects outside the catalogue and what of the catalogue says the same: the first is a compliance
-/// that also remembers, the second a friction that depends on the speed, the third a corner that is
-/// no longer there, the fourth a force over the table that hardly changes within a hand's breadth.
+/// that also remembers, the second a friction that is lower and depends on the speed, the third a corner that
+/// is no longer there, the fourth a force over the table that hardly changes within a hand's breadth.
 const EQUIVALENTS: [(&str, &[&str]); 4] = [
     ("flexing-tip", &["pusher-compliance"]),
-    ("liquid-film", &["rate-dependent-friction", "support-stiction"]),
+    ("liquid-film", &["support-friction", "rate-dependent-friction", "support-stiction"]),
     ("chipped-corner", &["edge-rounding"]),
     ("cable-drag", &["table-tilt"]),
 ];
@@ -145,13 +146,11 @@ pub(super) fn is_right(record: &Record) -> bool {
             score.is_all_found() && score.wrong.is_empty()
         }
         Family::WrongNominal | Family::WrongEffect => score.is_all_found(),
-        Family::Outside => {
-            is_unexplained
-                || (score.wrong.is_empty() && answer.is_some_and(|one| !one.claimed().is_empty()))
+        Family::Outside => score.wrong.is_empty() && finds_origin(record),
+        Family::Narrow => {
+            let names_one = answer.is_some_and(|answer| !answer.identified.is_empty());
+            answer.is_some() && score.wrong.is_empty() && (record.alike.is_empty() || !names_one)
         }
-        // With a force sensor pushes that turn the object tell more than their design suggests:
-        // the row of single names is on the page, and a right one is no fault.
-        Family::Narrow => answer.is_some() && score.wrong.is_empty(),
         Family::Untestable => {
             let told = answer.and_then(|answer| answer.told(&record.about));
             told.is_some_and(|told| told.grade == Grade::NotTestable)
@@ -193,8 +192,8 @@ pub(super) fn holds_what_scatters(record: &Record) -> bool {
 /// Whether most of what is left comes surely from where an effect outside the catalogue comes from.
 pub(super) fn finds_origin(record: &Record) -> bool {
     let answer = record.outcome.answer();
-    let main = answer.and_then(|answer| answer.remains.as_ref()?.main());
-    main.is_some_and(|main| ORIGINS.contains(&(record.about.as_str(), main.origin)))
+    let origin = answer.and_then(|answer| answer.leftover.origin);
+    origin.is_some_and(|origin| ORIGINS.contains(&(record.about.as_str(), origin)))
 }
 
 /// Whether a group is an effect with documented look-alikes of it.
@@ -305,7 +304,7 @@ pub(super) mod tests {
             effective: Vec::new(),
             sentence: String::new(),
             error: ErrorFall::default(),
-            leftover: Leftover { p: None, covariate: None },
+            leftover: Leftover { p: None, covariate: None, origin: None },
             remains: None,
             push_to_push: Vec::new(),
             effects: named.iter().map(told).collect(),

@@ -14,13 +14,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use plant::{GenerateSettings, Hidden, Layout, Sensors, SimulatedPush, effect_kinds, simulate};
+use effects::by_id;
+use plant::{
+    GenerateSettings, Hidden, HiddenEffect, Layout, Sensors, SimulatedPush, effect_kinds, simulate,
+};
 use serde::{Deserialize, Serialize};
 
-use self::information::{Information, Signature};
+use self::information::{Information, Signature, noncentrality};
 use self::noise::Noise;
 use self::view::View;
-use super::case::{Asked, Setup, Size};
+use super::case::{Asked, Sessions, Setup, Size};
 
 /// Sizes of effects by setup, kept in a file.
 #[derive(Debug, Default)]
@@ -39,6 +42,8 @@ pub(super) struct SetupSizes {
     pub(super) effects: BTreeMap<String, Sizes>,
     /// Correlations of pairs beyond the nuisances.
     pub(super) correlations: Vec<(String, String, f64)>,
+    /// Share of an effect's signature that each documented look-alike leaves.
+    left_by: BTreeMap<String, BTreeMap<String, f64>>,
 }
 
 /// Sizes of an effect, as shares of its typical departure from "off".
@@ -70,6 +75,8 @@ impl Sizes {
 
 /// Noncentrality √δ for a power of 0.9 at 0.01/23, by degrees of freedom.
 const NOT_CENTRAL: [f64; 3] = [4.80, 5.10, 5.32];
+/// Distance in standard deviations at which one of two is taken for the other once in twenty.
+const TOLD_APART: f64 = 3.29;
 /// Difference of predictions over the noise from which an effect may be named.
 const VISIBLE: f64 = 0.3;
 /// Share of the typical size of first differences.
@@ -114,8 +121,9 @@ impl Oracle {
         Ok(output::write(&self.path, text)?)
     }
 
-    pub(super) fn setups(&self) -> impl Iterator<Item = &SetupSizes> {
-        self.setups.values()
+    /// By what is pushed and measured, in words.
+    pub(super) fn setups(&self) -> impl Iterator<Item = (&String, &SetupSizes)> {
+        self.setups.iter()
     }
 
     pub(super) fn sizes(&self, id: &str, setup: &Setup) -> Result<&Sizes> {
@@ -132,6 +140,19 @@ impl Oracle {
             Size::Typical(share) => Ok(share),
             Size::Nameable(times) => Ok(times * self.sizes(asked.id, setup)?.nameable()),
         }
+    }
+
+    /// Documented look-alikes that leave so little of an effect that the likelier of the two is the wrong one
+    /// more often than once in twenty.
+    ///
+    /// # Errors
+    /// An effect without a known size.
+    pub(super) fn alike(&self, asked: &Asked, setup: &Setup) -> Result<Vec<String>> {
+        let share = self.share(asked, setup)?;
+        let sds = share * noncentrality(asked.id) / self.sizes(asked.id, setup)?.detectable;
+        let known = self.setups.get(&key(setup)).and_then(|found| found.left_by.get(asked.id));
+        let alike = known.into_iter().flatten().filter(|(_, left)| sds * **left < TOLD_APART);
+        Ok(alike.map(|(other, _)| other.clone()).collect())
     }
 
     /// A few effects that do something else than the one asked for.
@@ -161,7 +182,12 @@ const NUISANCES: [&str; 3] = ["support-friction", "pusher-friction", "pressure-r
 fn key(setup: &Setup) -> String {
     let pushes = format!("{:?}", setup.pushes).to_lowercase();
     let force = if setup.has_force { "with" } else { "without" };
-    format!("{} {pushes} pushes {force} force", setup.n_pushes)
+    let sessions = match setup.sessions {
+        Sessions::Alike => "",
+        Sessions::One => ", of one session that differs",
+        Sessions::Fifteen => ", of fifteen sessions that differ",
+    };
+    format!("{} {pushes} pushes {force} force{sessions}", setup.n_pushes)
 }
 
 /// Pushes of a setup without noise, and the noise that a recording would have.
@@ -193,12 +219,31 @@ impl Bench {
 
     /// The change of all numbers with an effect at a share of its typical size, over the share.
     fn signature(&self, asked: &Asked, share: f64) -> Result<Signature> {
+        self.signature_of(asked.hidden(share)?, share)
+    }
+
+    fn signature_of(&self, effect: HiddenEffect, share: f64) -> Result<Signature> {
         let mut rig = self.rig.clone();
-        rig.hidden.push(Hidden::Effect(asked.hidden(share)?));
+        rig.hidden.push(Hidden::Effect(effect));
         let changed = simulate(&rig)?;
         let pairs = self.views.iter().zip(self.pushes.iter().zip(&changed));
         Ok(Signature(pairs.map(|(view, (off, on))| view.difference(off, on, share)).collect()))
     }
+
+    /// What is seen of an effect in each of its directions alone.
+    fn in_each_direction(&self, id: &'static str, share: f64) -> Result<Vec<Information>> {
+        let directions = Asked::in_each_direction(id, share)?.into_iter();
+        let seen = |effect| Ok(Information::of(self, &self.signature_of(effect, share)?, id));
+        directions.map(seen).collect()
+    }
+}
+
+/// Whether one of two effects is documented to look like the other.
+fn are_documented(one: &str, other: &str) -> bool {
+    let says = |one: &str, other: &str| {
+        by_id(one).is_ok_and(|effect| effect.info().confounders.iter().any(|one| one.id == other))
+    };
+    says(one, other) || says(other, one)
 }
 
 /// Sensors without noise, and those that are there.
@@ -214,6 +259,7 @@ impl SetupSizes {
     fn of(setup: &Setup) -> Result<Self> {
         let bench = Bench::of(setup)?;
         let (mut sizes, mut signatures) = (BTreeMap::new(), Vec::new());
+        let mut directions = BTreeMap::new();
         for kind in effect_kinds().into_iter().filter(|kind| kind.id != OF_THE_PUSHES) {
             let asked = Asked::typical(kind.id);
             let first = Information::of(&bench, &bench.signature(&asked, FIRST_SHARE)?, kind.id);
@@ -228,6 +274,9 @@ impl SetupSizes {
             };
             sizes.insert(kind.id.to_owned(), own);
             signatures.push((kind.id.to_owned(), found));
+            if by_id(kind.id).is_ok() {
+                directions.insert(kind.id, bench.in_each_direction(kind.id, share)?);
+            }
         }
         let mut correlations = Vec::new();
         for (k, (one, first)) in signatures.iter().enumerate() {
@@ -235,8 +284,14 @@ impl SetupSizes {
                 correlations.push((one.clone(), other.clone(), first.correlation(second)));
             }
         }
+        let left_by = |(id, found): &(String, Information)| {
+            let others = directions.iter().filter(|(other, _)| are_documented(id, other));
+            let left = others.map(|(other, of)| ((*other).to_owned(), found.left_by(of)));
+            (id.clone(), left.collect())
+        };
+        let left_by = signatures.iter().map(left_by).collect();
         let whitened_rms = bench.noise.check(&bench.pushes, &bench.views)?;
-        Ok(Self { setup: *setup, whitened_rms, effects: sizes, correlations })
+        Ok(Self { setup: *setup, whitened_rms, effects: sizes, correlations, left_by })
     }
 }
 
@@ -258,7 +313,7 @@ fn tolerated(id: &str) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::case::{Asked, Setup};
+    use super::super::case::{Asked, Sessions, Setup};
     use super::information::Information;
     use super::{Bench, Sizes};
 
@@ -276,12 +331,30 @@ mod tests {
         let (tilt, gradient) = (found("table-tilt"), found("friction-gradient"));
         assert!((tilt.correlation(&tilt) - 1.0).abs() < 1e-9);
         assert!(tilt.correlation(&gradient).abs() < 1.0);
+        // A look-alike leaves nothing of itself.
+        let left = |id| tilt.left_by(&bench.in_each_direction(id, 0.05).unwrap());
+        assert!(left("table-tilt") < 0.1 && left("friction-gradient") > 0.3);
         // What every diagnosis leaves open is no evidence for anything but itself.
         let signature = bench.signature(&Asked::typical("support-friction"), 0.05).unwrap();
         let itself = Information::of(&bench, &signature, "support-friction");
         let cleared = Information::of(&bench, &signature, "table-tilt");
         let [itself, cleared] = [itself, cleared].map(|found| found.detectable("support-friction"));
         assert!(itself < 0.2 && cleared > 20.0 * itself, "{itself} {cleared}");
+    }
+
+    #[test]
+    fn what_a_session_shares_hides_what_it_may_be_and_nothing_else() {
+        let detectable = |sessions: Sessions| {
+            let bench = Bench::of(&Setup { n_pushes: 12, sessions, ..Setup::RICH }).unwrap();
+            let rms = bench.noise.check(&bench.pushes, &bench.views).unwrap();
+            assert!((0.8..1.3).contains(&rms), "{rms}");
+            ["friction-center-offset", "table-anisotropy"].map(|id| {
+                let signature = bench.signature(&Asked::typical(id), 0.05).unwrap();
+                Information::of(&bench, &signature, id).detectable(id)
+            })
+        };
+        let [one, alike] = [Sessions::One, Sessions::Alike].map(detectable);
+        assert!(one[0] > 1.3 * alike[0] && one[1] < 1.15 * alike[1], "{one:?} {alike:?}");
     }
 
     #[test]
