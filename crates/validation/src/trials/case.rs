@@ -96,6 +96,7 @@ pub(super) enum Sessions {
     Alike,
     /// All pushes are of one that differs.
     One,
+    /// Pushes one after the other are shared out among so many.
     Fifteen,
 }
 
@@ -172,8 +173,9 @@ const CORNER: [[f64; 2]; 6] = [
 
 const SPEEDS: [f64; 3] = [0.01, 0.02, 0.04];
 const STEEPEST: f64 = 40.0 * PI / 180.0;
-/// Narrow pushes: the object hardly turns, and hardly slides along the tip.
+/// Steepest angle of narrow pushes, in rad: the object hardly slides along the tip.
 const NARROWEST: f64 = 10.0 * PI / 180.0;
+/// How far they go, in m: it hardly turns.
 const SHORT: f64 = 0.015;
 
 impl Outline {
@@ -333,18 +335,19 @@ impl Asked {
         const EIGHTH: f64 = PI / 4.0;
         let kind = effect_kinds().into_iter().find(|kind| kind.id == id);
         let kind = kind.with_context(|| format!("nothing hides {id}"))?;
-        let is_sized = |one: &&plant::Parameter| one.off.is_some_and(|off| off != one.typical);
-        let sized: Vec<&plant::Parameter> = kind.parameters.iter().filter(is_sized).collect();
+        let sized = |one: &plant::Parameter| {
+            one.off.filter(|off| *off != one.typical).map(|off| (one.name, off))
+        };
+        let sized: Vec<(&str, f64)> = kind.parameters.iter().filter_map(sized).collect();
         let typical = Self::typical(id).hidden(share)?;
         if let (1, Some(direction)) = (sized.len(), typical.values.get("direction")) {
             let turned = typical.clone().with("direction", direction + EIGHTH)?;
             return Ok(vec![typical, turned]);
         }
-        let alone = |one: &&plant::Parameter| -> Result<HiddenEffect> {
-            let mut others = sized.iter().filter(|other| other.name != one.name);
-            others.try_fold(typical.clone(), |effect, other| {
-                Ok(effect.with(other.name, other.off.unwrap_or_default())?)
-            })
+        let alone = |(name, _): &(&str, f64)| -> Result<HiddenEffect> {
+            let mut others = sized.iter().filter(|(other, _)| other != name);
+            let off = |effect: HiddenEffect, (other, off): &(&str, f64)| effect.with(other, *off);
+            Ok(others.try_fold(typical.clone(), off)?)
         };
         sized.iter().map(alone).collect()
     }

@@ -207,7 +207,7 @@ fn left(leftover: &Leftover) -> String {
         (Some(sentence), p) => {
             let p = p.map_or_else(String::new, |p| format!(" (p {p:.3})"));
             let origin = leftover.origin.map_or_else(String::new, |origin| {
-                format!(" Most of it comes from the {}.", origin.name())
+                format!(" That speaks of the {}.", origin.name())
             });
             format!(
                 "What is left: with all that is claimed the model still {sentence}{p}. No effect of the library explains that.{origin}"
