@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 // From the ground up: what comes first knows nothing of what comes after it.
+mod elementary;
 mod error;
 
 mod object;
@@ -27,9 +28,10 @@ pub use effect::parameter::{Coordinate, Frame, Off, Parameter, Role};
 pub use effect::setting::Setting;
 pub use effect::spread::{Spread, deviations};
 pub use effect::support::{LogTensor, Support};
-pub use effect::{Confounder, Effect, EffectInfo, IntoEffect, Origin, Sliding, Snapshot, Stage};
+pub use effect::{Confounder, Effect, EffectInfo, IntoEffect, Origin, Snapshot, Stage};
 pub use error::EffectError;
 pub use object::Object;
+pub use object::sliding::{LocalFriction, Sliding, SlidingPoints};
 pub use object::spots::Spot;
 pub use object::support_summary::SupportSummary;
 pub use predict::Predicted;

@@ -1,7 +1,9 @@
 //! Friction that grows with the logarithm of speed.
 
+use crate::elementary::ln_1p_each;
 use crate::{
-    Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Sliding, Stage,
+    Channel, Confounder, Effect, EffectInfo, LocalFriction, Nuisance, Off, Origin, Parameter, Role,
+    Sliding, SlidingPoints, Stage,
 };
 
 /// Friction that depends on speed: see [`EffectInfo`] for its physics.
@@ -62,5 +64,23 @@ impl Effect for RateDependentFriction {
     fn local_growth(&self, values: &[f64], sliding: &Sliding, _: f64) -> f64 {
         let speed = sliding.velocity_w.norm();
         values[0] * speed / (speed + values[1])
+    }
+
+    fn add_local_friction(
+        &self,
+        values: &[f64],
+        points: &SlidingPoints,
+        found: &mut LocalFriction,
+    ) {
+        let mut logarithms = [0.0; SlidingPoints::MOST];
+        let squares = points.squared_speeds();
+        let logarithms = &mut logarithms[..squares.len()];
+        let ratio = |square: &f64| square.sqrt() / values[1];
+        logarithms.iter_mut().zip(squares).for_each(|(of, square)| *of = ratio(square));
+        ln_1p_each(logarithms);
+        for (k, (square, logarithm)) in squares.iter().zip(logarithms).enumerate() {
+            found.surplus[k] += values[0] * *logarithm;
+            found.growth[k] += values[0] * ratio(square) / (1.0 + ratio(square));
+        }
     }
 }

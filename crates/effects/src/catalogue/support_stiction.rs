@@ -1,7 +1,9 @@
 //! Friction with the table that is larger at low speed.
 
+use crate::elementary::exp_each;
 use crate::{
-    Channel, Confounder, Effect, EffectInfo, Nuisance, Off, Origin, Parameter, Role, Sliding, Stage,
+    Channel, Confounder, Effect, EffectInfo, LocalFriction, Nuisance, Off, Origin, Parameter, Role,
+    Sliding, SlidingPoints, Stage,
 };
 
 /// Stiction of the support: see [`EffectInfo`] for its physics.
@@ -61,5 +63,24 @@ impl Effect for SupportStiction {
 
     fn local_growth(&self, values: &[f64], sliding: &Sliding, surplus: f64) -> f64 {
         -2.0 * sliding.velocity_w.norm_squared() / values[1].powi(2) * surplus
+    }
+
+    fn add_local_friction(
+        &self,
+        values: &[f64],
+        points: &SlidingPoints,
+        found: &mut LocalFriction,
+    ) {
+        let mut fades = [0.0; SlidingPoints::MOST];
+        let squares = points.squared_speeds();
+        let fades = &mut fades[..squares.len()];
+        let (more, fade) = (values[0] - 1.0, -values[1].powi(2).recip());
+        fades.iter_mut().zip(squares).for_each(|(exponent, square)| *exponent = fade * square);
+        exp_each(fades);
+        for (k, (square, fade_there)) in squares.iter().zip(fades).enumerate() {
+            let surplus = more * *fade_there;
+            found.surplus[k] += surplus;
+            found.growth[k] += 2.0 * fade * square * surplus;
+        }
     }
 }

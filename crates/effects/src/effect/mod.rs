@@ -12,14 +12,13 @@ pub(crate) mod support;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use nalgebra::Vector2;
 use planar::{Pose, Wrench};
 use serde::{Deserialize, Serialize};
 
 use crate::effect::parameter::{coordinates, from_coordinates, to_coordinates};
 use crate::{
-    Channel, ContactLaw, Coordinate, EffectError, Geometry, MeasurementModel, Nuisance, Object,
-    Parameter, Rig, Role, Spot, StepInput, Support,
+    Channel, ContactLaw, Coordinate, EffectError, Geometry, LocalFriction, MeasurementModel,
+    Nuisance, Object, Parameter, Rig, Role, Sliding, SlidingPoints, Spot, StepInput, Support,
 };
 
 /// A physical effect that a model can carry.
@@ -59,6 +58,21 @@ pub trait Effect: Debug + Send + Sync {
         const STEP: f64 = 1e-6;
         let faster = Sliding { velocity_w: (1.0 + STEP) * sliding.velocity_w, ..*sliding };
         (self.local_friction(values, &faster) - surplus) / STEP
+    }
+
+    /// [`Stage::Local`]: adds surplus and growth of every point; one after the other, where the effect
+    /// knows no faster way.
+    fn add_local_friction(
+        &self,
+        values: &[f64],
+        points: &SlidingPoints,
+        found: &mut LocalFriction,
+    ) {
+        for (k, sliding) in points.iter().enumerate() {
+            let surplus = self.local_friction(values, &sliding);
+            found.surplus[k] += surplus;
+            found.growth[k] += self.local_growth(values, &sliding, surplus);
+        }
     }
 
     /// [`Stage::Contact`]: friction and stiffness between pusher and object; once a step, at its
@@ -136,15 +150,6 @@ pub struct Snapshot<'a> {
     pub pose_wo: Pose,
     /// Time since the step's start, in s.
     pub time: f64,
-}
-
-/// One point of the support that slides over the table.
-#[derive(Clone, Copy, Debug)]
-pub struct Sliding {
-    /// Where, in m, frame W.
-    pub place_w: Vector2<f64>,
-    /// How fast, in m/s, axes of W.
-    pub velocity_w: Vector2<f64>,
 }
 
 /// Where in the prediction an effect acts.

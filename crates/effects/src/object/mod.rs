@@ -4,6 +4,7 @@ pub(crate) mod cells;
 pub(crate) mod patch_table;
 pub(crate) mod points;
 pub(crate) mod pressure;
+pub(crate) mod sliding;
 pub(crate) mod spots;
 pub(crate) mod statics;
 pub(crate) mod support_summary;

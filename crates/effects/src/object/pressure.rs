@@ -3,6 +3,7 @@
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 use crate::EffectError;
+use crate::elementary::exp_each;
 use crate::object::points::{Point, Points};
 
 /// The load of every support point where the center of friction is beside the centroid.
@@ -113,7 +114,8 @@ struct Dual {
 
 impl Dual {
     fn at(points: &[Point], misses: &[Vector3<f64>], exponents: &Vector3<f64>) -> Self {
-        let mut weights: Vec<f64> = misses.iter().map(|miss| exponents.dot(miss).exp()).collect();
+        let mut weights: Vec<f64> = misses.iter().map(|miss| exponents.dot(miss)).collect();
+        exp_each(&mut weights);
         let (mut sum, mut slope, mut curvature) = (0.0, Vector3::zeros(), Matrix3::zeros());
         for ((point, miss), weight) in points.iter().zip(misses).zip(&weights) {
             let share = point.share * weight;

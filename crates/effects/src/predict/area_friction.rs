@@ -6,10 +6,10 @@ use mechanics::LimitSurface;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use planar::Twist;
 
-use crate::effect::Sliding;
 use crate::object::patch_table::PatchTable;
 use crate::object::points::Load;
 use crate::object::pressure::Pressure;
+use crate::object::sliding::{LocalFriction, Sliding, SlidingPoints};
 use crate::{EffectError, Object, PushPhysics, Support};
 
 /// Friction of a pressure that is spread over the object's area, at one moment, per unit of its largest
@@ -48,13 +48,11 @@ impl Local<'_> {
         self.physics.local_friction(&self.sliding(place, velocity))
     }
 
-    /// The same with its growth by the logarithm of speed.
-    pub(crate) fn surplus_and_growth(
-        &self,
-        place: &Vector2<f64>,
-        velocity: &Vector2<f64>,
-    ) -> (f64, f64) {
-        self.physics.local_friction_and_growth(&self.sliding(place, velocity))
+    /// Surplus and growth of points, x and y of places and velocities as there.
+    pub(crate) fn of_all(&self, places: [&[f64]; 2], velocities: [&[f64]; 2]) -> LocalFriction {
+        let turn = [self.turn_wo.m11, self.turn_wo.m21];
+        let points = SlidingPoints::seen((places, velocities), turn, &self.center_w);
+        self.physics.local_friction_of_all(&points)
     }
 
     fn sliding(&self, place: &Vector2<f64>, velocity: &Vector2<f64>) -> Sliding {
@@ -202,10 +200,12 @@ impl<'a> AreaFriction<'a> {
     /// Of each point, its share of the load times its surplus s times T²v/|Tv|.
     fn local_load(&self, local: &Local<'_>, motion: &Vector3<f64>) -> Load {
         let points = self.pressure.as_ref().map_or(self.object.lanes(), |leaning| &leaning.lanes);
-        let law = |place: &Vector2<f64>, velocity: &Vector2<f64>| {
-            local.surplus_and_growth(place, velocity)
-        };
-        points.local_load(&law, &self.tensor, self.stretch, motion)
+        points.local_load(
+            &|places, velocities| local.of_all(places, velocities),
+            &self.tensor,
+            self.stretch,
+            motion,
+        )
     }
 }
 

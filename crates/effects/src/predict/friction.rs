@@ -59,7 +59,7 @@ impl SpotFriction<'_> {
     fn load(&self, motion: &Vector3<f64>) -> Load {
         let (mut load, mut slope) = self.points.load(&self.tensor, self.stretch, motion);
         if let Some(local) = &self.local {
-            let law = |place: &_, velocity: &_| local.surplus_and_growth(place, velocity);
+            let law = |places: [&_; 2], velocities: [&_; 2]| local.of_all(places, velocities);
             let (more, more_slope) =
                 self.points.local_load(&law, &self.tensor, self.stretch, motion);
             load += more;

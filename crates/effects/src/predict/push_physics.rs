@@ -6,7 +6,8 @@ use planar::{Pose, Wrench};
 
 use crate::catalogue::{all, by_id_with};
 use crate::effect::setting::Setting;
-use crate::effect::{Effect, IntoEffect, Sliding, Snapshot, Stage};
+use crate::effect::{Effect, IntoEffect, Snapshot, Stage};
+use crate::object::sliding::{LocalFriction, Sliding, SlidingPoints};
 use crate::object::spots::Spots;
 use crate::{
     ContactLaw, EffectError, Geometry, MeasurementModel, Object, Rig, Spread, StepInput, Support,
@@ -364,12 +365,12 @@ impl PushPhysics {
         self.at(Stage::Local).map(|(e, values)| e.local_friction(values, sliding)).sum()
     }
 
-    /// The surplus with its growth by the logarithm of speed.
-    pub(crate) fn local_friction_and_growth(&self, sliding: &Sliding) -> (f64, f64) {
-        self.at(Stage::Local).fold((0.0, 0.0), |(sum, growth), (e, values)| {
-            let surplus = e.local_friction(values, sliding);
-            (sum + surplus, growth + e.local_growth(values, sliding, surplus))
-        })
+    /// Surplus and growth of points, of all effects together.
+    pub(crate) fn local_friction_of_all(&self, points: &SlidingPoints) -> LocalFriction {
+        let mut found = LocalFriction::default();
+        self.at(Stage::Local)
+            .for_each(|(e, values)| e.add_local_friction(values, points, &mut found));
+        found
     }
 
     pub(crate) fn load(&self, moment: &Snapshot<'_>) -> Wrench {

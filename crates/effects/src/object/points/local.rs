@@ -1,14 +1,15 @@
 //! Sums over points whose friction differs from point to point.
 
-use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::lane::{Lane, Register};
 use super::{Block, Points, SIZE, forces, total};
 use crate::object::points::Load;
+use crate::object::sliding::{LocalFriction, SlidingPoints};
 
-/// Relative surplus s of friction at a place that slides with a velocity, and ds/d ln |v|.
-pub(crate) type Law<'a> = dyn Fn(&Vector2<f64>, &Vector2<f64>) -> (f64, f64) + 'a;
+/// Relative surplus s of friction at places that slide with velocities, x and y of each, and ds/d ln |v|.
+pub(crate) type Law<'a> = dyn Fn([&[f64]; 2], [&[f64]; 2]) -> LocalFriction + 'a;
 
 impl Points {
     /// Σ of each point's share times its surplus s times T²v/|Tv|, with the derivatives by the
@@ -56,24 +57,27 @@ impl WithSimd for LocalForces<'_> {
         let (none, one) = (Register::all(simd, 0.0), Register::all(simd, 1.0));
         let (move_x, move_y) = (one.alike(motion.x), one.alike(motion.y));
         let (turn, stretched) = (one.alike(motion.z), one.alike(stretch));
-        for block in &points.blocks {
-            let Surplus { weight, growth } = Surplus::of(block, law, stretch, motion);
-            for register in 0..SIZE / S::F64_LANES {
-                let x = Register::of(simd, &block.x, register);
-                let y = Register::of(simd, &block.y, register);
-                let weight = Register::of(simd, &weight, register);
-                let growth = Register::of(simd, &growth, register);
-                let forces_of = forces(one, [x, y], none, weight, tensor, stretch, motion);
-                let growths = forces(one, [x, y], none, growth, tensor, stretch, motion);
-                let (arm_x, arm_y) = (-stretched * y, stretched * x);
-                let (vx, vy) = (move_x + turn * arm_x, move_y + turn * arm_y);
-                let faster = [vx, vy, vx * arm_x + vy * arm_y];
-                for number in 0..9 {
-                    let sum = Register::of(simd, &sums[number], register);
-                    (sum + forces_of[number]).put(&mut sums[number], register);
-                    let sum = Register::of(simd, &sums[9 + number], register);
-                    let grown = growths[number / 3] * faster[number % 3];
-                    (sum + grown).put(&mut sums[9 + number], register);
+        for blocks in points.blocks.chunks(BLOCKS) {
+            let surplus = Surplus::of(blocks, law, stretch, motion);
+            for (k, block) in blocks.iter().enumerate() {
+                let (weight, growth) = (&surplus.weight[k], &surplus.growth[k]);
+                for register in 0..SIZE / S::F64_LANES {
+                    let x = Register::of(simd, &block.x, register);
+                    let y = Register::of(simd, &block.y, register);
+                    let weight = Register::of(simd, weight, register);
+                    let growth = Register::of(simd, growth, register);
+                    let forces_of = forces(one, [x, y], none, weight, tensor, stretch, motion);
+                    let growths = forces(one, [x, y], none, growth, tensor, stretch, motion);
+                    let (arm_x, arm_y) = (-stretched * y, stretched * x);
+                    let (vx, vy) = (move_x + turn * arm_x, move_y + turn * arm_y);
+                    let faster = [vx, vy, vx * arm_x + vy * arm_y];
+                    for number in 0..9 {
+                        let sum = Register::of(simd, &sums[number], register);
+                        (sum + forces_of[number]).put(&mut sums[number], register);
+                        let sum = Register::of(simd, &sums[9 + number], register);
+                        let grown = growths[number / 3] * faster[number % 3];
+                        (sum + grown).put(&mut sums[9 + number], register);
+                    }
                 }
             }
         }
@@ -81,28 +85,45 @@ impl WithSimd for LocalForces<'_> {
     }
 }
 
-/// What the law says of the points of a block.
+/// Blocks that a law is asked of at a time.
+const BLOCKS: usize = SlidingPoints::MOST / SIZE;
+
+/// What the law says of the points of some blocks.
 struct Surplus {
     /// Share times surplus.
-    weight: [f64; SIZE],
+    weight: [[f64; SIZE]; BLOCKS],
     /// Share times ds/d ln |v|, over |v|².
-    growth: [f64; SIZE],
+    growth: [[f64; SIZE]; BLOCKS],
 }
 
 impl Surplus {
-    fn of(block: &Block, law: &Law<'_>, stretch: f64, motion: &Vector3<f64>) -> Self {
-        let Block { x, y, share, .. } = block;
-        let (mut weight, mut growth) = ([0.0; SIZE], [0.0; SIZE]);
-        for k in 0..SIZE {
-            let place = stretch * Vector2::new(x[k], y[k]);
-            let velocity = motion.xy() + motion.z * Vector2::new(-place.y, place.x);
-            let square = velocity.norm_squared();
-            if share[k] == 0.0 || square == 0.0 {
-                continue;
+    #[inline(always)]
+    fn of(blocks: &[Block], law: &Law<'_>, stretch: f64, motion: &Vector3<f64>) -> Self {
+        let none = [[0.0; SIZE]; BLOCKS];
+        let (mut x, mut y, mut vx, mut vy) = (none, none, none, none);
+        for (k, block) in blocks.iter().enumerate() {
+            for point in 0..SIZE {
+                x[k][point] = stretch * block.x[point];
+                y[k][point] = stretch * block.y[point];
+                vx[k][point] = motion.x - motion.z * y[k][point];
+                vy[k][point] = motion.y + motion.z * x[k][point];
             }
-            let (surplus, grows) = law(&place, &velocity);
-            weight[k] = share[k] * surplus;
-            growth[k] = share[k] * grows / square;
+        }
+        let n = SIZE * blocks.len();
+        let lists = [&x, &y, &vx, &vy].map(|list| &list.as_flattened()[..n]);
+        let found = law([lists[0], lists[1]], [lists[2], lists[3]]);
+        let (mut weight, mut growth) = (none, none);
+        for (k, block) in blocks.iter().enumerate() {
+            for point in 0..SIZE {
+                let square = vx[k][point] * vx[k][point] + vy[k][point] * vy[k][point];
+                // What rests, or bears nothing, adds nothing, whatever a law says of it.
+                let is_there = square != 0.0 && block.share[point] != 0.0;
+                let weighted = |number: f64| if is_there { number } else { 0.0 };
+                let (surplus, grows) =
+                    (found.surplus[SIZE * k + point], found.growth[SIZE * k + point]);
+                weight[k][point] = weighted(block.share[point] * surplus);
+                growth[k][point] = weighted(block.share[point] * grows / square);
+            }
         }
         Self { weight, growth }
     }
@@ -111,6 +132,7 @@ impl Surplus {
 #[cfg(test)]
 mod tests {
     use super::super::{Point, Points};
+    use crate::LocalFriction;
     use nalgebra::{Matrix2, Vector2, Vector3};
 
     fn points() -> Points {
@@ -126,9 +148,14 @@ mod tests {
     const STRETCH: f64 = 1.1;
 
     /// A law of place and speed.
-    fn law(place: &Vector2<f64>, velocity: &Vector2<f64>) -> (f64, f64) {
-        let ratio = velocity.norm() / 0.02;
-        ((1.0 + 9.0 * place.x) * ratio.ln_1p(), (1.0 + 9.0 * place.x) * ratio / (1.0 + ratio))
+    fn law([x, _]: [&[f64]; 2], [vx, vy]: [&[f64]; 2]) -> LocalFriction {
+        let mut found = LocalFriction::default();
+        for k in 0..x.len() {
+            let (factor, ratio) = (1.0 + 9.0 * x[k], vx[k].hypot(vy[k]) / 0.02);
+            found.surplus[k] = factor * ratio.ln_1p();
+            found.growth[k] = factor * ratio / (1.0 + ratio);
+        }
+        found
     }
 
     #[test]
@@ -141,7 +168,8 @@ mod tests {
             })
             .collect();
         let motion = Vector3::new(0.01, -0.02, 0.7);
-        let (load, slope) = points().local_load(&|_, _| (1.0, 0.0), &TENSOR, STRETCH, &motion);
+        let one = LocalFriction { surplus: [1.0; 64], ..LocalFriction::default() };
+        let (load, slope) = points().local_load(&|_, _| one.clone(), &TENSOR, STRETCH, &motion);
         let (same, same_slope) = Points::new(&still).load(&TENSOR, STRETCH, &motion);
         assert!((load - same).norm() < 1e-14 * same.norm());
         assert!((slope - same_slope).norm() < 1e-13 * same_slope.norm());
