@@ -12,8 +12,8 @@ use crate::cut_offs::{HINT, NAME, SIZE, SMALL_SHARE, TOLERANCES};
 use crate::fit::Refit;
 use crate::remains::remains;
 use crate::{
-    DiagnosisError, EffectFit, Fit, Gain, NoiseModel, NuisanceFit, Reason, Remains, Screen,
-    ScreenedEffect, Undetermined,
+    DiagnosisError, EffectFit, Fit, Gain, NoiseModel, NuisanceFit, Predictions, Reason, Remains,
+    Screen, ScreenedEffect, Undetermined,
 };
 
 impl Search<'_> {
@@ -164,7 +164,8 @@ impl Search<'_> {
             rivals: choice.rivals.clone(),
             effect,
             gain,
-            varies: whole.pulls(id).and_then(|pulls| varies(&pulls, self.fitted)),
+            varies: (whole.pulls(id))
+                .and_then(|pulls| varies(&pulls, self.fitted, self.settings.seed)),
             origin: self.effect(id).map(|effect| effect.info().origin),
             is_small: choice.is_small,
             square: without * without - after * after,
@@ -243,6 +244,21 @@ impl Search<'_> {
     ) -> Result<Vec<f64>, DiagnosisError> {
         let parts = [without.left_out(with)?, with.left_out(with)?];
         Ok(Rules::gains(self.fitted, &parts))
+    }
+
+    /// A model that predicts the pushes that it was not fitted to as well.
+    ///
+    /// # Errors
+    /// What a prediction refuses.
+    pub(super) fn told_everywhere<'a>(
+        &self,
+        there: Refit<'a>,
+    ) -> Result<Refit<'a>, DiagnosisError> {
+        let [_, whole] = there.descriptions()?;
+        for part in [self.all, self.aside] {
+            Predictions::expected(&whole, &self.settings.own, part)?;
+        }
+        Ok(there)
     }
 
     /// What of the rig the error comes from that the last model leaves in all of the set.

@@ -1,8 +1,11 @@
 //! Whether an effect has the same size all over a set.
 
 use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
 
-use crate::cut_offs::{DIFFERENT, DIFFERENT_SHARE, FEWEST_IN_GROUP, N_GROUPS, ONE_SPEED};
+use crate::cut_offs::{DIFFERENT, DIFFERENT_SHARE, FEWEST_IN_GROUP, N_GROUPS, NAME, ONE_SPEED};
 use crate::fit::Pulls;
 use crate::statistics::quantile::normal_of_chi_square;
 use crate::{Covariate, Observations};
@@ -24,6 +27,8 @@ const ALONG: [Covariate; 6] = [
     Covariate::Speed,
     Covariate::Orientation,
 ];
+/// Random deals of the pushes.
+const N_DEALS: usize = 999;
 /// Pushes of the usual scatter that stand beside a group's own, whose scatter few pushes do not tell.
 const USUAL: f64 = 5.0;
 
@@ -38,18 +43,37 @@ impl Varies {
 }
 
 /// Along what an effect's size differs most surely between groups of pushes, if it does: by Cochran's
-/// Q, and by more than a quarter of it.
+/// Q, by more than pushes do that are dealt out to the groups at random, and by more than a quarter of it.
 ///
 /// # Source
 /// DerSimonian & Laird (1986), Meta-analysis in clinical trials, Controlled Clinical Trials 7.
-pub(super) fn varies(pulls: &Pulls, observations: &Observations) -> Option<Varies> {
-    let differs = |over: &Covariate| {
-        let groups = groups(observations, *over)?;
-        let (z, share) = spread(pulls, &groups)?;
+pub(super) fn varies(pulls: &Pulls, observations: &Observations, seed: u64) -> Option<Varies> {
+    let grouped = ALONG.iter().filter_map(|over| Some((*over, groups(observations, *over)?)));
+    let (along, groups): (Vec<Covariate>, Vec<Vec<Vec<usize>>>) = grouped.unzip();
+    let differs = |(over, groups): (&Covariate, &Vec<Vec<usize>>)| {
+        let (z, share) = spread(pulls, groups)?;
         (z >= DIFFERENT && share >= DIFFERENT_SHARE).then_some((z, Varies { over: *over, share }))
     };
-    let found = ALONG.iter().filter_map(differs);
-    found.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, varies)| varies)
+    let found = along.iter().zip(&groups).filter_map(differs);
+    let (z, varies) = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    is_beyond_chance(z, pulls, &groups, seed).then_some(varies)
+}
+
+/// Whether pushes that are dealt out at random hardly ever differ as surely along any covariate: few pushes of
+/// a group tell little of their own scatter, and normal quantiles take a chance for more.
+fn is_beyond_chance(z: f64, pulls: &Pulls, along: &[Vec<Vec<usize>>], seed: u64) -> bool {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut dealt = Pulls { size: pulls.size.clone(), of_pushes: pulls.of_pushes.clone() };
+    let mut as_much = 0;
+    for _ in 0..N_DEALS {
+        dealt.of_pushes.shuffle(&mut rng);
+        let all = along.iter().filter_map(|groups| spread(&dealt, groups));
+        as_much += usize::from(all.map(|(of_deal, _)| of_deal).fold(f64::MIN, f64::max) >= z);
+        if (1 + as_much) as f64 > NAME * (1 + N_DEALS) as f64 {
+            return false;
+        }
+    }
+    true
 }
 
 /// Pushes in the order of a covariate, in five parts, or by speed where few are asked for; none where it is
@@ -141,9 +165,10 @@ fn spread(pulls: &Pulls, groups: &[Vec<usize>]) -> Option<(f64, f64)> {
 mod tests {
     use nalgebra::{DMatrix, DVector};
     use rand::SeedableRng;
+    use rand::seq::SliceRandom;
     use rand_chacha::ChaCha8Rng;
 
-    use super::{FEWEST_IN_GROUP, speeds, spread};
+    use super::{FEWEST_IN_GROUP, is_beyond_chance, speeds, spread};
     use crate::fit::Pulls;
     use crate::synthetic::normal;
 
@@ -187,6 +212,36 @@ mod tests {
         assert!((0..400).filter(|seed| is_sure(*seed)).count() <= 3);
     }
 
+    /// Pushes that tell two numbers, each as well as it happens to, grouped in six ways.
+    #[test]
+    fn what_uneven_pushes_differ_by_is_no_surer_than_chance() {
+        let deal = |seed: u64| {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let of_push = |_| {
+                let information = (1.5 * normal(&mut rng)).exp();
+                let at = DVector::from_fn(2, |_, _| 1.0 + normal(&mut rng) / information.sqrt());
+                (information * at, DMatrix::identity(2, 2) * information)
+            };
+            let of_pushes: Vec<_> = (0..60).map(of_push).collect();
+            let mut order: Vec<usize> = (0..60).collect();
+            let mut group = |_| {
+                order.shuffle(&mut rng);
+                order.chunks(12).map(<[usize]>::to_vec).collect::<Vec<_>>()
+            };
+            let along: Vec<Vec<Vec<usize>>> = (0..6).map(&mut group).collect();
+            let pulls = Pulls { size: DVector::from_element(2, 1.0), of_pushes };
+            let of = |groups: &Vec<Vec<usize>>| spread(&pulls, groups).unwrap().0;
+            let z = along.iter().map(of).fold(f64::MIN, f64::max);
+            let is_sure = z >= super::DIFFERENT;
+            (is_sure, is_sure && is_beyond_chance(z, &pulls, &along, seed))
+        };
+        let found: Vec<(bool, bool)> = (0..600).map(deal).collect();
+        let n = |of: fn(&(bool, bool)) -> bool| found.iter().filter(|one| of(one)).count();
+        let (by_quantile, by_deals) = (n(|one| one.0), n(|one| one.1));
+        // Of one in a hundred 13 come once in a hundred such tests; quantiles alone take more for sure.
+        assert!(by_deals <= 12 && 2 * by_deals < by_quantile, "{by_deals} {by_quantile}");
+    }
+
     #[test]
     fn a_size_that_differs_between_groups_is_seen() {
         let found = |by: f64| {
@@ -196,6 +251,8 @@ mod tests {
         let (z, share) = found(0.4);
         // Standard deviation of −2 … 2 is 1.58.
         assert!(z > super::DIFFERENT && (0.5..0.8).contains(&share), "{z} {share}");
+        let (pulls, groups) = pulls(100, |group| 0.4 * (group as f64 - 2.0), 3);
+        assert!(is_beyond_chance(z, &pulls, &[groups], 3));
         assert!(found(0.05).1 < super::DIFFERENT_SHARE);
     }
 }

@@ -220,9 +220,9 @@ impl Search<'_> {
         index: usize,
     ) -> Result<Result<(Vec<&'static str>, Refit<'a>), Objection>, DiagnosisError> {
         let Tried { trial, without, .. } = &tried[index];
-        let there = match here.with(trial) {
+        let there = match here.with(trial).and_then(|there| self.told_everywhere(there)) {
             Ok(there) => there,
-            // An effect whose refit does not settle is no explanation.
+            // An effect whose refit does not settle, or tells some push nothing, is no explanation.
             Err(why) => return Ok(Err(Objection::Unsettled { why: why.to_string() })),
         };
         let without = without.as_ref().unwrap_or(here);

@@ -1,15 +1,18 @@
 //! What each origin of errors could add to a model's predictions.
 
+use std::f64::consts::PI;
+use std::iter;
 use std::ops::Range;
 use std::sync::Arc;
 
 use effects::{
     Effect, FrictionCenterOffset, FrictionField, Origin, PressureRadius, PusherFriction,
-    SupportFriction, SupportPoints, all,
+    SupportFriction, SupportPoints, TableAnisotropy, all,
 };
 use models::Description;
 use nalgebra::{DMatrix, DVector};
 
+use crate::predict::candidates::Candidate;
 use crate::predict::tangent::Tangent;
 use crate::{Covariate, DiagnosisError, Observations, Tolerances, Whitening};
 
@@ -40,14 +43,18 @@ pub(super) struct Columns<'a> {
     /// Functions of where and how each step is.
     factors: Vec<Vec<f64>>,
     noise: [f64; 7],
-    /// The columns of each origin, in the order of [`Origin::ALL`].
-    pub(super) origins: Vec<Range<usize>>,
+    /// The columns of each origin, in the order of [`Origin::ALL`]: the simplest first, then what has more freedom.
+    pub(super) origins: Vec<Vec<Range<usize>>>,
     /// The columns of anything smooth in where a step touches and whither it goes.
     pub(super) smooth: Range<usize>,
 }
 
 /// A function that is the same everywhere.
 const EVEN: usize = 0;
+/// Half waves over the table at most, along x and y.
+const SHORTEST: u32 = 4;
+/// Numbers of an effect of the support that may be others by the direction of the push.
+const FEW: usize = 4;
 
 /// Where a step touches and whither it goes, −1 to 1, and their products up to the third degree.
 const DEGREES: [(i32, i32); 10] =
@@ -140,42 +147,112 @@ impl<'a> Columns<'a> {
         Places { contact, table, turned, speed, order }
     }
 
+    /// Waves over what is touched of the table, the shorter the smaller.
+    fn waves(&mut self) -> Vec<usize> {
+        let along = |covariate: Covariate| {
+            let values = self.observations.values_of(covariate);
+            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let share = |x: f64| (x - low) / (high - low);
+            (high > low).then(|| values.into_iter().map(share).collect::<Vec<f64>>())
+        };
+        let is_told = |covariate: &Covariate| self.observations.knows(*covariate);
+        let table = [Covariate::TableX, Covariate::TableY];
+        let [Some(x), Some(y)] = table.map(|one| Some(one).filter(is_told).and_then(along)) else {
+            return Vec::new();
+        };
+        let wave = |(j, k): (u32, u32)| {
+            // Half of it as large as x or y beside it where it is longest.
+            let size = 2.0 / f64::from(1 + j * j + k * k);
+            let cosine = |n: u32, share: &f64| (f64::from(n) * PI * share).cos();
+            let of = |(x, y): (&f64, &f64)| size * cosine(j, x) * cosine(k, y);
+            x.iter().zip(&y).map(of).collect::<Vec<f64>>()
+        };
+        let all = (0..=SHORTEST).flat_map(|j| (0..=SHORTEST).map(move |k| (j, k)));
+        let is_one = |(j, k): &(u32, u32)| (1..=SHORTEST * SHORTEST + 1).contains(&(j * j + k * k));
+        let waves: Vec<Vec<f64>> = all.filter(is_one).map(wave).collect();
+        waves.into_iter().map(|values| self.factor(values)).collect()
+    }
+
+    /// Whither the object is pushed, seen from it.
+    fn pushed(&mut self) -> Vec<usize> {
+        let observations = self.observations;
+        if ![Covariate::Direction, Covariate::Orientation]
+            .iter()
+            .all(|one| observations.knows(*one))
+        {
+            return Vec::new();
+        }
+        let along = |of: fn(f64) -> f64| {
+            let value = |covariate, step| observations.value_of(covariate, step);
+            let turn =
+                |step| value(Covariate::Direction, step) - value(Covariate::Orientation, step);
+            (0..observations.n_steps()).map(|step| of(turn(step))).collect::<Vec<f64>>()
+        };
+        [along(f64::cos), along(f64::sin)].map(|values| self.factor(values)).to_vec()
+    }
+
     fn factor(&mut self, values: Vec<f64>) -> usize {
         self.factors.push(values);
         self.factors.len() - 1
     }
 
     fn add_origins(&mut self, places: &Places, is_testable: &impl Fn(&str) -> bool) {
-        let candidates = &self.tangent.candidates.effects;
-        let is_shown = |id: &str| is_testable(id);
         for origin in Origin::ALL {
-            let start = self.columns.len();
             let factors: Vec<usize> = match origin {
                 Origin::Contact => places.contact[..6].to_vec(),
                 Origin::Table => [&[EVEN], places.table.as_slice()].concat(),
                 Origin::Measurement => [&[EVEN], places.turned.as_slice()].concat(),
                 Origin::Support | Origin::Dynamics | Origin::Time => vec![EVEN],
             };
-            let own = candidates.iter().filter(|one| {
-                let about = one.effect.info();
-                about.origin == origin && is_shown(about.id)
-            });
-            let own: Vec<usize> = own.flat_map(|one| one.coordinates.clone()).collect();
-            self.add(&own, &factors);
+            let start = self.columns.len();
+            self.add(&self.numbers_of(origin, |one| is_testable(one.effect.info().id)), &factors);
             // What may be another one at another speed, or later.
             let changes = match origin {
                 Origin::Dynamics => &places.speed,
                 Origin::Time => &places.order,
                 _ => &Vec::new(),
             };
-            let numbers: Vec<usize> = candidates
-                .iter()
-                .filter(|one| changing().contains(&one.effect.info().id))
-                .flat_map(|one| one.coordinates.clone())
-                .collect();
+            let is_changing = |one: &&Candidate| changing().contains(&one.effect.info().id);
+            let changing = self.tangent.candidates.effects.iter().filter(is_changing);
+            let numbers: Vec<usize> = changing.flat_map(|one| one.coordinates.clone()).collect();
             self.add(&numbers, changes);
-            self.origins.push(start..self.columns.len());
+            self.origins.push(iter::once(start..self.columns.len()).collect());
         }
+    }
+
+    /// With more freedom where an origin may need it: a field over the table, pressure that leans with the push.
+    pub(super) fn with_more_freedom(mut self, is_testable: impl Fn(&str) -> bool) -> Self {
+        let (waves, pushed) = (self.waves(), self.pushed());
+        for (origin, own) in Origin::ALL.into_iter().zip(0..) {
+            let is_testable = |one: &Candidate| is_testable(one.effect.info().id);
+            let (numbers, factors) = match origin {
+                Origin::Table => {
+                    // A place has no direction of its own.
+                    let is_field =
+                        |one: &Candidate| one.effect.info().id != TableAnisotropy.info().id;
+                    (self.numbers_of(origin, |one| is_testable(one) && is_field(one)), &waves)
+                }
+                // An object that rocks bears on another side.
+                Origin::Support => {
+                    let is_few = |one: &Candidate| one.coordinates.len() <= FEW;
+                    (self.numbers_of(origin, |one| is_testable(one) && is_few(one)), &pushed)
+                }
+                _ => continue,
+            };
+            let start = self.columns.len();
+            self.add(&numbers, factors);
+            self.origins[own].push(start..self.columns.len());
+        }
+        self.origins.iter_mut().for_each(|groups| groups.retain(|group| !group.is_empty()));
+        self
+    }
+
+    /// The coordinates of some effects of an origin.
+    fn numbers_of(&self, origin: Origin, is_meant: impl Fn(&Candidate) -> bool) -> Vec<usize> {
+        let own = self.tangent.candidates.effects.iter();
+        let own = own.filter(|one| one.effect.info().origin == origin && is_meant(one));
+        own.flat_map(|one| one.coordinates.clone()).collect()
     }
 
     fn add(&mut self, coordinates: &[usize], factors: &[usize]) {
@@ -205,6 +282,19 @@ impl<'a> Columns<'a> {
             entries.for_each(|((step, _), gain)| of_steps[*step] += gain);
         }
         of_steps
+    }
+
+    /// How far each component's number may change, in its scale: no effect is larger than physics lets it be.
+    pub(super) fn room(&self) -> Vec<[f64; 2]> {
+        let candidates = &self.tangent.candidates;
+        let of = |column: &Column| match column {
+            Column { base: Base::Coordinate(k), factor: EVEN } => {
+                let used = candidates.here[*k] - candidates.off[*k];
+                candidates.room[*k].map(|end| (end - used) / self.scale[*k])
+            }
+            _ => [f64::NEG_INFINITY, f64::INFINITY],
+        };
+        self.columns.iter().map(of).collect()
     }
 
     /// The precision of each open number beforehand, in its scale.

@@ -22,6 +22,8 @@ const LEAST_SAY: f64 = 0.5;
 pub(super) struct Folds {
     folds: Vec<Fold>,
     n_pushes: usize,
+    /// Of each component's number.
+    room: Vec<[f64; 2]>,
 }
 
 struct Fold {
@@ -61,7 +63,7 @@ impl Folds {
             Fold::new(&pushes, part, &(&whole - own), &columns.beliefs())
         };
         let folds = parts.iter().zip(&products).map(fold).collect::<Option<_>>()?;
-        Some(Self { folds, n_pushes: pushes.len() })
+        Some(Self { folds, n_pushes: pushes.len(), room: columns.room() })
     }
 
     /// The groups' variances by each fold; none where they are not determined.
@@ -77,7 +79,11 @@ impl Folds {
         for (fold, variances) in self.folds.iter().zip(variances) {
             let change = fold.others.of(&columns).mean(&groups, variances)?;
             for (push, left, added) in &fold.own {
-                let then = left - added.select_columns(&columns) * &change;
+                let mut then = left.clone();
+                for (column, change) in columns.iter().zip(&change) {
+                    let [least, most] = self.room[*column];
+                    then.axpy(-change.max(least).min(most), &added.column(*column), 1.0);
+                }
                 found.square += left.norm_squared();
                 found.of_rows[*push] =
                     left.zip_map(&then, |left, then| 0.5 * (left * left - then * then));
@@ -86,9 +92,8 @@ impl Folds {
         Some(found)
     }
 
-    /// What columns gain alone.
-    pub(super) fn alone(&self, columns: &Range<usize>) -> Option<Gains> {
-        let groups = std::slice::from_ref(columns);
+    /// What groups of columns gain alone.
+    pub(super) fn alone(&self, groups: &[Range<usize>]) -> Option<Gains> {
         self.gains(groups, &self.variances(groups)?)
     }
 }
@@ -104,7 +109,7 @@ pub(super) fn left_by_all(
     let all: Vec<usize> = (0..pushes.len()).collect();
     let beliefs = columns.beliefs();
     let whole = Fold::new(&pushes, &[], &product(&pushes, &all), &beliefs)?;
-    let mut groups = columns.origins.clone();
+    let mut groups = columns.origins.concat();
     groups.push(columns.smooth.clone());
     groups.retain(|group| !group.is_empty());
     let variances = whole.others.variances(&groups)?;

@@ -62,9 +62,9 @@ pub(crate) struct RemainSettings<'a> {
 
 /// What of the rig the error comes from that a model leaves, beside noise learnt about it.
 ///
-/// Each origin has a component: the pressure under the object cell by cell, friction and place of the
-/// contact as functions of place and direction, and so on, as large as makes the pushes that it is fitted
-/// to likeliest; the numbers that every fit leaves open follow. `is_testable` tells effects that the data may
+/// Each origin has a component: the pressure under the object cell by cell, which may lean with the push, friction
+/// and place of the contact as functions of place and direction, a field over the table, and so on, as large as
+/// makes the pushes that it is fitted to likeliest; the numbers that every fit leaves open follow. `is_testable` tells effects that the data may
 /// show. None of fewer than eight clusters, and where nothing can be fitted.
 ///
 /// # Errors
@@ -83,7 +83,8 @@ pub(crate) fn remains(
     let tangent = tangent_of_all(model, settings.own, observations)?;
     let whitening = noise.whitening_at(observations, &tangent.linearisation)?;
     let columns =
-        Columns::of(&tangent, (observations, &whitening), is_testable, settings.tolerances);
+        Columns::of(&tangent, (observations, &whitening), &is_testable, settings.tolerances)
+            .with_more_freedom(&is_testable);
     let folds = Folds::new(&columns, (whitening.rows(), members), settings.seed);
     Ok(folds.and_then(|folds| shares(&folds, &columns, observations)))
 }
@@ -111,38 +112,62 @@ pub(crate) fn noise_beside(
     }
 }
 
-fn shares(folds: &Folds, columns: &Columns, observations: &Observations) -> Option<Remains> {
-    let used = || Origin::ALL.into_iter().zip(&columns.origins).filter(|(_, own)| !own.is_empty());
-    let groups: Vec<Range<usize>> = used().map(|(_, own)| own.clone()).collect();
-    let variances = folds.variances(&groups)?;
-    let all = folds.gains(&groups, &variances)?;
-    let gain = all.of_clusters(observations);
-    let share = |part: f64| gain.is_sure().then(|| (part / gain.mean).clamp(0.0, 1.0));
-    let of_origin = |(index, (origin, own)): (usize, (Origin, &Range<usize>))| {
-        let alone = folds.alone(own)?;
-        let without = folds.gains(
-            &all_but(&groups, index),
-            &variances.iter().map(|fold| all_but(fold, index)).collect::<Vec<_>>(),
-        )?;
-        let (of_own, without) =
-            (alone.of_clusters(observations), without.of_clusters(observations));
-        let at = || place(&columns.of_steps(&alone.of_rows), observations);
-        Some(OriginShare {
-            origin,
-            gain: of_own,
-            alone: share(of_own.mean),
-            last_in: share(gain.mean - without.mean),
-            at: of_own.is_sure().then(at).flatten(),
-        })
-    };
-    let mut origins: Vec<OriginShare> = used().enumerate().map(of_origin).collect::<Option<_>>()?;
-    origins.sort_by(|a, b| b.gain.mean.total_cmp(&a.gain.mean));
-    let smooth = folds.alone(&columns.smooth)?.of_clusters(observations);
-    Some(Remains { gain, share: all.share_of_square(), smooth, origins })
+/// An origin, its component with as much freedom as gains most on held-out pushes, and what that gains.
+struct Own<'a> {
+    origin: Origin,
+    groups: &'a [Range<usize>],
+    alone: Gains,
+    gain: Gain,
 }
 
-fn all_but<T: Clone>(all: &[T], index: usize) -> Vec<T> {
-    all.iter().enumerate().filter(|(k, _)| *k != index).map(|(_, one)| one.clone()).collect()
+impl<'a> Own<'a> {
+    fn of(
+        (folds, observations): (&Folds, &Observations),
+        (origin, groups): (Origin, &'a Vec<Range<usize>>),
+    ) -> Option<Self> {
+        let with = |n: usize| {
+            let alone = folds.alone(&groups[..n])?;
+            let gain = alone.of_clusters(observations);
+            Some(Self { origin, groups: &groups[..n], alone, gain })
+        };
+        let all: Vec<Self> = (1..=groups.len()).map(with).collect::<Option<_>>()?;
+        all.into_iter().max_by(|a, b| a.gain.mean.total_cmp(&b.gain.mean))
+    }
+}
+
+fn shares(folds: &Folds, columns: &Columns, observations: &Observations) -> Option<Remains> {
+    let used = Origin::ALL.into_iter().zip(&columns.origins).filter(|(_, own)| !own.is_empty());
+    let used = used.map(|own| Own::of((folds, observations), own));
+    let used: Vec<Own> = used.collect::<Option<_>>()?;
+    let groups = |which: &dyn Fn(Origin) -> bool| -> Vec<Range<usize>> {
+        used.iter().filter(|own| which(own.origin)).flat_map(|own| own.groups.to_vec()).collect()
+    };
+    let together = groups(&|_| true);
+    let variances = folds.variances(&together)?;
+    let all = folds.gains(&together, &variances)?;
+    let gain = all.of_clusters(observations);
+    let share = |part: f64| gain.is_sure().then(|| (part / gain.mean).clamp(0.0, 1.0));
+    let of_origin = |own: &Own| {
+        let others = groups(&|origin| origin != own.origin);
+        let of_others = |variances: &Vec<f64>| {
+            let all = together.iter().zip(variances);
+            all.filter(|(group, _)| others.contains(group)).map(|(_, variance)| *variance).collect()
+        };
+        let without: Vec<Vec<f64>> = variances.iter().map(of_others).collect();
+        let without = folds.gains(&others, &without)?.of_clusters(observations);
+        let at = || place(&columns.of_steps(&own.alone.of_rows), observations);
+        Some(OriginShare {
+            origin: own.origin,
+            gain: own.gain,
+            alone: share(own.gain.mean),
+            last_in: share(gain.mean - without.mean),
+            at: own.gain.is_sure().then(at).flatten(),
+        })
+    };
+    let mut origins: Vec<OriginShare> = used.iter().map(of_origin).collect::<Option<_>>()?;
+    origins.sort_by(|a, b| b.gain.mean.total_cmp(&a.gain.mean));
+    let smooth = folds.alone(std::slice::from_ref(&columns.smooth))?.of_clusters(observations);
+    Some(Remains { gain, share: all.share_of_square(), smooth, origins })
 }
 
 impl Remains {

@@ -159,6 +159,12 @@ impl Answer {
         self.named().chain(groups).collect()
     }
 
+    /// The same without what is hardly seen.
+    pub(super) fn verdict(&self) -> BTreeSet<&str> {
+        let groups = self.ambiguous.iter().flatten();
+        self.identified.iter().chain(groups).map(String::as_str).collect()
+    }
+
     /// Every effect that is named, what is hardly seen, too.
     pub(super) fn named(&self) -> impl Iterator<Item = &str> {
         let is_named = |effect: &&Told| effect.small && effect.grade == Grade::Identified;

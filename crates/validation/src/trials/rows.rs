@@ -305,13 +305,15 @@ fn gains(record: &Record, variant: Variant) -> Option<(String, bool)> {
 fn is_same(record: &Record, variant: Variant) -> Option<(String, bool)> {
     let outcome = record.variants.get(&variant)?;
     let pair = record.outcome.answer().zip(outcome.answer());
-    let same = pair.is_some_and(|(one, other)| one.claimed() == other.claimed());
+    let same = pair.is_some_and(|(one, other)| one.verdict() == other.verdict());
     Some((format!("{}; then {}", line(record), outcome.text()), same))
 }
 
 fn claims_shuffled(record: &Record) -> Option<(String, bool)> {
     let outcome = record.variants.get(&Variant::Shuffled)?;
-    let claims = outcome.answer().is_none_or(|answer| !answer.claimed().is_empty());
+    let claims = outcome
+        .answer()
+        .is_none_or(|answer| answer.verdict().iter().any(|id| *id != super::score::ALWAYS));
     Some((format!("{}; shuffled {}", line(record), outcome.text()), claims))
 }
 

@@ -11,7 +11,7 @@ use super::truth::TrueEffect;
 /// The shape that an ellipsoid on a patch lacks, too.
 const SHAPE: &str = "limit-surface-shape";
 /// The simulated rig has it in every set: naming it is true where fast pushes show it.
-const ALWAYS: &str = "inertia";
+pub(super) const ALWAYS: &str = "inertia";
 /// Effects outside the catalogue and what of the catalogue says the same: the first is a compliance
 /// that also remembers, the second a friction that is lower and depends on the speed, the third a corner that
 /// is no longer there, the fourth a force over the table that hardly changes within a hand's breadth.
