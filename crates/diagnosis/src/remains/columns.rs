@@ -290,7 +290,8 @@ impl<'a> Columns<'a> {
         let of = |column: &Column| match column {
             Column { base: Base::Coordinate(k), factor: EVEN } => {
                 let used = candidates.here[*k] - candidates.off[*k];
-                candidates.room[*k].map(|end| (end - used) / self.scale[*k])
+                let [least, most] = candidates.room[*k].map(|end| (end - used) / self.scale[*k]);
+                [least.min(0.0), most.max(0.0)]
             }
             _ => [f64::NEG_INFINITY, f64::INFINITY],
         };
