@@ -74,6 +74,9 @@ impl<F: Function> WithSimd for Each<'_, F> {
         for numbers in whole {
             *numbers = self.function.of(numbers);
         }
+        if rest.is_empty() {
+            return;
+        }
         let mut last = [0.0; LANES];
         last[..rest.len()].copy_from_slice(rest);
         rest.copy_from_slice(&self.function.of(&last)[..rest.len()]);

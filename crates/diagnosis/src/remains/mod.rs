@@ -62,10 +62,11 @@ pub(crate) struct RemainSettings<'a> {
 
 /// What of the rig the error comes from that a model leaves, beside noise learnt about it.
 ///
-/// Each origin has a component: the pressure under the object cell by cell, which may lean with the push, friction
-/// and place of the contact as functions of place and direction, a field over the table, and so on, as large as
-/// makes the pushes that it is fitted to likeliest; the numbers that every fit leaves open follow. `is_testable` tells effects that the data may
-/// show. None of fewer than eight clusters, and where nothing can be fitted.
+/// Each origin has a component: the pressure under the object cell by cell, which may lean with the push,
+/// friction and place of the contact as functions of place and direction, a field over the table, and so on,
+/// as large as makes the pushes that it is fitted to likeliest; the numbers that every fit leaves open follow.
+/// `is_testable` tells effects that the data may show. None of fewer than eight clusters, and where nothing can
+/// be fitted.
 ///
 /// # Errors
 /// `Model` for what the model refuses; `NotACovariance`.

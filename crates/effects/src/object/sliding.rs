@@ -75,3 +75,38 @@ impl Default for LocalFriction {
         Self { surplus: [0.0; SlidingPoints::MOST], growth: [0.0; SlidingPoints::MOST] }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector2;
+
+    use super::{LocalFriction, SlidingPoints};
+    use crate::{Stage, all};
+
+    #[test]
+    fn all_points_at_once_have_what_each_has_by_itself() {
+        let list = |of: fn(f64) -> f64| (0..21).map(|k| of(f64::from(k))).collect::<Vec<f64>>();
+        let places = [list(|k| 0.04 * (1.7 * k).sin()), list(|k| 0.04 * (2.3 * k).cos())];
+        let velocities = [list(|k| 0.03 * (0.9 * k).cos()), list(|k| 0.02 * k.sin())];
+        let [x, y] = [&places, &velocities].map(|lists| [&lists[0][..], &lists[1][..]]);
+        let (sin, cos) = 0.4_f64.sin_cos();
+        let points = SlidingPoints::seen((x, y), [cos, sin], &Vector2::new(0.1, -0.2));
+        assert_eq!(points.iter().count(), 21);
+        let local = all().iter().filter(|effect| effect.info().stages.contains(&Stage::Local));
+        let mut n = 0;
+        for effect in local {
+            let about = effect.info();
+            let typical: Vec<f64> = about.parameters.iter().map(|one| one.typical).collect();
+            let mut found = LocalFriction::default();
+            effect.add_local_friction(&typical, &points, &mut found);
+            for (k, sliding) in points.iter().enumerate() {
+                let surplus = effect.local_friction(&typical, &sliding);
+                let growth = effect.local_growth(&typical, &sliding, surplus);
+                let off = (found.surplus[k] - surplus).abs().max((found.growth[k] - growth).abs());
+                assert!(off < 1e-14, "{} {off}", about.id);
+            }
+            n += usize::from(found.surplus.iter().any(|surplus| *surplus != 0.0));
+        }
+        assert!(n >= 3, "{n}");
+    }
+}

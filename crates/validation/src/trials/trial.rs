@@ -54,8 +54,11 @@ pub(super) fn run(case: &Case, oracle: &Oracle, folder: &Path) -> Result<Record>
         let sizes = oracle.sizes(asked.id, &case.setup).ok()?;
         Some(oracle.share(asked, &case.setup).ok()? * sizes.visibility())
     });
-    let alike = case.hidden.first().and_then(|asked| oracle.alike(asked, &case.setup).ok());
-    let alike = alike.unwrap_or_default();
+    // Narrow designs alone are judged by it.
+    let alike = match (case.family, case.hidden.first()) {
+        (Family::Narrow, Some(asked)) => oracle.alike(asked, &case.setup)?,
+        _ => Vec::new(),
+    };
     fs::remove_dir_all(folder).with_context(|| format!("cannot remove {}", folder.display()))?;
     let record = Record::failed(case, String::new(), truth, seconds);
     Ok(Record { outcome, variants, visibility, alike, fresh, floor, closed_by_hand, ..record })
