@@ -372,3 +372,38 @@ fn standard(mut values: Vec<f64>) -> Option<Vec<f64>> {
     values.iter_mut().for_each(|value| *value = (*value - mean) / sd);
     (sd > least).then_some(values)
 }
+
+#[cfg(test)]
+mod tests {
+    use effects::{Inertia, Origin};
+
+    use super::{Base, Columns, EVEN, Effect, tangent_of_all};
+    use crate::synthetic::pushed_with;
+    use crate::{NoiseModel, Tolerances};
+
+    #[test]
+    fn table_and_support_may_have_more_freedom_and_no_number_goes_beyond_its_range() {
+        let (observations, model, _) = pushed_with(("table-tilt", &[0.2, 0.1]), 1);
+        let tangent = tangent_of_all(&model, &[], &observations).unwrap();
+        let noise = NoiseModel::usual();
+        let whitening = noise.whitening_at(&observations, &tangent.linearisation).unwrap();
+        let of = (&observations, &whitening);
+        let columns = Columns::of(&tangent, of, |_| true, Tolerances::default());
+        assert!(columns.origins.iter().all(|groups| groups.len() == 1));
+        let columns = columns.with_more_freedom(|_| true);
+        for (origin, groups) in Origin::ALL.into_iter().zip(&columns.origins) {
+            let is_freer = matches!(origin, Origin::Table | Origin::Support);
+            assert_eq!(groups.len(), if is_freer { 2 } else { 1 }, "{origin:?}");
+        }
+        // As much inertia as the object has, from none.
+        let all = &tangent.candidates.effects;
+        let inertia = all.iter().find(|one| one.effect.info().id == Inertia.info().id).unwrap();
+        let k = inertia.coordinates.start;
+        let is_its = |at: &usize| {
+            let column = &columns.columns[*at];
+            matches!(column.base, Base::Coordinate(own) if own == k) && column.factor == EVEN
+        };
+        let at = (0..columns.columns.len()).find(is_its).unwrap();
+        assert_eq!(columns.room()[at].map(|end| end * columns.scale[k]), [0.0, 1.0]);
+    }
+}
