@@ -126,6 +126,11 @@ impl Oracle {
         self.setups.iter()
     }
 
+    /// Whether a setup was prepared.
+    pub(super) fn knows(&self, setup: &Setup) -> bool {
+        self.setups.contains_key(&key(setup))
+    }
+
     pub(super) fn sizes(&self, id: &str, setup: &Setup) -> Result<&Sizes> {
         let known = self.setups.get(&key(setup)).and_then(|found| found.effects.get(id));
         known.with_context(|| format!("the oracle knows no size of {id} with {}", key(setup)))
