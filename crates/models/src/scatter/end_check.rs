@@ -39,7 +39,7 @@ impl EndCheck {
 
 impl RecordedPush {
     /// The level of the region of a roll-out's particles on whose border the measured end lies.
-    fn end_level(
+    pub(super) fn end_level(
         &self,
         model: &dyn PushModel,
         settings: &RollOutSettings,

@@ -6,8 +6,8 @@ use dataset::SupportSpec;
 use effects::{Object, Setting, Spread, Track, by_id};
 use filter::{PlanarSummary, Unscented};
 use models::{
-    Analytical, CharacteristicLength, Description, Estimate, Hybrid, Matching, ModelEffect, Noise,
-    PoseSeen, ProcessKind, PushModel, PushParticle, PushPath, Pushed, RecordedPush, RollOut,
+    Analytical, Base, CharacteristicLength, Description, Estimate, Hybrid, Matching, ModelEffect,
+    Noise, PoseSeen, ProcessKind, PushModel, PushParticle, PushPath, Pushed, RecordedPush, RollOut,
     RollOutSettings, Setup, StepCorrelation, StepInput, StepObservation, Training,
 };
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -272,6 +272,38 @@ fn drawing_pushes(sd: f64, n: u64) -> Vec<RecordedPush> {
         recorded(&*built(&[("friction-center-offset", &[0.0, dy], &[])], 2e-4), k)
     };
     (0..n).map(push).collect()
+}
+
+#[test]
+fn spreads_are_scaled_to_what_the_ends_of_pushes_show() {
+    let pushes = drawing_pushes(0.004, 60);
+    let setup = Setup { support: TABLE, own: Vec::new() };
+    for sd in [0.0013, 0.004, 0.012] {
+        let spread = [("dy", Spread::Sd(sd))];
+        let model = description(&[("friction-center-offset", &[0.0, 0.0], &spread)], 2e-4);
+        let found = model.calibrated(&setup, &pushes).unwrap();
+        let widened = found.widened.unwrap();
+        assert!((0.7..1.4).contains(&(widened * sd / 0.004)), "{sd}: {widened}");
+        let told = found.description.effects[0].per_push["dy"];
+        assert_eq!(told, Spread::Sd(widened * sd));
+        assert!(found.correlation.is_none() && found.n_pushes == 30);
+    }
+    let few =
+        description(&[("friction-center-offset", &[0.0; 2], &[("dy", Spread::Sd(0.001))])], 0.0);
+    let refused = few.calibrated(&setup, &pushes[..7]).unwrap_err();
+    assert!(refused.to_string().contains('7'), "{refused}");
+}
+
+#[test]
+fn physics_without_scatter_get_that_of_the_steps() {
+    let pushes = drawing_pushes(0.004, 40);
+    let setup = Setup { support: TABLE, own: Vec::new() };
+    let found = description(&[], 0.0).calibrated(&setup, &pushes).unwrap();
+    let Base::Analytical(base) = &found.description.base else { panic!("{:?}", found.description) };
+    assert!(base.scatter().diagonal().iter().all(|variance| *variance > 0.0));
+    // What each push draws its steps share.
+    let held = found.correlation.unwrap().held;
+    assert!(held[1] > 0.5 && found.widened.is_none(), "{held:?}");
 }
 
 #[test]

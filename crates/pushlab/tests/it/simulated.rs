@@ -55,7 +55,9 @@ fn recorded_pushes_are_rolled_out_and_compared_with_their_ends() {
 #[test]
 fn tables_and_moments_end_where_particles_do() {
     let set = trained();
-    let simulate = ["simulate", "sim", "--model", "rff.toml", "-n", "1", "--json"];
+    // Tails of what other pushes show are no Gaussian's.
+    let model = ["--model", "rff.toml", "-n", "1", "--correlation", "none"];
+    let simulate = [&["simulate", "sim", "--json"], &model[..]].concat();
     let run = |out: &str, more: &[&str]| {
         result(&set.done(&[&simulate[..], &["-o", out], more].concat()).stdout)
     };
@@ -120,10 +122,14 @@ fn errors_that_a_push_holds_widen_its_end() {
         (json["correlation"]["n_pushes"].clone(), covariance[8].as_f64().unwrap().sqrt())
     };
     set.done(&["generate", "-o", "more", "--pushes", "8", "--seed", "9"]);
-    let (none, independent) = sd(&["-n", "1", "-o", "a"]);
+    let (none, independent) = sd(&["-n", "1", "-o", "a", "--correlation", "none"]);
     let (n, held) = sd(&["-n", "1", "-o", "b", "--correlation", "more"]);
     assert_eq!((none, n), (Value::Null, 8.into()));
     assert!(held > 1.2 * independent, "{held} {independent}");
+    // By the pushes of the set that the model has not seen, if none were named.
+    let (n, by_others) = sd(&["-n", "1", "-o", "c"]);
+    assert!(n.as_u64().is_some_and(|n| n >= 4), "{n}");
+    assert!(by_others > 1.2 * independent, "{by_others} {independent}");
 }
 
 #[test]
@@ -200,8 +206,12 @@ fn what_cannot_be_simulated_is_refused_with_the_reason() {
         assert!(message.contains(says), "{source}: {message}");
         assert!(!set.path("out").exists(), "{source} has left a folder");
     }
-    let sure = ["simulate", "sim", "-o", "out", "--particles", "9", "--correlation", "sim"];
-    assert!(set.error(&sure).contains("claims no scatter"), "the nominal model has none");
+    let few = ["simulate", "sim", "-o", "out", "--particles", "9", "--correlation", "hexes"];
+    let why = set.error(&few);
+    assert!(why.contains("at least 4"), "{why}");
+    // Physics without any scatter are as sure as the set's other pushes let them be.
+    let text = set.done(&["simulate", "sim", "-o", "sure", "--particles", "50", "-n", "2"]).stdout;
+    assert!(text.contains("goes on over") && text.contains("regions hold"), "{text}");
     for (source, more, says) in [
         ("sim", &about[..], "are for a path"),
         ("push.toml", &[], "give a set's --manifest"),

@@ -10,12 +10,15 @@ mod result;
 mod rolled;
 mod tasks;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::builder::PossibleValuesParser;
 use dataset::Preset;
-use models::{ContactGap, ModelFile, PushModel, RollOutSettings, StepCorrelation, StepErrors};
+use models::{
+    Calibrated, ContactGap, Description, ModelFile, PushModel, RecordedPush, RollOutSettings,
+    Setup, StepCorrelation, StepErrors,
+};
 use output::PartFolder;
 use planar::MIT_NAMES;
 
@@ -75,9 +78,9 @@ pub(crate) struct Args {
     #[arg(short = 'n', long, value_name = "N", default_value_t = 8, conflicts_with = "push",
           value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pushes: u32,
-    /// Recording set whose pushes tell how the errors of the steps of a push go together; without it
-    /// they are taken for independent, which is too sure of whole pushes
-    #[arg(long, value_name = "SET")]
+    /// Recording set whose pushes tell how sure the model may be of whole pushes; else those of SOURCE
+    /// that are not rolled out; `none` takes the model as it is. A path alone does not tell
+    #[arg(long, value_name = "SET|none")]
     correlation: Option<PathBuf>,
     /// Longest step of a path, or of a push of which the ends are known: a way (4mm) or a time (200ms);
     /// of other recordings as of `compare`; else as long as the model's
@@ -98,17 +101,17 @@ pub(crate) struct Args {
 const EXAMPLES: &str = "\
 Examples:
   pushlab simulate pushes --model gp.toml -o out
-  pushlab simulate pushes --model gp.toml --correlation pushes --push push-007#0 -o out
+  pushlab simulate pushes --model gp.toml --push push-007#0 -o out
   pushlab simulate pushes --model gp.toml --fast --particles 1000000 -o out
-  pushlab simulate pushes --model gp.toml --matched exact --correlation pushes -o out
+  pushlab simulate pushes --model gp.toml --matched exact -o out
   pushlab simulate plywood.csv --preset mit-endpoints --shape hex --model mit.toml -o out
-  pushlab simulate arc.toml --manifest pushes/dataset.toml --model gp.toml --particles 10000 -o out
+  pushlab simulate arc.toml --manifest pushes/dataset.toml --model gp.toml --correlation pushes -o out
 A path file: kind = \"spline\", speed_mm_s = 20, points_mm = [[-60, 0], [-20, 10], [40, 0]]";
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let files = args.manifest.iter().chain([&args.model]);
     let mut inputs = Inputs::default().with_set(&args.source, args.preset).with(files);
-    if let Some(set) = &args.correlation {
+    if let Some(set) = args.measured_on() {
         inputs = inputs.with_set(set, None);
     }
     let destination = folder(&args.output, &inputs)?;
@@ -118,19 +121,44 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     origin.inputs.push(Input::file(&args.model)?);
     let file = ModelFile::read(&args.model)?;
     let source = Source::read(args, &file, &mut origin, terminal)?;
-    let model = file.description.build_in(source.support, &[])?;
-    let correlation = source.correlation(model.as_ref())?;
+    let setup = Setup { support: source.support, own: Vec::new() };
+    let Calibrated { description, correlation, widened, n_pushes } =
+        calibrated(args, (source.others.as_deref(), &setup), &file.description, terminal)?;
+    let model = description.build_in(setup.support, &setup.own)?;
     let settings = args.settings(&source, correlation.as_ref());
     let (table, tables) = args.fast.then(|| tabulated(model.as_ref())).transpose()?.unzip();
     let model = table.as_ref().map_or(model.as_ref(), |table| table as &dyn PushModel);
     let rolled = all_rolled(args, source.tasks, (model, &settings), terminal)?;
-    let sureness = Sureness::of(&file.description.base, model);
+    let sureness = Sureness::of(&description.base, model);
     let matched = args.matched;
-    let how = How { settings: &settings, tables, matched, correlation, sureness };
+    let how =
+        How { settings: &settings, tables, matched, correlation, widened, n_pushes, sureness };
     let result = Simulated::new(&args.output, &file.name, how, &rolled);
     let json = document(&origin, &terminal.warnings(), &result)?;
     destination.fill(|part| write(part, &rolled, json, &origin))?;
     terminal.finish(&origin, &result, &result)
+}
+
+/// The model as sure as other pushes let it be. Where nobody asked for it and they cannot tell, that is told, and the
+/// model stays as it is.
+fn calibrated(
+    args: &Args,
+    (others, setup): (Option<&[RecordedPush]>, &Setup),
+    model: &Description,
+    terminal: &Terminal,
+) -> Result<Calibrated> {
+    let description = model.clone();
+    let as_it_is = Calibrated { description, correlation: None, widened: None, n_pushes: 0 };
+    let Some(others) = others else { return Ok(as_it_is) };
+    match model.calibrated(setup, others) {
+        Err(why) if args.measured_on().is_none() => {
+            terminal.remark(format_args!(
+                "the set's other pushes do not tell how sure the model may be: {why}"
+            ));
+            Ok(as_it_is)
+        }
+        found => Ok(found?),
+    }
 }
 
 /// The pushes as they go by a model. Of an even choice those that cannot be rolled out are named and left
@@ -198,6 +226,11 @@ impl Args {
             gap: correlation.map_or_else(ContactGap::default, |found| found.gap),
             ..RollOutSettings::default()
         }
+    }
+
+    /// The set that was named to tell how sure the model may be.
+    fn measured_on(&self) -> Option<&Path> {
+        self.correlation.as_deref().filter(|set| set.as_os_str() != "none")
     }
 
     fn origin(&self) -> Origin {

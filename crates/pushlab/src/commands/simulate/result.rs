@@ -15,6 +15,9 @@ pub(super) struct How<'a> {
     pub(super) tables: Option<Tables>,
     pub(super) matched: Option<Method>,
     pub(super) correlation: Option<StepCorrelation>,
+    pub(super) widened: Option<f64>,
+    /// That tell it.
+    pub(super) n_pushes: usize,
     pub(super) sureness: Sureness,
 }
 
@@ -41,7 +44,8 @@ impl Sureness {
     fn told(self) -> &'static str {
         match self {
             Self::OfPushes => {
-                "what differs from push to push is drawn for each, errors of steps anew each step"
+                "what differs from push to push is drawn for each as widely as the model says: \
+                 --correlation SET tells whether so much shows"
             }
             Self::OfSteps => {
                 "errors of steps taken for independent, which is too sure of whole pushes: \
@@ -71,6 +75,11 @@ pub(super) struct Simulated {
     longest_step: f64,
     /// How errors of steps go together; none if they were taken for independent.
     correlation: Option<StepCorrelation>,
+    /// So many times as wide as in the model is what differs from push to push; none where nothing does, or that
+    /// was not measured.
+    widened: Option<f64>,
+    /// Pushes by which it is told how sure the model may be; 0 where none were asked.
+    n_calibration_pushes: usize,
     #[serde(skip)]
     sureness: Sureness,
     /// The probabilities of the quantiles.
@@ -111,7 +120,7 @@ impl Simulated {
     pub(super) fn new(
         folder: &Path,
         model: &str,
-        How { settings, tables, matched, correlation, sureness }: How<'_>,
+        How { settings, tables, matched, correlation, widened, n_pushes, sureness }: How<'_>,
         rolled: &[Rolled],
     ) -> Self {
         let push = |one: &Rolled| Push {
@@ -137,6 +146,8 @@ impl Simulated {
             tables,
             longest_step: settings.step,
             correlation,
+            widened,
+            n_calibration_pushes: n_pushes,
             sureness,
             probabilities: PROBABILITIES,
             pushes: rolled.iter().map(push).collect(),
@@ -165,9 +176,15 @@ impl fmt::Display for Simulated {
                  variances within {variance_error:.1e} of its variance"
             )?;
         }
-        match &self.correlation {
-            Some(found) => writeln!(f, "  {}", Shares(found))?,
-            None => writeln!(f, "  {}", self.sureness.told())?,
+        match (&self.correlation, self.widened) {
+            (Some(found), _) => writeln!(f, "  {}", Shares(found))?,
+            (None, Some(widened)) => writeln!(
+                f,
+                "  what differs from push to push is drawn for each, {widened:.2} times as widely as in the \
+                 model, by the ends of {} other pushes",
+                self.n_calibration_pushes
+            )?,
+            (None, None) => writeln!(f, "  {}", self.sureness.told())?,
         }
         for push in pushes {
             write!(f, "{}", Told { push, by_particles: n_particles.is_some() })?;

@@ -9,9 +9,7 @@ use dataset::{IngestSettings, Manifest, Preset, StepLength, SupportSpec, is_end_
 use diagnosis::Observations;
 use effects::Object;
 use gp_core::quantile::normal;
-use models::{
-    ModelFile, PushModel, PushPath, Pushed, RecordedPush, SeenSteps, StepCorrelation, StepSelection,
-};
+use models::{ModelFile, PushPath, Pushed, RecordedPush, SeenSteps, StepSelection};
 use planar::Pose;
 
 use super::Args;
@@ -30,7 +28,8 @@ pub(super) struct Source {
     pub(super) support: SupportSpec,
     /// The longest step, in m.
     pub(super) longest: f64,
-    measured_on: Option<Vec<RecordedPush>>,
+    /// Other pushes, which tell how sure a model may be of these.
+    pub(super) others: Option<Vec<RecordedPush>>,
 }
 
 /// The longest step of models that do not tell which they have learnt from, in m.
@@ -49,10 +48,8 @@ impl Source {
         origin: &mut Origin,
         terminal: &Terminal,
     ) -> Result<Self> {
-        let effects = !file.description.effects.is_empty();
-        let seen = file.description.weights.as_ref().and_then(|weights| weights.seen.as_ref());
         if !args.source.is_dir() && !is_end_points(&args.source) {
-            return Self::along_path(args, seen, effects, origin, terminal);
+            return Self::along_path(args, file, origin, terminal);
         }
         if args.manifest.is_some() || args.object.is_some() {
             bail!(WrongUsage("--manifest and --object are for a path; a set has its own"));
@@ -61,20 +58,21 @@ impl Source {
         let set = Recorded::read((&args.source, known), args.step, file, origin, terminal)?;
         let support = set.support;
         let same = |path: &Path| path.canonicalize().ok() == args.source.canonicalize().ok();
-        let chosen = set.chosen(args, args.correlation.as_deref().is_some_and(same))?;
-        let measured_on = match args.correlation.as_deref() {
-            Some(path) if same(path) => {
-                set.has_steps(path)?;
-                let names: HashSet<&str> = chosen.iter().map(|push| push.name.as_str()).collect();
-                let others = set.unseen.iter().filter(|push| !names.contains(push.name.as_str()));
-                Some(others.cloned().collect())
+        let chosen = set.chosen(args, args.measured_on().is_some_and(same))?;
+        let others = match args.measured_on() {
+            Some(path) if !same(path) => {
+                Some(Recorded::others_of(path, args.step, file, origin, terminal)?)
             }
-            Some(path) => Some(Recorded::steps_of(path, args.step, file, origin, terminal)?),
-            None => None,
+            Some(path) => {
+                set.has_steps(path)?;
+                Some(set.others(&chosen, file))
+            }
+            None if set.is_of_ends || args.correlation.is_some() => None,
+            None => Some(set.others(&chosen, file)),
         };
         let longest = match set.is_of_ends {
             true => {
-                let of = |push: &RecordedPush| longest(args.step, seen, &push.path);
+                let of = |push: &RecordedPush| longest(args.step, seen(file), &push.path);
                 chosen.iter().map(of).fold(f64::INFINITY, f64::min)
             }
             false => {
@@ -82,15 +80,15 @@ impl Source {
                 steps.map(|step| step.input.distance()).fold(USUAL_STEP, f64::max)
             }
         };
+        let effects = !file.description.effects.is_empty();
         let of = |push| Task::recorded(push, set.is_of_ends, effects);
         let tasks = chosen.into_iter().map(of).collect();
-        Ok(Self { tasks, support, longest, measured_on })
+        Ok(Self { tasks, support, longest, others })
     }
 
     fn along_path(
         args: &Args,
-        seen: Option<&SeenSteps>,
-        effects: bool,
+        file: &ModelFile,
         origin: &mut Origin,
         terminal: &Terminal,
     ) -> Result<Self> {
@@ -108,9 +106,10 @@ impl Source {
         let shape = Arc::new(spec.shape);
         let object =
             Object::new(shape.clone(), spec.mass, spec.moment_of_inertia, spec.center_of_mass)?;
+        let effects = !file.description.effects.is_empty();
         let object = effects.then(|| Arc::new(object));
         let pushed = Pushed { shape, pusher_radius: manifest.pusher.radius, object };
-        let longest = longest(args.step, seen, &path);
+        let longest = longest(args.step, seen(file), &path);
         let name = args.source.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let start_wb = match (args.object, object_wb) {
             (Some(place), _) => place.pose_wb(),
@@ -120,22 +119,18 @@ impl Source {
         };
         let (measured_wb, pose_sd, touching) = (None, [[0.0; 2]; 2], false);
         let task = Task { name, pushed, path, start_wb, measured_wb, pose_sd, touching };
-        let measured_on = match args.correlation.as_deref() {
-            Some(set) => Some(Recorded::steps_of(set, None, None, origin, terminal)?),
+        let others = match args.measured_on() {
+            Some(set) => Some(Recorded::others_of(set, None, file, origin, terminal)?),
             None => None,
         };
         let support = manifest.support;
-        Ok(Self { tasks: vec![task], support, longest, measured_on })
+        Ok(Self { tasks: vec![task], support, longest, others })
     }
+}
 
-    /// How the errors of the steps of a push go together, where that was asked for.
-    ///
-    /// # Errors
-    /// Too few pushes, or a model without scatter.
-    pub(super) fn correlation(&self, model: &dyn PushModel) -> Result<Option<StepCorrelation>> {
-        let measure = |pushes: &Vec<RecordedPush>| StepCorrelation::measure(model, pushes);
-        Ok(self.measured_on.as_ref().map(measure).transpose()?)
-    }
+/// What a model has learnt from, where it learnt.
+fn seen(file: &ModelFile) -> Option<&SeenSteps> {
+    file.description.weights.as_ref().and_then(|weights| weights.seen.as_ref())
 }
 
 /// The longest step along a path, in m: as asked for, else as the model has seen.
@@ -186,10 +181,10 @@ fn sd_of_ends<'a>(pushes: impl Iterator<Item = &'a RecordedPush>) -> Option<f64>
 }
 
 impl Recorded {
-    fn read<'a>(
+    fn read(
         (path, (preset, shape)): Named<'_>,
         step: Option<StepSize>,
-        file: impl Into<Option<&'a ModelFile>>,
+        file: &ModelFile,
         origin: &mut Origin,
         terminal: &Terminal,
     ) -> Result<Self> {
@@ -207,11 +202,10 @@ impl Recorded {
         all.retain(|push| is_of_ends || push.steps.len() >= FEWEST_STEPS);
         let least = if is_of_ends { "" } else { " of two steps or more" };
         ensure!(!all.is_empty(), "{} has no push{least}", path.display());
-        let split = file.into().and_then(|file| file.split.as_ref());
         let is_of = |split: &&models::Split| {
             Observations::of(&table, manifest).is_ok_and(|observations| observations.are_of(split))
         };
-        let split = split.filter(is_of);
+        let split = file.split.as_ref().filter(is_of);
         let is_unseen =
             |push: &RecordedPush| split.is_none_or(|split| split.confirm.contains(&push.name));
         if is_of_ends {
@@ -229,17 +223,25 @@ impl Recorded {
         Ok(Self { is_of_ends, support: manifest.support, all, unseen })
     }
 
-    /// The pushes of a set that the model has not seen, to measure on how errors of steps go together.
-    fn steps_of<'a>(
+    /// The pushes of another set, to be measured on.
+    fn others_of(
         path: &Path,
         step: Option<StepSize>,
-        file: impl Into<Option<&'a ModelFile>>,
+        file: &ModelFile,
         origin: &mut Origin,
         terminal: &Terminal,
     ) -> Result<Vec<RecordedPush>> {
         let set = Self::read((path, (None, None)), step, file, origin, terminal)?;
         set.has_steps(path)?;
-        Ok(set.unseen)
+        Ok(set.others(&[], file))
+    }
+
+    /// Pushes beside those that were chosen: of what a model learnt from those alone that it has not seen. The
+    /// few numbers of physics leave of pushes that they were fitted to what they leave of others.
+    fn others(&self, chosen: &[RecordedPush], file: &ModelFile) -> Vec<RecordedPush> {
+        let names: HashSet<&str> = chosen.iter().map(|push| push.name.as_str()).collect();
+        let all = if file.description.weights.is_some() { &self.unseen } else { &self.all };
+        all.iter().filter(|push| !names.contains(push.name.as_str())).cloned().collect()
     }
 
     fn has_steps(&self, path: &Path) -> Result<()> {

@@ -1,0 +1,188 @@
+//! A model, and pushes that it was not asked about, go in; how sure it may be of whole pushes comes out.
+
+use effects::Spread;
+use nalgebra::Matrix3;
+use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
+
+use crate::{
+    Analytical, Base, Description, ModelError, PushModel, RecordedPush, RollOutSettings, Setup,
+    StepCorrelation,
+};
+
+/// A model that is as sure of where pushes end as recorded ones let it be.
+#[derive(Clone, Debug)]
+pub struct Calibrated {
+    /// The model with its scatter.
+    pub description: Description,
+    /// How the errors of the steps of a push go together; none where what differs from push to push says it.
+    pub correlation: Option<StepCorrelation>,
+    /// So many times as wide as before is what differs from push to push; none where nothing does.
+    pub widened: Option<f64>,
+    /// Pushes that it was measured on.
+    pub n_pushes: usize,
+}
+
+/// Fewer ends do not tell how far apart ends are.
+const FEWEST: usize = 8;
+/// More are not rolled out, but an even choice of them.
+const MOST: usize = 30;
+const N_PARTICLES: usize = 100;
+/// Factors are tried so far apart until ends are in the other half of their regions, then between the last two.
+const FIRST_RATIO: f64 = 1.6;
+const HALVINGS: usize = 2;
+/// Spreads become at most so many times as wide, or as narrow.
+const WIDEST: f64 = 8.0;
+
+impl Description {
+    /// The model with the scatter that recorded pushes show.
+    ///
+    /// Where parameters differ from push to push, all spreads are scaled by one factor, with which the
+    /// regions of roll-outs hold as many of the measured ends as they say: the least Cramér–von Mises distance
+    /// of the levels of the ends to even ones. They were fitted to steps, each beside the others, and a step knows
+    /// nothing of what its errors add up to. Else physics without any scatter get that of the steps, and the
+    /// errors of the steps of a push go together as they were measured to ([`StepCorrelation::measure`]).
+    ///
+    /// - `pushes`: of a model that learnt those that it has not seen; physics leave of pushes that their few
+    ///   numbers were fitted to what they leave of others.
+    ///
+    /// # Errors
+    /// `TooFewPushes`; what the model refuses.
+    pub fn calibrated(
+        &self,
+        setup: &Setup,
+        pushes: &[RecordedPush],
+    ) -> Result<Calibrated, ModelError> {
+        if self.built_in(setup)?.n_drawn() > 0 {
+            return self.widened_by_ends(setup, pushes);
+        }
+        let mut description = self.clone();
+        if let Base::Analytical(base) = &self.base
+            && *base.scatter() == Matrix3::zeros()
+        {
+            let model = self.built_in(setup)?;
+            description.base = Base::Analytical(base.with_scatter_of(model.as_ref(), pushes)?);
+        }
+        let model = description.built_in(setup)?;
+        let correlation = StepCorrelation::measure(model.as_ref(), pushes)?;
+        let n_pushes = correlation.n_pushes;
+        Ok(Calibrated { description, correlation: Some(correlation), widened: None, n_pushes })
+    }
+
+    fn widened_by_ends(
+        &self,
+        setup: &Setup,
+        pushes: &[RecordedPush],
+    ) -> Result<Calibrated, ModelError> {
+        let n_pushes = pushes.len().min(MOST);
+        if n_pushes < FEWEST {
+            return Err(ModelError::TooFewPushes { n_pushes, needed: FEWEST });
+        }
+        let chosen: Vec<&RecordedPush> =
+            (0..n_pushes).map(|k| &pushes[k * pushes.len() / n_pushes]).collect();
+        let settings = RollOutSettings {
+            n_particles: N_PARTICLES,
+            touching: true,
+            ..RollOutSettings::default()
+        };
+        let levels = |log_factor: f64| -> Result<Vec<f64>, ModelError> {
+            let model = self.widened(log_factor.exp()).built_in(setup)?;
+            let level = |push: &&RecordedPush| push.end_level(model.as_ref(), &settings);
+            chosen.par_iter().map(level).collect()
+        };
+        let first = levels(0.0)?;
+        let ask_for_wider = are_outer(&first);
+        let mut tried = vec![(0.0, from_even(&first))];
+        let step = if ask_for_wider { FIRST_RATIO.ln() } else { -FIRST_RATIO.ln() };
+        let (mut here, mut beyond) = (0.0_f64, None);
+        while beyond.is_none() && (here + step).abs() <= WIDEST.ln() {
+            // What some push cannot be rolled out with is too wide.
+            let Ok(found) = levels(here + step) else { break };
+            tried.push((here + step, from_even(&found)));
+            match are_outer(&found) == ask_for_wider {
+                true => here += step,
+                false => beyond = Some(here + step),
+            }
+        }
+        for _ in 0..HALVINGS {
+            let Some(there) = beyond else { break };
+            let middle = 0.5 * (here + there);
+            let found = levels(middle)?;
+            tried.push((middle, from_even(&found)));
+            match are_outer(&found) == ask_for_wider {
+                true => here = middle,
+                false => beyond = Some(middle),
+            }
+        }
+        let least = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let factor = least.map_or(1.0, |(log_factor, _)| log_factor.exp());
+        let description = self.widened(factor);
+        Ok(Calibrated { description, correlation: None, widened: Some(factor), n_pushes })
+    }
+
+    /// The model whose parameters differ so many times as widely from push to push.
+    fn widened(&self, factor: f64) -> Self {
+        let mut wider = self.clone();
+        for effect in &mut wider.effects {
+            let of = [&mut effect.per_push, &mut effect.per_session];
+            for spread in of.into_iter().flat_map(|spreads| spreads.values_mut()) {
+                let (Spread::Sd(sd) | Spread::RelativeSd(sd)) = spread;
+                *sd *= factor;
+            }
+        }
+        wider
+    }
+
+    fn built_in(&self, setup: &Setup) -> Result<Box<dyn PushModel>, ModelError> {
+        self.build_in(setup.support, &setup.own)
+    }
+}
+
+impl Analytical {
+    /// The same model with the covariance that the steps of pushes show about a model, per meter of way squared.
+    fn with_scatter_of(
+        &self,
+        model: &dyn PushModel,
+        pushes: &[RecordedPush],
+    ) -> Result<Self, ModelError> {
+        let steps: Vec<_> = pushes.iter().flat_map(|push| &push.steps).collect();
+        let inputs: Vec<_> = steps.iter().map(|step| step.input.clone()).collect();
+        let said = model.predict(&inputs, crate::Noise::Excluded)?;
+        let mut sum = Matrix3::zeros();
+        for (step, said) in steps.iter().zip(said) {
+            let error = (step.outputs - said.mean) / step.input.distance();
+            sum += error * error.transpose();
+        }
+        let scatter = sum / steps.len().max(1) as f64;
+        Self::new(self.pusher_friction().clone(), self.length().clone(), scatter)?
+            .with_surface(self.surface())
+    }
+}
+
+/// Whether ends are in the outer half of their regions, by the mean of their levels.
+fn are_outer(levels: &[f64]) -> bool {
+    levels.iter().sum::<f64>() > 0.5 * levels.len() as f64
+}
+
+/// Cramér–von Mises distance of numbers from 0 to 1 to even ones.
+fn from_even(levels: &[f64]) -> f64 {
+    let mut levels = levels.to_vec();
+    levels.sort_by(f64::total_cmp);
+    let n = levels.len() as f64;
+    let off = |(k, level): (usize, &f64)| (level - (k as f64 + 0.5) / n).powi(2);
+    levels.iter().enumerate().map(off).sum::<f64>() / n
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{are_outer, from_even};
+
+    #[test]
+    fn even_levels_are_nearest_to_even_ones() {
+        let even: Vec<f64> = (0..40).map(|k| (f64::from(k) + 0.5) / 40.0).collect();
+        let narrow: Vec<f64> = even.iter().map(|level| level.sqrt()).collect();
+        let wide: Vec<f64> = even.iter().map(|level| level * level).collect();
+        assert!(are_outer(&narrow) && !are_outer(&wide));
+        let [even, narrow, wide] = [even, narrow, wide].map(|levels| from_even(&levels));
+        assert!(even < 1e-12 && narrow > 0.02 && wide > 0.02, "{narrow} {wide}");
+    }
+}
