@@ -97,7 +97,7 @@ pub struct ErrorFall {
     pub floor_si: MotionError,
 }
 
-/// Root mean square errors of a step's motion; none where no floor is known.
+/// Root mean square errors of a step's motion and force; none where no floor is known, or no force was measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MotionError {
@@ -107,6 +107,21 @@ pub struct MotionError {
     pub dy_m: Option<f64>,
     /// Of the turn, in rad.
     pub dtheta_rad: Option<f64>,
+    /// Of the force along the inward normal at the contact, in N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force_normal_n: Option<f64>,
+    /// Of the force along the tangent, in N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force_tangential_n: Option<f64>,
+}
+
+impl MotionError {
+    /// Of Δx, Δy, Δθ, normal and tangential force, in SI units.
+    pub(super) fn of(
+        [dx_m, dy_m, dtheta_rad, force_normal_n, force_tangential_n]: [Option<f64>; 5],
+    ) -> Self {
+        Self { dx_m, dy_m, dtheta_rad, force_normal_n, force_tangential_n }
+    }
 }
 
 /// What was found of one effect.

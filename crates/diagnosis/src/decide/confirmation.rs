@@ -62,7 +62,7 @@ impl<'a> Aside<'a> {
             let n = squares.len();
             (n > 0).then(|| (squares.iter().map(|r| r * r).sum::<f64>() / n as f64).sqrt())
         };
-        let si = MotionError { dx_m: rms(0), dy_m: rms(1), dtheta_rad: rms(2) };
+        let si = MotionError::of(std::array::from_fn(rms));
         Ok(Outcome { squares, log_densities: densities.collect(), si })
     }
 
@@ -89,7 +89,7 @@ impl<'a> Aside<'a> {
         let gap = before.rms() - 1.0;
         let predictions = Predictions::expected(best, &self.settings.own, all)?;
         let floor = noise_floor(all, &predictions, &RepeatTolerance::default())?;
-        let [dx_m, dy_m, dtheta_rad, ..] = floor.numbers.map(|floor| floor.map(|floor| floor.rms));
+        let floors = floor.numbers.map(|floor| floor.map(|floor| floor.rms));
         Ok(ErrorFall {
             before: before.rms(),
             after: after.rms(),
@@ -98,7 +98,7 @@ impl<'a> Aside<'a> {
             unit: UNIT.to_owned(),
             before_si: before.si,
             after_si: after.si,
-            floor_si: MotionError { dx_m, dy_m, dtheta_rad },
+            floor_si: MotionError::of(std::array::from_fn(|number| floors[number])),
         })
     }
 }

@@ -136,17 +136,21 @@ fn what_differs_from_push_to_push_is_carried_with_all_the_rest() {
     set.done(&["add", "--all", "--from", "d.json", "--model", "sessions.toml", "-o", "again.toml"]);
     assert!(!set.read("again.toml").contains("per_session"));
     let simulate = ["simulate", "pushes", "--particles", "200", "-n", "15", "--json"];
-    let held = |model: &str| -> u64 {
-        let out = format!("out-{model}");
-        let words = ["--model", model, "-o", &out];
+    let held = |model: &str, correlation: &[&str]| -> u64 {
+        let out = format!("out-{model}-{}", correlation.len());
+        let words = [&["--model", model, "-o", &out], correlation].concat();
         let run = set.done(&[&simulate[..], &words].concat());
         let result: Value = serde_json::from_str(&run.stdout).unwrap();
         result["coverage"][1]["n_within"].as_u64().unwrap()
     };
-    let plain = set.done(&["simulate", "pushes", "-n", "1", "--particles", "9", "-o", "p"]).stdout;
+    let as_it_is = ["--correlation", "none"];
+    let plain = ["simulate", "pushes", "-n", "1", "--particles", "9", "-o", "p"];
+    let plain = set.done(&[&plain[..], &as_it_is].concat()).stdout;
     assert!(plain.contains("`pushlab add --all --from DIAGNOSIS`"), "{plain}");
     // Of 15 ends, those within the 90 % region.
-    assert!(held("scatter.toml") > 9 && held("model.toml") == 0);
+    assert!(held("scatter.toml", &as_it_is) > 9 && held("model.toml", &as_it_is) == 0);
+    // Other pushes of the set tell how sure both may be.
+    assert!(held("scatter.toml", &[]) > 9 && held("model.toml", &[]) > 9);
 }
 
 #[test]

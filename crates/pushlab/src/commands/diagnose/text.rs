@@ -8,7 +8,7 @@ use diagnosis::{
 };
 use models::Cluster;
 
-use crate::people::{lines, spread};
+use crate::people::{four_digits, lines, people, spread};
 use crate::terminal::{TITLE, WARNING};
 
 /// A diagnosis of a model.
@@ -151,13 +151,17 @@ fn write_error(f: &mut fmt::Formatter<'_>, error: &ErrorFall) -> fmt::Result {
         ("dx", "mm", 1e3, row(|one| one.dx_m)),
         ("dy", "mm", 1e3, row(|one| one.dy_m)),
         ("dtheta", "°", 1.0_f64.to_degrees(), row(|one| one.dtheta_rad)),
+        ("force_normal", "N", 1.0, row(|one| one.force_normal_n)),
+        ("force_tangential", "N", 1.0, row(|one| one.force_tangential_n)),
     ] {
         if let [Some(before), Some(after), floor] = values {
             let (before, after) = (per * before, per * after);
-            write!(f, "  {name:8} {before:7.3} → {after:.3} {unit}")?;
-            match floor {
-                Some(floor) => writeln!(f, "  floor {:.3}", per * floor)?,
-                None => writeln!(f)?,
+            write!(f, "  {name:16} {before:7.3} → {after:.3} {unit:2}")?;
+            match floor.map(|floor| per * floor) {
+                Some(floor) if floor > 0.0 => {
+                    writeln!(f, "  floor {floor:.3}, {:.1} times it", after / floor)?;
+                }
+                _ => writeln!(f)?,
             }
         }
     }
@@ -188,10 +192,15 @@ fn write_effect(f: &mut fmt::Formatter<'_>, effect: &EffectFinding) -> fmt::Resu
 
 fn write_parameter(f: &mut fmt::Formatter<'_>, parameter: &ParameterFinding) -> fmt::Result {
     let Some(estimate) = parameter.estimate else { return Ok(()) };
-    let unit = if parameter.unit == "1" { "" } else { parameter.unit.as_str() };
-    write!(f, "    {} = {estimate:.4} {unit}", parameter.name)?;
+    let (per, unit) = people(&parameter.unit);
+    let number = |value: f64| four_digits(per * value);
+    let unit = match unit {
+        "" | "°" => unit.to_owned(),
+        unit => format!(" {unit}"),
+    };
+    write!(f, "    {} = {}{unit}", parameter.name, number(estimate))?;
     match (parameter.low95, parameter.high95) {
-        (Some(low), Some(high)) => writeln!(f, " ({low:.4} to {high:.4})"),
+        (Some(low), Some(high)) => writeln!(f, " ({} to {})", number(low), number(high)),
         _ => writeln!(f),
     }
 }

@@ -40,15 +40,17 @@ pub(super) fn gains(found: &Diagnosis) -> Result<Vec<Drawing>, ReportError> {
     Ok(vec![Drawing::new(&figure, &names.join(", "))?])
 }
 
-/// One number of a motion in a diagnosis.
+/// One number of a step in a diagnosis.
 type Pick = fn(&MotionError) -> Option<f64>;
 
-/// Error before and after, beside the floor, of each number of the motion.
+/// Error before and after, beside the floor, of each number of a step.
 pub(super) fn errors(error: &ErrorFall) -> Result<Vec<Drawing>, ReportError> {
-    let numbers: [(&str, &'static str, Pick); 3] = [
+    let numbers: [(&str, &'static str, Pick); 5] = [
         ("dx", "m", |motion| motion.dx_m),
         ("dy", "m", |motion| motion.dy_m),
         ("dtheta", "rad", |motion| motion.dtheta_rad),
+        ("force_normal", "N", |motion| motion.force_normal_n),
+        ("force_tangential", "N", |motion| motion.force_tangential_n),
     ];
     let mut drawings = Vec::new();
     for (name, unit, pick) in numbers {
