@@ -124,7 +124,7 @@ fn write_ends(f: &mut fmt::Formatter<'_>, ends: Option<&PushEnds>) -> fmt::Resul
     let n = pushes.len();
     writeln!(
         f,
-        "{TITLE}error at the end of a push{TITLE:#}, rolled out from its start, {n} pushes"
+        "{TITLE}mean error at the end of a push{TITLE:#}, rolled out from its start, {n} pushes"
     )?;
     for (name, per, unit, Spread { mean, median, p90 }) in
         [("place", 1e3, "mm", position), ("angle", 1.0_f64.to_degrees(), "°", angle)]

@@ -84,8 +84,8 @@ const GAINS: &str = "Gain in log predictive density by each effect, in nats, on 
      than without; it does not say how large the effect is, and a gain of many hundred is no more \
      true than one of fifty: more pushes make it longer.";
 const ERRORS: &str = "Error of a step before and after the claimed effects are added, on the held-out \
-     pushes; the gray line is the noise floor, below which nobody can come. A bar that stays well \
-     above the line means that something else is missing, not that the effect is wrong.";
+     pushes; the gray line is the noise floor, as far as repeats or alike pushes tell it: pushes without \
+     repeats tell it roughly, and a few held-out ones may err by less. A bar that stays well above the line means that something else is missing, not that the effect is wrong.";
 const SIGNATURES: &str = "What each effect changes, beside what the model misses, over place and angle of \
      the push, in the number of a step that shows the effect most. Both maps are of all pushes, those \
      of the fit among them: they show where, and the bars above show how much on held-out pushes. The \
