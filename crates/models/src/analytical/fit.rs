@@ -56,7 +56,8 @@ impl Analytical {
             2 => CharacteristicLength::Given(estimate(1)),
             _ => CharacteristicLength::UniformPressure,
         };
-        let scatter = self.candidate(&fit.parameters)?.scatter_of(steps, names.len())?;
+        let errors = self.candidate(&fit.parameters)?.errors(steps)?;
+        let scatter = scatter_per_way(steps, &errors, names.len());
         Ok(AnalyticalFit {
             model: Self::new(estimate(0), length, scatter)?.with_surface(self.surface())?,
             correlation: correlation(&fit.covariance),
@@ -83,20 +84,20 @@ impl Analytical {
         };
         Self::new(exact(x[0]), length, Matrix3::zeros())?.with_surface(self.surface())
     }
+}
 
-    /// Mean of e eᵀ/d² over the steps, with the degrees of freedom that the parameters took.
-    fn scatter_of(
-        &self,
-        steps: &[StepObservation],
-        n_parameters: usize,
-    ) -> Result<Matrix3<f64>, ModelError> {
-        let mut sum = Matrix3::zeros();
-        for (step, error) in steps.iter().zip(self.errors(steps)?) {
-            let error = error / step.input.distance();
-            sum += error * error.transpose();
-        }
-        Ok(sum / (steps.len() - n_parameters) as f64)
+/// Mean of e eᵀ/d² over steps and their errors, with the degrees of freedom that parameters took; d is the pusher's way.
+pub(crate) fn scatter_per_way<'a>(
+    steps: impl IntoIterator<Item = &'a StepObservation>,
+    errors: &[Vector3<f64>],
+    n_parameters: usize,
+) -> Matrix3<f64> {
+    let mut sum = Matrix3::zeros();
+    for (step, error) in steps.into_iter().zip(errors) {
+        let error = error / step.input.distance();
+        sum += error * error.transpose();
     }
+    sum / (errors.len() - n_parameters) as f64
 }
 
 /// The standard deviation of each output over the steps.

@@ -4,9 +4,10 @@ use effects::Spread;
 use nalgebra::Matrix3;
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
+use crate::analytical::fit::scatter_per_way;
 use crate::{
-    Analytical, Base, Description, ModelError, PushModel, RecordedPush, RollOutSettings, Setup,
-    StepCorrelation,
+    Analytical, Base, Description, ModelError, Noise, PushModel, RecordedPush, RollOutSettings,
+    Setup, StepCorrelation,
 };
 
 /// A model that is as sure of where pushes end as recorded ones let it be.
@@ -146,13 +147,13 @@ impl Analytical {
     ) -> Result<Self, ModelError> {
         let steps: Vec<_> = pushes.iter().flat_map(|push| &push.steps).collect();
         let inputs: Vec<_> = steps.iter().map(|step| step.input.clone()).collect();
-        let said = model.predict(&inputs, crate::Noise::Excluded)?;
-        let mut sum = Matrix3::zeros();
-        for (step, said) in steps.iter().zip(said) {
-            let error = (step.outputs - said.mean) / step.input.distance();
-            sum += error * error.transpose();
+        let said = model.predict(&inputs, Noise::Excluded)?;
+        let pairs = steps.iter().zip(said);
+        let errors: Vec<_> = pairs.map(|(step, said)| step.outputs - said.mean).collect();
+        if errors.is_empty() {
+            return Ok(self.clone());
         }
-        let scatter = sum / steps.len().max(1) as f64;
+        let scatter = scatter_per_way(steps, &errors, 0);
         Self::new(self.pusher_friction().clone(), self.length().clone(), scatter)?
             .with_surface(self.surface())
     }

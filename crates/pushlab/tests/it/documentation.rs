@@ -144,6 +144,7 @@ fn every_key_of_the_results_is_on_the_page() {
         &["add", "limit-surface-shape", "--fit", "pushes", "-o", "better.toml"],
         &["train", "pushes", "--kind", "hybrid", "--residual-kind", "rff", "-o", "hybrid.toml"],
         &["models", "show", "hybrid.toml"],
+        &["simulate", "pushes", "--particles", "20", "-n", "1", "-o", "rolled"],
         &["report", "pushes"],
     ] {
         let run = set.done(&[arguments, &["--json"]].concat());
