@@ -52,9 +52,9 @@ pub use data::step_checks::{Doubt, DoubtfulSteps};
 pub use data::step_suspicions::step_suspicions;
 pub use data::tolerances::Tolerances;
 pub use decide::{
-    Clusters, DataUsed, DiagnoseSettings, Diagnosed, Diagnosis, EffectFinding, ErrorFall, Grade,
-    Leftover, MadeBy, MadeFrom, MotionError, NoiseOrigin, ParameterFinding, PushScatter, Verdict,
-    diagnose,
+    Clusters, DataUsed, DiagnosePhase, DiagnoseSettings, Diagnosed, Diagnosis, EffectFinding,
+    ErrorFall, Grade, Leftover, MadeBy, MadeFrom, MotionError, NoiseOrigin, ParameterFinding,
+    PushScatter, Verdict, diagnose, diagnose_with_progress,
 };
 pub use error::DiagnosisError;
 pub use fit::{

@@ -1,5 +1,8 @@
 //! Progress of long work: a bar on a terminal, a few plain lines elsewhere.
 
+use std::fmt::Display;
+use std::time::Duration;
+
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Counts finished pieces of work.
@@ -61,6 +64,43 @@ impl Progress {
     pub(crate) fn finish(self) {
         if let Self::Bar(bar) = self {
             bar.finish_and_clear();
+        }
+    }
+}
+
+/// Tells what long work is at whose pieces nobody can count, on a terminal alone.
+pub(crate) struct Activity(Option<ProgressBar>);
+
+/// How often its clock is drawn.
+const TICK: Duration = Duration::from_millis(200);
+
+impl Activity {
+    pub(crate) fn new(target: ProgressDrawTarget) -> Self {
+        if target.is_hidden() {
+            return Self::silent();
+        }
+        let line = ProgressBar::with_draw_target(None, target);
+        let style = ProgressStyle::with_template("{spinner} {elapsed} {wide_msg}");
+        let line = style.map_or(line.clone(), |style| line.with_style(style));
+        line.enable_steady_tick(TICK);
+        Self(Some(line))
+    }
+
+    pub(crate) fn silent() -> Self {
+        Self(None)
+    }
+
+    /// The work is at this now.
+    pub(crate) fn tell(&self, phase: impl Display) {
+        if let Some(line) = &self.0 {
+            line.set_message(phase.to_string());
+        }
+    }
+
+    /// Removes the line.
+    pub(crate) fn finish(self) {
+        if let Some(line) = self.0 {
+            line.finish_and_clear();
         }
     }
 }

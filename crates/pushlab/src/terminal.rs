@@ -17,7 +17,7 @@ use crate::document::document;
 use crate::file_ending::is_standard;
 use crate::global::Global;
 use crate::origin::{Input, Origin};
-use crate::progress::Progress;
+use crate::progress::{Activity, Progress};
 use crate::wrong_usage::WrongUsage;
 
 /// Standard output and standard error, with what the user wants to see of them.
@@ -186,6 +186,11 @@ impl Terminal {
         } else {
             Progress::new(what, total, ProgressDrawTarget::stderr())
         }
+    }
+
+    /// Shows what long work is at, on standard error, if that is a terminal.
+    pub(crate) fn activity(&self) -> Activity {
+        if self.quiet { Activity::silent() } else { Activity::new(ProgressDrawTarget::stderr()) }
     }
 
     fn choice<S: anstream::stream::RawStream>(&self, stream: &S) -> anstream::ColorChoice {

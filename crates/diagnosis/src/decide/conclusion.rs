@@ -6,6 +6,7 @@ use super::ErrorFall;
 use super::confirmation::{Aside, Outcome};
 use super::constancy::varies;
 use super::found::{Accepted, Choice, Found, Progress, Refused, ids};
+use super::phase::DiagnosePhase;
 use super::rules::{Objection, Rules};
 use super::search::Search;
 use crate::cut_offs::{HINT, NAME, SIZE, SMALL_SHARE, TOLERANCES};
@@ -29,6 +30,7 @@ impl Search<'_> {
         last_screen: Screen,
         noise: NoiseModel,
     ) -> Result<Found, DiagnosisError> {
+        self.tell(DiagnosePhase::Intervals);
         // What the last model explains is no hint any more.
         let is_explained =
             |id: &str| last_screen.effects.iter().any(|one| one.id == id && one.p_adjusted > HINT);
@@ -188,7 +190,9 @@ impl Search<'_> {
             let aside = Aside::new(self.aside, &descriptions[1], noise, self.settings)?;
             let (before, after) = (aside.outcome(&base)?, aside.outcome(&descriptions[1])?);
             let mut accepted = Vec::new();
-            for choice in &progress.chosen {
+            for (index, choice) in progress.chosen.iter().enumerate() {
+                let (number, of) = (index + 1, progress.chosen.len());
+                self.tell(DiagnosePhase::Confirming { effect: choice.id, number, of });
                 let known = fit.effects.iter().find(|effect| effect.id == choice.id);
                 let Some(effect) = known.cloned() else { continue };
                 let other = whole.briefly_without(&[choice.id])?;

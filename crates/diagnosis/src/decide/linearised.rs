@@ -3,6 +3,7 @@
 use models::Description;
 
 use super::DiagnoseSettings;
+use super::phase::DiagnosePhase;
 use crate::predict::tangent::Tangent;
 use crate::remains::noise_beside;
 use crate::screen::screen_at;
@@ -21,12 +22,15 @@ impl Linearised {
         about: &Description,
         fitted: &Observations,
         settings: &DiagnoseSettings,
+        observer: &dyn Fn(DiagnosePhase),
     ) -> Result<Self, DiagnosisError> {
+        observer(DiagnosePhase::Noise);
         let tangent = Tangent::of(about, &settings.own, fitted)?;
         let usual = NoiseModel::usual();
         let noise = noise_beside(&tangent, fitted, &settings.remain(), &usual)?;
         let whitening = noise.whitening_at(fitted, &tangent.linearisation)?;
         let usual = usual.whitening_at(fitted, &tangent.linearisation)?;
+        observer(DiagnosePhase::Screening);
         let screen = screen_at(&tangent, fitted, &whitening, &settings.screen);
         Ok(Self { noise, whitening, usual, screen })
     }

@@ -12,6 +12,7 @@ mod found;
 mod leftover;
 mod linearised;
 mod members;
+mod phase;
 mod push_scatter;
 mod read;
 mod rivals;
@@ -20,6 +21,7 @@ mod search;
 mod sentence;
 mod standing;
 mod superset;
+mod trials;
 mod tried;
 
 use std::borrow::Cow;
@@ -33,6 +35,7 @@ pub use self::answer::{
     MotionError, NoiseOrigin, ParameterFinding, Verdict,
 };
 
+pub use self::phase::DiagnosePhase;
 pub use self::push_scatter::PushScatter;
 
 use self::claims::{Claims, claims};
@@ -125,13 +128,27 @@ pub fn diagnose(
     model: &Description,
     settings: &DiagnoseSettings,
 ) -> Result<Diagnosed, DiagnosisError> {
+    diagnose_with_progress(observations, model, settings, &|_| {})
+}
+
+/// The same, and tells an observer what it is at: it takes seconds to minutes. What is found does not depend
+/// on who listens.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_with_progress(
+    observations: &Observations,
+    model: &Description,
+    settings: &DiagnoseSettings,
+    observer: &dyn Fn(DiagnosePhase),
+) -> Result<Diagnosed, DiagnosisError> {
     let (mut found, alone) = without_alone(observations, |kept, alone| {
         let mut settings = settings.clone();
         for part in settings.split.iter_mut().flat_map(|split| [&mut split.fit, &mut split.confirm])
         {
             part.retain(|push| !alone.contains(push));
         }
-        diagnose_all(kept, model, &settings)
+        diagnose_all(kept, model, &settings, observer)
     })?;
     if !alone.is_empty() {
         found.diagnosis.data.pushes_excluded += alone.len();
@@ -175,6 +192,7 @@ fn diagnose_all(
     observations: &Observations,
     model: &Description,
     settings: &DiagnoseSettings,
+    observer: &dyn Fn(DiagnosePhase),
 ) -> Result<Diagnosed, DiagnosisError> {
     let parts = match (&settings.confirm, &settings.split) {
         (Some(second), _) => observations.confirmed_by(second)?,
@@ -190,12 +208,17 @@ fn diagnose_all(
     let aside = &*thinned(&aside, settings.most_steps)?;
     let all = &*thinned(observations, settings.most_steps)?;
     let second = settings.confirm.as_ref();
-    let search = Search { model, all, fitted, aside, settings };
+    let search = Search { model, all, fitted, aside, settings, observer };
     let found = search.run()?;
+    observer(DiagnosePhase::Remains);
     let left = leftover(&found, (fitted, aside), settings)?;
     let remains = search.remains(&found)?;
+    observer(DiagnosePhase::Scatter);
     let push_to_push = push_scatter(&found.with_nuisances, all, settings)?;
     let claims: Claims = claims(&found, (&left, remains.as_ref()));
+    if !claims.groups.is_empty() {
+        observer(DiagnosePhase::Rivals);
+    }
     let members = members(&found, &claims, fitted, model, settings);
     let effects = findings(&found, (&claims, &members), settings);
     let diagnosis = Diagnosis {

@@ -8,12 +8,13 @@ use models::Description;
 use super::DiagnoseSettings;
 use super::found::{Choice, Found, Progress, Refused, ids};
 use super::linearised::Linearised;
+use super::phase::DiagnosePhase;
 use super::rules::{Objection, Rules};
 use super::tried::Tried;
 use crate::cut_offs::{APART, HINT, MOST_SMALL, NAME, SIZE};
 use crate::fit::Refit;
 use crate::predict::candidates::follow_from_points;
-use crate::{DiagnosisError, FitSettings, Observations, Screen, ScreenedEffect};
+use crate::{DiagnosisError, FitSettings, Observations, Screen};
 
 /// The search on the pushes to fit to.
 pub(super) struct Search<'a> {
@@ -23,6 +24,8 @@ pub(super) struct Search<'a> {
     /// Opened when the search is over.
     pub(super) aside: &'a Observations,
     pub(super) settings: &'a DiagnoseSettings,
+    /// Hears what the search is at.
+    pub(super) observer: &'a dyn Fn(DiagnosePhase),
 }
 
 /// Where a search goes on.
@@ -33,20 +36,13 @@ enum Next<'a> {
     Small { tried: Vec<Tried<'a>>, which: Vec<usize> },
 }
 
-/// Effects that are tried after a screen, the strongest first.
-const MOST_TRIALS: usize = 6;
-/// An effect whose score is a smaller share of the largest is not tried.
-const LEAST_SHARE: f64 = 0.05;
-/// Trials within this of the best, in units of the sum and as a share of the fall, go on to their
-/// minimum.
-const FINALIST: (f64, f64) = (50.0, 0.2);
 /// An effect of which the quadratic at the minimum promises so many times [`APART`] is not what others explain.
 const FAR_FROM_APART: f64 = 30.0;
 
 impl Search<'_> {
     pub(super) fn run(&self) -> Result<Found, DiagnosisError> {
         let Linearised { usual, screen: first_screen, .. } =
-            Linearised::of(self.model, self.fitted, self.settings)?;
+            Linearised::of(self.model, self.fitted, self.settings, self.observer)?;
         let settings = self.fit_settings();
         let here = Refit::new(self.fitted, self.model, &usual, &settings)?;
         self.forward_step(&here, Progress { first_screen, chosen: Vec::new(), refused: Vec::new() })
@@ -61,7 +57,7 @@ impl Search<'_> {
     fn forward_step(&self, from: &Refit, mut progress: Progress) -> Result<Found, DiagnosisError> {
         let about = self.screened(from)?;
         let Linearised { noise, whitening, usual, screen } =
-            Linearised::of(&about, self.fitted, self.settings)?;
+            Linearised::of(&about, self.fitted, self.settings, self.observer)?;
         let here = from.rewhitened(&whitening)?;
         // What speaks of the support may be points in disguise, before others take up what it leaves.
         let is_of_support =
@@ -192,8 +188,11 @@ impl Search<'_> {
             let others = which.iter().map(|index| tried[*index].trial.id());
             let others: Vec<_> = others.filter(|id| !choice.rivals.contains(id)).collect();
             here = self.with_choice(choice, there, progress)?;
-            let beside =
-                others.into_iter().map(|id| self.try_one(&here, id, &mut progress.refused));
+            let of = others.len();
+            let beside = others.into_iter().enumerate().map(|(index, effect)| {
+                self.tell(DiagnosePhase::Trying { effect, number: index + 1, of });
+                self.try_one(&here, effect, &mut progress.refused)
+            });
             tried = beside.filter_map(Result::transpose).collect::<Result<_, _>>()?;
             which = (0..tried.len()).collect();
         }
@@ -220,6 +219,7 @@ impl Search<'_> {
         index: usize,
     ) -> Result<Result<(Vec<&'static str>, Refit<'a>), Objection>, DiagnosisError> {
         let Tried { trial, without, .. } = &tried[index];
+        self.tell(DiagnosePhase::Refitting { effect: trial.id() });
         let there = match here.with(trial).and_then(|there| self.told_everywhere(there)) {
             Ok(there) => there,
             // An effect whose refit does not settle, or tells some push nothing, is no explanation.
@@ -248,57 +248,6 @@ impl Search<'_> {
         Ok(objection.or_else(|| Rules::objection_to_gain(self.fitted, left_out())))
     }
 
-    /// The likeliest effects of a screen beside those chosen, near their minima, the best first.
-    fn tried<'a>(
-        &self,
-        here: &Refit<'a>,
-        screen: &Screen,
-        progress: &mut Progress,
-    ) -> Result<Vec<Tried<'a>>, DiagnosisError> {
-        let mut tried = Vec::new();
-        for id in self.worth_a_trial(screen, progress) {
-            tried.extend(self.try_one(here, id, &mut progress.refused)?);
-        }
-        // Numbers left open may hide from a screen what explains as much as the best.
-        for id in self.alike_the_best(&tried, screen, progress) {
-            tried.extend(self.try_one(here, id, &mut progress.refused)?);
-        }
-        let least = tried.iter().map(Tried::cost).fold(f64::INFINITY, f64::min);
-        let near = FINALIST.0.max(FINALIST.1 * (here.objective() - least));
-        let is_finalist = |one: &Tried| one.size >= SIZE && one.cost() < least + near;
-        // A single one needs no exact comparison.
-        let is_close = tried.iter().filter(|one| is_finalist(one)).count() > 1;
-        for one in tried.iter_mut().filter(|one| is_close && is_finalist(one)) {
-            // Where the way ends early, what was reached counts.
-            if one.trial.finish().is_ok() {
-                one.size = one.without.as_ref().unwrap_or(here).size_of(&one.trial)?;
-            }
-        }
-        tried.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
-        Ok(tried)
-    }
-
-    /// An effect near its minimum beside a model; none, and noted, where it cannot be predicted.
-    fn try_one<'a>(
-        &self,
-        here: &Refit<'a>,
-        id: &'static str,
-        refused: &mut Vec<Refused>,
-    ) -> Result<Option<Tried<'a>>, DiagnosisError> {
-        let Some(effect) = self.effect(id) else { return Ok(None) };
-        let trial = match here.trial(effect) {
-            Ok(trial) => trial,
-            Err(why) => {
-                let objection = Objection::Unsettled { why: why.to_string() };
-                refused.push(Refused { id, objection });
-                return Ok(None);
-            }
-        };
-        let without = if here.has(id) { Some(here.without(&[id])?) } else { None };
-        let size = without.as_ref().unwrap_or(here).size_of(&trial)?;
-        Ok(Some(Tried { trial, without, size }))
-    }
-
     /// Whether every fit leaves the effect's numbers open without any prior.
     pub(super) fn is_nominal(&self, id: &str) -> bool {
         self.tolerance(id) == Some(f64::INFINITY)
@@ -315,33 +264,6 @@ impl Search<'_> {
             Nuisance::Free { nominal_within } => Some(nominal_within),
             Nuisance::No | Nuisance::Known(_) => None,
         }
-    }
-
-    /// The strongest effects of a screen, and what looks like the very strongest.
-    fn worth_a_trial(&self, screen: &Screen, progress: &Progress) -> Vec<&'static str> {
-        let may_be_tried = |effect: &&ScreenedEffect| {
-            effect.not_testable.is_none()
-                && !self.is_nominal(effect.id)
-                && !progress.was_superfluous(effect.id)
-                && effect.p_adjusted <= HINT
-        };
-        let sure: Vec<&ScreenedEffect> = screen.effects.iter().filter(may_be_tried).collect();
-        // Not of numbers that every fit leaves open: these are not tried, however strong they are.
-        let largest = sure.iter().map(|effect| effect.statistic).fold(0.0, f64::max);
-        let is_worth = |effect: &&&ScreenedEffect| effect.statistic >= LEAST_SHARE * largest;
-        let worth: Vec<&'static str> =
-            sure.iter().filter(is_worth).map(|effect| effect.id).collect();
-        let best = worth.first().copied().unwrap_or_default();
-        let is_like_best = |id: &str| {
-            let mut pairs = screen.look_alikes.iter();
-            self.are_known_alike(best, id)
-                || pairs.any(|pair| {
-                    [pair.one, pair.other] == [best, id] || [pair.other, pair.one] == [best, id]
-                })
-        };
-        let tried = worth.iter().enumerate();
-        let tried = tried.filter(|(rank, id)| *rank < MOST_TRIALS || is_like_best(id));
-        tried.map(|(_, id)| *id).collect()
     }
 
     /// A model without the effects that the last one explains, too.
@@ -384,6 +306,10 @@ impl Search<'_> {
     pub(super) fn fit_settings(&self) -> FitSettings {
         let (own, tolerances) = (self.settings.own.clone(), self.settings.screen.tolerances);
         FitSettings { own, tolerances, resemblances: false, ..FitSettings::default() }
+    }
+
+    pub(super) fn tell(&self, phase: DiagnosePhase) {
+        (self.observer)(phase);
     }
 
     pub(super) fn effect(&self, id: &str) -> Option<&Arc<dyn Effect>> {

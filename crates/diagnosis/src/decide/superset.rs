@@ -6,6 +6,7 @@ use std::f64::consts::SQRT_2;
 use effects::{Channel, Effect, Stage, SupportPoints, VertexContact};
 
 use super::found::{Choice, Progress, Refused};
+use super::phase::DiagnosePhase;
 use super::rules::Objection;
 use super::search::Search;
 use crate::cut_offs::{FAR_OFF, NAME, PUSHES_A_NUMBER, SIZE};
@@ -90,6 +91,7 @@ impl Search<'_> {
         here: &Refit<'a>,
     ) -> Result<Option<(Refit<'a>, Gain)>, Objection> {
         let Some(effect) = self.effect(VertexContact.info().id) else { return Ok(None) };
+        self.tell(DiagnosePhase::Refitting { effect: effect.info().id });
         let Some(there) = here.limited_by(effect)? else { return Ok(None) };
         let gains = self.left_out(here, &there)?;
         Ok(Some((there, Gain::of(&gains))))
@@ -125,6 +127,7 @@ impl Search<'_> {
         follow: &[&'static str],
     ) -> Result<Option<(Refit<'a>, Gain)>, Objection> {
         let Some(effect) = self.effect(SupportPoints.info().id) else { return Ok(None) };
+        self.tell(DiagnosePhase::Refitting { effect: effect.info().id });
         let Some(there) = here.borne_by(effect, follow)? else { return Ok(None) };
         let gains = self.left_out(here, &there)?;
         Ok(Some((there, Gain::of(&gains))))

@@ -1,5 +1,7 @@
 //! A model, and pushes that it was not asked about, go in; how sure it may be of whole pushes comes out.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use effects::Spread;
 use nalgebra::Matrix3;
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
@@ -21,6 +23,23 @@ pub struct Calibrated {
     pub widened: Option<f64>,
     /// Pushes that it was measured on.
     pub n_pushes: usize,
+}
+
+/// What a calibration is at, for those who wait for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum CalibrationPhase {
+    /// The errors of the steps of each push are held against each other.
+    Steps,
+    /// Pushes are rolled out with spreads of another size.
+    RollOuts {
+        /// Sizes that were tried, this one with them.
+        round: usize,
+        /// Pushes rolled out, of this size.
+        done: usize,
+        /// How many there are.
+        of: usize,
+    },
 }
 
 /// Fewer ends do not tell how far apart ends are.
@@ -53,9 +72,24 @@ impl Description {
         setup: &Setup,
         pushes: &[RecordedPush],
     ) -> Result<Calibrated, ModelError> {
+        self.calibrated_with_progress(setup, pushes, &|_| {})
+    }
+
+    /// The same, and tells an observer what it is at: roll-outs take half a minute. Many threads tell, in any
+    /// order; what is found does not depend on who listens.
+    ///
+    /// # Errors
+    /// As [`Self::calibrated`].
+    pub fn calibrated_with_progress(
+        &self,
+        setup: &Setup,
+        pushes: &[RecordedPush],
+        observer: &(dyn Fn(CalibrationPhase) + Sync),
+    ) -> Result<Calibrated, ModelError> {
         if self.built_in(setup)?.n_drawn() > 0 {
-            return self.widened_by_ends(setup, pushes);
+            return self.widened_by_ends(setup, pushes, observer);
         }
+        observer(CalibrationPhase::Steps);
         let mut description = self.clone();
         if let Base::Analytical(base) = &self.base
             && *base.scatter() == Matrix3::zeros()
@@ -73,6 +107,7 @@ impl Description {
         &self,
         setup: &Setup,
         pushes: &[RecordedPush],
+        observer: &(dyn Fn(CalibrationPhase) + Sync),
     ) -> Result<Calibrated, ModelError> {
         let n_pushes = pushes.len().min(MOST);
         if n_pushes < FEWEST {
@@ -85,9 +120,16 @@ impl Description {
             touching: true,
             ..RollOutSettings::default()
         };
+        let rolled_out = AtomicUsize::new(0);
         let levels = |log_factor: f64| -> Result<Vec<f64>, ModelError> {
             let model = self.widened(log_factor.exp()).built_in(setup)?;
-            let level = |push: &&RecordedPush| push.end_level(model.as_ref(), &settings);
+            let level = |push: &&RecordedPush| {
+                let level = push.end_level(model.as_ref(), &settings);
+                let before = rolled_out.fetch_add(1, Ordering::Relaxed);
+                let (round, done) = (before / n_pushes + 1, before % n_pushes + 1);
+                observer(CalibrationPhase::RollOuts { round, done, of: n_pushes });
+                level
+            };
             chosen.par_iter().map(level).collect()
         };
         let first = levels(0.0)?;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use dataset::Suspicion;
-use diagnosis::{DiagnoseSettings, MadeBy, MadeFrom, Observations, diagnose};
+use diagnosis::{DiagnoseSettings, MadeBy, MadeFrom, Observations, diagnose_with_progress};
 use models::ModelFile;
 
 use crate::command_line::seed_parser;
@@ -95,7 +95,12 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         n_pushes_excluded,
         ..DiagnoseSettings::default()
     };
-    let mut found = diagnose(&observations, &model.description, &settings)?.diagnosis;
+    let activity = terminal.activity();
+    let found = diagnose_with_progress(&observations, &model.description, &settings, &|phase| {
+        activity.tell(phase);
+    });
+    activity.finish();
+    let mut found = found?.diagnosis;
     if !suspicions.is_empty() {
         found.sentence =
             format!("Only if what may be wrong with these recordings is not: {}", found.sentence);

@@ -16,8 +16,8 @@ use anyhow::{Context, Result};
 use clap::builder::PossibleValuesParser;
 use dataset::Preset;
 use models::{
-    Calibrated, ContactGap, Description, ModelFile, PushModel, RecordedPush, RollOutSettings,
-    Setup, StepCorrelation, StepErrors,
+    Calibrated, CalibrationPhase, ContactGap, Description, ModelFile, PushModel, RecordedPush,
+    RollOutSettings, Setup, StepCorrelation, StepErrors,
 };
 use output::PartFolder;
 use planar::MIT_NAMES;
@@ -150,7 +150,10 @@ fn calibrated(
     let description = model.clone();
     let as_it_is = Calibrated { description, correlation: None, widened: None, n_pushes: 0 };
     let Some(others) = others else { return Ok(as_it_is) };
-    match model.calibrated(setup, others) {
+    let activity = terminal.activity();
+    let found = model.calibrated_with_progress(setup, others, &|phase| activity.tell(told(phase)));
+    activity.finish();
+    match found {
         Err(why) if args.measured_on().is_none() => {
             terminal.remark(format_args!(
                 "the set's other pushes do not tell how sure the model may be: {why}"
@@ -158,6 +161,16 @@ fn calibrated(
             Ok(as_it_is)
         }
         found => Ok(found?),
+    }
+}
+
+/// What a calibration is at, in words.
+fn told(phase: CalibrationPhase) -> String {
+    match phase {
+        CalibrationPhase::RollOuts { round, done, of } => {
+            format!("how sure of whole pushes: try {round}, {done} of {of} rolled out")
+        }
+        _ => "how sure of whole pushes: measuring how the errors of steps go together".to_owned(),
     }
 }
 
