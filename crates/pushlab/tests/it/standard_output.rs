@@ -7,11 +7,12 @@ use crate::diagnosed::diagnosed;
 use crate::small_set::SmallSet;
 
 /// Every kind of output that is one file of text, and how the file ends.
-const PRINTED: [(&str, &str); 9] = [
+const PRINTED: [(&str, &str); 10] = [
     ("init pushes -o OUT", "toml"),
     ("models init pushes -o OUT", "toml"),
     ("ingest pushes -o OUT", "csv"),
     ("ingest pushes --report OUT", "txt"),
+    ("compare pushes -o OUT", "json"),
     ("add inertia --set kappa=1 -o OUT", "toml"),
     ("add --from d.json -o OUT", "toml"),
     ("fit pushes --free pusher-friction -o OUT", "toml"),

@@ -17,7 +17,7 @@ struct Writes {
 }
 
 /// Every command with an output file that has a name of its own.
-const FILES: [Writes; 14] = [
+const FILES: [Writes; 15] = [
     Writes {
         words: "models init pushes -o OUT",
         ending: "toml",
@@ -34,6 +34,7 @@ const FILES: [Writes; 14] = [
         ending: "csv",
         inputs: &["theirs.csv"],
     },
+    Writes { words: "compare pushes -o OUT", ending: "json", inputs: &[INSIDE] },
     Writes { words: "diagnose pushes -o OUT", ending: "json", inputs: &[INSIDE] },
     Writes { words: "diagnose pushes --confirm other -o OUT", ending: "json", inputs: &[OTHER] },
     Writes { words: "fit pushes --free pusher-friction -o OUT", ending: "toml", inputs: MODELS },

@@ -16,6 +16,8 @@ use serde::Serialize;
 
 pub(super) use self::part::Part;
 pub(super) use self::text::widened;
+use crate::destination::Force;
+use crate::document::document;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
 use crate::step_size::StepSize;
@@ -43,6 +45,12 @@ pub(crate) struct Args {
     /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm); else 200ms
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<StepSize>,
+    /// Where to write the result as JSON (docs/comparison.schema.json); `-` is standard output
+    #[arg(short, long, value_name = "FILE",
+          value_parser = file_ending::or_standard(file_ending::json))]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
 }
 
 const EXAMPLES: &str = "\
@@ -50,6 +58,7 @@ Examples:
   pushlab compare pushes --model model.toml
   pushlab compare pushes --model better.toml --against model.toml
   pushlab compare pushes --step 4mm --json
+  pushlab compare pushes -o comparison.json
   pushlab compare steps.csv --manifest pushes/dataset.toml
   pushlab compare table.csv --preset mit-table";
 
@@ -81,6 +90,10 @@ struct Against {
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
+    let terminal = &terminal.beside(args.output.as_deref())?;
+    let inputs = args.source.inputs().with([&args.model]).with(&args.against);
+    let output = args.output.as_deref();
+    let output = output.map(|output| args.force.file(output, &inputs)).transpose()?;
     let mut origin = args.origin();
     let mut read = |path: &Path| -> Result<ModelFile> {
         readable(path)?;
@@ -97,10 +110,13 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let part = Part::of(splits, &observations);
     let observations = part.observations(observations)?;
     let predict = |file: &ModelFile| Predictions::of(&file.description, &[], &observations);
+    let activity = terminal.activity();
+    activity.tell("predicting every step");
     let predictions = predict(&model)?;
     let floor = noise_floor(&observations, &predictions, &RepeatTolerance::default())?
         .for_all_places(&model.description, &[], &observations)?;
     let comparison = compare(&observations, &predictions, &floor, &MapSettings::default())?;
+    activity.tell("rolling out whole pushes");
     let rollouts = roll_out(&model.description, &[], &observations)?;
     let roll_outs = push_ends(&rollouts);
     let against = match other {
@@ -110,9 +126,13 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         }
         None => None,
     };
+    activity.finish();
     let unexplained = unexplained(&model.description, &observations)?;
     let model = model.name;
     let result = Compared { model, part, unexplained, comparison, roll_outs, against, suspicions };
+    if let Some(output) = output {
+        output.write(document(&origin, &terminal.warnings(), &result)?)?;
+    }
     terminal.finish(&origin, &result, &result)
 }
 
