@@ -23,6 +23,7 @@ pub(crate) struct CommandLine {
 
 const AFTER_HELP: &str = "\
 Start with recordings that you have:
+  pushlab run pushes -o result    all the way, to a report; or one command after the other:
   pushlab init pushes             write pushes/dataset.toml from what is there
   pushlab ingest pushes -o steps.csv
   pushlab describe steps.csv
@@ -44,6 +45,15 @@ impl CommandLine {
         }
         self.command.run(terminal)
     }
+}
+
+/// Runs a command within another one, as if these words stood behind `pushlab`.
+///
+/// # Errors
+/// What the parser or the command says.
+pub(crate) fn run_typed<W: AsRef<str>>(words: &[W], terminal: &Terminal) -> Result<()> {
+    let words = ["pushlab"].into_iter().chain(words.iter().map(AsRef::as_ref));
+    CommandLine::try_parse_from(words)?.run(terminal)
 }
 
 /// The parser, whose own messages follow `--color` too.

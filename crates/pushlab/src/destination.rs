@@ -21,6 +21,11 @@ pub(crate) struct Force {
 }
 
 impl Force {
+    /// For a command within a command, as if that was typed or not.
+    pub(crate) fn typed(force: bool) -> Self {
+        Self { force }
+    }
+
     /// Takes the place of a file, or standard output.
     ///
     /// # Errors

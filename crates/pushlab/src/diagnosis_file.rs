@@ -19,6 +19,12 @@ pub(crate) fn read(path: &Path, origin: &mut Origin) -> Result<Diagnosis> {
     Ok(found)
 }
 
+/// Whether a diagnosis names something by which the error falls, for `pushlab add --all`.
+pub(crate) fn lowers_the_error(found: &Diagnosis) -> bool {
+    let Diagnosis { identified, effective, ambiguous, .. } = found;
+    !identified.is_empty() || !effective.is_empty() || !ambiguous.is_empty()
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::Path;

@@ -1,7 +1,7 @@
 //! What is said to people and what is printed for programs.
 
 use std::fmt::Display;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -27,9 +27,13 @@ pub(crate) struct Terminal {
     result: Shown,
     quiet: bool,
     verbose: bool,
+    /// Whether the command is one of several, of which their beginning and end is told.
+    is_part: bool,
     color: ColorChoice,
     /// What was told beside the result, for programs.
     warnings: Arc<Mutex<Vec<String>>>,
+    /// What people have read of it, in this command or another one of the same run.
+    read: Arc<Mutex<Vec<String>>>,
     started: Instant,
 }
 
@@ -55,8 +59,9 @@ impl Terminal {
             (false, true) => Shown::Nothing,
             (false, false) => Shown::Text,
         };
-        let warnings = Arc::default();
-        Self { result, quiet, verbose, color, warnings, started: Instant::now() }
+        let (warnings, read) = (Arc::default(), Arc::default());
+        let (is_part, started) = (false, Instant::now());
+        Self { result, quiet, verbose, is_part, color, warnings, read, started }
     }
 
     /// Ends a command: its result for people, or as a document for programs.
@@ -102,7 +107,16 @@ impl Terminal {
         let is_json = self.result == Shown::Json;
         let result = if is_json { Shown::Nothing } else { self.result };
         let quiet = self.quiet || is_json;
-        Self { result, quiet, warnings: Arc::default(), started: Instant::now(), ..self.clone() }
+        let (warnings, read) = (Arc::default(), Arc::default());
+        Self { result, quiet, warnings, read, started: Instant::now(), ..self.clone() }
+    }
+
+    /// For a command as a part of another one, whose result nobody gets but from its files. What it tells beside
+    /// that is its own, and people read the same thing once.
+    pub(crate) fn part(&self) -> Self {
+        let warnings = Arc::default();
+        let (result, verbose, is_part) = (Shown::Nothing, false, true);
+        Self { result, verbose, is_part, warnings, ..self.clone() }
     }
 
     /// For work of which people have seen the progress already.
@@ -135,16 +149,40 @@ impl Terminal {
     }
 
     fn tell_beside(&self, kind: &str, text: String) {
-        let mut told = self.warnings.lock().unwrap_or_else(PoisonError::into_inner);
-        if !told.contains(&text) {
+        let is_new = |list: &Mutex<Vec<String>>| {
+            let mut list = list.lock().unwrap_or_else(PoisonError::into_inner);
+            let is_new = !list.contains(&text);
+            if is_new {
+                list.push(text.clone());
+            }
+            is_new
+        };
+        if is_new(&self.warnings) && is_new(&self.read) {
             self.tell(format_args!("{WARNING}{kind}:{WARNING:#} {text}"));
-            told.push(text);
         }
     }
 
     /// What was told beside the result so far.
     pub(crate) fn warnings(&self) -> Vec<String> {
         self.warnings.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Notes what a part told, of which people know.
+    pub(crate) fn add_warnings(&self, of_part: &Self) {
+        let mut told = self.warnings.lock().unwrap_or_else(PoisonError::into_inner);
+        for text in of_part.warnings() {
+            if !told.contains(&text) {
+                told.push(text);
+            }
+        }
+    }
+
+    /// Whether a person can be asked: one who reads what is told and types.
+    pub(crate) fn is_answered(&self) -> bool {
+        !self.quiet
+            && self.result == Shown::Text
+            && io::stdin().is_terminal()
+            && io::stderr().is_terminal()
     }
 
     /// Prints what is no result.
@@ -181,10 +219,11 @@ impl Terminal {
 
     /// Shows how far a long piece of work is, on standard error.
     pub(crate) fn progress(&self, what: &'static str, total: usize) -> Progress {
-        if self.quiet {
+        let target = ProgressDrawTarget::stderr();
+        if self.quiet || self.is_part && target.is_hidden() {
             Progress::silent()
         } else {
-            Progress::new(what, total, ProgressDrawTarget::stderr())
+            Progress::new(what, total, target)
         }
     }
 

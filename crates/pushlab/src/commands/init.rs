@@ -57,15 +57,9 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let destination = args.force.file(&path, &Inputs::default())?;
     let preset = args.preset.map(Preset::name);
     let mut origin = Origin::new("init").path(&args.dir).option("preset", preset);
-    let mut remarks = Vec::new();
-    let text = match args.preset {
-        Some(preset) => preset.text().to_owned(),
-        None => {
-            let (format, folder, recordings) = find_recordings(&args.dir)?;
-            remarks = unread_recordings(&args.dir, format, &folder);
-            origin.inputs = Input::all(&recordings[0])?;
-            draft_manifest(&args.dir)?
-        }
+    let (text, remarks) = match args.preset {
+        Some(preset) => (preset.text().to_owned(), Vec::new()),
+        None => drafted(&args.dir, &mut origin)?,
     };
     let text = format!("{}\n\n{}", text.trim_end(), origin.comment());
     destination.write(&text)?;
@@ -77,6 +71,16 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         open_lines: open_lines.map(|(index, _)| index + 1).collect(),
     };
     terminal.finish(&origin, &result, next_steps(args, &result))
+}
+
+/// The text of a first manifest from what a folder holds, and recordings that it does not speak of.
+///
+/// # Errors
+/// If there is no recording, or the first one cannot be read.
+pub(super) fn drafted(dir: &Path, origin: &mut Origin) -> Result<(String, Vec<Remark>)> {
+    let (format, folder, recordings) = find_recordings(dir)?;
+    origin.inputs = Input::all(&recordings[0])?;
+    Ok((draft_manifest(dir)?, unread_recordings(dir, format, &folder)))
 }
 
 /// What was written and what to do now.

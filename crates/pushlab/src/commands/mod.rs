@@ -16,6 +16,7 @@ mod inspect;
 mod man;
 mod models;
 mod report;
+mod run;
 mod simulate;
 mod suggest;
 mod train;
@@ -29,6 +30,7 @@ use crate::terminal::Terminal;
 #[derive(Subcommand)]
 pub(crate) enum Command {
     Demo(demo::Args),
+    Run(run::Args),
     Init(init::Args),
     Inspect(inspect::Args),
     #[command(visible_alias = "table")]
@@ -58,6 +60,7 @@ impl Command {
     pub(crate) fn run(&self, terminal: &Terminal) -> Result<()> {
         match self {
             Self::Demo(args) => demo::run(args, terminal),
+            Self::Run(args) => run::run(args, terminal),
             Self::Init(args) => init::run(args, terminal),
             Self::Inspect(args) => inspect::run(args, terminal),
             Self::Ingest(args) => ingest::run(args, terminal),

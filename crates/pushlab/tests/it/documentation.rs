@@ -10,11 +10,11 @@ use crate::small_set::SmallSet;
 
 const PROJECT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
-const COMMAND_LINE: &str = "command-line.md";
+pub(crate) const COMMAND_LINE: &str = "command-line.md";
 const TUTORIAL: &str = "tutorial-recordings.md";
 const COMPARISON: &str = "tutorial-compare.md";
 
-fn page(name: &str) -> String {
+pub(crate) fn page(name: &str) -> String {
     fs::read_to_string(Path::new(PROJECT).join("docs").join(name)).unwrap()
 }
 
@@ -106,7 +106,7 @@ fn every_column_and_flag_is_on_the_page() {
 }
 
 /// Names of the fields; keys of maps by reason, stream, shape or flag are data.
-fn keys(value: &Value, found: &mut Vec<String>) {
+pub(crate) fn keys(value: &Value, found: &mut Vec<String>) {
     const MAPS: [&str; 8] =
         ["excluded", "rates_hz", "repairs", "untared", "phases", "shapes", "flags", "settings"];
     match value {

@@ -15,6 +15,7 @@ mod fitting;
 mod generated;
 mod killed;
 mod misread_data;
+mod ran;
 mod report_page;
 mod schema;
 mod simulated;

@@ -50,7 +50,7 @@ fn a_minus_prints_the_bytes_of_the_file_and_nothing_else() {
 #[test]
 fn what_is_more_than_one_file_of_text_is_not_printed() {
     let set = SmallSet::new();
-    for command in ["simulate set -o -", "generate -o -", "demo -o -", "man -o -"] {
+    for command in ["simulate set -o -", "generate -o -", "demo -o -", "run set -o -", "man -o -"] {
         let message = set.wrong_usage(&words(command, "-"));
         assert!(message.contains("a folder cannot go to standard output"), "{message}");
     }

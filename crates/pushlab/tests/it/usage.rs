@@ -12,6 +12,7 @@ fn help_lists_every_command() {
     assert_eq!(
         list,
         "  demo         Hide an effect in simulated recordings, find it, add it, and watch the error fall
+  run          Go all the way from recordings to a better model, and a report of it
   init         Write a commented dataset.toml from what a folder of recordings holds
   inspect      Tell what raw recordings contain: topics, types, columns, samples, rates, frames
   ingest       Turn recordings into a step table, with a report of every repair [alias: table]

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use clap::Parser;
 use diagnosis::{Diagnosis, ErrorFall, Verdict};
 use serde::{Deserialize, Serialize};
 
-use crate::command_line::CommandLine;
+use crate::command_line::run_typed;
+use crate::diagnosis_file::lowers_the_error;
 use crate::origin::Origin;
 use crate::terminal::{TITLE, Terminal};
 
@@ -69,14 +69,13 @@ impl Story<'_> {
         let found: Diagnosis =
             serde_json::from_str(&text).with_context(|| format!("cannot read {answer}"))?;
         let mut report = vec!["report", &set, "--model", &model];
-        let groups = [&found.identified, &found.effective];
-        if groups.iter().all(|group| group.is_empty()) && found.ambiguous.is_empty() {
-            self.say("Nothing lowers the error for sure, so nothing is added.");
-        } else {
+        if lowers_the_error(&found) {
             self.say("Add what lowers the error, and look at it on held-out pushes.");
             self.run(&["add", "--all", "--from", &answer, "--model", &model, "-o", &better])?;
             self.run(&["compare", &set, "--model", &better, "--against", &model])?;
             report.extend(["--model", &better]);
+        } else {
+            self.say("Nothing lowers the error for sure, so nothing is added.");
         }
         self.say("All of it on one page.");
         report.extend(["--from", &answer, "-o", &page]);
@@ -124,8 +123,7 @@ impl Story<'_> {
         let typed = shlex::try_join(words.iter().copied())?;
         let inner = self.terminal.within();
         inner.print_for_people(&format!("\n$ pushlab {typed}\n"))?;
-        let words = ["pushlab"].iter().chain(words);
-        CommandLine::try_parse_from(words)?.run(&inner)
+        run_typed(words, &inner)
     }
 
     fn say(&self, text: &str) {

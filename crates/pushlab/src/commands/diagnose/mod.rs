@@ -10,6 +10,7 @@ use dataset::Suspicion;
 use diagnosis::{DiagnoseSettings, MadeBy, MadeFrom, Observations, diagnose_with_progress};
 use models::ModelFile;
 
+pub(super) use self::text::write_error;
 use crate::command_line::seed_parser;
 use crate::destination::Force;
 use crate::document::indented;

@@ -143,7 +143,11 @@ fn plural(kind: Cluster) -> &'static str {
     }
 }
 
-fn write_error(f: &mut fmt::Formatter<'_>, error: &ErrorFall) -> fmt::Result {
+/// The error of a step before and after, beside the floor.
+pub(in crate::commands) fn write_error(
+    f: &mut fmt::Formatter<'_>,
+    error: &ErrorFall,
+) -> fmt::Result {
     writeln!(f, "{TITLE}error of a step, RMS{TITLE:#}, on the held-out pushes")?;
     let ErrorFall { before_si, after_si, floor_si, .. } = error;
     let row = |of: fn(&MotionError) -> Option<f64>| [before_si, after_si, floor_si].map(of);
