@@ -30,6 +30,7 @@ mod suggest;
 mod synthetic;
 
 pub use compare::calibration::{Covered, IntervalCalibration};
+pub use compare::cells::{CovariateCells, StepResiduals, step_residuals};
 pub use compare::change::{ChannelChange, change};
 pub use compare::comparison::{Comparison, compare};
 pub use compare::concentration::Concentration;

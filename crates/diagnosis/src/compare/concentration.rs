@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 
-use crate::Condition;
 use crate::compare::structure::{Structure, TestedMap};
 use crate::compare::words::{place, size};
 use crate::data::clusters::ClusterMean;
 use crate::statistics::box_search::{CellRange, Tally, gain, gain_above};
+use crate::{Condition, Covariate};
 
 /// A small region that holds much of a number's squared error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -19,6 +19,10 @@ pub struct Concentration {
     pub unit: &'static str,
     /// Where: all of them hold.
     pub conditions: Vec<Condition>,
+    /// The same as cells of each covariate, as in [`CovariateCells`](crate::CovariateCells), also where
+    /// they are all.
+    #[serde(skip)]
+    pub region: Vec<(Covariate, Vec<usize>)>,
     /// Steps there.
     pub n_steps: usize,
     /// Pushes that they are of.
@@ -91,6 +95,7 @@ fn concentration(structure: &Structure<'_>, index: usize) -> Option<Concentratio
         name: series.reading.name,
         unit: series.reading.unit(),
         conditions: structure.conditions(&ranges),
+        region: structure.region(&ranges),
         n_steps: steps.len(),
         n_pushes: structure.observations.n_pushes_of(&steps),
         rms: (square / n).sqrt(),

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::Condition;
 use crate::compare::structure::{Series, Structure, TestedMap};
 use crate::compare::words::{place, size};
 use crate::data::clusters::ClusterMean;
 use crate::statistics::box_search::{CellRange, Tally, best_range, gain};
+use crate::{Condition, Covariate};
 
 /// A region in which a model misses one number of a step by about the same.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -21,6 +21,10 @@ pub struct Finding {
     pub unit: &'static str,
     /// Where: all of them hold; none for everywhere.
     pub conditions: Vec<Condition>,
+    /// The same as cells of each covariate, as in [`CovariateCells`](crate::CovariateCells), also where
+    /// they are all.
+    #[serde(skip)]
+    pub region: Vec<(Covariate, Vec<usize>)>,
     /// Steps there.
     pub n_steps: usize,
     /// Pushes that they are of.
@@ -242,6 +246,7 @@ impl<'a> Search<'a> {
             name: series.reading.name,
             unit: series.reading.unit(),
             conditions: structure.conditions(&region.ranges),
+            region: structure.region(&region.ranges),
             n_steps: mean.n_steps,
             n_pushes: structure.observations.n_pushes_of(&steps),
             mean: mean.mean,

@@ -3,6 +3,7 @@
 
 pub(crate) mod axis;
 pub(crate) mod calibration;
+pub(crate) mod cells;
 pub(crate) mod change;
 pub(crate) mod comparison;
 pub(crate) mod concentration;

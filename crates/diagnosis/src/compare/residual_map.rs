@@ -27,6 +27,9 @@ pub struct ResidualMap {
 pub struct Cell {
     /// Lower and upper end, for each covariate of the map.
     pub ranges: Vec<[f64; 2]>,
+    /// Which cell of each covariate, as in [`CovariateCells`](crate::CovariateCells).
+    #[serde(skip)]
+    pub indices: Vec<usize>,
     /// Steps in it.
     pub n_steps: usize,
     /// Pushes that they are of.
@@ -70,17 +73,19 @@ fn shown(structure: &Structure<'_>, map: &TestedMap) -> ResidualMap {
         let mean = ClusterMean::of(&values)?;
         let [low95, high95] = mean.interval();
         let mut rest = index;
-        let mut ranges: Vec<[f64; 2]> = Vec::new();
+        let mut indices: Vec<usize> = Vec::new();
         for axis in axes.iter().rev() {
-            ranges.insert(0, axis.bins.ends(rest % axis.n_cells()));
+            indices.insert(0, rest % axis.n_cells());
             rest /= axis.n_cells();
         }
+        let ranges = axes.iter().zip(&indices).map(|(axis, index)| axis.bins.ends(*index));
+        let ranges: Vec<[f64; 2]> = ranges.collect();
         let white = steps.iter().map(|k| series.values[*k] / series.scales[*k]).sum::<f64>();
         let over_floor = series.has_floor.then(|| white / steps.len() as f64);
         let rms = (values.iter().map(|(_, x)| x * x).sum::<f64>() / values.len() as f64).sqrt();
         let ClusterMean { mean, n_steps, .. } = mean;
         let n_pushes = structure.observations.n_pushes_of(steps);
-        Some(Cell { ranges, n_steps, n_pushes, mean, low95, high95, rms, over_floor })
+        Some(Cell { ranges, indices, n_steps, n_pushes, mean, low95, high95, rms, over_floor })
     };
     ResidualMap {
         name: series.reading.name,

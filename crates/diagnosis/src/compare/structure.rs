@@ -4,7 +4,7 @@ use crate::compare::axis::{Axis, sets};
 use crate::compare::reading::Reading;
 use crate::statistics::box_search::{CellRange, Tally, best_range, best_ranges};
 use crate::statistics::map_test::{Flips, Largest, MapTest};
-use crate::{Condition, NoiseFloor, Observations, Predictions};
+use crate::{Condition, Covariate, NoiseFloor, Observations, Predictions};
 
 /// How maps are made and tested.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,6 +125,15 @@ impl Structure<'_> {
     /// The ranges as conditions, but for those that hold every step.
     pub(crate) fn conditions(&self, ranges: &[(usize, CellRange)]) -> Vec<Condition> {
         ranges.iter().filter_map(|(axis, range)| Condition::of(&self.axes[*axis], *range)).collect()
+    }
+
+    /// The cells of each covariate in its range.
+    pub(crate) fn region(&self, ranges: &[(usize, CellRange)]) -> Vec<(Covariate, Vec<usize>)> {
+        let cells = |(axis, range): &(usize, CellRange)| {
+            let axis = &self.axes[*axis];
+            (axis.covariate, range.cells(axis.n_cells()).collect())
+        };
+        ranges.iter().map(cells).collect()
     }
 }
 
