@@ -75,16 +75,16 @@ impl Canvas<'_> {
         push_arrow(self.scene, tail, tip, stroke);
     }
 
-    /// Lets a page show a text over the inside of a ring.
-    pub fn spot(&mut self, ring: &[[f64; 2]], text: &str) {
+    /// Lets a page show a text over the inside of a ring, which may be a cell of a map.
+    pub fn spot(&mut self, ring: &[[f64; 2]], text: &str, cell: &[usize]) {
         let ring = ring.iter().map(|point| self.place(*point)).collect();
-        self.scene.shapes.push(Shape::Spot { ring, text: text.to_owned() });
+        self.scene.shapes.push(Shape::Spot { ring, text: text.to_owned(), cell: cell.to_vec() });
     }
 
     /// The same over a disc of a radius in px.
     pub fn round_spot(&mut self, center: [f64; 2], radius: f64, text: &str) {
         let ring = circle(self.place(center), radius);
-        self.scene.shapes.push(Shape::Spot { ring, text: text.to_owned() });
+        self.scene.shapes.push(Shape::Spot { ring, text: text.to_owned(), cell: Vec::new() });
     }
 
     /// Writes text shifted by `offset` (right, up) in px, on a white halo; it is moved so that it

@@ -74,8 +74,12 @@
     drawing.addEventListener("pointerdown", point);
     drawing.addEventListener("pointerleave", (event) => event.pointerType === "mouse" && hide());
     drawing.addEventListener("blur", hide);
+    // A cell that leads to its steps is chosen by a click, or by the enter key.
+    const choose = (spot) => spot?.dispatchEvent(new CustomEvent("choose", { bubbles: true }));
+    drawing.addEventListener("click", (event) => choose(event.target.closest("[data-cell]")));
     drawing.addEventListener("keydown", (event) => {
       if (event.key === "Escape") return hide();
+      if (event.key === "Enter" && spots.includes(shown)) return choose(shown.closest("[data-cell]"));
       const direction = ARROWS[event.key];
       if (!direction) return;
       event.preventDefault();

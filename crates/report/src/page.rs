@@ -8,7 +8,7 @@ use crate::error::ReportError;
 use crate::files::{check_name, write};
 use crate::html::escape;
 use crate::plate::Plate;
-use crate::section::Section;
+use crate::section::{SCRIPTS, Section};
 
 /// A page in sections, written as one `index.html` that needs no network.
 #[derive(Debug, Clone)]
@@ -95,7 +95,7 @@ impl Page {
         self.provenance.push(&mut out);
         out.push_str("</main>\n");
         for script in self.sections.iter().flat_map(Section::scripts).collect::<BTreeSet<_>>() {
-            let _ = writeln!(out, "<script>\n{script}</script>");
+            let _ = writeln!(out, "<script>\n{}</script>", SCRIPTS[script]);
         }
         out.push_str("</body>\n</html>\n");
         Ok(out)
@@ -103,10 +103,10 @@ impl Page {
 
     fn check(&self) -> Result<(), ReportError> {
         let mut seen = BTreeSet::from(["contents", "provenance"]);
-        let anchors = self
-            .sections
-            .iter()
-            .flat_map(|s| std::iter::once(s.anchor.as_str()).chain(s.plates().map(Plate::anchor)));
+        let anchors = self.sections.iter().flat_map(|section| {
+            let plates = section.plates().map(Plate::anchor);
+            std::iter::once(section.anchor.as_str()).chain(plates).chain(section.anchors())
+        });
         for anchor in anchors {
             check_name(anchor)?;
             if !seen.insert(anchor) {
@@ -146,10 +146,16 @@ impl Provenance {
         );
         let n = self.inputs.len();
         if n > MANY_INPUTS {
-            let _ = write!(
+            // Thousands of them are one text, as `sha256sum --check` reads it.
+            let line =
+                |(name, hash): &(String, String)| format!("{}  {}\n", escape(hash), escape(name));
+            let lines: String = self.inputs.iter().map(line).collect();
+            let _ = writeln!(
                 out,
-                "</dl>\n<details>\n<summary>{n} inputs with their SHA-256</summary>\n<dl>\n"
+                "</dl>\n<details>\n<summary>{n} inputs with their SHA-256</summary>\n\
+                 <pre class=\"inputs\">{lines}</pre>\n</details>\n</footer>"
             );
+            return;
         }
         for (name, hash) in &self.inputs {
             let _ = writeln!(
@@ -159,7 +165,6 @@ impl Provenance {
                 escape(hash)
             );
         }
-        let end = if n > MANY_INPUTS { "</dl>\n</details>" } else { "</dl>" };
-        let _ = writeln!(out, "{end}\n</footer>");
+        let _ = writeln!(out, "</dl>\n</footer>");
     }
 }

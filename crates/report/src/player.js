@@ -31,6 +31,7 @@
       measured: poses(push.m),
       pusher: { x: length(push.p[0]), y: length(push.p[1]) },
       models: push.r.map((predicted) => predicted && poses(predicted)),
+      steps: { ...push.s, t: push.s.t.map((times) => sums(times).map((value) => value / 1e3)) },
     };
   }
 
@@ -49,6 +50,30 @@
     return { x: mix(poses.x), y: mix(poses.y), angle, last };
   }
 
+  // The rows of a file with the poses of a push at each time.
+  function poseRows(data, push) {
+    const names = ["measured", ...data.models.map((name) => name.split(" ")[0])];
+    const columns = names.flatMap((name) => [`${name} x in mm`, `${name} y in mm`, `${name} angle in deg`]);
+    const cells = (poses, k) => (poses ? [poses.x[k], poses.y[k], poses.angle[k].toFixed(4)] : ["", "", ""]);
+    const row = (time, k) => [time, push.pusher.x[k], push.pusher.y[k], ...[push.measured, ...push.models].flatMap((poses) => cells(poses, k))];
+    return [["time in s", "pusher x in mm", "pusher y in mm", ...columns], ...push.times.map(row)];
+  }
+
+  // The rows of a file with what was observed and predicted of each step.
+  function stepRows(data, push) {
+    const { t, c, v, e } = push.steps;
+    const numbers = data.numbers.map((number, index) => ({ ...number, index })).filter((number) => number.shown !== "as");
+    const label = ({ name, unit }) => (unit ? `${name} in ${unit}` : name);
+    const tags = data.models.map((name) => name.split(" ")[0]);
+    const columns = numbers.flatMap((number) => [label(number), ...tags.map((tag) => `${label(number)}, less that of ${tag}`)]);
+    const value = (whole) => (whole === null ? "" : whole / 1e3);
+    const row = (from, k) => [
+      from, t[1][k], ...data.axes.map((axis, index) => axis.cells[c[index][k]]),
+      ...numbers.flatMap(({ index }) => [value(v[index][k]), ...e.map((residuals) => value(residuals[index][k]))]),
+    ];
+    return [["from s", "to s", ...data.axes.map((axis) => axis.name), ...columns], ...t[0].map(row)];
+  }
+
   function start(root) {
     const data = JSON.parse(root.querySelector("script").textContent);
     const find = (name) => root.querySelector(`[data-${name}]`);
@@ -59,6 +84,11 @@
       return flat.map((value) => value / PER_MM);
     });
     let push, parts, time, end, frame, chosenRate;
+    // The pushes that buttons and keys go through, if not all.
+    let only = null;
+    // Other scripts read the pushes from here.
+    root.data = data;
+    const tell = (name, detail) => root.dispatchEvent(new CustomEvent(name, { detail }));
 
     // Everything that moves, built once a push; y of the table points up.
     function build() {
@@ -143,6 +173,13 @@
       clock.textContent = `${time.toFixed(2)} of ${end.toFixed(2)} s`;
       scrub.setAttribute("aria-valuetext", clock.textContent);
       root.dataset.time = time.toFixed(3);
+      tell("moved", { time });
+    }
+
+    function seek(to) {
+      stop();
+      time = Math.min(Math.max(to, 0), end);
+      draw();
     }
 
     // A still shows the end, where the differences are.
@@ -161,7 +198,23 @@
         rows[k].querySelector("[data-end]").textContent = poses ? apart(last(push.measured), last(poses)) : "no answer";
       });
       root.dataset.push = index;
+      tell("shown", { index, data, steps: push.steps, time, end });
       draw();
+    }
+
+    // The next push, or the one before, of those that are gone through.
+    function walk(by) {
+      const among = only ?? data.pushes.map((_, index) => index);
+      const place = among.indexOf(choice.selectedIndex);
+      select(among[(Math.max(place, by > 0 ? -1 : 0) + by + among.length) % among.length]);
+    }
+
+    // From the end of a step to the next.
+    function stepBy(by) {
+      const { times } = push;
+      const later = times.find((value) => value > time + 1e-6) ?? end;
+      const earlier = times.findLast((value) => value < time - 1e-6) ?? 0;
+      seek(by > 0 ? later : earlier);
     }
 
     function stop() {
@@ -189,17 +242,34 @@
     }
 
     play.addEventListener("click", () => (frame === undefined ? run() : stop()));
-    scrub.addEventListener("input", () => {
-      stop();
-      time = (scrub.value / 1000) * end;
-      draw();
-    });
+    scrub.addEventListener("input", () => seek((scrub.value / 1000) * end));
+    root.addEventListener("seek", ({ detail }) => seek(detail.time));
+    root.addEventListener("only", ({ detail }) => (only = detail.pushes));
     choice.addEventListener("change", () => select(choice.selectedIndex));
     rate.addEventListener("change", () => (chosenRate = rate.value));
     for (const button of root.querySelectorAll("[data-step]")) {
+      button.addEventListener("click", () => walk(Number(button.dataset.step)));
+    }
+    const keys = {
+      " ": () => (frame === undefined ? run() : stop()),
+      ArrowLeft: () => stepBy(-1),
+      ArrowRight: () => stepBy(1),
+      n: () => walk(1),
+      p: () => walk(-1),
+    };
+    root.addEventListener("keydown", (event) => {
+      const isPlain = !event.ctrlKey && !event.altKey && !event.metaKey;
+      // What has keys of its own keeps them.
+      const isOwn = event.target.closest("select") || (event.target.closest("button, input, a") && !/^[np]$/.test(event.key));
+      if (!isPlain || isOwn || !keys[event.key]) return;
+      event.preventDefault();
+      keys[event.key]();
+    });
+    for (const button of root.querySelectorAll("[data-save]")) {
       button.addEventListener("click", () => {
-        const n = data.pushes.length;
-        select((choice.selectedIndex + Number(button.dataset.step) + n) % n);
+        const name = `push-${choice.selectedIndex + 1}-${button.dataset.save}`;
+        const rows = button.dataset.save === "poses" ? poseRows(data, push) : stepRows(data, push);
+        document.dispatchEvent(new CustomEvent("save", { detail: { name, rows } }));
       });
     }
     window.addEventListener("beforeprint", () => {
@@ -211,16 +281,17 @@
     // A link such as report.html#push-3 opens the third push, and #push-3-play plays it.
     function follow() {
       const wanted = /^#push-(\d+)(-play)?$/.exec(location.hash);
-      const index = wanted ? Number(wanted[1]) - 1 : 0;
-      if (!(index in data.pushes)) return select(0);
-      select(index);
       if (!wanted) return;
+      const index = Number(wanted[1]) - 1;
+      select(index in data.pushes ? index : 0);
       root.scrollIntoView();
+      root.focus({ preventScroll: true });
       if (wanted[2]) run();
     }
 
     if (data.pushes.length === 0) return;
     window.addEventListener("hashchange", follow);
+    select(0);
     follow();
   }
 

@@ -4,14 +4,15 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use crate::error::{ReportError, check_finite, check_length, check_some};
+use crate::error::{ReportError, check_finite, check_some};
 use crate::html::escape;
+use crate::played::{LENGTH, PlayedPush, Sizes, coded};
 
 /// Pushes of flat objects to be played on a page, in m, rad and s, frame of the table.
 ///
-/// The pushes are embedded as JSON, in units of 10 µm, 0.1 mrad and 1 ms. Where they exceed
-/// `limit` bytes, the first of the list fill half of it and an even choice of the rest the other
-/// half, and the page says so.
+/// The pushes are embedded as JSON, in units of 10 µm, 0.1 mrad and 1 ms, numbers of their steps in
+/// thousandths. Where they exceed `limit` bytes, those of the groups fill up to half of it, in turn one
+/// of each; then come the first of the list, and an even choice of the rest, and the page says so.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Player {
     /// Radius of the pusher.
@@ -20,47 +21,72 @@ pub struct Player {
     pub models: Vec<String>,
     /// Outlines in their body frames.
     pub outlines: Vec<Vec<[f64; 2]>>,
+    /// What steps are told apart by.
+    pub axes: Vec<PlayerAxis>,
+    /// What is known of a step.
+    pub numbers: Vec<PlayerNumber>,
     /// The pushes, the most important first.
     pub pushes: Vec<PlayedPush>,
     /// What the order of the pushes is, such as `the worst first`.
     pub order: String,
+    /// What each group of pushes is, such as `each cell of the maps`.
+    pub groups_are: String,
+    /// Groups of pushes by their index, each of which should have some; the best of each first.
+    pub groups: Vec<Vec<usize>>,
     /// Most bytes of the pushes.
     pub limit: usize,
 }
 
-/// One push at a few times, between which the player interpolates.
+/// Something that steps differ by, in cells.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlayedPush {
-    /// Its name, with what tells it from others.
+pub struct PlayerAxis {
+    /// What links call it: letters, digits, `_`.
+    pub key: String,
+    /// What people call it, with its unit.
     pub name: String,
-    /// Which outline.
-    pub outline: usize,
-    /// Times from the start.
-    pub times: Vec<f64>,
-    /// Measured x, y and angle of the body frame at each time.
-    pub measured: Vec<[f64; 3]>,
-    /// Center of the pusher at each time.
-    pub pusher: Vec<[f64; 2]>,
-    /// The same of the body frame by each model; none where it has no answer.
-    pub predicted: Vec<Option<Vec<[f64; 3]>>>,
+    /// The same in a word or two.
+    pub short: String,
+    /// Its unit, as it stands behind a value.
+    pub unit: String,
+    /// What each cell is called without the unit, such as `0.2 to 0.4`.
+    pub cells: Vec<String>,
 }
 
-/// Parts of a meter, a radian and a second in the embedded numbers.
-const LENGTH: f64 = 1e5;
-const ANGLE: f64 = 1e4;
-const TIME: f64 = 1e3;
+/// A number of a step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlayerNumber {
+    /// What links call it: letters, digits, `_`.
+    pub key: String,
+    /// What people call it.
+    pub name: String,
+    /// Its unit, as it stands behind a value.
+    pub unit: String,
+    /// How it is drawn over the time.
+    pub shown: Shown,
+}
+
+/// How a number of a step is drawn over the time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// Observed less predicted.
+    Error,
+    /// As observed, and as predicted.
+    Values,
+    /// Not: it is another number, by its place in the list, in the sense of a model.
+    As(usize),
+}
 
 impl Player {
     /// How many pushes fit the limit.
     pub fn n_embedded(&self) -> usize {
-        self.chosen(&self.embedded()).len()
+        self.chosen(&self.embedded()).pushes.len()
     }
 
     pub(crate) fn push(&self, out: &mut String) -> Result<(), ReportError> {
         self.check()?;
         let texts = self.embedded();
         let chosen = self.chosen(&texts);
-        let pushes: Vec<&str> = chosen.iter().map(|index| texts[*index].as_str()).collect();
+        let pushes: Vec<&str> = chosen.pushes.iter().map(|index| texts[*index].as_str()).collect();
         let outlines: Vec<Value> = self
             .outlines
             .iter()
@@ -69,12 +95,16 @@ impl Player {
         let radius = (self.pusher_radius * LENGTH).round();
         let _ = write!(
             out,
-            "<div class=\"player\" data-player>\n{}<script type=\"application/json\">\
-             {{\"radius\":{radius},\"models\":{},\"outlines\":{},\"pushes\":[\n{}\n]}}</script>\n\
+            "<div class=\"player\" data-player tabindex=\"-1\">\n{}<script type=\"application/json\">\
+             {{\"radius\":{radius},\"all\":{},\"models\":{},\"outlines\":{},\"axes\":{},\"numbers\":{},\
+             \"pushes\":[\n{}\n]}}</script>\n\
              <noscript><p>The player needs JavaScript.</p></noscript>\n</div>\n",
             self.frame(&chosen),
+            self.pushes.len(),
             in_script(&json!(self.models)),
             in_script(&json!(outlines)),
+            in_script(&json!(self.axes.iter().map(PlayerAxis::to_json).collect::<Vec<_>>())),
+            in_script(&json!(self.numbers.iter().map(PlayerNumber::to_json).collect::<Vec<_>>())),
             pushes.join(",\n")
         );
         Ok(())
@@ -86,7 +116,22 @@ impl Player {
         for outline in &self.outlines {
             check_finite("player", "outlines (x, y)", outline.as_flattened())?;
         }
-        self.pushes.iter().try_for_each(|push| push.check(self))
+        let beyond = self.groups.iter().flatten().find(|index| **index >= self.pushes.len());
+        if let Some(index) = beyond {
+            return Err(ReportError::Parameter {
+                mark: "player".to_owned(),
+                field: "groups",
+                expected: "indices of pushes",
+                value: *index as f64,
+            });
+        }
+        let sizes = Sizes {
+            n_models: self.models.len(),
+            n_outlines: self.outlines.len(),
+            n_axes: self.axes.len(),
+            n_numbers: self.numbers.len(),
+        };
+        self.pushes.iter().try_for_each(|push| push.check(sizes))
     }
 
     /// Each push as JSON.
@@ -95,34 +140,51 @@ impl Player {
     }
 
     /// The pushes that fit the limit, in their order.
-    fn chosen(&self, texts: &[String]) -> Vec<usize> {
+    fn chosen(&self, texts: &[String]) -> Chosen {
         let total: usize = texts.iter().map(String::len).sum();
         if total <= self.limit {
-            return (0..texts.len()).collect();
+            return Chosen { pushes: (0..texts.len()).collect(), of_each: 0 };
         }
-        let (mut used, mut first) = (0, 0);
-        while first < texts.len() && used + texts[first].len() <= self.limit / 2 {
-            used += texts[first].len();
-            first += 1;
+        let mut is_chosen = vec![false; texts.len()];
+        let mut left = self.limit;
+        let mut of_each = 0;
+        let longest = self.groups.iter().map(Vec::len).max().unwrap_or(0);
+        let mut take = |index: usize, least: usize| {
+            let fits = is_chosen[index] || texts[index].len() + least <= left;
+            if fits && !is_chosen[index] {
+                is_chosen[index] = true;
+                left -= texts[index].len();
+            }
+            fits
+        };
+        for round in 0..longest {
+            let mut members = self.groups.iter().filter_map(|group| group.get(round));
+            if !members.all(|index| take(*index, self.limit / 2)) {
+                break;
+            }
+            of_each = round + 1;
         }
-        let rest = texts.len() - first;
-        let average = texts[first..].iter().map(String::len).sum::<usize>() / rest.max(1);
-        let n_even = (self.limit - used) / average.max(1);
-        let even = (0..n_even.min(rest)).map(|k| first + k * rest / n_even);
-        let mut chosen: Vec<usize> = (0..first).collect();
-        for index in even {
-            used += texts[index].len();
-            if used <= self.limit {
-                chosen.push(index);
+        let keep = if of_each > 0 { self.limit / 4 } else { self.limit / 2 };
+        let _ = (0..texts.len()).all(|index| take(index, keep));
+        let rest: Vec<usize> = (0..texts.len()).filter(|index| !is_chosen[*index]).collect();
+        let average =
+            rest.iter().map(|index| texts[*index].len()).sum::<usize>() / rest.len().max(1);
+        let n_even = (left / average.max(1)).min(rest.len());
+        for k in 0..n_even {
+            let index = rest[k * rest.len() / n_even];
+            if texts[index].len() <= left {
+                is_chosen[index] = true;
+                left -= texts[index].len();
             }
         }
-        chosen
+        let pushes = (0..texts.len()).filter(|index| is_chosen[*index]).collect();
+        Chosen { pushes, of_each }
     }
 
     /// What is there before the script fills it.
-    fn frame(&self, chosen: &[usize]) -> String {
+    fn frame(&self, chosen: &Chosen) -> String {
         let mut options = String::new();
-        for index in chosen {
+        for index in &chosen.pushes {
             let _ = writeln!(options, "<option>{}</option>", escape(&self.pushes[*index].name));
         }
         let mut rows = String::new();
@@ -135,11 +197,17 @@ impl Player {
                 escape(model)
             );
         }
-        let (n, all) = (chosen.len(), self.pushes.len());
-        let share = if n == all {
-            format!("All {n} pushes")
-        } else {
-            format!("{n} of {all} pushes: the first of the list, and an even choice of the rest")
+        let (n, all) = (chosen.pushes.len(), self.pushes.len());
+        let share = match chosen.of_each {
+            _ if n == all => format!("All {n} pushes"),
+            0 => format!(
+                "{n} of {all} pushes: the first of the list, and an even choice of the rest"
+            ),
+            k => format!(
+                "{n} of {all} pushes: up to {k} of {}, the first of the list, and an even choice of \
+                 the rest",
+                escape(&self.groups_are)
+            ),
         };
         format!(
             include_str!("player.html"),
@@ -151,59 +219,29 @@ impl Player {
     }
 }
 
-impl PlayedPush {
-    fn check(&self, player: &Player) -> Result<(), ReportError> {
-        let mark = format!("push `{}`", self.name);
-        let n = self.times.len();
-        check_some(&mark, n)?;
-        check_finite(&mark, "times", &self.times)?;
-        check_length(&mark, "measured", n, self.measured.len())?;
-        check_finite(&mark, "measured (x, y, angle)", self.measured.as_flattened())?;
-        check_length(&mark, "pusher", n, self.pusher.len())?;
-        check_finite(&mark, "pusher (x, y)", self.pusher.as_flattened())?;
-        check_length(&mark, "predicted", player.models.len(), self.predicted.len())?;
-        for poses in self.predicted.iter().flatten() {
-            check_length(&mark, "predicted poses", n, poses.len())?;
-            check_finite(&mark, "predicted (x, y, angle)", poses.as_flattened())?;
-        }
-        if self.outline < player.outlines.len() {
-            return Ok(());
-        }
-        Err(ReportError::Parameter {
-            mark,
-            field: "outline",
-            expected: "the index of an outline",
-            value: self.outline as f64,
-        })
-    }
+/// The pushes that a page holds.
+struct Chosen {
+    pushes: Vec<usize>,
+    /// How many of each group are there, if it has so many.
+    of_each: usize,
+}
 
+impl PlayerAxis {
     fn to_json(&self) -> Value {
-        let column = |values: &mut dyn Iterator<Item = f64>| coded(values);
-        let pose = |poses: &[[f64; 3]]| {
-            let scaled = |k: usize, scale: f64| column(&mut poses.iter().map(|p| p[k] * scale));
-            json!([scaled(0, LENGTH), scaled(1, LENGTH), scaled(2, ANGLE)])
-        };
-        let pusher = |k: usize| column(&mut self.pusher.iter().map(|p| p[k] * LENGTH));
-        json!({
-            "o": self.outline,
-            "t": column(&mut self.times.iter().map(|t| t * TIME)),
-            "m": pose(&self.measured),
-            "p": [pusher(0), pusher(1)],
-            "r": self.predicted.iter().map(|r| r.as_deref().map(pose)).collect::<Vec<_>>(),
-        })
+        let Self { key, name, short, unit, cells } = self;
+        json!({ "key": key, "name": name, "short": short, "unit": unit, "cells": cells })
     }
 }
 
-/// Rounded numbers, the first and the differences that follow, which do not drift.
-fn coded(values: impl Iterator<Item = f64>) -> Vec<i64> {
-    let mut last = 0;
-    let difference = |value: f64| {
-        let now = value.round() as i64;
-        let step = now - last;
-        last = now;
-        step
-    };
-    values.map(difference).collect()
+impl PlayerNumber {
+    fn to_json(&self) -> Value {
+        let (shown, of) = match self.shown {
+            Shown::Error => ("error", None),
+            Shown::Values => ("values", None),
+            Shown::As(number) => ("as", Some(number)),
+        };
+        json!({ "key": self.key, "name": self.name, "unit": self.unit, "shown": shown, "of": of })
+    }
 }
 
 /// JSON that no text can end its script element with.
@@ -213,8 +251,9 @@ fn in_script(value: &Value) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{PlayedPush, Player, coded};
+    use super::{Player, coded};
     use crate::error::ReportError;
+    use crate::played::{PlayedPush, PlayedSteps};
 
     fn player(n_pushes: usize, limit: usize) -> Player {
         let push = |k: usize| PlayedPush {
@@ -224,12 +263,17 @@ mod tests {
             measured: vec![[0.1, 0.2, 0.3], [0.1, 0.21, 0.3], [0.1, 0.22, 0.31]],
             pusher: vec![[0.0, 0.2], [0.0, 0.21], [0.0, 0.22]],
             predicted: vec![Some(vec![[0.1, 0.2, 0.3]; 3]), None],
+            steps: PlayedSteps { residuals: vec![Vec::new(); 2], ..PlayedSteps::default() },
         };
         Player {
             pusher_radius: 0.005,
             models: vec!["</script>".to_owned(), "b".to_owned()],
             outlines: vec![vec![[0.0, 0.0], [0.1, 0.0], [0.1, 0.1]]],
+            axes: Vec::new(),
+            numbers: Vec::new(),
             pushes: (0..n_pushes).map(push).collect(),
+            groups_are: "each cell".to_owned(),
+            groups: Vec::new(),
             order: "the worst first".to_owned(),
             limit,
         }
@@ -263,7 +307,7 @@ mod tests {
         let all = player(400, usize::MAX);
         let each = all.embedded()[0].len();
         let some = player(400, 40 * each);
-        let chosen = some.chosen(&some.embedded());
+        let chosen = some.chosen(&some.embedded()).pushes;
         assert_eq!(chosen[..20], (0..20).collect::<Vec<_>>());
         assert_eq!(chosen.len(), 40);
         let steps: Vec<usize> = chosen[20..].windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -273,6 +317,24 @@ mod tests {
         let embedded = html(&some).len() - html(&player(1, usize::MAX)).len();
         assert!(embedded < 40 * (each + 100), "{embedded}");
         assert_eq!(player(400, each / 2).n_embedded(), 0);
+    }
+
+    #[test]
+    fn groups_have_their_pushes_before_any_others() {
+        let each = player(1, usize::MAX).embedded()[0].len();
+        let mut some = player(400, 40 * each);
+        some.groups = (0..6).map(|k| (0..3).map(|n| 399 - 10 * k - n).collect()).collect();
+        let chosen = some.chosen(&some.embedded());
+        assert_eq!((chosen.of_each, chosen.pushes.len()), (3, 40));
+        assert!(some.groups.iter().flatten().all(|index| chosen.pushes.contains(index)));
+        assert_eq!(chosen.pushes[..12], (0..12).collect::<Vec<_>>());
+        assert!(html(&some).contains("40 of 400 pushes: up to 3 of each cell, the first"));
+        // Where not all fit, each group has as many as the others.
+        some.groups = (0..15).map(|k| (0..20).map(|n| 20 * k + n).collect()).collect();
+        assert_eq!(some.chosen(&some.embedded()).of_each, 1);
+        some.groups[3][1] = 400;
+        let beyond = some.push(&mut String::new());
+        assert!(matches!(beyond, Err(ReportError::Parameter { field: "groups", .. })));
     }
 
     #[test]

@@ -29,6 +29,8 @@ pub(crate) enum Shape {
     Spot {
         ring: Vec<[f64; 2]>,
         text: String,
+        /// Which cell of a map it is; empty for another region.
+        cell: Vec<usize>,
     },
     ClipStart(Rect),
     ClipEnd,

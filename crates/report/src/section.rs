@@ -8,6 +8,17 @@ use crate::error::ReportError;
 use crate::html::escape;
 use crate::plate::Plate;
 use crate::player::Player;
+use crate::region::Region;
+
+/// What pages do beside being read, in the order in which the scripts need each other.
+pub(crate) const SCRIPTS: [&str; 6] = [
+    include_str!("hover.js"),
+    include_str!("csv.js"),
+    include_str!("slider.js"),
+    include_str!("charts.js"),
+    include_str!("player.js"),
+    include_str!("explore.js"),
+];
 
 /// A headed part of a page, linked from its contents.
 #[derive(Debug, Clone)]
@@ -20,13 +31,20 @@ pub struct Section {
 #[derive(Debug, Clone)]
 enum Block {
     Text(String),
-    List(Vec<String>),
+    List(Vec<Told>),
     Figure(Box<Plate>),
     Table(Vec<String>, Vec<Vec<String>>),
     Claims(Vec<Claim>),
     /// Folded behind a line, if there is one.
     Drawings(Option<String>, Vec<Drawing>),
     Player(Player),
+}
+
+/// A sentence, and the steps of pushes that it is about.
+#[derive(Debug, Clone)]
+struct Told {
+    sentence: String,
+    about: Option<Region>,
 }
 
 /// What became of a claim on the data at hand.
@@ -68,8 +86,16 @@ impl Section {
 
     /// Adds a list of sentences.
     #[must_use]
-    pub fn list(mut self, items: Vec<String>) -> Self {
-        self.blocks.push(Block::List(items));
+    pub fn list(self, items: Vec<String>) -> Self {
+        self.linked_list(items.into_iter().map(|item| (item, None)).collect())
+    }
+
+    /// Adds a list of sentences with the steps that each is about, which a reader follows to their
+    /// cells on a map and their pushes.
+    #[must_use]
+    pub fn linked_list(mut self, items: Vec<(String, Option<Region>)>) -> Self {
+        let told = items.into_iter().map(|(sentence, about)| Told { sentence, about });
+        self.blocks.push(Block::List(told.collect()));
         self
     }
 
@@ -116,13 +142,24 @@ impl Section {
         self
     }
 
-    /// The scripts that its blocks need.
-    pub(crate) fn scripts(&self) -> impl Iterator<Item = &'static str> + '_ {
-        self.blocks.iter().filter_map(|block| match block {
-            Block::Drawings(..) => Some(include_str!("hover.js")),
-            Block::Player(_) => Some(include_str!("player.js")),
+    /// The scripts that its blocks need, by their place in [`SCRIPTS`].
+    pub(crate) fn scripts(&self) -> impl Iterator<Item = usize> + '_ {
+        let needed = |block: &Block| match block {
+            Block::Drawings(..) => 0..3,
+            Block::Table(..) | Block::Claims(_) => 1..2,
+            Block::Player(_) => 3..SCRIPTS.len(),
+            _ => 0..0,
+        };
+        self.blocks.iter().flat_map(needed)
+    }
+
+    /// The names of its drawings.
+    pub(crate) fn anchors(&self) -> impl Iterator<Item = &str> {
+        let drawings = self.blocks.iter().filter_map(|block| match block {
+            Block::Drawings(_, drawings) => Some(drawings),
             _ => None,
-        })
+        });
+        drawings.flatten().flat_map(Drawing::anchors)
     }
 
     pub(crate) fn plates(&self) -> impl Iterator<Item = &Plate> {
@@ -140,7 +177,7 @@ impl Section {
                     let _ = writeln!(out, "<p>{}</p>", escape(text));
                 }
                 Block::List(items) => {
-                    let items: Vec<_> = items.iter().map(|item| escape(item)).collect();
+                    let items: Vec<_> = items.iter().map(Told::html).collect();
                     let _ = writeln!(out, "<ul>\n<li>{}</li>\n</ul>", items.join("</li>\n<li>"));
                 }
                 Block::Figure(plate) => plate.push(out, folder)?,
@@ -159,6 +196,13 @@ impl Section {
         }
         out.push_str("</section>\n");
         Ok(())
+    }
+}
+
+impl Told {
+    fn html(&self) -> String {
+        let link = self.about.as_ref().map(Region::link).unwrap_or_default();
+        format!("{}{link}", escape(&self.sentence))
     }
 }
 

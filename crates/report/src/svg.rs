@@ -29,7 +29,7 @@ pub(crate) fn to_svg(scene: &Scene, title: &str) -> Result<String, ReportError> 
             Shape::Dots { centers, radius, ink } => push_dots(&mut out, centers, *radius, ink),
             Shape::Text(text) => push_text(&mut out, text),
             Shape::Image(image) => push_image(&mut out, image)?,
-            Shape::Spot { ring, text } => push_spot(&mut out, ring, text),
+            Shape::Spot { ring, text, cell } => push_spot(&mut out, ring, text, cell),
             Shape::ClipStart(rect) => push_clip(&mut out, rect),
             Shape::ClipEnd => out.push_str("</svg>\n"),
         }
@@ -183,11 +183,16 @@ fn push_image(out: &mut String, image: &Image) -> Result<(), ReportError> {
 }
 
 /// The text is a title, which browsers show by themselves.
-fn push_spot(out: &mut String, ring: &[[f64; 2]], text: &str) {
+fn push_spot(out: &mut String, ring: &[[f64; 2]], text: &str, cell: &[usize]) {
     let data = path_data(&[ring.to_vec()], true);
+    let cell: Vec<String> = cell.iter().map(usize::to_string).collect();
+    let cell = match cell[..] {
+        [] => String::new(),
+        _ => format!(" data-cell=\"{}\"", cell.join(".")),
+    };
     let _ = writeln!(
         out,
-        "<path class=\"spot\" d=\"{data}\" fill=\"none\" pointer-events=\"all\"><title>{}</title></path>",
+        "<path class=\"spot\"{cell} d=\"{data}\" fill=\"none\" pointer-events=\"all\"><title>{}</title></path>",
         escape(text)
     );
 }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod bad_input;
+mod browser;
 mod checked;
 mod commands;
 mod comparison;
@@ -11,6 +12,7 @@ mod demonstrated;
 mod diagnosed;
 mod diagnosing;
 mod documentation;
+mod explored;
 mod fitting;
 mod generated;
 mod killed;

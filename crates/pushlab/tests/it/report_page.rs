@@ -1,13 +1,11 @@
 //! `pushlab report`: the page as text, and in a browser where there is one.
 
 use std::fs;
-use std::path::PathBuf;
-use std::process::Command;
 
 use serde_json::Value;
 
+use crate::browser::Browser;
 use crate::comparison::pushes;
-use crate::small_set::SmallSet;
 
 const NASTY: &str = "</script><script>alert(1)</script> & \\\"two\\\" 🦀";
 const TWO: [&str; 6] = ["report", "pushes", "--model", "model.toml", "--model", "grain.toml"];
@@ -71,8 +69,8 @@ fn names_from_files_stay_text() {
         "&lt;/script&gt;&lt;script&gt;alert(1)&lt;/script&gt; &amp; &quot;two&quot; 🦀 (other.toml)"
     ));
     assert!(page.contains("push &lt;b&gt; &amp; &#39;x&#39; 🦀#0"));
-    // The data of the player and one script each for drawings and players.
-    assert_eq!(page.matches("</script>").count(), 3);
+    // The data of the player, and each script of drawings and players once.
+    assert_eq!(page.matches("</script>").count(), 7);
 }
 
 #[test]
@@ -93,48 +91,8 @@ fn what_cannot_be_reported_is_refused_with_the_reason() {
     assert!(!set.exists("report.html"));
 }
 
-/// A browser to open pages with, if this machine has one.
-fn chromium() -> Option<PathBuf> {
-    let path = std::env::var_os("PATH")?;
-    let places = || std::env::split_paths(&path);
-    let names = ["chromium", "chromium-browser", "google-chrome"];
-    names
-        .iter()
-        .flat_map(|name| places().map(move |place| place.join(name)))
-        .find(|file| file.exists())
-}
-
-/// What a page was seen to do, and what it wrote to the console.
-struct Seen {
-    /// The outermost element.
-    dom: String,
-    console: Vec<String>,
-}
-
-impl Seen {
-    fn attribute(&self, name: &str) -> &str {
-        let start = format!("data-{name}=\"");
-        let rest = self.dom.split(&start).nth(1).unwrap_or_else(|| panic!("no {name}"));
-        rest.split('"').next().unwrap()
-    }
-
-    fn number(&self, name: &str) -> f64 {
-        self.attribute(name).parse().unwrap()
-    }
-}
-
-/// Before all scripts of the page: frames by the clock, which runs at once in a browser without
-/// window, and every error where the test finds it.
-const BEFORE: &str = "<script>
-window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 16);
-window.cancelAnimationFrame = clearTimeout;
-window.addEventListener('error', (event) => (document.documentElement.dataset.failed = event.message));
-window.addEventListener('securitypolicyviolation', (event) => (document.documentElement.dataset.failed = event.blockedURI));
-</script>";
-
-/// After them: what a reader does.
-const AFTER: &str = "<script>
-const seen = document.documentElement.dataset;
+/// What a reader does with the player.
+const PLAYED: &str = "const seen = document.documentElement.dataset;
 const player = document.querySelector('[data-player]');
 const press = (node, key) => node.dispatchEvent(new KeyboardEvent('keydown', { key, bubbles: true }));
 const place = () => player.querySelector('g.measured').getAttribute('transform');
@@ -161,50 +119,15 @@ setTimeout(() => {
   seen.tips = document.querySelectorAll('.spot').length;
   Object.assign(parent.document.documentElement.dataset, seen);
 }, 700);
-</script></body>";
-
-/// Opens the page in a frame as wide as a phone, and does what a reader does.
-fn opened(browser: &PathBuf, set: &SmallSet, page: &str) -> Seen {
-    let page = page.replacen("<meta http-equiv", &format!("{BEFORE}<meta http-equiv"), 1);
-    let page = page.replacen("</body>", AFTER, 1);
-    let source = page.replace('&', "&amp;").replace('"', "&quot;");
-    let frame = format!(
-        "<!DOCTYPE html><body><iframe style=\"width:375px;height:800px\" srcdoc=\"{source}\"></iframe>"
-    );
-    set.write("frame.html", &frame);
-    let output = Command::new(browser)
-        .args([
-            "--headless",
-            "--no-sandbox",
-            "--disable-gpu",
-            "--enable-logging=stderr",
-            "--dump-dom",
-        ])
-        .args(["--virtual-time-budget=4000", "--window-size=500,900"])
-        .arg(format!("--user-data-dir={}", set.path("profile").display()))
-        .arg(format!("--screenshot={}", set.path("page.png").display()))
-        .arg(format!("file://{}", set.path("frame.html").display()))
-        .output()
-        .unwrap();
-    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    let console =
-        errors.lines().filter(|line| line.contains("CONSOLE")).map(str::to_owned).collect();
-    let dom = String::from_utf8_lossy(&output.stdout);
-    let root = dom.split("srcdoc=").next().unwrap_or_default().to_owned();
-    Seen { dom: root, console }
-}
+";
 
 #[test]
 fn in_a_browser_the_player_moves_and_nothing_fails() {
-    let Some(browser) = chromium() else {
-        eprintln!("skipped: this machine has no Chromium");
-        return;
-    };
+    let Some(browser) = Browser::found() else { return };
     let set = pushes();
     set.done(&TWO);
-    let seen = opened(&browser, &set, &set.read("report.html"));
-    assert_eq!(seen.console, Vec::<String>::new());
-    assert!(!seen.dom.contains("data-failed"), "{}", seen.dom);
+    let seen = browser.opened_on_phone(&set, &set.read("report.html"), PLAYED);
+    assert_eq!((&seen.console, seen.failure()), (&Vec::new(), None));
     assert_eq!(seen.attribute("second"), "1");
     assert_eq!(seen.attribute("paused"), "false");
     let midway = seen.number("midway");
@@ -215,6 +138,6 @@ fn in_a_browser_the_player_moves_and_nothing_fails() {
     assert_eq!(seen.attribute("gone"), "true");
     assert_eq!(seen.number("wide"), 0.0, "the page scrolls sideways");
     assert!(seen.number("tips") > 100.0);
-    let picture = fs::read(set.path("page.png")).unwrap();
-    assert!(picture.len() > 20_000, "{} bytes of picture", picture.len());
+    let (_, ink) = seen.light_and_ink();
+    assert!(ink > 0.05, "nothing is drawn: {ink}");
 }

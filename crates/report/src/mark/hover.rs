@@ -9,8 +9,17 @@ use crate::error::{ReportError, check_finite, check_positive};
 /// Nothing of it is seen in the picture itself.
 #[derive(Debug, Clone, Default)]
 pub struct Hover {
-    areas: Vec<(Vec<[f64; 2]>, String)>,
+    areas: Vec<Area>,
     discs: Vec<([f64; 2], f64, String)>,
+}
+
+/// A polygon with its text.
+#[derive(Debug, Clone)]
+struct Area {
+    corners: Vec<[f64; 2]>,
+    text: String,
+    /// Which cell of a map it is.
+    cell: Vec<usize>,
 }
 
 impl Hover {
@@ -22,7 +31,19 @@ impl Hover {
     /// Shows a text over a polygon; lines end with `\n`.
     #[must_use]
     pub fn area(mut self, corners: &[[f64; 2]], text: &str) -> Self {
-        self.areas.push((corners.to_vec(), text.to_owned()));
+        let (corners, text) = (corners.to_vec(), text.to_owned());
+        self.areas.push(Area { corners, text, cell: Vec::new() });
+        self
+    }
+
+    /// Shows a text over an upright rectangle that is a cell of the drawing's
+    /// [`CellsOf`](crate::CellsOf), by its index along each of its axes.
+    #[must_use]
+    pub fn cell_of(mut self, low: [f64; 2], high: [f64; 2], text: &str, cell: &[usize]) -> Self {
+        self = self.cell(low, high, text);
+        if let Some(area) = self.areas.last_mut() {
+            cell.clone_into(&mut area.cell);
+        }
         self
     }
 
@@ -47,7 +68,7 @@ impl Mark for Hover {
 
     fn check(&self) -> Result<(), ReportError> {
         let name = self.name();
-        for (corners, _) in &self.areas {
+        for Area { corners, .. } in &self.areas {
             check_finite(&name, "corners (x, y)", corners.as_flattened())?;
         }
         for (center, radius, _) in &self.discs {
@@ -62,8 +83,8 @@ impl Mark for Hover {
     }
 
     fn draw(&self, canvas: &mut Canvas<'_>) {
-        for (corners, text) in &self.areas {
-            canvas.spot(corners, text);
+        for Area { corners, text, cell } in &self.areas {
+            canvas.spot(corners, text, cell);
         }
         for (center, radius, text) in &self.discs {
             canvas.round_spot(*center, *radius, text);

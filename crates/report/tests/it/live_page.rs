@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use report::{
-    Cells, Color, ColoredCell, Drawing, Figure, Hover, Line, Page, Panel, PlayedPush, Player,
-    Provenance, ReportError, Section,
+    Cells, CellsOf, Color, ColoredCell, Drawing, Figure, Hover, Line, Page, Panel, PlayedPush,
+    PlayedSteps, Player, PlayerAxis, PlayerNumber, Provenance, Region, ReportError, Section, Shown,
+    Table,
 };
 
 const NASTY: &str = "</script><script>alert('1')</script> & \"2\" 🦀";
@@ -14,8 +15,17 @@ fn drawing() -> Drawing {
     let panel = Panel::new("x in m", "y in m")
         .with(Cells::new(vec![cell(0.0), cell(1.0)], "error in mm"))
         .with(Line::new(&[0.0, 2.0], &[0.5, 1.5]).color(Color::GREEN))
-        .with(Hover::new().cell([0.0, 0.0], [1.0, 2.0], NASTY).disc([1.5, 1.0], 5.0, "a disc"));
-    Drawing::new(&Figure::single(panel).named(NASTY), NASTY).expect("the drawing is sound")
+        .with(Hover::new().cell_of([0.0, 0.0], [1.0, 2.0], NASTY, &[3]).disc(
+            [1.5, 1.0],
+            5.0,
+            "a disc",
+        ));
+    let cells_of =
+        CellsOf { models: vec![0], number: "turn".to_owned(), over: vec!["p".to_owned()] };
+    let table = Table::new().names(NASTY, &[NASTY]);
+    let drawing = Drawing::new(&Figure::single(panel).named(NASTY), NASTY);
+    let drawing = drawing.and_then(|drawing| drawing.data(&table)).expect("the drawing is sound");
+    drawing.cells_of(cells_of)
 }
 
 fn player() -> Player {
@@ -26,13 +36,36 @@ fn player() -> Player {
         measured: vec![[0.1, 0.2, 0.3], [0.1, 0.21, 0.3]],
         pusher: vec![[0.0, 0.2], [0.0, 0.21]],
         predicted: vec![Some(vec![[0.1, 0.2, 0.3]; 2])],
+        steps: PlayedSteps {
+            times: vec![[0.0, 0.2]],
+            cells: vec![vec![0]],
+            observed: vec![vec![Some(0.1)]],
+            residuals: vec![vec![vec![None]]],
+        },
+    };
+    let number = PlayerNumber {
+        key: "turn".to_owned(),
+        name: NASTY.to_owned(),
+        unit: NASTY.to_owned(),
+        shown: Shown::Values,
+    };
+    let axis = PlayerAxis {
+        key: "p".to_owned(),
+        name: NASTY.to_owned(),
+        short: NASTY.to_owned(),
+        unit: NASTY.to_owned(),
+        cells: vec![NASTY.to_owned()],
     };
     Player {
         pusher_radius: 0.005,
         models: vec![NASTY.to_owned()],
         outlines: vec![vec![[0.0, 0.0], [0.1, 0.0], [0.1, 0.1]]],
+        axes: vec![axis],
+        numbers: vec![number],
         pushes: vec![push],
         order: NASTY.to_owned(),
+        groups_are: NASTY.to_owned(),
+        groups: vec![vec![0]],
         limit: 1 << 20,
     }
 }
@@ -40,9 +73,16 @@ fn player() -> Player {
 fn html() -> String {
     let inputs = (0..20).map(|k| (format!("{NASTY} {k}"), "abc".to_owned())).collect();
     let provenance = Provenance { inputs, ..Provenance::default() };
+    let about = Region {
+        model: 0,
+        number: NASTY.to_owned(),
+        cells: vec![(NASTY.to_owned(), vec![3])],
+        anchor: "map".to_owned(),
+    };
     let section = Section::new("maps", NASTY)
         .list(vec![NASTY.to_owned()])
-        .drawings(vec![drawing()])
+        .linked_list(vec![(NASTY.to_owned(), Some(about))])
+        .drawings(vec![drawing().anchor("map").before(drawing().anchor("other"))])
         .folded_drawings(NASTY, vec![drawing(), drawing()])
         .player(player());
     Page::new(NASTY, NASTY, provenance).with(section).single_file().expect("the page is sound")
@@ -52,9 +92,9 @@ fn html() -> String {
 fn text_from_outside_never_becomes_markup() {
     let html = html();
     assert!(!html.contains("<script>alert") && !html.contains("</script> &amp;"));
-    // The data of the player and one script each for drawings and players.
-    assert_eq!(html.matches("<script").count(), 3);
-    assert_eq!(html.matches("</script>").count(), 3);
+    // The data of the player, and each script of drawings and players once.
+    assert_eq!(html.matches("<script").count(), 7);
+    assert_eq!(html.matches("</script>").count(), 7);
     assert!(html.contains("\\u003c/script>") && html.contains('🦀'));
 }
 
@@ -99,9 +139,23 @@ fn dark_colors_know_every_color_of_a_drawing() {
 #[test]
 fn hover_texts_are_in_the_drawing_and_not_in_files() {
     let html = html();
-    assert_eq!(html.matches("class=\"spot\"").count(), 2 * 3);
+    assert_eq!(html.matches("class=\"spot\"").count(), 2 * 4);
+    assert_eq!(html.matches("class=\"spot\" data-cell=\"3\" d=").count(), 4);
     assert!(html.contains("<title>a disc</title>"));
     assert!(html.contains("tabindex=\"0\" aria-roledescription"));
+}
+
+#[test]
+fn cells_findings_and_numbers_of_drawings_are_there_for_scripts_and_without_them() {
+    let html = html();
+    let map = "id=\"map\" data-models=\"0\" data-number=\"turn\" data-over=\"p\"";
+    assert_eq!(html.matches(map).count(), 1);
+    assert!(html.contains("<a class=\"steps\" href=\"#map\" data-in=\"0/"));
+    assert_eq!(html.matches("<div class=\"pair\" data-pair>").count(), 1);
+    assert_eq!(html.matches("<pre hidden data-csv>").count(), 4);
+    let twice = Section::new("a", "A").drawings(vec![drawing().anchor("a")]);
+    let page = Page::new("t", "", Provenance::default()).with(twice);
+    assert!(matches!(page.single_file(), Err(ReportError::Duplicate { .. })));
 }
 
 #[test]

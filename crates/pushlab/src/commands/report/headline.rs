@@ -2,12 +2,13 @@
 
 use std::fmt;
 
-use ::report::Section;
+use ::report::{Region, Section};
 use diagnosis::ChannelError;
 use models::Cluster;
 use serde::Serialize;
 
 use super::errors::floor_source;
+use super::maps::region_of;
 use super::measure::Measure;
 use super::{Report, Tried, tag};
 
@@ -18,6 +19,9 @@ pub(super) struct Headline {
     error: String,
     /// Where it fails, the most first; none where it fails nowhere more than chance.
     findings: Vec<String>,
+    /// The steps that each finding is about.
+    #[serde(skip)]
+    regions: Vec<Option<Region>>,
 }
 
 /// Findings that are told on the page, and on a terminal.
@@ -30,12 +34,16 @@ impl Headline {
     /// One a model.
     pub(super) fn all(report: &Report) -> Vec<Self> {
         let of = |(index, model): (usize, &Tried)| {
-            let found = &model.comparison;
-            let findings = found.findings.iter().take(MOST_FINDINGS).map(|found| &found.sentence);
+            let found = &model.found;
+            let findings = found.findings.iter().take(MOST_FINDINGS);
+            let findings = findings.map(|one| (&one.sentence, one.name, &one.region));
             let gathered = found.concentrations.iter().take(MOST_GATHERED);
-            let all = findings.chain(gathered.map(|found| &found.sentence));
-            let findings = all.map(|sentence| format!("It {sentence}.")).collect();
-            Self { error: error(index, model), findings }
+            let gathered = gathered.map(|one| (&one.sentence, one.name, &one.region));
+            let told = findings.chain(gathered).map(|(sentence, name, cells)| {
+                (format!("It {sentence}."), region_of(report, index, name, cells))
+            });
+            let (findings, regions) = told.unzip();
+            Self { error: error(index, model), findings, regions }
         };
         report.models.iter().enumerate().map(of).collect()
     }
@@ -62,11 +70,14 @@ pub(super) fn section(report: &Report, headlines: &[Headline]) -> Section {
         let told = report.suspicions.iter().map(|suspicion| format!("{suspicion}."));
         section = section.text(CONTRADICTED).list(told.collect());
     }
-    for Headline { error, findings } in headlines {
+    for Headline { error, findings, regions } in headlines {
         section = section.text(error);
         section = match findings[..] {
             [] => section.text(NOWHERE),
-            _ => section.list(findings.clone()),
+            _ => {
+                let told = findings.iter().cloned().zip(regions.iter().cloned());
+                section.linked_list(told.collect())
+            }
         };
     }
     section.text(&compared(report))
@@ -94,6 +105,25 @@ fn ratio(error: &ChannelError) -> String {
     error.over_floor.map(|ratio| format!(" ({ratio:.1} × the noise floor)")).unwrap_or_default()
 }
 
+/// What the maps and the player show, where that is not what is compared.
+fn shown(report: &Report) -> String {
+    let (all, compared) = (report.all.pushes().len(), report.observations.pushes().len());
+    if all == compared {
+        return String::new();
+    }
+    let mut text = format!(
+        " Where models fail, maps and player are of all {all} pushes, those of fits among them"
+    );
+    for (index, model) in report.models.iter().enumerate().filter(|(_, model)| model.n_fitted > 0) {
+        let (tag, n) = (tag(index), model.n_fitted);
+        text += &match model.is_of_all {
+            true => format!("; {tag} was fitted to {n} of them, and fits these a little better"),
+            false => format!("; {tag} learnt from {n} of them, and is mapped on the others alone"),
+        };
+    }
+    text + "."
+}
+
 /// What was compared, and what was not.
 fn compared(report: &Report) -> String {
     let first = &report.models[0].comparison;
@@ -102,6 +132,7 @@ fn compared(report: &Report) -> String {
     if !part.is_empty() {
         text += &format!(" Compared are {}.", part.trim());
     }
+    text += &shown(report);
     if first.cluster == Cluster::Session {
         text += " Intervals and tests take whole measuring sessions for independent.";
     }

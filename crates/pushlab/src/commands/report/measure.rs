@@ -79,10 +79,52 @@ pub(super) fn title(name: &str) -> &'static str {
         "force_tangential" => "tangential force",
         "gap_start" => "gap at the start",
         "gap_end" => "gap at the end",
-        "drift" => "drift, in the sense of the model",
-        "turn" => "turn, in the sense of the model",
+        "drift" => "drift in the model’s sense",
+        "turn" => "turn in the model’s sense",
         _ => "another number",
     }
+}
+
+/// What links call a covariate.
+pub(super) fn key(covariate: Covariate) -> &'static str {
+    match covariate {
+        Covariate::P => "p",
+        Covariate::Beta => "beta",
+        Covariate::Speed => "speed",
+        Covariate::Orientation => "orientation",
+        Covariate::Direction => "direction",
+        Covariate::TableX => "table_x",
+        Covariate::TableY => "table_y",
+        Covariate::Time => "time",
+        Covariate::Edge => "edge",
+    }
+}
+
+/// The range of a cell, in SI units, in those of the covariate's axis; one without width gets one.
+pub(super) fn shown_range(over: Covariate, ends: [f64; 2]) -> [f64; 2] {
+    let [from, to] = ends.map(|end| Measure::of(over.unit()).per * end);
+    if from < to {
+        return [from, to];
+    }
+    let half = (0.02 * from.abs()).max(1e-3);
+    [from - half, to + half]
+}
+
+/// The same in words; an edge has one number.
+pub(super) fn range_text(over: Covariate, ends: [f64; 2]) -> String {
+    let [from, to] = shown_range(over, ends);
+    let number = |value: f64| {
+        format!("{value:.3}").trim_end_matches('0').trim_end_matches('.').replace('-', "−")
+    };
+    match over {
+        Covariate::Edge => format!("{:.0}", 0.5 * (from + to)),
+        _ => format!("{} to {}", number(from), number(to)),
+    }
+}
+
+/// A value in six digits, for files.
+pub(super) fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
 }
 
 /// What a covariate is called, with the unit that its axis has.

@@ -3,12 +3,15 @@
 mod diagnosed;
 mod errors;
 mod friction;
+mod groups;
 mod headline;
 mod maps;
 mod measure;
 mod outlines;
 mod parameters;
 mod pushes;
+mod steps;
+mod tried;
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -16,16 +19,13 @@ use std::path::{Path, PathBuf};
 use ::report::{Page, Provenance};
 use anyhow::{Context, Result, bail};
 use dataset::Suspicion;
-use diagnosis::{
-    Comparison, Diagnosis, Footprints, MapSettings, NoiseFloor, Observations, OutlineMap,
-    Predictions, PushEnds, RepeatTolerance, Rollout, compare, noise_floor, outline_maps, push_ends,
-    roll_out,
-};
+use diagnosis::{Diagnosis, Footprints, MapSettings, NoiseFloor, Observations};
 use models::ModelFile;
 use serde::Serialize;
 
 use self::diagnosed::Signatures;
 use self::headline::Headline;
+use self::tried::{Trial, Tried};
 use super::compare::Part;
 use crate::destination::Force;
 use crate::diagnosis_file;
@@ -74,26 +74,19 @@ Examples:
 struct Report {
     set: String,
     part: Part,
+    /// Of the pushes that are compared, and of all.
     floor: NoiseFloor,
+    floor_of_all: NoiseFloor,
+    /// The pushes that no model was fitted to, by which errors are compared.
     observations: Observations,
+    /// Those that maps and the player show.
+    all: Observations,
     models: Vec<Tried>,
     /// Of all pushes of the set.
     footprints: Footprints,
     diagnosis: Option<(Diagnosis, Signatures)>,
     /// What of the set contradicts the mechanics.
     suspicions: Vec<Suspicion>,
-}
-
-/// A model with all that the page shows of it.
-struct Tried {
-    /// Its name, and where that is not enough its file.
-    name: String,
-    file: ModelFile,
-    comparison: Comparison,
-    outlines: Vec<OutlineMap>,
-    rollouts: Vec<Rollout>,
-    /// None where every push is one step.
-    ends: Option<PushEnds>,
 }
 
 /// The result for programs.
@@ -106,6 +99,8 @@ struct Written {
     n_steps: usize,
     /// Pushes that the page can play.
     n_played: usize,
+    /// Pushes of the maps, of which it plays those.
+    n_shown: usize,
     suspicions: Vec<Suspicion>,
     headlines: Vec<Headline>,
 }
@@ -135,7 +130,6 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     {
         bail!("{} is about other recordings than {}", path.display(), args.source.set.display());
     }
-    let diagnosis = diagnosis.map(|found| (found, observations.clone()));
     let mut report = Report::of(name, files, observations)?;
     report.suspicions = suspicions;
     let report = report.with_diagnosis(diagnosis)?;
@@ -148,44 +142,33 @@ impl Report {
     fn of(set: String, files: Vec<(&Path, ModelFile)>, all: Observations) -> Result<Self> {
         let part = Part::of(files.iter().filter_map(|(_, file)| file.split.as_ref()), &all);
         let footprints = Footprints::of(&all);
-        let observations = part.observations(all)?;
+        let observations = part.observations(all.clone())?;
         let names = distinct_names(&files);
-        let mut floor: Option<NoiseFloor> = None;
+        let mut trial = Trial::new(&all, &observations, &part);
         let mut models = Vec::new();
         for ((path, file), name) in files.into_iter().zip(names) {
-            let tried = || -> Result<Tried> {
-                let predictions = Predictions::of(&file.description, &[], &observations)?;
-                let floor = match &floor {
-                    Some(floor) => floor,
-                    // One floor for all, by the first model.
-                    None => floor.insert(
-                        noise_floor(&observations, &predictions, &RepeatTolerance::default())?
-                            .for_all_places(&file.description, &[], &observations)?,
-                    ),
-                };
-                let settings = MapSettings::default();
-                let rollouts = roll_out(&file.description, &[], &observations)?;
-                Ok(Tried {
-                    name,
-                    comparison: compare(&observations, &predictions, floor, &settings)?,
-                    outlines: outline_maps(&observations, &predictions, &outlines::SETTINGS)?,
-                    ends: push_ends(&rollouts),
-                    rollouts,
-                    file,
-                })
-            };
-            models.push(tried().with_context(|| format!("cannot try {}", path.display()))?);
+            let tried = trial.of(name, file);
+            models.push(tried.with_context(|| format!("cannot try {}", path.display()))?);
         }
-        let floor = floor.context("name a model with --model")?;
-        let (diagnosis, suspicions) = (None, Vec::new());
-        Ok(Self { set, part, floor, observations, models, footprints, diagnosis, suspicions })
+        let [floor, floor_of_all] = trial.into_floors().context("name a model with --model")?;
+        Ok(Self {
+            set,
+            part,
+            floor,
+            floor_of_all,
+            observations,
+            all,
+            models,
+            footprints,
+            diagnosis: None,
+            suspicions: Vec::new(),
+        })
     }
 
-    /// The same with what a diagnosis says of the first model, shown on all pushes.
-    fn with_diagnosis(mut self, diagnosis: Option<(Diagnosis, Observations)>) -> Result<Self> {
-        let Some((found, all)) = diagnosis else { return Ok(self) };
-        let model = &self.models[0].file.description;
-        let signatures = Signatures::of(&found, model, &all, &self.floor)?;
+    /// The same with what a diagnosis says of the first model.
+    fn with_diagnosis(mut self, diagnosis: Option<Diagnosis>) -> Result<Self> {
+        let Some(found) = diagnosis else { return Ok(self) };
+        let signatures = Signatures::of(&found, &self.models[0], &self.all, &self.floor_of_all)?;
         self.diagnosis = Some((found, signatures));
         Ok(self)
     }
@@ -219,6 +202,7 @@ impl Report {
             n_pushes: self.observations.pushes().len(),
             n_steps: self.observations.n_steps(),
             n_played,
+            n_shown: self.models[0].rollouts.len(),
             suspicions: self.suspicions.clone(),
             headlines,
         };
@@ -226,7 +210,7 @@ impl Report {
     }
 
     fn lead(&self) -> String {
-        let (pushes, steps) = (self.observations.pushes().len(), self.observations.n_steps());
+        let (pushes, steps) = (self.all.pushes().len(), self.all.n_steps());
         let name = |(index, model): (usize, &Tried)| format!("{} – {}", tag(index), model.name);
         let names: Vec<_> = self.models.iter().enumerate().map(name).collect();
         format!(
@@ -272,12 +256,12 @@ fn distinct_names(files: &[(&Path, ModelFile)]) -> Vec<String> {
 
 impl std::fmt::Display for Written {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { page, n_pushes, n_played, .. } = self;
+        let Self { page, n_shown, n_played, .. } = self;
         self.headlines.iter().try_for_each(|headline| write!(f, "{headline}"))?;
-        let played = if n_played == n_pushes {
+        let played = if n_played == n_shown {
             "all pushes can be played".to_owned()
         } else {
-            format!("{n_played} of {n_pushes} pushes can be played")
+            format!("{n_played} of {n_shown} pushes can be played")
         };
         writeln!(f, "wrote {} ({:.1} MB, {played})", page.display(), self.bytes as f64 / 1e6)
     }

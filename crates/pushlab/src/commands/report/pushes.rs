@@ -1,17 +1,19 @@
 //! Every push as measured and as predicted, to be played.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
-use ::report::{PlayedPush, Player, Section};
-use diagnosis::Rollout;
+use ::report::{PlayedPush, PlayedSteps, Player, Section};
+use diagnosis::{PushName, Rollout};
 use effects::Object;
 use planar::Pose;
 
 use super::measure::Measure;
-use super::{Report, tag};
+use super::steps::StepsOf;
+use super::{Report, groups, tag};
 
 /// Most bytes of the embedded pushes.
-const LIMIT: usize = 5_000_000;
+const LIMIT: usize = 4_000_000;
 /// Corners of a drawn ellipse.
 const CORNERS: usize = 64;
 
@@ -23,29 +25,43 @@ pub(super) fn section(player: Player) -> Section {
 pub(super) fn player(report: &Report) -> Player {
     let first = &report.models[0].rollouts;
     let mut objects: Vec<Arc<Object>> = Vec::new();
-    let mut played: Vec<(f64, PlayedPush)> = Vec::new();
+    let mut played: Vec<(f64, usize, PlayedPush)> = Vec::new();
     let worst = badness(first);
+    let steps = StepsOf::new(report);
+    let names = report.all.pushes().iter().zip(0..);
+    let number_of: HashMap<&PushName, usize> = names.collect();
     for (index, rollout) in first.iter().enumerate() {
-        let step = rollout.first_step(&report.observations);
+        let step = rollout.first_step(&report.all);
         let known = objects.iter().position(|object| Arc::ptr_eq(object, &step.object));
         let outline = known.unwrap_or_else(|| {
             objects.push(step.object.clone());
             objects.len() - 1
         });
-        played.push((worst[index], push(report, index, outline)));
+        let push_of = number_of[&rollout.push];
+        let steps = steps.of_push(push_of, step.since_contact);
+        played.push((worst[index], push_of, PlayedPush { steps, ..push(report, index, outline) }));
     }
     played.sort_by(|a, b| b.0.total_cmp(&a.0));
     let outline = |object: &Arc<Object>| {
         object.shape().outline(CORNERS).iter().map(|corner| [corner.x, corner.y]).collect()
     };
-    let step = first.first().map(|rollout| rollout.first_step(&report.observations));
+    let step = first.first().map(|rollout| rollout.first_step(&report.all));
+    let place_of: HashMap<usize, usize> =
+        played.iter().enumerate().map(|(place, (_, push, _))| (*push, place)).collect();
+    let places =
+        |group: Vec<usize>| group.iter().filter_map(|push| place_of.get(push).copied()).collect();
+    let groups = groups::of(report).into_iter().map(places).collect();
     let name = |(index, model): (usize, &super::Tried)| format!("{} – {}", tag(index), model.name);
     Player {
         pusher_radius: step.map_or(0.0, |step| step.pusher_radius),
         models: report.models.iter().enumerate().map(name).collect(),
         outlines: objects.iter().map(outline).collect(),
-        pushes: played.into_iter().map(|(_, push)| push).collect(),
+        axes: steps.axes(),
+        numbers: steps.numbers(),
+        pushes: played.into_iter().map(|(.., push)| push).collect(),
         order: format!("those that {} predicts worst first", tag(0)),
+        groups_are: groups::ARE.to_owned(),
+        groups,
         limit: LIMIT,
     }
 }
@@ -81,5 +97,6 @@ fn push(report: &Report, index: usize, outline: usize) -> PlayedPush {
         measured: poses(&measured.measured_wb),
         pusher: measured.pusher_w.iter().map(|place| [place.x, place.y]).collect(),
         predicted,
+        steps: PlayedSteps::default(),
     }
 }

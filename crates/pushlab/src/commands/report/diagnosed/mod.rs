@@ -86,11 +86,12 @@ const GAINS: &str = "Gain in log predictive density by each effect, in nats, on 
 const ERRORS: &str = "Error of a step before and after the claimed effects are added, on the held-out \
      pushes; the gray line is the noise floor, as far as repeats or alike pushes tell it: pushes without \
      repeats tell it roughly, and a few held-out ones may err by less. A bar that stays well above the line means that something else is missing, not that the effect is wrong.";
-const SIGNATURES: &str = "What each effect changes, beside what the model misses, over place and angle of \
-     the push, in the number of a step that shows the effect most. Both maps are of all pushes, those \
-     of the fit among them: they show where, and the bars above show how much on held-out pushes. The \
-     same colors in the same cells speak for it. It is no proof: look-alikes have nearly the same picture, and the verdict weighs \
-     all numbers of a step, not this one alone.";
+const SIGNATURES: &str = "What each effect changes, beside what the model misses, in the number of a step and over \
+     what the effect shows most, in units of the noise floor. Both are of all pushes, those \
+     of the fit among them: they show where, and the bars above show how much on held-out pushes. Where both \
+     agree, cell by cell, that speaks for it. It is no proof: look-alikes have nearly the same picture, and the \
+     verdict weighs all numbers of a step, not this one alone. Of two maps the slider shows the effect on its \
+     left, and the model on its right.";
 
 /// What a verdict means, and what it does not.
 fn reading(verdict: Verdict) -> &'static str {
