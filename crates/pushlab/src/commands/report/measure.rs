@@ -113,8 +113,11 @@ pub(super) fn shown_range(over: Covariate, ends: [f64; 2]) -> [f64; 2] {
 /// The same in words; an edge has one number.
 pub(super) fn range_text(over: Covariate, ends: [f64; 2]) -> String {
     let [from, to] = shown_range(over, ends);
+    // Shares have more digits than mm and degrees.
+    let digits = if over.unit() == "1" { 3 } else { 1 };
     let number = |value: f64| {
-        format!("{value:.3}").trim_end_matches('0').trim_end_matches('.').replace('-', "−")
+        let text = format!("{value:.digits$}");
+        text.trim_end_matches('0').trim_end_matches('.').replace('-', "−")
     };
     match over {
         Covariate::Edge => format!("{:.0}", 0.5 * (from + to)),
@@ -144,7 +147,15 @@ pub(super) fn covariate(covariate: Covariate) -> &'static str {
 
 #[cfg(test)]
 mod tests {
-    use super::Measure;
+    use super::{Measure, range_text};
+    use diagnosis::Covariate;
+
+    #[test]
+    fn ranges_have_the_digits_that_matter() {
+        assert_eq!(range_text(Covariate::TableX, [-0.0749671, 0.06]), "−75 to 60");
+        assert_eq!(range_text(Covariate::P, [0.0, 0.125]), "0 to 0.125");
+        assert_eq!(range_text(Covariate::Edge, [2.5, 3.5]), "3");
+    }
 
     #[test]
     fn numbers_have_the_units_and_digits_of_people() {
