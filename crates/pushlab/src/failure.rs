@@ -58,7 +58,7 @@ fn is_model(message: &str) -> bool {
 /// What to do about a draft that `init` wrote, or an error of the operating system; other messages
 /// say it themselves.
 fn remedy(error: &anyhow::Error) -> Option<&'static str> {
-    if chain(error).contains("TODO") {
+    if ["TODO", "still to be filled in"].iter().any(|part| chain(error).contains(part)) {
         return Some("fill in what is marked TODO in this file");
     }
     let system = error.chain().find_map(|cause| cause.downcast_ref::<io::Error>())?;

@@ -75,7 +75,7 @@ impl TableMapping {
     /// `Parse` and `Manifest` as for a manifest.
     pub fn parse(text: &str, path: &Path) -> Result<Self, DatasetError> {
         let source = Source::new(text, path);
-        let table: MappingTable = source.parse()?;
+        let table: MappingTable = source.parse_filled()?;
         if table.schema.get_ref() != SCHEMA {
             let (span, value) = (table.schema.span(), table.schema.get_ref());
             return Err(source.refuse(span, "schema", value, "", SCHEMA));

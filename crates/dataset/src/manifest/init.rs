@@ -256,9 +256,13 @@ mod tests {
         assert!(text.contains("format = \"csv\"\npath = \"pushes\""), "{text}");
         assert!(text.contains("columns t_s, x_m, y_m, theta_rad, 2 samples"), "{text}");
         let message = Manifest::parse(&text, Path::new("m.toml")).unwrap_err().to_string();
-        assert!(message.contains("expected f64"), "{message}");
+        let all = ["object.shape in line 5", "object.mass_kg (in kg", "pusher.radius_m in line 12"];
+        assert!(all.iter().all(|one| message.contains(one)), "{message}");
         let filled = text.replacen("radius_m = \"TODO\"", "radius_m = 0.005", 1);
         let message = Manifest::parse(&filled, Path::new("m.toml")).unwrap_err().to_string();
+        assert!(message.contains("2 values are"), "shape and mass: {message}");
+        let heavy = filled.replacen("# mass_kg", "mass_kg", 1);
+        let message = Manifest::parse(&heavy, Path::new("m.toml")).unwrap_err().to_string();
         assert!(message.contains("object.shape = TODO is not allowed"), "{message}");
         let filled = filled.replacen("shape = \"TODO\"", "shape = \"rect1\"", 1);
         Manifest::parse(&filled, Path::new("m.toml")).unwrap();

@@ -4,6 +4,7 @@
 pub(crate) mod init;
 pub(crate) mod object;
 pub(crate) mod object_support;
+mod open_values;
 pub(crate) mod preset;
 pub(crate) mod recording_set;
 pub(crate) mod session;
@@ -91,7 +92,7 @@ impl Manifest {
     /// `Parse` and `Manifest` as [`Manifest::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, DatasetError> {
         let source = Source::new(text, path);
-        let table: ManifestTable = source.parse()?;
+        let table: ManifestTable = source.parse_filled()?;
         let ManifestTable { name, object, pusher, support, recordings, streams, limits } = table;
         let chosen = object.check(&source)?;
         Ok(Self {
@@ -274,6 +275,31 @@ topic = "/robot/tip_pose"
         assert!(message.contains(":6: object.width_m = 0.1 m is not allowed"), "{message}");
         let message = error("friction = 0.25", "friction = \"0.25\"");
         assert!(message.starts_with("set/dataset.toml:10: invalid type: string"), "{message}");
+    }
+
+    #[test]
+    fn all_that_is_open_is_named_at_once() {
+        let text = GOOD.replacen("radius_m = 0.00475", "radius_m = \"TODO\"", 1);
+        let text =
+            text.replacen("friction = 0.25\n\n[support]\nfriction = 0.25\n", "[support]\n", 1);
+        let text = text.replacen("mass_kg = 0.8374\n", "", 1);
+        let message = |text: &str| {
+            Manifest::parse(text, Path::new("set/dataset.toml")).unwrap_err().to_string()
+        };
+        assert_eq!(
+            message(&text),
+            "set/dataset.toml:8: 4 values are still to be filled in: object.mass_kg (in kg), which is \
+             missing, pusher.radius_m in line 8 (in m), pusher.friction (nominal, pusher-object), which \
+             is missing, support.friction (nominal, object-table), which is missing"
+        );
+        let text = text.replacen("shape = \"square\"\nside_m = 0.09", "shape = \"hex\"", 1);
+        assert!(
+            message(&text).contains(": 3 values are"),
+            "an MIT object has a mass: {}",
+            message(&text)
+        );
+        let message = message("name = \"a\"\n[recordings]\n");
+        assert!(message.starts_with("set/dataset.toml:1: 5 values"), "{message}");
     }
 
     #[test]

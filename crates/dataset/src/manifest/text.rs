@@ -33,7 +33,28 @@ impl<'a> Source<'a> {
         })
     }
 
-    fn line(&self, span: &Range<usize>) -> u64 {
+    /// The text as a table of TOML, in which no more than one value is still open.
+    ///
+    /// A key that is not known is told first: it may be the one that is missing.
+    pub(crate) fn parse_filled<T: DeserializeOwned>(&self) -> Result<T, DatasetError> {
+        let parsed = self.parse();
+        let is_unknown = |error: &DatasetError| matches!(error, DatasetError::Parse { what, .. } if what.starts_with("unknown field"));
+        if !parsed.as_ref().is_err_and(is_unknown) {
+            self.refuse_open_values()?;
+        }
+        parsed
+    }
+
+    pub(super) fn text(&self) -> &'a str {
+        self.text
+    }
+
+    /// The error that a line is wrong.
+    pub(super) fn fail(&self, line: u64, what: String) -> DatasetError {
+        DatasetError::Parse { path: self.path.into(), line, what }
+    }
+
+    pub(super) fn line(&self, span: &Range<usize>) -> u64 {
         let before = &self.text.as_bytes()[..span.start.min(self.text.len())];
         1 + before.iter().filter(|&&byte| byte == b'\n').count() as u64
     }
