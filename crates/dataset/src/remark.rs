@@ -17,6 +17,20 @@ pub struct Remark {
     pub text: String,
 }
 
+impl Remark {
+    /// That a log was stopped, by the number of pauses of each stream and the longest in s: where one stream alone
+    /// pauses, the log went on.
+    pub(crate) fn of_pauses(streams: impl Iterator<Item = (u64, f64)>) -> Option<Self> {
+        let (count, longest) = streams.min_by(|a, b| a.0.cmp(&b.0))?;
+        let times = if count == 1 { "once".to_owned() } else { format!("{count} times") };
+        let text = format!(
+            "the log pauses {times} for more than 1 s, {longest:.1} s at the longest: it may hold several \
+             pushes, and is cut there when it is ingested"
+        );
+        (count > 0).then_some(Self { kind: RemarkKind::Paused, stream: None, count, text })
+    }
+}
+
 /// The kinds of findings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -48,6 +62,8 @@ pub enum RemarkKind {
     Tilted,
     /// A transform that was read from the log as fixed varies within the log.
     TransformVaries,
+    /// The log was stopped for a while.
+    Paused,
     /// Recordings of another format, or in another folder, are not read.
     NotRead,
     /// Rows of `sessions.csv` name no recording of the set.

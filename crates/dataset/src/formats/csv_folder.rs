@@ -12,13 +12,17 @@ use crate::formats::assemble::{Assembly, RawStream, nanoseconds, wrong_time_unit
 use crate::formats::decode::N_VALUES;
 use crate::formats::format::{Inspection, LogFormat, StreamInfo};
 use crate::formats::log::fixed_transform;
+use crate::formats::stamps::Stamps;
 use crate::input::caught::caught;
 use crate::input::limits::{Limit, ReadLimits};
 use crate::input::map::{FileBytes, sha256};
 use crate::recording::Recording;
 use crate::recording::frames::Frames;
 use crate::recording::settings::{ColumnMap, Quantity, StreamSettings, Streams};
-use crate::{error::DatasetError, remark::StreamRole};
+use crate::{
+    error::DatasetError,
+    remark::{Remark, StreamRole},
+};
 
 /// The CSV format.
 pub(crate) struct CsvFormat;
@@ -89,8 +93,12 @@ fn read_folder(
 fn inspect_folder(path: &Path, limits: &ReadLimits) -> Result<Inspection, DatasetError> {
     let is_csv = |file: &Path| super::find::is_file_ending(file, &["csv"]);
     let files = find_recordings(path, CsvFormat.id(), "files NAME.csv", &is_csv)?;
-    let streams = files.iter().map(|file| inspect_file(file, limits)).collect::<Result<_, _>>()?;
-    Ok(Inspection { streams, ..Inspection::default() })
+    let found: Vec<_> =
+        files.iter().map(|file| inspect_file(file, limits)).collect::<Result<_, _>>()?;
+    let pauses = found.iter().filter_map(|(_, stamps)| stamps.pauses());
+    let remarks = Remark::of_pauses(pauses).into_iter().collect();
+    let streams = found.into_iter().map(|(info, _)| info).collect();
+    Ok(Inspection { streams, remarks, ..Inspection::default() })
 }
 
 /// The name of a stream's file, as the manifest tells it.
@@ -259,19 +267,20 @@ fn csv_error(file: &Path, error: &csv::Error) -> DatasetError {
     DatasetError::Parse { path: file.into(), line, what }
 }
 
-fn inspect_file(file: &Path, limits: &ReadLimits) -> Result<StreamInfo, DatasetError> {
+fn inspect_file(file: &Path, limits: &ReadLimits) -> Result<(StreamInfo, Stamps), DatasetError> {
     let bytes = FileBytes::open(file, limits)?;
     let mut reader = reader(bytes.bytes());
     let columns = headers(file, &mut reader, limits)?;
     let mut record = StringRecord::new();
-    let (mut count, mut first, mut last) = (0_u64, f64::INFINITY, f64::NEG_INFINITY);
+    let (mut count, mut stamps) = (0, Stamps::default());
     while reader.read_record(&mut record).map_err(|error| csv_error(file, &error))? {
         count += 1;
         if let Ok(time) = record[0].parse::<f64>() {
-            (first, last) = (first.min(time), last.max(time));
+            stamps.add(nanoseconds(time));
         }
     }
-    let timed = columns[0] == default_column(Quantity::T) && last > first;
+    let is_timed = columns[0] == default_column(Quantity::T);
+    let stamps = if is_timed { stamps } else { Stamps::default() };
     let has = |names: &[Quantity]| {
         names.iter().all(|name| columns.iter().any(|column| column == default_column(*name)))
     };
@@ -280,14 +289,15 @@ fn inspect_file(file: &Path, limits: &ReadLimits) -> Result<StreamInfo, DatasetE
         StreamRole::Object => has(&[Quantity::X, Quantity::Y, Quantity::Theta]),
         StreamRole::Wrench => has(&[Quantity::Fx, Quantity::Fy]),
     };
-    Ok(StreamInfo {
+    let info = StreamInfo {
         name: file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         count,
-        rate_hz: timed.then(|| (count - 1) as f64 / (last - first)),
+        rate_hz: stamps.rate_hz(),
         fits: StreamRole::ALL.into_iter().filter(fits).collect(),
         columns,
         ..StreamInfo::default()
-    })
+    };
+    Ok((info, stamps))
 }
 
 #[cfg(test)]

@@ -131,7 +131,7 @@ pub struct StreamInfo {
     pub columns: Vec<String>,
     /// Number of messages or rows.
     pub count: u64,
-    /// Mean rate over the recording, in Hz; none for fewer than two samples.
+    /// Mean rate over the recording apart from its pauses, in Hz; none for fewer than two samples.
     pub rate_hz: Option<f64>,
     /// The streams that it could be, by its type.
     pub fits: Vec<StreamRole>,

@@ -15,6 +15,7 @@ use crate::formats::decode::{Decoder, MessageError, Row};
 use crate::formats::format::{Inspection, StreamInfo};
 use crate::formats::layout::Layout;
 use crate::formats::select::choose_topics;
+use crate::formats::stamps::Stamps;
 use crate::input::limits::{Limit, ReadLimits};
 use crate::recording::Recording;
 use crate::recording::frames::Frames;
@@ -90,14 +91,11 @@ pub(crate) fn inspect_log(
     let channels = parse_channels(path, container, limits)?;
     let readers = frame_readers(&channels);
     let mut frames = Frames::default();
-    let nothing = (0_u64, i64::MAX, i64::MIN);
-    let mut seen: BTreeMap<u32, _> =
-        channels.iter().map(|channel| (channel.info.id, nothing)).collect();
+    let mut seen: BTreeMap<u32, Stamps> =
+        channels.iter().map(|channel| (channel.info.id, Stamps::default())).collect();
     let damage = container.visit(&|_| true, &mut |message| {
-        if let Some((count, first, last)) = seen.get_mut(&message.channel) {
-            *count += 1;
-            *first = message.log_time.min(*first);
-            *last = message.log_time.max(*last);
+        if let Some(stamps) = seen.get_mut(&message.channel) {
+            stamps.add(message.log_time);
         }
         if let Some(decoder) = readers.get(&message.channel) {
             // A message that does not fit is reported when its stream is read.
@@ -107,26 +105,26 @@ pub(crate) fn inspect_log(
         Ok(ControlFlow::Continue(()))
     })?;
     let streams = channels.iter().map(|channel| {
-        let (count, first, last) = seen[&channel.info.id];
+        let stamps = &seen[&channel.info.id];
         let fits = |role: &StreamRole| {
             let schema = channel.schema.as_ref().ok();
             schema.is_some_and(|schema| {
                 Layout::find(schema, *role, &StreamSettings::default()).is_ok()
             })
         };
-        let span = last.saturating_sub(first) as f64 / 1e9;
         StreamInfo {
             name: channel.info.topic.clone(),
             type_name: channel.info.type_name.clone(),
             encoding: channel.info.schema_encoding.clone(),
             columns: Vec::new(),
-            count,
-            rate_hz: (count > 1 && span > 0.0).then(|| (count - 1) as f64 / span),
+            count: stamps.count,
+            rate_hz: stamps.rate_hz(),
             fits: StreamRole::ALL.into_iter().filter(fits).collect(),
         }
     });
     let mut remarks = container.remarks().to_vec();
     remarks.extend(damage);
+    remarks.extend(Remark::of_pauses(seen.values().filter_map(Stamps::pauses)));
     Ok(Inspection { streams: streams.collect(), frames: frames.pairs(), remarks })
 }
 

@@ -10,6 +10,7 @@ pub(crate) mod layout;
 pub(crate) mod list;
 pub(crate) mod log;
 pub(crate) mod select;
+pub(crate) mod stamps;
 
 #[cfg(feature = "bag")]
 mod bag;

@@ -4,20 +4,19 @@ use nalgebra::Vector2;
 
 use crate::curves::noise::median;
 use crate::ingest::force_zero::{ForceZero, UntaredReason, force_zero};
+use crate::ingest::interval::Interval;
+use crate::ingest::passes::without_passes;
 use crate::ingest::repair::CleanStream;
 use crate::ingest::scene::{GapSample, Scene};
 use crate::ingest::settings::IngestSettings;
 use crate::ingest::track::PoseNoise;
 
+/// A longer time without a sample of pusher and object ends every contact, in s: the log was stopped.
+const PAUSE: f64 = 1.0;
+/// Samples at the end of a stretch that tell where the object lies then.
+const LAST_SAMPLES: usize = 10;
 /// Neighboring samples that must agree that the object has left its place: one alone is noise.
 const RUN: usize = 3;
-
-/// A stretch of time with contact, in s on the recording's clock.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Interval {
-    pub(crate) start: f64,
-    pub(crate) end: f64,
-}
 
 /// The contacts of one recording and what is known of its force.
 pub(crate) struct Contacts {
@@ -28,13 +27,18 @@ pub(crate) struct Contacts {
     /// Force contacts that geometry did not confirm.
     pub(crate) n_unconfirmed: usize,
     pub(crate) smallest_gap: Option<f64>,
+    /// Times without a sample of pusher and object, across which no contact goes on.
+    pub(crate) pauses: Vec<Interval>,
+    /// How often the outline passes under the tip, or is carried past it.
+    pub(crate) n_passes: usize,
 }
 
 /// Finds the contacts of a recording.
 pub(crate) fn find_contacts(scene: &Scene<'_>, settings: &IngestSettings) -> Contacts {
     let gaps = scene.gaps();
     let smallest_gap = gaps.iter().map(|sample| sample.gap).reduce(f64::min);
-    let (touching, losses) = by_geometry(scene, &gaps, settings);
+    let pauses = scene.pauses(PAUSE);
+    let (touching, losses, n_passes) = by_geometry(scene, &gaps, &pauses, settings);
     let wrench = scene.wrench.as_ref();
     let mut zero = force_zero(wrench, &gaps, settings.longest_gap, &settings.contact);
     if let (Some(wrench), ForceZero::Tared { offset_n, noise_sd_n, .. }) = (wrench, &zero) {
@@ -42,7 +46,7 @@ pub(crate) fn find_contacts(scene: &Scene<'_>, settings: &IngestSettings) -> Con
         if let Some(normal_n) = longest_pull(scene, offset, *noise_sd_n, settings) {
             zero = ForceZero::Untared { reason: UntaredReason::Pulls { normal_n } };
         } else {
-            let seen = by_force(wrench, offset, *noise_sd_n, settings);
+            let seen = by_force(wrench, offset, *noise_sd_n, &pauses, settings);
             let confirmed = confirm(&seen, &gaps, &touching, wrench, settings);
             let blind = touching.iter().any(|touch| {
                 moves(scene, touch, settings)
@@ -53,27 +57,40 @@ pub(crate) fn find_contacts(scene: &Scene<'_>, settings: &IngestSettings) -> Con
             } else {
                 let n_unconfirmed = seen.len() - confirmed.len();
                 let (intervals, losses) = rejoin(confirmed, settings.contact.rejoin_time);
-                return Contacts { intervals, losses, zero, n_unconfirmed, smallest_gap };
+                return Contacts {
+                    intervals,
+                    losses,
+                    zero,
+                    n_unconfirmed,
+                    smallest_gap,
+                    pauses,
+                    n_passes,
+                };
             }
         }
     }
-    Contacts { intervals: touching, losses, zero, n_unconfirmed: 0, smallest_gap }
+    let (intervals, n_unconfirmed) = (touching, 0);
+    Contacts { intervals, losses, zero, n_unconfirmed, smallest_gap, pauses, n_passes }
 }
 
-/// Contacts by the gap alone, each from the object's first motion on.
+/// Contacts by the gap alone, each from the object's first motion on and as long as the gap stays; losses
+/// within them; and how often the outline passes under the tip.
 fn by_geometry(
     scene: &Scene<'_>,
     gaps: &[GapSample],
+    pauses: &[Interval],
     settings: &IngestSettings,
-) -> (Vec<Interval>, Vec<Interval>) {
+) -> (Vec<Interval>, Vec<Interval>, usize) {
     let limits = &settings.contact;
     let levels = gaps.iter().map(|sample| (sample.t, -sample.gap));
-    let touches = hysteresis(levels, -limits.touch_gap, -limits.release_gap);
+    let touches = hysteresis(levels, pauses, -limits.touch_gap, -limits.release_gap);
     let (mut touches, losses) = rejoin(touches, limits.rejoin_time);
     for touch in &mut touches {
         touch.start = onset(scene, touch, settings);
     }
-    (touches, losses)
+    let parts: Vec<_> = touches.iter().map(|touch| without_passes(scene, touch, gaps)).collect();
+    let n_passes = parts.iter().map(|(_, n)| n).sum();
+    (parts.into_iter().flat_map(|(parts, _)| parts).collect(), losses, n_passes)
 }
 
 /// Contacts by the force above its noise.
@@ -81,6 +98,7 @@ fn by_force(
     wrench: &CleanStream,
     offset: Vector2<f64>,
     noise_sd: f64,
+    pauses: &[Interval],
     settings: &IngestSettings,
 ) -> Vec<Interval> {
     let levels = (0..wrench.t.len()).map(|i| {
@@ -89,7 +107,7 @@ fn by_force(
     });
     let limits = &settings.contact;
     let on = (limits.force_on * noise_sd).max(limits.least_force);
-    hysteresis(levels, on, on * limits.force_off / limits.force_on)
+    hysteresis(levels, pauses, on, on * limits.force_off / limits.force_on)
 }
 
 /// Keeps the force contacts during which the pusher comes within reach of the outline, as far as it
@@ -139,12 +157,23 @@ fn within_reach(
     (reached.start < reached.end).then_some(reached)
 }
 
-/// Stretches that begin above `on` and end below `off`; the level crosses them on straight lines.
-fn hysteresis(levels: impl Iterator<Item = (f64, f64)>, on: f64, off: f64) -> Vec<Interval> {
+/// Stretches that begin above `on` and end below `off`, or where a pause begins; the level crosses them on
+/// straight lines.
+fn hysteresis(
+    levels: impl Iterator<Item = (f64, f64)>,
+    pauses: &[Interval],
+    on: f64,
+    off: f64,
+) -> Vec<Interval> {
     let mut out = Vec::new();
     let mut start: Option<f64> = None;
     let mut before: Option<(f64, f64)> = None;
     for (t, level) in levels {
+        let is_pause =
+            |(last, _): &(f64, f64)| pauses.iter().any(|pause| (*last..t).contains(&pause.start));
+        if let Some((last, _)) = before.take_if(|last| is_pause(last)) {
+            out.extend(start.take().map(|start| Interval { start, end: last }));
+        }
         let crossing = |limit: f64| match before {
             Some((t0, level0)) if level0 != level => {
                 t0 + ((limit - level0) / (level - level0)).clamp(0.0, 1.0) * (t - t0)
@@ -244,6 +273,17 @@ fn object_onset(scene: &Scene<'_>, interval: &Interval, settings: &IngestSetting
     }
 }
 
+/// When the object comes to rest while the pusher still touches it; none if it moves to the end of that.
+pub(crate) fn rest_in_contact(
+    scene: &Scene<'_>,
+    contact: &Interval,
+    settings: &IngestSettings,
+) -> Option<f64> {
+    let rest = rest_time(scene, contact.start, contact.end, settings)?;
+    // The last samples are at rest beside themselves in any case.
+    (scene.object.n_samples(rest, contact.end) > 2 * LAST_SAMPLES).then_some(rest)
+}
+
 /// When the object comes to rest between two times: the first sample after which it stays.
 pub(crate) fn rest_time(
     scene: &Scene<'_>,
@@ -251,7 +291,6 @@ pub(crate) fn rest_time(
     to: f64,
     settings: &IngestSettings,
 ) -> Option<f64> {
-    const LAST_SAMPLES: usize = 10;
     let object = &scene.object;
     let samples = object.range(from, to);
     let tail = samples.end.saturating_sub(LAST_SAMPLES).max(samples.start)..samples.end;

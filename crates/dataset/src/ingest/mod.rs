@@ -4,6 +4,8 @@
 pub(crate) mod contact;
 pub(crate) mod first_contact;
 pub(crate) mod force_zero;
+pub(crate) mod interval;
+pub(crate) mod passes;
 pub(crate) mod process;
 pub(crate) mod push;
 pub(crate) mod repair;

@@ -65,6 +65,8 @@ pub(crate) fn process(
         streams: stream_reports(recording, &scene),
         force_zero: contacts.zero.clone(),
         unconfirmed_contacts: contacts.n_unconfirmed,
+        pauses_s: contacts.pauses.iter().map(|pause| [pause.start, pause.end]).collect(),
+        passes: contacts.n_passes,
         resting_noise: resting_noise(&scene, &pushes),
         pushes: Vec::new(),
     };

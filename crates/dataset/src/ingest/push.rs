@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use crate::error::DatasetError;
-use crate::ingest::contact::{Contacts, Interval, pusher_onset, quiet_time, rest_time};
+use crate::ingest::contact::{Contacts, pusher_onset, quiet_time, rest_in_contact, rest_time};
+use crate::ingest::interval::Interval;
 use crate::ingest::repair::{CleanStream, RepairKind};
 use crate::ingest::scene::Scene;
 use crate::ingest::settings::{Curve, IngestSettings};
@@ -18,9 +19,9 @@ pub(crate) struct Push {
     pub(crate) begins: f64,
     /// When the object comes to rest.
     pub(crate) rest: f64,
-    /// Until when streams belong to this push: the next contact or their end.
+    /// Until when streams belong to this push: the next contact, a pause of the log, or their end.
     pub(crate) until: f64,
-    /// Whether contact was there when pusher and object were first seen together.
+    /// Whether contact was there when pusher and object were first seen together, or again after a pause.
     pub(crate) starts_in_contact: bool,
 }
 
@@ -123,16 +124,24 @@ impl Push {
         let end = last(&scene.object).min(last(&scene.robot));
         let first = |stream: &CleanStream| stream.t.first().copied().unwrap_or(f64::INFINITY);
         let begin = first(&scene.object).max(first(&scene.robot));
-        let intervals = &contacts.intervals;
+        let (intervals, pauses) = (&contacts.intervals, &contacts.pauses);
         intervals
             .iter()
             .enumerate()
             .map(|(i, &contact)| {
+                let paused = pauses.iter().map(|pause| pause.start).find(|t| *t >= contact.end);
                 let until = intervals.get(i + 1).map_or(end, |next| next.start);
+                let until = paused.map_or(until, |paused| until.min(paused));
+                let resumed = pauses.iter().map(|pause| pause.end).rfind(|t| *t <= contact.start);
+                let begin = resumed.unwrap_or(begin);
                 // A pusher that presses at rest makes no steps.
                 let begins = pusher_onset(scene, &contact, settings);
                 let rest = rest_time(scene, contact.start, until, settings).unwrap_or(until);
-                let rest = quiet_time(scene, contact.end, rest, settings).unwrap_or(rest);
+                // What moves the object later is no motion of the push.
+                let rest = rest_in_contact(scene, &contact, settings)
+                    .filter(|_| rest > contact.end)
+                    .or_else(|| quiet_time(scene, contact.end, rest, settings))
+                    .unwrap_or(rest);
                 let starts_in_contact = contact.start - begin < settings.longest_gap;
                 Self { contact, begins, rest, until, starts_in_contact }
             })

@@ -123,6 +123,11 @@ pub struct RecordingReport {
     pub force_zero: ForceZero,
     /// Times at which the force rose far from the object: no contacts.
     pub unconfirmed_contacts: usize,
+    /// Times without a sample of pusher and object, from the last before to the first after, at which the log
+    /// is cut, in s.
+    pub pauses_s: Vec<[f64; 2]>,
+    /// How often the outline passes under the tip, or is carried past it: no pushes.
+    pub passes: usize,
     /// Noise of the object's samples at rest.
     pub resting_noise: Option<RestingNoise>,
     /// Its pushes.
@@ -130,6 +135,11 @@ pub struct RecordingReport {
 }
 
 impl RecordingReport {
+    /// Whether its pushes have ends and no streams.
+    pub(crate) fn is_of_ends(&self) -> bool {
+        self.streams.is_empty()
+    }
+
     /// Of a recording before anything of it is read.
     pub(crate) fn unread(name: &str, path: &Path) -> Self {
         Self {
@@ -142,6 +152,8 @@ impl RecordingReport {
             streams: Vec::new(),
             force_zero: ForceZero::NoForce,
             unconfirmed_contacts: 0,
+            pauses_s: Vec::new(),
+            passes: 0,
             resting_noise: None,
             pushes: Vec::new(),
         }

@@ -5,6 +5,7 @@ use planar::{Contact, Pose, Shape};
 
 use crate::curves::spline::EndCondition;
 use crate::error::DatasetError;
+use crate::ingest::interval::Interval;
 use crate::ingest::repair::{CleanStream, repair_forces, repair_poses, repair_positions};
 use crate::ingest::settings::{Curve, IngestSettings};
 use crate::ingest::track::{PoseNoise, PoseTrack, pose_noise};
@@ -72,6 +73,19 @@ impl<'a> Scene<'a> {
                 self.contact_at(t).map(|(contact, _)| GapSample { t, gap: contact.gap })
             })
             .collect()
+    }
+
+    /// Times of `shortest` (s) to a day without a sample of either body, between their first and last; over
+    /// more a clock jumped.
+    pub(crate) fn pauses(&self, shortest: f64) -> Vec<Interval> {
+        const DAY: f64 = 86_400.0;
+        let mut stamps: Vec<f64> = self.robot.t.iter().chain(&self.object.t).copied().collect();
+        stamps.sort_unstable_by(f64::total_cmp);
+        let between = stamps.windows(2).filter(|pair| {
+            let time = pair[1] - pair[0];
+            time > shortest && time < DAY
+        });
+        between.map(|pair| Interval { start: pair[0], end: pair[1] }).collect()
     }
 
     /// Force on the pusher at a time, by a line between neighbors; none in a gap.

@@ -6,7 +6,7 @@ use nalgebra::Vector2;
 use planar::{Contact, Feature, Pose, perpendicular, wrap_angle};
 
 use crate::error::DatasetError;
-use crate::ingest::contact::Interval;
+use crate::ingest::interval::Interval;
 use crate::ingest::push::{PhaseCurves, Push};
 use crate::ingest::scene::Scene;
 use crate::ingest::settings::{IngestSettings, StepLength};

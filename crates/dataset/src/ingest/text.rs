@@ -48,6 +48,7 @@ impl fmt::Display for SummaryText<'_> {
         for (reason, n) in &summary.excluded {
             writeln!(f, "  excluded, {reason}: {n}")?;
         }
+        self.write_splits(f)?;
         for (stream, rates) in &summary.rates_hz {
             spread(f, &format!("rate of the {stream} stream"), Some(*rates), 1.0, "Hz")?;
         }
@@ -86,6 +87,33 @@ impl fmt::Display for SummaryText<'_> {
         spread(f, "object noise at rest", summary.resting_angle_sd_rad, 1e6, "µrad")?;
         writeln!(f, "  largest tilt: {:.2}°", summary.max_tilt_rad.to_degrees())?;
         write!(f, "{}", summary.coverage)
+    }
+}
+
+impl SummaryText<'_> {
+    /// How recordings of several pushes were split, and what of them is no push.
+    fn write_splits(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let recordings = &self.0.recordings;
+        let several = || recordings.iter().filter(|one| one.pushes.len() > 1 && !one.is_of_ends());
+        let n_pushes: usize = several().map(|one| one.pushes.len()).sum();
+        let n_pauses: usize = several().map(|one| one.pauses_s.len()).sum();
+        match several().count() {
+            0 => {}
+            1 => write!(f, "  one recording has {n_pushes} pushes")?,
+            n => write!(f, "  {n} recordings have {n_pushes} pushes, each several")?,
+        }
+        match n_pauses {
+            _ if n_pushes == 0 => {}
+            0 => writeln!(f, ", split where the contact ends")?,
+            n => writeln!(f, ", split where the contact ends and at {n} pauses of the log")?,
+        }
+        match recordings.iter().map(|one| one.passes).sum::<usize>() {
+            0 => Ok(()),
+            n => writeln!(
+                f,
+                "  set aside: the object passes under the tip or is carried past it {n} times"
+            ),
+        }
     }
 }
 
@@ -146,6 +174,15 @@ fn recording_text(recording: &RecordingReport) -> String {
         line(stream_text(stream, robot));
     }
     line(format!("force: {}", recording.force_zero));
+    for [start, end] in &recording.pauses_s {
+        line(format!("cut at a pause of the log from {start:.3} to {end:.3} s"));
+    }
+    if recording.passes > 0 {
+        line(format!(
+            "set aside: {} times the object passes under the tip or is carried past it",
+            recording.passes
+        ));
+    }
     for push in &recording.pushes {
         line(push_text(push));
     }

@@ -12,5 +12,6 @@ mod made;
 mod manual;
 mod misread;
 mod own_format;
+mod several_pushes;
 mod steps;
 mod whole_pushes;
