@@ -33,6 +33,7 @@ pub use description::orthogonal_discrepancy::{OrthogonalDiscrepancy, Unexplained
 pub use description::{Base, Description, Weights};
 pub use error::ModelError;
 pub use file::ModelFile;
+pub use file::made_for::{MadeFor, MadeForObject, RigDifference};
 pub use kinds::hybrid::{Hybrid, HybridReport};
 pub use kinds::push_model::PushModel;
 pub use kinds::{ModelKind, Train, model_kinds};

@@ -11,7 +11,7 @@ use diagnosis::{
     Fit, FitSettings, NoiseModel, NotTestable, Observations, fit_with_noise, lacking, split,
 };
 use effects::{EffectInfo, by_id};
-use models::{ModelFile, Split};
+use models::{MadeFor, ModelFile, Split};
 use output::OutputFile;
 
 pub(crate) use self::options::FitOptions;
@@ -29,6 +29,8 @@ pub(crate) struct Fitting {
     /// Whether the model was fitted to these recordings before.
     is_known: bool,
     options: FitOptions,
+    /// What the model is then made for.
+    made_for: MadeFor,
 }
 
 impl Fitting {
@@ -46,7 +48,7 @@ impl Fitting {
     ) -> Result<Self> {
         let steps = source.read(Reading::Steady, terminal)?;
         origin.inputs.extend(steps.inputs);
-        let all = steps.observations;
+        let (made_for, all) = (steps.rig.made_for(), steps.observations);
         let known = model.split.clone().filter(|split| all.are_of(split));
         let is_known = known.is_some();
         let split = match known {
@@ -55,7 +57,7 @@ impl Fitting {
         };
         let train = all.part(&split.fit)?;
         let (set, options) = (source.set.display().to_string(), options.clone());
-        Ok(Self { set, split, train, is_known, options })
+        Ok(Self { set, split, train, is_known, options, made_for })
     }
 
     /// Values at which an effect changes nothing of a model on this set.
@@ -121,7 +123,8 @@ impl Fitting {
         let description = if writes_nuisances { &fit.with_nuisances } else { &fit.description };
         let description = description.clone();
         let n_kept = self.split.confirm.len();
-        let model = ModelFile { name, description, split: Some(self.split) };
+        let (split, made_for) = (Some(self.split), Some(self.made_for));
+        let model = ModelFile { name, description, split, made_for };
         let path = to.path().to_owned();
         model.write_to(to)?;
         Ok(Fitted::new(fit, (&self.set, &path), n_kept, writes_nuisances))

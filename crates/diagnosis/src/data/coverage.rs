@@ -7,7 +7,7 @@ use planar::wrap_angle;
 use serde::Serialize;
 
 use crate::data::repeats::cells;
-use crate::{Observations, RepeatTolerance};
+use crate::{Covariate, Observations, RepeatTolerance};
 
 /// Where the steps of a set lie, in SI units; ranges are from smallest to largest.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -39,6 +39,13 @@ pub struct Coverage {
 }
 
 const N_SECTORS: usize = 12;
+
+impl Observations {
+    /// What the rows do not tell of a step: what a coverage says of it says nothing.
+    pub fn unknown(&self) -> &[Covariate] {
+        &self.unknown
+    }
+}
 
 impl Coverage {
     /// Of observations.

@@ -38,7 +38,8 @@ impl Reader for Models {
             let base = Base::Analytical(analytical);
             let description = Description { base, effects, weights: None };
             let path = dir.join("model.toml");
-            ModelFile { name: "a model".to_owned(), description, split: None }.write(&path)?;
+            ModelFile { name: "a model".to_owned(), description, split: None, made_for: None }
+                .write(&path)?;
             inputs.push(fs::read(path)?);
             Ok(())
         };

@@ -37,7 +37,8 @@ impl Reader for WeightsFiles {
         let mut add = |model: &dyn PushModel| -> Result<()> {
             let path = dir.join("model.toml");
             let description = model.describe()?;
-            ModelFile { name: "a".to_owned(), description, split: None }.write(&path)?;
+            ModelFile { name: "a".to_owned(), description, split: None, made_for: None }
+                .write(&path)?;
             inputs.push(input(dir, &path)?);
             Ok(())
         };

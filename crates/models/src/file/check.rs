@@ -4,6 +4,7 @@ use nalgebra::Matrix3;
 use serde_spanned::Spanned;
 
 use super::ModelFile;
+use super::made_for::MadeFor;
 use super::raw::{Raw, RawBase};
 use super::source::Source;
 use crate::analytical::{FRICTION_RANGE, LENGTH_RANGE};
@@ -49,6 +50,18 @@ impl Source<'_> {
         let Some(raw) = raw else { return Ok(None) };
         match raw.get_ref().problem() {
             Some(problem) => Err(self.invalid(raw.span().start, "split", problem)),
+            None => Ok(Some(raw.into_inner())),
+        }
+    }
+
+    /// What the model was made for, if a rig can be so.
+    pub(super) fn made_for(
+        &self,
+        raw: Option<Spanned<MadeFor>>,
+    ) -> Result<Option<MadeFor>, ModelError> {
+        let Some(raw) = raw else { return Ok(None) };
+        match raw.get_ref().problem() {
+            Some((key, problem)) => Err(self.invalid(raw.span().start, key, problem)),
             None => Ok(Some(raw.into_inner())),
         }
     }

@@ -2,6 +2,7 @@
 
 mod check;
 mod effects_table;
+pub(crate) mod made_for;
 mod raw;
 mod source;
 mod weights_file;
@@ -13,6 +14,7 @@ use dataset::DatasetError;
 use effects::Effect;
 use output::{Existing, OutputFile};
 
+use self::made_for::MadeFor;
 use self::raw::{Raw, RawBase, RawEffect, RawOut};
 use self::source::Source;
 use crate::{Description, ModelError, Split};
@@ -28,6 +30,8 @@ pub struct ModelFile {
     pub description: Description,
     /// The pushes that it was fitted to and those kept from every fit, if it was fitted to some.
     pub split: Option<Split>,
+    /// Object, pusher and table that it was made for; older files do not tell.
+    pub made_for: Option<MadeFor>,
 }
 
 impl ModelFile {
@@ -57,8 +61,9 @@ impl ModelFile {
             Some(learned) => Some(weights_file::read(&source, &base, learned)?),
             None => None,
         };
-        let split = source.split(raw.split)?;
-        Ok(Self { name: raw.name, description: Description { base, effects, weights }, split })
+        let (split, made_for) = (source.split(raw.split)?, source.made_for(raw.made_for)?);
+        let description = Description { base, effects, weights };
+        Ok(Self { name: raw.name, description, split, made_for })
     }
 
     /// Writes the model, in place of one that is there, and beside it its weights if it has some.
@@ -95,9 +100,9 @@ impl ModelFile {
         };
         let base = RawBase::of(&self.description.base);
         let effects = self.description.effects.iter().map(RawEffect::of).collect();
-        let (name, split) = (&self.name, self.split.as_ref());
+        let (name, split, made_for) = (&self.name, self.split.as_ref(), self.made_for.as_ref());
         let kept = learned.as_ref().map(|learned| learned.weights.clone());
-        let raw = RawOut { schema: Self::SCHEMA, name, base, effects, learned, split };
+        let raw = RawOut { schema: Self::SCHEMA, name, base, effects, learned, made_for, split };
         let text = toml::to_string(&raw).map_err(|error| ModelError::Weights {
             path: path.clone(),
             problem: format!("cannot be written as TOML: {error}"),

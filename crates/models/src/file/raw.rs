@@ -7,6 +7,7 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 use serde_spanned::Spanned;
 
+use super::made_for::MadeFor;
 use crate::{
     Analytical, Base, CharacteristicLength, EffectiveSurface, Estimate, ModelEffect, Split,
     SurfaceKind, Unexplained,
@@ -21,6 +22,7 @@ pub(super) struct Raw {
     #[serde(default)]
     pub effects: Vec<Spanned<RawEffect>>,
     pub learned: Option<Spanned<RawLearned>>,
+    pub made_for: Option<Spanned<MadeFor>>,
     pub split: Option<Spanned<Split>>,
 }
 
@@ -33,6 +35,8 @@ pub(super) struct RawOut<'a> {
     pub effects: Vec<RawEffect>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub learned: Option<RawLearned>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub made_for: Option<&'a MadeFor>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub split: Option<&'a Split>,
 }

@@ -1,9 +1,10 @@
 //! `docs/model.schema.json` against the files that are written and the rules of the reader.
 
+use dataset::{ObjectChoice, ObjectSpec, PusherSpec, SupportSpec};
 use models::{
     Analytical, CharacteristicLength, Cluster, Description, EffectiveSurface, Estimate,
-    GpPushModel, Hybrid, ModelEffect, ModelFile, ProcessKind, PushModel, Split, StepFeatures,
-    StepInput, StepObservation, SurfaceKind, Training, learn_options, model_kinds,
+    GpPushModel, Hybrid, MadeFor, ModelEffect, ModelFile, ProcessKind, PushModel, Split,
+    StepFeatures, StepInput, StepObservation, SurfaceKind, Training, learn_options, model_kinds,
 };
 use nalgebra::{Matrix3, Vector3};
 use planar::Shape;
@@ -84,7 +85,11 @@ fn written(description: &Description) -> Value {
         confirm: vec!["push-1#0".into()],
         confirm_set: Some("ff00".into()),
     });
-    let file = ModelFile { name: "x".into(), description, split };
+    let object = ObjectChoice::Fixed(Box::new(ObjectSpec::mit("hex").unwrap()));
+    let pusher = PusherSpec { radius: 0.00475, friction: 0.25 };
+    let support = SupportSpec { friction: 0.25, gravity: 9.81 };
+    let made_for = Some(MadeFor::new("hexagons", &object, pusher, support));
+    let file = ModelFile { name: "x".into(), description, split, made_for };
     file.write(&path).unwrap();
     assert_eq!(ModelFile::read(&path).unwrap(), file);
     toml::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap()
@@ -207,6 +212,11 @@ fn the_schema_refuses_what_the_reader_refuses() {
         ("", "learned", json!({})),
         ("", "learned", json!({ "weights": "w", "sha256": "0", "inputs": ["beta_rad", "p"] })),
         ("", "split", json!({ "set": "", "seed": 7, "cluster": "push", "fit": ["a#0"] })),
+        ("", "made_for", json!({ "set": "squares" })),
+        ("/made_for", "pusher_radius_m", json!(-0.005)),
+        ("/made_for", "pusher", json!("steel")),
+        ("/made_for/object", "mass_kg", json!(-1.0)),
+        ("/made_for/object", "size_m", json!([0.09])),
         ("/split", "cluster", json!("block")),
         ("/split", "confirm", json!([])),
         ("/split", "seed", json!(-1)),
@@ -233,6 +243,27 @@ fn the_schema_refuses_what_the_reader_refuses() {
         std::fs::write(&path, toml::to_string(&file).unwrap()).unwrap();
         assert!(ModelFile::read(&path).is_err(), "{pointer}/{key}");
     }
+}
+
+#[test]
+fn what_a_model_was_made_for_is_checked_with_its_line_and_may_be_left_out() {
+    let good = written(&Analytical::nominal(0.25).unwrap().describe().unwrap());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.toml");
+    let mut file = good.clone();
+    file["made_for"]["object"]["mass_kg"] = json!(0.0);
+    let text = toml::to_string(&file).unwrap();
+    let line = 1 + text.lines().position(|line| line == "[made_for]").unwrap();
+    std::fs::write(&path, &text).unwrap();
+    let message = ModelFile::read(&path).unwrap_err().to_string();
+    let expected = "made_for.object.mass_kg: must be positive and finite, got 0.0";
+    assert!(
+        message.contains(&format!("model.toml:{line}:")) && message.contains(expected),
+        "{message}"
+    );
+    file.as_object_mut().unwrap().remove("made_for");
+    std::fs::write(&path, toml::to_string(&file).unwrap()).unwrap();
+    assert_eq!(ModelFile::read(&path).unwrap().made_for, None);
 }
 
 #[test]

@@ -188,7 +188,7 @@ fn what_was_probably_meant_is_said() {
     set.done(&["ingest", "set", "-o", "steps.csv", "-q"]);
     assert_names(&set.error(&["ingest", "steps.csv"]), &["pushlab describe", "--mapping FILE"]);
     let message = set.error(&["ingest", "."]);
-    assert_names(&message, &["holds tables and no recordings", "pushlab ingest ./steps.csv"]);
+    assert_names(&message, &["holds tables and no recordings", "such as ./steps.csv"]);
     assert_names(&set.error(&["inspect", "steps.csv"]), &["pushlab describe"]);
     let mcap = SmallSet::written_by("mcap-ros1");
     let message = mcap.error(&["ingest", "set/pushes/push-0.mcap"]);

@@ -213,7 +213,7 @@ fn what_cannot_be_simulated_is_refused_with_the_reason() {
     let text = set.done(&["simulate", "sim", "-o", "sure", "--particles", "50", "-n", "2"]).stdout;
     assert!(text.contains("goes on over") && text.contains("regions hold"), "{text}");
     for (source, more, says) in [
-        ("sim", &about[..], "are for a path"),
+        ("sim", &about[..], "a set has its own"),
         ("push.toml", &[], "give a set's --manifest"),
         ("push.toml", &["--manifest", "sim/dataset.toml", "--push", "a#0"], "a path is one push"),
     ] {

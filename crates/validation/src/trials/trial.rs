@@ -85,7 +85,12 @@ impl Sealed {
         let set = RecordingSet::open(&given)?;
         let base = Analytical::nominal(set.manifest().pusher.friction)?;
         let description = base.with_surface(case.surface)?.describe()?;
-        let model = ModelFile { name: "the model under test".into(), description, split: None };
+        let model = ModelFile {
+            name: "the model under test".into(),
+            description,
+            split: None,
+            made_for: None,
+        };
         model.write(&given.join(MODEL))?;
         Ok(Self { given, truth: report.sealed_truth })
     }

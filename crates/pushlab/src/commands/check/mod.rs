@@ -5,19 +5,19 @@ mod text;
 use std::path::PathBuf;
 
 use anyhow::Result;
-use dataset::{Manifest, RecordingSet, Suspicion};
+use dataset::Suspicion;
 use diagnosis::{
-    Coverage, LookAlikes, NoiseModel, NotTestable, Observations, Screen, ScreenSettings,
-    ScreenedEffect, screen, steady_ingest,
+    Covariate, Coverage, LookAlikes, NoiseModel, NotTestable, Screen, ScreenSettings,
+    ScreenedEffect, screen,
 };
 use effects::{Channel, by_id};
-use models::{Description, Estimate, ModelFile};
+use models::ModelFile;
 use serde::Serialize;
 
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
-use crate::recorded_steps::RecordedSteps;
-use crate::suspected::{suspected, warn, warn_of_narrowness};
+use crate::step_source::{Reading, StepSource, Steps};
+use crate::suspected::warn_of_narrowness;
 use crate::terminal::Terminal;
 
 /// Tell what a set can and cannot show, before any model is fitted to it
@@ -28,8 +28,8 @@ use crate::terminal::Terminal;
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// Recording set: a folder with dataset.toml
-    set: PathBuf,
+    #[command(flatten)]
+    source: StepSource,
     /// The model that effects would be added to; else the analytical one with nominal values
     #[arg(long, value_name = "FILE", value_parser = file_ending::model)]
     model: Option<PathBuf>,
@@ -39,6 +39,8 @@ const EXAMPLES: &str = "\
 Examples:
   pushlab check pushes
   pushlab check pushes --model model.toml
+  pushlab check steps.csv --manifest pushes/dataset.toml
+  pushlab check table.csv --preset mit-table
   pushlab check pushes --json";
 
 /// What a set can tell.
@@ -51,11 +53,13 @@ struct Checked {
     /// What of the recordings contradicts the mechanics: frames, signs, units.
     suspicions: Vec<Suspicion>,
     coverage: Coverage,
-    /// From the first step to the end of the last, in s.
-    duration: f64,
+    /// From the first step to the end of the last, in s; none where the rows of a table do not tell.
+    duration: Option<f64>,
     /// Rows of the table that are not used, by reason.
     excluded: String,
     channels: Vec<Channel>,
+    /// What the rows of a table do not tell: the numbers of its coverage say nothing then.
+    unknown: Vec<Covariate>,
     noise: NoiseModel,
     /// Pushes that the effects are looked for in: all, or an even choice of a large set.
     n_pushes_screened: usize,
@@ -84,50 +88,43 @@ struct Size {
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let mut origin = args.origin();
-    readable(&args.set)?;
-    let set = RecordingSet::open(&args.set)?;
-    let manifest = set.manifest();
-    let (model, description) = match &args.model {
+    let file = match &args.model {
         Some(path) => {
             readable(path)?;
             origin.inputs.push(Input::file(path)?);
-            let file = ModelFile::read(path)?;
+            Some((path, ModelFile::read(path)?))
+        }
+        None => None,
+    };
+    let Steps { rig, observations, inputs, suspicions, duration, .. } =
+        args.source.read(Reading::Look, terminal)?;
+    origin.inputs.extend(inputs);
+    let (model, description) = match file {
+        Some((path, file)) => {
+            rig.warn_of_other(path, &file, terminal);
             (file.name, file.description)
         }
-        None => ("the nominal model".to_owned(), nominal(manifest)?),
+        None => ("the nominal model".to_owned(), rig.nominal("manifest")?),
     };
-    let suspicions = suspected(&set);
-    warn(&suspicions, terminal);
-    let RecordedSteps { table, inputs, .. } =
-        RecordedSteps::read(&set, &steady_ingest(), terminal)?;
-    origin.inputs.extend(inputs);
-    let observations = Observations::steady(&table, manifest)?;
     warn_of_narrowness(&observations, terminal);
     let noise = NoiseModel::learn(&description, &[], &observations)?;
     let settings = ScreenSettings::default();
     let found = screen(&description, &[], &observations, &noise, &settings)?;
-    let start = table.rows.iter().map(|row| row.t).fold(f64::INFINITY, f64::min);
-    let end = table.rows.iter().map(|row| row.t + row.dt).fold(start, f64::max);
     let result = Checked {
-        name: manifest.name.clone(),
+        name: rig.name,
         model,
         suspicions,
         coverage: Coverage::of(&observations),
-        duration: end - start,
+        duration,
         excluded: observations.excluded().to_string(),
         channels: observations.channels(),
+        unknown: observations.unknown().to_vec(),
         noise,
         n_pushes_screened: found.n_pushes,
         effects: showable(&found),
         look_alikes: found.look_alikes,
     };
     terminal.finish(&origin, &result, &result)
-}
-
-fn nominal(manifest: &Manifest) -> Result<Description> {
-    let Manifest { pusher, object, object_support, .. } = manifest;
-    let friction = Estimate::exact(pusher.friction, "manifest");
-    Ok(Description::nominal(friction, object, object_support, "manifest")?)
 }
 
 /// The effects in the order of the catalogue.
@@ -154,6 +151,9 @@ fn showable(found: &Screen) -> Vec<Showable> {
 
 impl Args {
     fn origin(&self) -> Origin {
-        Origin::new("check").path(&self.set).paths("model", &self.model)
+        Origin::new("check")
+            .path(&self.source.set)
+            .paths("model", &self.model)
+            .words(self.source.words())
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use diagnosis::{Coverage, ErrorSource, FloorSource};
+use diagnosis::{Covariate, Coverage, ErrorSource, FloorSource};
 use effects::Channel;
 
 use super::{Checked, Showable, Size};
@@ -19,7 +19,7 @@ impl fmt::Display for Checked {
         if !self.excluded.is_empty() {
             writeln!(f, "  rows excluded: {}", self.excluded)?;
         }
-        write_coverage(f, &self.coverage, self.duration)?;
+        write_coverage(f, self)?;
         let names: Vec<_> = self.channels.iter().map(|channel| channel_name(*channel)).collect();
         writeln!(f, "  channels: {}", names.join(", "))?;
         self.write_noise(f)?;
@@ -36,7 +36,11 @@ fn channel_name(channel: Channel) -> &'static str {
     }
 }
 
-fn write_coverage(f: &mut fmt::Formatter<'_>, found: &Coverage, duration: f64) -> fmt::Result {
+fn write_coverage(
+    f: &mut fmt::Formatter<'_>,
+    Checked { coverage: found, duration, unknown, .. }: &Checked,
+) -> fmt::Result {
+    let knows = |covariate| !unknown.contains(&covariate);
     let degrees = |[low, high]: [f64; 2]| (low.to_degrees(), high.to_degrees());
     let (low, high) = degrees(found.beta);
     writeln!(f, "  p {:.2} to {:.2}, β {low:.0}° to {high:.0}°", found.p[0], found.p[1])?;
@@ -44,12 +48,19 @@ fn write_coverage(f: &mut fmt::Formatter<'_>, found: &Coverage, duration: f64) -
     writeln!(f, "  speed {slow:.0} to {fast:.0} mm/s")?;
     let edges: Vec<_> = found.steps_on_edges.iter().map(ToString::to_string).collect();
     writeln!(f, "  steps on edges: {}", edges.join(", "))?;
-    writeln!(f, "  orientations: {} of 12 sectors of 30°", found.n_orientations)?;
-    let [x, y] = found.table.map(|[low, high]| 1e3 * (high - low));
-    writeln!(f, "  table: {x:.0} × {y:.0} mm")?;
-    let minutes = duration / 60.0;
-    let sessions = found.n_sessions;
-    writeln!(f, "  time: {minutes:.0} min, sessions: {sessions}")?;
+    if knows(Covariate::Orientation) {
+        writeln!(f, "  orientations: {} of 12 sectors of 30°", found.n_orientations)?;
+    }
+    if knows(Covariate::TableX) {
+        let [x, y] = found.table.map(|[low, high]| 1e3 * (high - low));
+        writeln!(f, "  table: {x:.0} × {y:.0} mm")?;
+    }
+    if !unknown.is_empty() {
+        let names: Vec<_> = unknown.iter().map(|one| one.name()).collect();
+        writeln!(f, "  not told by the rows: {}", names.join(", "))?;
+    }
+    let time = duration.map_or("not known".to_owned(), |time| format!("{:.0} min", time / 60.0));
+    writeln!(f, "  time: {time}, sessions: {}", found.n_sessions)?;
     match found.n_cells {
         0 => writeln!(f, "  repeats: none; repeat some pushes to learn the noise"),
         n => writeln!(f, "  repeats: {} pushes of {n} kinds", found.n_repeated),

@@ -103,8 +103,13 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let model = read(&args.model)?;
     let other = args.against.as_deref().map(&mut read).transpose()?;
     let reading = Reading::Plain(args.step);
-    let Steps { observations, inputs, suspicions, .. } = args.source.read(reading, terminal)?;
+    let Steps { rig, observations, inputs, suspicions, .. } =
+        args.source.read(reading, terminal)?;
     origin.inputs.extend(inputs);
+    rig.warn_of_other(&args.model, &model, terminal);
+    if let (Some(path), Some(other)) = (&args.against, &other) {
+        rig.warn_of_other(path, other, terminal);
+    }
     let splits =
         [Some(&model), other.as_ref()].into_iter().flatten().filter_map(|f| f.split.as_ref());
     let part = Part::of(splits, &observations);

@@ -71,9 +71,10 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     readable(&args.model)?;
     origin.inputs.push(Input::file(&args.model)?);
     let model = ModelFile::read(&args.model)?;
-    let Steps { observations, inputs, n_pushes, mut suspicions, .. } =
+    let Steps { rig, observations, inputs, n_pushes, mut suspicions, .. } =
         args.source.read(Reading::Steady, terminal)?;
     origin.inputs.extend(inputs);
+    rig.warn_of_other(&args.model, &model, terminal);
     warn_of_narrowness(&observations, terminal);
     let confirm = match &args.confirm {
         Some(second) => Some(args.second(second, &mut origin, &mut suspicions, terminal)?),

@@ -4,14 +4,14 @@ mod ingested;
 mod source;
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use clap::builder::PossibleValuesParser;
 use dataset::{
-    Curve, EndCondition, IngestSettings, Preset, Provenance, RecordingSet, TableMapping,
-    TableWriter, ingest_each, provenance,
+    Curve, EndCondition, IngestSettings, Preset, Provenance, RecordingSet, Table, TableWriter,
+    ingest_each, provenance,
 };
 
 use planar::MIT_NAMES;
@@ -95,9 +95,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let mut writer = output.map(TableWriter::begin).transpose()?;
     let (provenance, origin, result) = match source {
         Source::Recordings(set) => args.ingest(&set, writer.as_mut(), terminal)?,
-        Source::Table { path, mapping, mapping_path } => {
-            args.convert(&path, &mapping, mapping_path.as_deref(), writer.as_mut())?
-        }
+        Source::Table { table, inputs } => args.convert(*table, inputs, writer.as_mut())?,
     };
     if let Some(destination) = report {
         let is_json = destination.path().extension().is_some_and(|ending| ending == "json");
@@ -119,25 +117,27 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
 }
 
 impl Args {
-    fn convert(
-        &self,
-        path: &Path,
-        mapping: &TableMapping,
-        mapping_path: Option<&Path>,
-        writer: Option<&mut TableWriter>,
-    ) -> Result<(Provenance, Origin, Ingested)> {
+    /// Refuses what is for recordings alone.
+    fn refuse_step(&self) -> Result<()> {
         if self.step.is_some() || self.curve.is_some() {
             bail!(WrongUsage("a table has its steps already: leave out --step and --curve"));
         }
-        let mut table = mapping.read_table(path)?;
-        let mut origin = self.origin();
-        origin.inputs.push(Input::file(path)?);
-        if let Some(path) = mapping_path {
-            let input = Input::file(path)?;
+        Ok(())
+    }
+
+    fn convert(
+        &self,
+        mut table: Table,
+        inputs: Vec<Input>,
+        writer: Option<&mut TableWriter>,
+    ) -> Result<(Provenance, Origin, Ingested)> {
+        self.refuse_step()?;
+        for Input { path, sha256 } in inputs.iter().skip(1) {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-            table.provenance.push("source", &format!("sha256 {} {name}", input.sha256));
-            origin.inputs.push(input);
+            table.provenance.push("source", &format!("sha256 {sha256} {name}"));
         }
+        let mut origin = self.origin();
+        origin.inputs = inputs;
         origin.mark(&mut table.provenance);
         let summary = TableSummary::of(&table);
         if let Some(writer) = writer {

@@ -120,9 +120,10 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let diagnosis = args.from.as_ref();
     let diagnosis = diagnosis.map(|path| diagnosis_file::read(path, &mut origin)).transpose()?;
     let reading = Reading::Plain(args.step);
-    let Steps { name, observations, inputs, suspicions, .. } =
+    let Steps { rig, observations, inputs, suspicions, .. } =
         args.source.read(reading, terminal)?;
     origin.inputs.extend(inputs);
+    files.iter().for_each(|(path, file)| rig.warn_of_other(path, file, terminal));
     if let Some(path) = args
         .from
         .as_ref()
@@ -130,7 +131,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     {
         bail!("{} is about other recordings than {}", path.display(), args.source.set.display());
     }
-    let mut report = Report::of(name, files, observations)?;
+    let mut report = Report::of(rig.name, files, observations)?;
     report.suspicions = suspicions;
     let report = report.with_diagnosis(diagnosis)?;
     let (html, written) = report.written(&origin, &args.output)?;

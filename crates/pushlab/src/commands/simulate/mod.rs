@@ -8,31 +8,31 @@ mod place;
 mod poses;
 mod result;
 mod rolled;
+mod rows;
 mod tasks;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use clap::builder::PossibleValuesParser;
-use dataset::Preset;
 use models::{
     Calibrated, CalibrationPhase, ContactGap, Description, ModelFile, PushModel, RecordedPush,
     RollOutSettings, Setup, StepCorrelation, StepErrors,
 };
 use output::PartFolder;
-use planar::MIT_NAMES;
 
 use self::method::{Method, tabulated};
 use self::place::Place;
 use self::result::{How, Simulated, Sureness};
 use self::rolled::{Rolled, Task};
 use self::tasks::Source;
-use crate::command_line::{preset_parser, seed_parser};
-use crate::destination::{Inputs, folder};
+use crate::command_line::seed_parser;
+use crate::destination::folder;
 use crate::document::document;
 use crate::file_ending;
+use crate::known::Known;
 use crate::origin::{Input, Origin, readable};
 use crate::step_size::StepSize;
+use crate::step_source::StepSource;
 use crate::terminal::Terminal;
 
 /// Roll pushes out by a model: where the object goes, and how sure that is
@@ -43,17 +43,13 @@ use crate::terminal::Terminal;
 /// Of pushes of which the ends alone are known, the end is what is compared.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
+#[command(mut_arg("manifest", |manifest| manifest.help(MANIFEST)))]
 pub(crate) struct Args {
     /// Recording set (a folder with dataset.toml, or a file of poses before and after pushes with
-    /// --preset), or a path of the pusher (.csv, .toml)
+    /// --preset), a step table (.csv, .parquet), or a path of the pusher (.csv, .toml)
     source: PathBuf,
-    /// What is known of public data, for recordings
-    #[arg(long, value_name = "NAME", value_parser = preset_parser())]
-    preset: Option<Preset>,
-    /// Of public data about several shapes, the pushes of this one alone
-    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(MIT_NAMES),
-          requires = "preset")]
-    shape: Option<String>,
+    #[command(flatten)]
+    known: Known,
     /// Model file
     #[arg(long, value_name = "FILE", default_value = "model.toml",
           value_parser = file_ending::model)]
@@ -86,9 +82,6 @@ pub(crate) struct Args {
     /// of other recordings as of `compare`; else as long as the model's
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<StepSize>,
-    /// Of a path: manifest with object, pusher and table
-    #[arg(long, value_name = "FILE")]
-    manifest: Option<PathBuf>,
     /// Of a path: where the object is at the start, in mm and degrees; else as the path's file says,
     /// or 0,0,0
     #[arg(long, value_name = "X,Y,ANGLE", allow_hyphen_values = true)]
@@ -98,19 +91,23 @@ pub(crate) struct Args {
     seed: u64,
 }
 
+const MANIFEST: &str = "Manifest with object, pusher and table, of a path or of a step table; of a table else \
+                        dataset.toml beside it";
+
 const EXAMPLES: &str = "\
 Examples:
   pushlab simulate pushes --model gp.toml -o out
   pushlab simulate pushes --model gp.toml --push push-007#0 -o out
   pushlab simulate pushes --model gp.toml --fast --particles 1000000 -o out
   pushlab simulate pushes --model gp.toml --matched exact -o out
+  pushlab simulate steps.csv --manifest pushes/dataset.toml --model gp.toml -o out
   pushlab simulate plywood.csv --preset mit-endpoints --shape hex --model mit.toml -o out
   pushlab simulate arc.toml --manifest pushes/dataset.toml --model gp.toml --correlation pushes -o out
 A path file: kind = \"spline\", speed_mm_s = 20, points_mm = [[-60, 0], [-20, 10], [40, 0]]";
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    let files = args.manifest.iter().chain([&args.model]);
-    let mut inputs = Inputs::default().with_set(&args.source, args.preset).with(files);
+    let source = StepSource::of(&args.source, args.known.clone());
+    let mut inputs = source.inputs().with([&args.model]);
     if let Some(set) = args.measured_on() {
         inputs = inputs.with_set(set, None);
     }
@@ -250,8 +247,7 @@ impl Args {
         let has_particles = self.matched.is_none();
         Origin::new("simulate")
             .path(&self.source)
-            .option("preset", self.preset.map(Preset::name))
-            .option("shape", &self.shape)
+            .words(self.known.words())
             .paths("model", [&self.model])
             .option("matched", self.matched.map(Method::name))
             .option("particles", has_particles.then_some(self.particles))
@@ -259,7 +255,6 @@ impl Args {
             .option("pushes", self.push.is_empty().then_some(self.pushes))
             .paths("correlation", &self.correlation)
             .option("step", self.step)
-            .paths("manifest", &self.manifest)
             .option("object", self.object)
             .option("seed", [self.seed])
             .words(self.fast.then(|| "--fast".to_owned()))

@@ -60,6 +60,14 @@ impl PathFile {
         };
         read.with_context(|| format!("{} is no path", file.display()))
     }
+
+    /// Whether a CSV file has no more columns than a recorded path; step tables have many.
+    pub(super) fn has_few_columns(file: &Path) -> bool {
+        let text = read_text(file).unwrap_or_default();
+        let mut lines = text.trim_start_matches('\u{feff}').lines();
+        let header = lines.find(|line| !line.trim().is_empty() && !line.starts_with('#'));
+        header.is_none_or(|header| header.split(',').count() <= COLUMNS.split(',').count())
+    }
 }
 
 /// Lines of time in s and place in m; `#` begins a comment.

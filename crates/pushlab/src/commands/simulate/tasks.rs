@@ -5,8 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Result, bail, ensure};
-use dataset::{IngestSettings, Manifest, Preset, StepLength, SupportSpec, is_end_points, quantile};
-use diagnosis::Observations;
+use dataset::{MANIFEST_NAME, Manifest, StepLength, SupportSpec, quantile};
 use effects::Object;
 use gp_core::quantile::normal;
 use models::{ModelFile, PushPath, Pushed, RecordedPush, SeenSteps, StepSelection};
@@ -15,10 +14,12 @@ use planar::Pose;
 use super::Args;
 use super::path_file::PathFile;
 use super::rolled::Task;
-use crate::origin::{Input, Origin, readable};
-use crate::recorded_steps::RecordedSteps;
+use super::rows::Rows;
+use crate::known::Known;
+use crate::origin::{Input, Origin};
+use crate::rig::Rig;
 use crate::step_size::StepSize;
-use crate::step_source::open_set;
+use crate::step_source::StepSource;
 use crate::terminal::Terminal;
 use crate::wrong_usage::WrongUsage;
 
@@ -48,20 +49,21 @@ impl Source {
         origin: &mut Origin,
         terminal: &Terminal,
     ) -> Result<Self> {
-        if !args.source.is_dir() && !is_end_points(&args.source) {
+        if is_path(&args.source) && args.known.mapping.is_none() {
             return Self::along_path(args, file, origin, terminal);
         }
-        if args.manifest.is_some() || args.object.is_some() {
-            bail!(WrongUsage("--manifest and --object are for a path; a set has its own"));
+        if args.object.is_some() {
+            bail!(WrongUsage("--object is for a path; recorded pushes have their own"));
         }
-        let known = (args.preset, args.shape.as_deref());
-        let set = Recorded::read((&args.source, known), args.step, file, origin, terminal)?;
-        let support = set.support;
+        let source = StepSource::of(&args.source, args.known.clone());
+        let set = Recorded::read(&source, args.step, file, origin, terminal)?;
+        set.rig.warn_of_other(&args.model, file, terminal);
+        let support = set.rig.support;
         let same = |path: &Path| path.canonicalize().ok() == args.source.canonicalize().ok();
         let chosen = set.chosen(args, args.measured_on().is_some_and(same))?;
         let others = match args.measured_on() {
             Some(path) if !same(path) => {
-                Some(Recorded::others_of(path, args.step, file, origin, terminal)?)
+                Some(Recorded::others_of(args, path, args.step, file, (origin, terminal))?)
             }
             Some(path) => {
                 set.has_steps(path)?;
@@ -92,16 +94,17 @@ impl Source {
         origin: &mut Origin,
         terminal: &Terminal,
     ) -> Result<Self> {
-        if !args.push.is_empty() || args.preset.is_some() {
+        if !args.push.is_empty() || args.known.preset.is_some() {
             bail!(WrongUsage("--push and --preset are for recorded pushes; a path is one push"));
         }
-        let Some(manifest_path) = &args.manifest else {
+        let Some(manifest_path) = &args.known.manifest else {
             bail!(WrongUsage("a path does not tell what is pushed; give a set's --manifest"));
         };
         origin.inputs.push(Input::file(&args.source)?);
         let PathFile { path, object_wb } = PathFile::read(&args.source)?;
         origin.inputs.push(Input::file(manifest_path)?);
         let manifest = Manifest::read(manifest_path)?;
+        Rig::from(&manifest).warn_of_other(&args.model, file, terminal);
         let spec = manifest.object.of("")?;
         let shape = Arc::new(spec.shape);
         let object =
@@ -120,7 +123,7 @@ impl Source {
         let (measured_wb, pose_sd, touching) = (None, [[0.0; 2]; 2], false);
         let task = Task { name, pushed, path, start_wb, measured_wb, pose_sd, touching };
         let others = match args.measured_on() {
-            Some(set) => Some(Recorded::others_of(set, None, file, origin, terminal)?),
+            Some(set) => Some(Recorded::others_of(args, set, None, file, (origin, terminal))?),
             None => None,
         };
         let support = manifest.support;
@@ -157,14 +160,21 @@ impl Task {
     }
 }
 
-/// A set's path, and what is known of public data in it.
-type Named<'a> = (&'a Path, (Option<Preset>, Option<&'a str>));
+/// Whether a file is a path of the pusher: drawn in TOML, or points with a time.
+fn is_path(file: &Path) -> bool {
+    let ending = file.extension().and_then(|ending| ending.to_str());
+    match ending {
+        Some("toml") => !file.ends_with(MANIFEST_NAME),
+        Some("csv") => PathFile::has_few_columns(file),
+        _ => false,
+    }
+}
 
-/// The pushes of a set.
+/// The pushes of a set or a table.
 struct Recorded {
     /// Whether the ends of each push alone are known.
     is_of_ends: bool,
-    support: SupportSpec,
+    rig: Rig,
     all: Vec<RecordedPush>,
     /// Those that the model has not seen, where it tells; else all.
     unseen: Vec<RecordedPush>,
@@ -182,28 +192,23 @@ fn sd_of_ends<'a>(pushes: impl Iterator<Item = &'a RecordedPush>) -> Option<f64>
 
 impl Recorded {
     fn read(
-        (path, (preset, shape)): Named<'_>,
+        source: &StepSource,
         step: Option<StepSize>,
         file: &ModelFile,
         origin: &mut Origin,
         terminal: &Terminal,
     ) -> Result<Self> {
-        readable(path)?;
-        let set = open_set(path, preset, shape)?;
-        let is_of_ends = set.is_of_end_points();
-        let usual = IngestSettings::default();
-        let step = step.filter(|_| !is_of_ends).map_or(usual.step, |StepSize(step)| step);
-        let settings = IngestSettings { step, ..usual };
-        let RecordedSteps { table, inputs, .. } = RecordedSteps::read(&set, &settings, terminal)?;
+        let rows = Rows::read(source, step, terminal)?;
+        let Rows { table, about, is_of_ends, inputs } = rows;
         origin.inputs.extend(inputs);
-        let manifest = set.manifest();
+        let (rig, path) = (about.rig(), &source.set);
         let selection = StepSelection::default();
-        let mut all = selection.pushes(&table, &manifest.object, manifest.pusher.radius)?;
+        let mut all = selection.pushes(&table, &rig.object, rig.pusher.radius)?;
         all.retain(|push| is_of_ends || push.steps.len() >= FEWEST_STEPS);
         let least = if is_of_ends { "" } else { " of two steps or more" };
         ensure!(!all.is_empty(), "{} has no push{least}", path.display());
         let is_of = |split: &&models::Split| {
-            Observations::of(&table, manifest).is_ok_and(|observations| observations.are_of(split))
+            about.observations(&table).is_ok_and(|observations| observations.are_of(split))
         };
         let split = file.split.as_ref().filter(is_of);
         let is_unseen =
@@ -220,18 +225,20 @@ impl Recorded {
             }
         }
         let unseen = all.iter().filter(|push| is_unseen(push)).cloned().collect();
-        Ok(Self { is_of_ends, support: manifest.support, all, unseen })
+        Ok(Self { is_of_ends, rig, all, unseen })
     }
 
-    /// The pushes of another set, to be measured on.
+    /// The pushes of another set or table, to be measured on.
     fn others_of(
+        args: &Args,
         path: &Path,
         step: Option<StepSize>,
         file: &ModelFile,
-        origin: &mut Origin,
-        terminal: &Terminal,
+        (origin, terminal): (&mut Origin, &Terminal),
     ) -> Result<Vec<RecordedPush>> {
-        let set = Self::read((path, (None, None)), step, file, origin, terminal)?;
+        // A set has its own manifest; a table may be about the object of the path or of the other table.
+        let known = if path.is_dir() { Known::default() } else { args.known.clone() };
+        let set = Self::read(&StepSource::of(path, known), step, file, origin, terminal)?;
         set.has_steps(path)?;
         Ok(set.others(&[], file))
     }

@@ -18,9 +18,10 @@ use crate::command_line::seed_parser;
 use crate::destination::Force;
 use crate::diagnosis_file;
 use crate::file_ending;
+use crate::known::Known;
 use crate::origin::{Input, Origin, readable};
 use crate::speed::Speed;
-use crate::step_source::{Known, Reading, StepSource, Steps};
+use crate::step_source::{Reading, StepSource, Steps};
 use crate::terminal::Terminal;
 
 /// Tell which pushes to do next: those that decide between rivals, or measure a name
@@ -136,7 +137,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         Aim::Testable(ids) => ("testable", vec![ids]),
     };
     let (list, n_feasible) = (args.output.clone(), suggestion.feasible.len());
-    let rig = source.rig();
+    let rig = source.manifest();
     let result = Suggested { list, rig, aim: name, effects, n_feasible, suggestion };
     terminal.finish(&origin, &result, &result)
 }

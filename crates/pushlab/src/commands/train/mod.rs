@@ -10,7 +10,7 @@ use std::time::Instant;
 use anyhow::{Result, bail, ensure};
 use diagnosis::{Observations, split};
 use models::{
-    Description, GpPushModel, Hybrid, ModelFile, ProcessReport, PushModel, Setup, Split,
+    Description, GpPushModel, Hybrid, MadeFor, ModelFile, ProcessReport, PushModel, Setup, Split,
     StepFeatures, StepObservation, Training, Unexplained, learn_options,
 };
 use serde::Serialize;
@@ -146,7 +146,8 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
             unexplained,
         },
     };
-    ModelFile { name, description, split: Some(parts.split) }.write_to(destination)?;
+    let (split, made_for) = (Some(parts.split), Some(parts.made_for));
+    ModelFile { name, description, split, made_for }.write_to(destination)?;
     terminal.finish(&origin, &result, &result)
 }
 
@@ -159,6 +160,7 @@ fn unexplained_of(description: &Description) -> Option<Unexplained> {
 struct Parts {
     split: Split,
     observations: [Observations; 2],
+    made_for: MadeFor,
 }
 
 impl Parts {
@@ -180,14 +182,14 @@ impl Parts {
         if steady.n_pushes.is_none() && args.step.is_some() {
             bail!(WrongUsage("--step is for recordings; the steps of a table are made"));
         }
-        let Steps { observations, inputs, .. } = match steady.n_pushes {
+        let Steps { rig, observations, inputs, .. } = match steady.n_pushes {
             Some(_) => args.source.read(Reading::Plain(args.step), &terminal.silent())?,
             None => steady,
         };
         origin.inputs.extend(inputs);
         let part = |names: &[String]| observations.part(names);
         let observations = [part(&split.fit)?, part(&split.confirm)?];
-        Ok(Self { split, observations })
+        Ok(Self { split, observations, made_for: rig.made_for() })
     }
 }
 
