@@ -1,11 +1,13 @@
 //! The step table: rows with the record of what made them, and their files.
 
 pub(crate) mod column;
+pub(crate) mod columns_file;
 pub(crate) mod coverage;
 pub(crate) mod csv;
 pub(crate) mod file;
 pub(crate) mod flags;
 pub(crate) mod kind;
+pub(crate) mod named_column;
 #[cfg(feature = "parquet")]
 pub(crate) mod parquet;
 #[cfg(feature = "parquet")]

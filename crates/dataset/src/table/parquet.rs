@@ -13,7 +13,7 @@ use parquet::{
     file::{
         metadata::KeyValue,
         properties::WriterProperties,
-        writer::{SerializedFileWriter, SerializedRowGroupWriter},
+        writer::{SerializedColumnWriter, SerializedFileWriter, SerializedRowGroupWriter},
     },
     schema::types::Type,
 };
@@ -22,6 +22,7 @@ use tempfile::NamedTempFile;
 use crate::error::DatasetError;
 use crate::table::Provenance;
 use crate::table::column::{Access, Column, written_columns};
+use crate::table::named_column::{Cells, NamedColumn};
 use crate::table::step::StepRow;
 
 /// Rows that share a row group: as many are in memory while writing.
@@ -94,29 +95,81 @@ fn unusable(path: &Path, error: impl ToString) -> DatasetError {
     DatasetError::Parquet { path: path.into(), what: error.to_string() }
 }
 
+/// Writes columns of a caller's own, in one row group.
+pub(crate) fn write_named(
+    file: File,
+    columns: &[NamedColumn],
+    provenance: &Provenance,
+) -> Result<(), ParquetError> {
+    let fields = columns.iter().map(|column| {
+        let kind = match column.cells {
+            Cells::Text(_) => TEXT,
+            Cells::Integer(_) => INTEGER,
+            Cells::Real(_) => OPTIONAL_REAL,
+        };
+        field(&column.name, kind)
+    });
+    let mut writer = writer_of(file, fields.collect::<Result<_, _>>()?)?;
+    let mut group = writer.next_row_group()?;
+    for NamedColumn { name, cells } in columns {
+        match cells {
+            Cells::Text(cells) => {
+                write_text(&mut group, name, &cells.iter().map(Some).collect::<Vec<_>>())?;
+            }
+            Cells::Integer(cells) => {
+                write_integers(&mut group, name, cells.iter().copied())?;
+            }
+            Cells::Real(cells) => write_optional(&mut group, name, cells)?,
+        }
+    }
+    group.close()?;
+    for (key, value) in &provenance.entries {
+        writer.append_key_value_metadata(KeyValue::new(key.clone(), value.clone()));
+    }
+    writer.close().map(|_| ())
+}
+
 fn file_writer(
     file: File,
     columns: &[&Column],
+) -> Result<SerializedFileWriter<File>, ParquetError> {
+    let fields = columns.iter().map(|column| {
+        let kind = match column.access {
+            Access::Text(..) => TEXT,
+            Access::Integer(..) => INTEGER,
+            Access::Real(..) => REAL,
+            Access::OptionalReal(..) => OPTIONAL_REAL,
+        };
+        field(column.name, kind)
+    });
+    writer_of(file, fields.collect::<Result<_, _>>()?)
+}
+
+fn writer_of(
+    file: File,
+    fields: Vec<Arc<Type>>,
 ) -> Result<SerializedFileWriter<File>, ParquetError> {
     let properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
         .set_key_value_metadata(Some(Vec::new()))
         .build();
-    let fields = columns.iter().map(|column| field(column)).collect::<Result<Vec<_>, _>>()?;
     let schema = Type::group_type_builder("steps").with_fields(fields).build()?;
     SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))
 }
 
-fn field(column: &Column) -> Result<Arc<Type>, ParquetError> {
-    let (physical, converted, repetition) = match column.access {
-        Access::Text(..) => (PhysicalType::BYTE_ARRAY, ConvertedType::UTF8, Repetition::OPTIONAL),
-        Access::Integer(..) => (PhysicalType::INT32, ConvertedType::UINT_32, Repetition::REQUIRED),
-        Access::Real(..) => (PhysicalType::DOUBLE, ConvertedType::NONE, Repetition::REQUIRED),
-        Access::OptionalReal(..) => {
-            (PhysicalType::DOUBLE, ConvertedType::NONE, Repetition::OPTIONAL)
-        }
-    };
-    let builder = Type::primitive_type_builder(column.name, physical);
+/// How a column is stored.
+type FieldKind = (PhysicalType, ConvertedType, Repetition);
+
+const TEXT: FieldKind = (PhysicalType::BYTE_ARRAY, ConvertedType::UTF8, Repetition::OPTIONAL);
+const INTEGER: FieldKind = (PhysicalType::INT32, ConvertedType::UINT_32, Repetition::REQUIRED);
+const REAL: FieldKind = (PhysicalType::DOUBLE, ConvertedType::NONE, Repetition::REQUIRED);
+const OPTIONAL_REAL: FieldKind = (PhysicalType::DOUBLE, ConvertedType::NONE, Repetition::OPTIONAL);
+
+fn field(
+    name: &str,
+    (physical, converted, repetition): FieldKind,
+) -> Result<Arc<Type>, ParquetError> {
+    let builder = Type::primitive_type_builder(name, physical);
     builder.with_converted_type(converted).with_repetition(repetition).build().map(Arc::new)
 }
 
@@ -125,32 +178,68 @@ fn write_column(
     column: &Column,
     rows: &[StepRow],
 ) -> Result<(), ParquetError> {
-    let missing = || ParquetError::General(format!("no room for column {}", column.name));
-    let mut writer = group.next_column()?.ok_or_else(missing)?;
     match &column.access {
         Access::Text(get, _) => {
-            let cells: Vec<_> = rows.iter().map(get).collect();
-            let levels: Vec<i16> = cells.iter().map(|cell| cell.is_some().into()).collect();
-            let values: Vec<_> =
-                cells.iter().flatten().map(|text| ByteArray::from(text.as_str())).collect();
-            writer.typed::<ByteArrayType>().write_batch(&values, Some(&levels), None)?;
+            write_text(group, column.name, &rows.iter().map(get).collect::<Vec<_>>())
         }
-        Access::Integer(get, _) => {
-            let values: Vec<_> = rows.iter().map(|row| get(row).cast_signed()).collect();
-            writer.typed::<Int32Type>().write_batch(&values, None, None)?;
-        }
+        Access::Integer(get, _) => write_integers(group, column.name, rows.iter().map(get)),
         Access::Real(get, _) => {
             let values: Vec<_> = rows.iter().map(get).collect();
+            let mut writer = next_column(group, column.name)?;
             writer.typed::<DoubleType>().write_batch(&values, None, None)?;
+            writer.close()
         }
         Access::OptionalReal(get, _) => {
-            let cells: Vec<_> = rows.iter().map(get).collect();
-            let levels: Vec<i16> = cells.iter().map(|cell| cell.is_some().into()).collect();
-            let values: Vec<_> = cells.into_iter().flatten().collect();
-            writer.typed::<DoubleType>().write_batch(&values, Some(&levels), None)?;
+            write_optional(group, column.name, &rows.iter().map(get).collect::<Vec<_>>())
         }
     }
+}
+
+fn next_column<'a>(
+    group: &'a mut SerializedRowGroupWriter<'_, File>,
+    name: &str,
+) -> Result<SerializedColumnWriter<'a>, ParquetError> {
+    let missing = || ParquetError::General(format!("no room for column {name}"));
+    group.next_column()?.ok_or_else(missing)
+}
+
+fn write_text<T: AsRef<str>>(
+    group: &mut SerializedRowGroupWriter<'_, File>,
+    name: &str,
+    cells: &[Option<T>],
+) -> Result<(), ParquetError> {
+    let mut writer = next_column(group, name)?;
+    let values: Vec<_> =
+        cells.iter().flatten().map(|text| ByteArray::from(text.as_ref())).collect();
+    writer.typed::<ByteArrayType>().write_batch(&values, Some(&levels(cells)), None)?;
     writer.close()
+}
+
+fn write_integers(
+    group: &mut SerializedRowGroupWriter<'_, File>,
+    name: &str,
+    cells: impl Iterator<Item = u32>,
+) -> Result<(), ParquetError> {
+    let mut writer = next_column(group, name)?;
+    let values: Vec<_> = cells.map(u32::cast_signed).collect();
+    writer.typed::<Int32Type>().write_batch(&values, None, None)?;
+    writer.close()
+}
+
+fn write_optional(
+    group: &mut SerializedRowGroupWriter<'_, File>,
+    name: &str,
+    cells: &[Option<f64>],
+) -> Result<(), ParquetError> {
+    let mut writer = next_column(group, name)?;
+    let values: Vec<_> = cells.iter().copied().flatten().collect();
+    writer.typed::<DoubleType>().write_batch(&values, Some(&levels(cells)), None)?;
+    writer.close()
+}
+
+/// 1 where there is a value.
+fn levels<T>(cells: &[Option<T>]) -> Vec<i16> {
+    cells.iter().map(|cell| cell.is_some().into()).collect()
 }
 
 #[cfg(test)]
