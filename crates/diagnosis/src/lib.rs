@@ -38,6 +38,7 @@ pub use compare::condition::Condition;
 pub use compare::errors::ChannelError;
 pub use compare::finding::Finding;
 pub use compare::outline::{OutlineCell, OutlineMap, outline_maps};
+pub use compare::residual_columns::residual_columns;
 pub use compare::residual_map::{Cell, ResidualMap};
 pub use compare::structure::MapSettings;
 pub use compare::worst::WorstPush;

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use dataset::{Manifest, RecordingSet, StepRow, SupportSpec, Table, ingest};
+use dataset::{Flags, Manifest, RecordingSet, StepRow, SupportSpec, Table, ingest};
 use effects::{Object, Setting, StepInput, Track, by_id};
 use models::{
     Analytical, ChannelObservation, Cluster, Description, Excluded, ModelEffect, PushModel,
@@ -34,6 +34,14 @@ const N_PUSHES: usize = 1200;
 const STEPS_OF_A_PUSH: usize = 4;
 /// In the units of the numbers.
 const FLOORS: [f64; 7] = [1e-4, 1e-4, 2e-3, 0.05, 0.05, 5e-5, 5e-5];
+
+impl Made {
+    fn place(&self, step: u32) -> Place {
+        let Self { p, beta, edge, speed, .. } = *self;
+        let (flags, pose_sd, is_whole) = (Flags::default(), [[0.0; 2]; 2], false);
+        Place { step, edge, p, beta, speed, flags, pose_sd, is_whole }
+    }
+}
 
 /// Pushes of random kind with a model that misses `number` by `miss`, and every number by noise of a
 /// tenth of the floor a push and as much a step.
@@ -77,8 +85,7 @@ pub(crate) fn made(
                 session: 0,
             };
             steps.push(ChannelObservation { input, observed });
-            let (step, pose_sd, is_whole) = (step as u32, [[0.0; 2]; 2], false);
-            places.push(Place { step, edge, p, beta, speed, pose_sd, is_whole });
+            places.push(made.place(step as u32));
             push_of.push(push);
             values.push(predicted.map(Some));
         }

@@ -25,6 +25,7 @@ pub use effect::geometry::{Geometry, TrueOutline};
 pub use effect::measurement::MeasurementModel;
 pub use effect::nuisance::{Nuisance, Tolerance};
 pub use effect::parameter::{Coordinate, Frame, Off, Parameter, Role};
+pub use effect::readable_unit::readable_unit;
 pub use effect::setting::Setting;
 pub use effect::spread::{Spread, deviations};
 pub use effect::support::{LogTensor, Support};

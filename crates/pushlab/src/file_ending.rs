@@ -50,6 +50,11 @@ pub(crate) fn json(text: &str) -> Result<PathBuf, String> {
     ending(text, &["json"])
 }
 
+/// An answer for programs, or a table.
+pub(crate) fn json_or_table(text: &str) -> Result<PathBuf, String> {
+    ending(text, &["json", "csv", "parquet"])
+}
+
 /// A page.
 pub(crate) fn page(text: &str) -> Result<PathBuf, String> {
     ending(text, &["html"])

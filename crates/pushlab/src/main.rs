@@ -18,6 +18,7 @@ mod recorded_steps;
 mod rig;
 mod some_of;
 mod speed;
+mod step_kind;
 mod step_size;
 mod step_source;
 mod suspected;

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use effects::readable_unit;
 use textwrap::{Options, WordSplitter, WrapAlgorithm};
 
 /// The words of a text on lines of at most so many columns; those with hyphens stay whole.
@@ -15,7 +16,11 @@ pub(crate) fn lines(text: &str, columns: usize) -> Vec<Cow<'_, str>> {
 
 /// What stands behind a number in a unit: nothing if it has none.
 pub(crate) fn behind_number(unit: &str) -> String {
-    if unit == "1" { String::new() } else { format!(" {unit}") }
+    match unit {
+        "" | "1" => String::new(),
+        "°" => unit.to_owned(),
+        unit => format!(" {unit}"),
+    }
 }
 
 /// A number in four significant digits, without zeros that say nothing.
@@ -52,18 +57,6 @@ pub(crate) fn short_digests(text: &str) -> String {
     short
 }
 
-/// A number of SI units per unit for people, and that unit.
-pub(crate) fn people(unit: &str) -> (f64, &str) {
-    match unit {
-        "m" => (1e3, "mm"),
-        "rad" => (1.0_f64.to_degrees(), "°"),
-        "s" => (1e3, "ms"),
-        "m/N" => (1e6, "µm/N"),
-        "1" => (1.0, ""),
-        other => (1.0, other),
-    }
-}
-
 /// Two significant digits, and all before the point.
 pub(crate) fn two_digits(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
@@ -75,10 +68,9 @@ pub(crate) fn two_digits(value: f64) -> String {
 
 /// A standard deviation with its interval, as "0.30 mm (0.19 to 0.48)".
 pub(crate) fn spread(sd_and_ends: [f64; 3], unit: &str) -> String {
-    let (per, unit) = people(unit);
+    let (per, unit) = readable_unit(unit);
     let [sd, low, high] = sd_and_ends.map(|sd| two_digits(per * sd));
-    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    format!("{sd}{unit} ({low} to {high})")
+    format!("{sd}{} ({low} to {high})", behind_number(unit))
 }
 
 #[cfg(test)]

@@ -4,9 +4,10 @@ use std::path::Path;
 
 use anyhow::Result;
 use dataset::{Manifest, ObjectChoice, ObjectSupport, PusherSpec, SupportSpec, TableMapping};
+use effects::readable_unit;
 use models::{Description, Estimate, MadeFor, ModelFile, RigDifference};
 
-use crate::people::{four_digits, people};
+use crate::people::four_digits;
 use crate::terminal::Terminal;
 
 /// What a manifest or a mapping says of the rig.
@@ -68,7 +69,7 @@ impl Rig {
 /// A difference in the words and units of people.
 fn told(found: &RigDifference) -> String {
     let RigDifference { what, unit, values } = found;
-    let (per, unit) = people(unit);
+    let (per, unit) = readable_unit(unit);
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
     let [there, here] = [0, 1].map(|side| {
         let numbers: Vec<_> = values[side].iter().map(|value| four_digits(per * value)).collect();

@@ -12,6 +12,7 @@ use crate::opened::{Opened, OpenedTable, open};
 use crate::origin::Input;
 use crate::recorded_steps::RecordedSteps;
 use crate::rig::Rig;
+use crate::step_kind::StepKind;
 use crate::step_size::StepSize;
 use crate::suspected::{refuse, suspected, warn};
 use crate::terminal::Terminal;
@@ -30,7 +31,7 @@ pub(crate) struct StepSource {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Reading {
     /// All steps in contact, of a length.
-    Plain(Option<StepSize>),
+    Plain(StepSize),
     /// Steps whose noise is known, to look at.
     Look,
     /// Steps whose noise is known, for tests and fits.
@@ -38,6 +39,11 @@ pub(crate) enum Reading {
 }
 
 impl Reading {
+    /// Steps to look at: of a length, if one is asked for.
+    pub(crate) fn looked_at(step: Option<StepSize>) -> Self {
+        step.map_or(Self::Look, Self::Plain)
+    }
+
     /// Tells what contradicts the mechanics, and hands it on.
     ///
     /// # Errors
@@ -56,6 +62,10 @@ pub(crate) struct Steps {
     /// What the input says of object, pusher and table.
     pub(crate) rig: Rig,
     pub(crate) observations: Observations,
+    /// What a step is.
+    pub(crate) kind: StepKind,
+    /// All steps in contact, where those observed are some of them: near vertices, too.
+    pub(crate) in_contact: Option<Observations>,
     pub(crate) inputs: Vec<Input>,
     /// Pushes of the recordings; none of a table.
     pub(crate) n_pushes: Option<usize>,
@@ -120,37 +130,42 @@ impl StepSource {
 }
 
 fn recorded(set: &RecordingSet, reading: Reading, terminal: &Terminal) -> Result<Steps> {
-    if set.is_of_end_points() && matches!(reading, Reading::Plain(Some(_))) {
+    if set.is_of_end_points() && matches!(reading, Reading::Plain(_)) {
         bail!(WrongUsage("--step is for recordings; a push of which the ends are known is one"));
     }
     let suspicions = reading.heed(suspected(set), terminal)?;
     let settings = match reading {
         Reading::Steady | Reading::Look => steady_ingest(),
-        Reading::Plain(step) => {
-            let usual = IngestSettings::default();
-            let step = step.map_or(usual.step, |StepSize(step)| step);
-            IngestSettings { step, ..usual }
-        }
+        Reading::Plain(StepSize(step)) => IngestSettings { step, ..IngestSettings::default() },
     };
     let RecordedSteps { table, inputs, n_pushes } = RecordedSteps::read(set, &settings, terminal)?;
-    let observations = match reading {
-        Reading::Steady | Reading::Look => Observations::steady(&table, set.manifest())?,
-        Reading::Plain(_) => Observations::of(&table, set.manifest())?,
+    let in_contact = Observations::of(&table, set.manifest())?;
+    let (observations, in_contact) = match reading {
+        Reading::Plain(_) => (in_contact, None),
+        Reading::Steady | Reading::Look => {
+            (Observations::steady(&table, set.manifest())?, Some(in_contact))
+        }
+    };
+    let kind = match reading {
+        _ if set.is_of_end_points() => StepKind::WholePush,
+        Reading::Plain(step) => StepKind::Length(step),
+        Reading::Steady | Reading::Look => StepKind::Steady,
     };
     let (rig, n_pushes, duration) = (Rig::from(set.manifest()), Some(n_pushes), duration(&table));
-    Ok(Steps { rig, observations, inputs, n_pushes, suspicions, duration })
+    Ok(Steps { rig, observations, kind, in_contact, inputs, n_pushes, suspicions, duration })
 }
 
 fn tabled(opened: OpenedTable, reading: Reading, terminal: &Terminal) -> Result<Steps> {
     let OpenedTable { table, about, inputs, .. } = opened;
-    if matches!(reading, Reading::Plain(Some(_))) {
+    if matches!(reading, Reading::Plain(_)) {
         bail!(WrongUsage("--step is for recordings; the steps of a table are made"));
     }
     let (rig, observations) = (about.rig(), about.observations(&table)?);
     let found = step_suspicions(&observations, rig.pusher.friction)?;
     let suspicions = reading.heed(found, terminal)?;
     let duration = duration(&table);
-    Ok(Steps { rig, observations, inputs, n_pushes: None, suspicions, duration })
+    let (kind, in_contact, n_pushes) = (StepKind::OfTable, None, None);
+    Ok(Steps { rig, observations, kind, in_contact, inputs, n_pushes, suspicions, duration })
 }
 
 /// From the first step of a table to the end of the last, in s; none where all are at one time, which then

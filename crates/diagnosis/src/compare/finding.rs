@@ -62,7 +62,8 @@ const IN_SENSE: f64 = 1.05;
 /// Gain by which one more condition has to pay.
 const ONE_MORE: f64 = 1.5;
 
-/// The findings of every number, those first that take most off its square over the floor's.
+/// The findings of every number, those first that take most off its square over the floor's; of motion and
+/// force before those of the gap, whose floor is so low that some hundredths of a millimeter stand out.
 ///
 /// In turn the region whose mean takes most off the squared error is found in the maps that are
 /// surer than chance, and taken off; what is left is searched again. A region over p alone that is
@@ -76,7 +77,10 @@ pub(crate) fn findings(structure: &Structure<'_>) -> Vec<Finding> {
     for series in by_number.values() {
         Search::new(structure, series).run(&mut found);
     }
-    found.sort_by(|a: &(f64, Finding), b| b.0.total_cmp(&a.0));
+    let is_of_gap = |finding: &Finding| finding.name.starts_with("gap");
+    found.sort_by(|a: &(f64, Finding), b| {
+        is_of_gap(&a.1).cmp(&is_of_gap(&b.1)).then(b.0.total_cmp(&a.0))
+    });
     found.into_iter().map(|(_, finding)| finding).collect()
 }
 

@@ -12,6 +12,7 @@ pub(crate) mod errors;
 pub(crate) mod finding;
 pub(crate) mod outline;
 pub(crate) mod reading;
+pub(crate) mod residual_columns;
 pub(crate) mod residual_map;
 pub(crate) mod structure;
 pub(crate) mod words;

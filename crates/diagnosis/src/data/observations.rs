@@ -65,6 +65,7 @@ pub(crate) struct Place {
     pub(crate) p: f64,
     pub(crate) beta: f64,
     pub(crate) speed: f64,
+    pub(crate) flags: Flags,
     /// Of the object's pose at both ends, from the samples' noise: position (m) and yaw (rad).
     pub(crate) pose_sd: [[f64; 2]; 2],
     /// Whether the step is a whole push, of which the ends alone are known.
@@ -168,10 +169,11 @@ impl Observations {
         let push_of: Vec<usize> = rows.iter().map(&mut push).collect();
         let (cluster, cluster_of) = clusters(&steps, &push_of);
         let place = |row: &&StepRow| {
-            let StepRow { step, edge, p, beta, speed, .. } = **row;
+            let StepRow { step, edge, p, beta, speed, flags, .. } = **row;
             let start_sd = [row.start_position_sd, row.start_angle_sd];
             let pose_sd = [start_sd, [row.end_position_sd, row.end_angle_sd]];
-            Place { step, edge, p, beta, speed, pose_sd, is_whole: row.is_whole_push() }
+            let is_whole = row.is_whole_push();
+            Place { step, edge, p, beta, speed, flags, pose_sd, is_whole }
         };
         let observations = Self {
             places: rows.iter().map(place).collect(),

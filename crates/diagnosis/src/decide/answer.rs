@@ -6,6 +6,7 @@ use models::{Cluster, Split};
 use serde::{Deserialize, Serialize};
 
 use super::push_scatter::PushScatter;
+use crate::cut_offs::HINT;
 use crate::{FloorSource, Gain, NoiseModel, Observations, Remains, Runs};
 
 /// What a diagnosis found; written and read as `diagnosis.json` (docs/diagnosis.schema.json).
@@ -50,6 +51,9 @@ pub struct Diagnosis {
     /// none of it is.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub suspicions: Vec<Suspicion>,
+    /// What to do next, as commands of the tool that made it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub next: Vec<String>,
 }
 
 impl Diagnosis {
@@ -79,9 +83,10 @@ pub enum Verdict {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorFall {
-    /// Root mean square of whitened residuals of the model under test.
+    /// Root mean square of whitened residuals of the model under test, with what a manifest leaves open
+    /// fitted.
     pub before: f64,
-    /// Of the model with the claimed effects.
+    /// Of the model with the claimed effects, likewise.
     pub after: f64,
     /// Of a perfect model.
     pub floor: f64,
@@ -89,9 +94,9 @@ pub struct ErrorFall {
     pub gap_closed: Option<f64>,
     /// What the numbers are.
     pub unit: String,
-    /// Root mean square error of a step before, in SI units.
+    /// Root mean square error of a step of the model under test as it is, in SI units.
     pub before_si: MotionError,
-    /// After.
+    /// Of that with the claimed effects.
     pub after_si: MotionError,
     /// Of a perfect model.
     pub floor_si: MotionError,
@@ -150,8 +155,15 @@ pub struct EffectFinding {
     pub parameters: Vec<ParameterFinding>,
     /// Effects that these data can hardly tell from it.
     pub rivals: Vec<String>,
-    /// Why it is not testable, or what else is to be known.
+    /// Why it has its grade, and what else is to be known.
     pub why: String,
+}
+
+impl EffectFinding {
+    /// Whether there is a sign of it that is more than chance makes.
+    pub fn is_seen(&self) -> bool {
+        self.p_adjusted.is_some_and(|p| p <= HINT)
+    }
 }
 
 /// What may be said of an effect.

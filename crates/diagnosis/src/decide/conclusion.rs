@@ -206,7 +206,9 @@ impl Search<'_> {
             let doubted = accepted.iter().filter(|one| !one.gain.is_sure());
             let least = doubted.min_by(|a, b| a.gain.mean.total_cmp(&b.gain.mean));
             let Some(Accepted { id, gain, .. }) = least else {
-                let error = aside.fall(&before, &after, &descriptions[1], self.all)?;
+                let [claimed, best] = &descriptions;
+                let models = [self.model, claimed, best];
+                let error = aside.fall([&before, &after], models, self.all)?;
                 if error.gap_closed.is_none() {
                     accepted.iter_mut().for_each(|one| one.gap_closed = None);
                 }

@@ -4,9 +4,7 @@ use models::Description;
 
 use super::{DiagnoseSettings, ErrorFall, MotionError};
 use crate::data::clusters::ClusterMean;
-use crate::{
-    DiagnosisError, NoiseModel, Observations, Predictions, RepeatTolerance, Whitening, noise_floor,
-};
+use crate::{DiagnosisError, NoiseFloor, NoiseModel, Observations, Predictions, Whitening};
 
 /// The held-out pushes, under the noise as the best model knows it.
 pub(super) struct Aside<'a> {
@@ -24,8 +22,6 @@ pub(super) struct Outcome {
     squares: Vec<(usize, f64)>,
     /// Log predictive density of each push, by its own.
     log_densities: Vec<f64>,
-    /// Root mean square error of a step.
-    si: MotionError,
 }
 
 const UNIT: &str = "whitened RMS, confirmation pushes";
@@ -57,13 +53,19 @@ impl<'a> Aside<'a> {
         let squares = clusters.zip(self.whitening.rows());
         let squares = squares.flat_map(|(cluster, rows)| rows.map(move |row| (cluster, row)));
         let squares = squares.map(|(cluster, row)| (cluster, white[row] * white[row])).collect();
+        Ok(Outcome { squares, log_densities: densities.collect() })
+    }
+
+    /// The root mean square error of a step by a model as it is.
+    fn error(&self, model: &Description) -> Result<MotionError, DiagnosisError> {
+        let predictions = Predictions::expected(model, &self.settings.own, self.observations)?;
+        let residuals = predictions.residuals(self.observations)?;
         let rms = |number: usize| {
             let squares: Vec<_> = residuals.iter().filter_map(|step| step[number]).collect();
             let n = squares.len();
             (n > 0).then(|| (squares.iter().map(|r| r * r).sum::<f64>() / n as f64).sqrt())
         };
-        let si = MotionError::of(std::array::from_fn(rms));
-        Ok(Outcome { squares, log_densities: densities.collect(), si })
+        Ok(MotionError::of(std::array::from_fn(rms)))
     }
 
     /// The gain of each cluster in log predictive density from one model to another.
@@ -77,18 +79,19 @@ impl<'a> Aside<'a> {
     }
 
     /// The fall of the error, beside the scatter of repeats about the best model in all of the set.
+    ///
+    /// In units of the noise what a manifest leaves open is fitted before and after; in those of the
+    /// sensors `given` is the model under test as it is, and `claimed` has the claimed effects alone.
     pub(super) fn fall(
         &self,
-        before: &Outcome,
-        after: &Outcome,
-        best: &Description,
+        [before, after]: [&Outcome; 2],
+        [given, claimed, best]: [&Description; 3],
         all: &Observations,
     ) -> Result<ErrorFall, DiagnosisError> {
         let mean = ClusterMean::of(&before.squares);
         let se = mean.map_or(f64::INFINITY, |mean| 0.5 * mean.se / mean.mean.sqrt());
         let gap = before.rms() - 1.0;
-        let predictions = Predictions::expected(best, &self.settings.own, all)?;
-        let floor = noise_floor(all, &predictions, &RepeatTolerance::default())?;
+        let floor = NoiseFloor::about(best, &self.settings.own, all)?;
         let floors = floor.numbers.map(|floor| floor.map(|floor| floor.rms));
         Ok(ErrorFall {
             before: before.rms(),
@@ -96,8 +99,8 @@ impl<'a> Aside<'a> {
             floor: 1.0,
             gap_closed: (gap > 2.0 * se).then(|| (before.rms() - after.rms()) / gap),
             unit: UNIT.to_owned(),
-            before_si: before.si,
-            after_si: after.si,
+            before_si: self.error(given)?,
+            after_si: self.error(claimed)?,
             floor_si: MotionError::of(std::array::from_fn(|number| floors[number])),
         })
     }

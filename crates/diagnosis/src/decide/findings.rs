@@ -10,7 +10,7 @@ use super::rules::Objection;
 use super::{DiagnoseSettings, EffectFinding, Grade, ParameterFinding};
 use crate::cut_offs::HINT;
 use crate::statistics::quantile::student_975;
-use crate::{EffectFit, ParameterFit, ScreenedCoordinate, ScreenedEffect};
+use crate::{EffectFit, Gain, ParameterFit, ScreenedCoordinate, ScreenedEffect};
 
 /// Every effect that the model under test lacks, those claimed first.
 pub(super) fn findings(
@@ -66,19 +66,20 @@ impl Finding<'_> {
             Grade::BelowDetectionLimit
         };
         let effective = claims.effective.iter().find(|(one, _)| *one == id);
-        let why = match (not_testable, objection) {
-            (Some(why), _) => format!("{}; measure {}", why.because, why.measure),
-            (None, Some(objection)) => objection.to_string(),
-            (None, None) => {
-                let of_small = small.map(|(.., why)| why.clone());
-                of_small.or(effective.map(|(_, why)| why.clone())).unwrap_or_default()
-            }
-        };
         let is_tested = not_testable.is_none();
         let p_adjusted = accepted.map(|k| found.accepted[k].p_adjusted);
         let p_adjusted = p_adjusted
             .or_else(|| last.filter(|_| is_tested).map(|one| one.p_adjusted))
             .or_else(|| is_tested.then_some(self.screened.p_adjusted));
+        let why = match (not_testable, objection) {
+            (Some(why), _) => format!("{}; measure {}", why.because, why.measure),
+            (None, Some(objection)) => objection.to_string(),
+            (None, None) => {
+                let of_small = small.map(|(.., why)| why.clone()).filter(|why| !why.is_empty());
+                let told = of_small.or(effective.map(|(_, why)| why.clone()));
+                told.unwrap_or_else(|| self.reason(grade, accepted, p_adjusted))
+            }
+        };
         EffectFinding {
             id: id.to_owned(),
             grade,
@@ -90,6 +91,33 @@ impl Finding<'_> {
             rivals: self.rivals(accepted),
             why,
         }
+    }
+
+    /// Why an effect has its grade, where no rule spoke of it.
+    fn reason(&self, grade: Grade, accepted: Option<usize>, p_adjusted: Option<f64>) -> String {
+        if let Some(gain) = accepted.map(|k| self.found.accepted[k].gain) {
+            let Gain { mean, se } = gain;
+            return format!("pushes that no fit has seen gain {mean:.0} ± {se:.0} nats");
+        }
+        let p = p_adjusted.unwrap_or(1.0);
+        match grade {
+            Grade::Ambiguous => "it explains as much as the others of its group".to_owned(),
+            Grade::Hint => format!("its sign is weak (p {p:.4})"),
+            _ if p > HINT => format!("its sign is within chance (p {p:.2})"),
+            _ if self.is_left_open() => {
+                "its number is fitted beside every effect, and stays within what the manifest \
+                 leaves open"
+                    .to_owned()
+            }
+            _ => "its sign is weak beside that of others".to_owned(),
+        }
+    }
+
+    /// Whether every fit leaves the effect's numbers open.
+    fn is_left_open(&self) -> bool {
+        let effect = self.effect();
+        let tolerance = effect.and_then(|effect| self.settings.screen.tolerances.of(effect.info()));
+        tolerance == Some(f64::INFINITY)
     }
 
     /// What keeps an effect that passed the screen from being claimed.

@@ -248,6 +248,7 @@ fn diagnose_all(
         data: data_used(&found, (observations, second), (fitted, aside), settings),
         split: parts,
         suspicions: Vec::new(),
+        next: Vec::new(),
     };
     Ok(Diagnosed { diagnosis, description: found.description })
 }

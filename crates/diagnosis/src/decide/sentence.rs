@@ -1,6 +1,6 @@
 //! The answer in words.
 
-use effects::by_id;
+use effects::{by_id, readable_unit};
 
 use super::claims::Claims;
 use super::leftover::Left;
@@ -184,14 +184,12 @@ fn size(parameter: &ParameterFinding) -> Option<String> {
 
 /// What stands behind a value for people, and how many of it are one of an SI unit.
 fn unit(si: &str) -> (String, f64) {
-    match si {
-        "m" => (" mm".to_owned(), 1e3),
-        "rad" => ("°".to_owned(), 180.0 / std::f64::consts::PI),
-        "s" => (" ms".to_owned(), 1e3),
-        "m/s" => (" mm/s".to_owned(), 1e3),
-        "1" => (String::new(), 1.0),
-        other => (format!(" {other}"), 1.0),
-    }
+    let (scale, unit) = readable_unit(si);
+    let behind = match unit {
+        "" | "°" => unit.to_owned(),
+        unit => format!(" {unit}"),
+    };
+    (behind, scale)
 }
 
 /// Three significant digits.
@@ -223,7 +221,7 @@ mod tests {
         let told = |unit, ends, off| size(&found(unit, ends, off)).unwrap();
         assert_eq!(told("m/s", Some((0.001, 0.01)), None), "v0 2.26 mm/s (1.00 to 10.0)");
         assert_eq!(told("m/s", None, None), "v0 2.26 mm/s (left open)");
-        assert_eq!(told("m/s²", None, Some(0.0)), "v0 0.00226 m/s²");
+        assert_eq!(told("m/s²", None, Some(0.0)), "v0 0.0132°");
     }
 
     #[test]

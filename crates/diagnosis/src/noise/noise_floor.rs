@@ -54,6 +54,15 @@ pub struct Floor {
 }
 
 impl NoiseFloor {
+    /// This floor over another one, the geometric mean of the numbers that both know; 1 if none is.
+    pub fn times(&self, other: &Self) -> f64 {
+        let pairs = self.numbers.iter().zip(&other.numbers);
+        let pairs = pairs.filter_map(|(one, other)| Some(((*one)?.rms, (*other)?.rms)));
+        let logs = pairs.filter(|(one, other)| one.min(*other) > 0.0);
+        let logs: Vec<f64> = logs.map(|(one, other)| (one / other).ln()).collect();
+        (logs.iter().sum::<f64>() / logs.len().max(1) as f64).exp()
+    }
+
     /// The floor of one number at each step; none where it is not known.
     pub(crate) fn of_steps(&self, number: usize, observations: &Observations) -> Option<Vec<f64>> {
         let floor = self.numbers[number].filter(|floor| floor.rms > 0.0)?;

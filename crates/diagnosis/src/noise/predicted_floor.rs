@@ -9,12 +9,35 @@ use crate::data::observations::Place;
 use crate::predict::error_shapes::{ErrorShapes, push_directions};
 use crate::predict::secants::Linearisation;
 use crate::statistics::quantile::NORMAL_975;
-use crate::{DiagnosisError, Floor, FloorSource, NoiseFloor, NoiseModel, Observations};
+use crate::{
+    DiagnosisError, Floor, FloorSource, NoiseFloor, NoiseModel, Observations, Predictions,
+    RepeatTolerance, noise_floor,
+};
 
 /// Repeats at so many places stand for all.
 const MANY_CELLS: usize = 12;
 
 impl NoiseFloor {
+    /// The noise floor of observations about a model; `own` are effects besides those of the catalogue.
+    ///
+    /// By repeats it hardly depends on the model; by neighbours it is the lower, the less the model
+    /// misses between them.
+    ///
+    /// # Errors
+    /// `Model` for what the model refuses.
+    pub fn about(
+        model: &Description,
+        own: &[Arc<dyn Effect>],
+        observations: &Observations,
+    ) -> Result<Self, DiagnosisError> {
+        let predictions = Predictions::expected(model, own, observations)?;
+        noise_floor(observations, &predictions, &RepeatTolerance::default())?.for_all_places(
+            model,
+            own,
+            observations,
+        )
+    }
+
     /// The same floor, where repeats at few places set it, with that of numbers by which the sources
     /// of error, learnt from these repeats, let all steps scatter by clearly more.
     ///

@@ -6,7 +6,7 @@ use super::SuggestedPush;
 use super::route::{Route, RouteStep};
 use crate::data::observations::Place;
 use crate::{Observations, PushName};
-use dataset::quantile;
+use dataset::{Flags, quantile};
 
 /// Candidates as observations, with the numbers that are expected.
 pub(super) struct Planned(pub(super) Observations);
@@ -34,6 +34,7 @@ impl Planned {
                 steps.push(ChannelObservation { input: input.clone(), observed });
                 let (step, edge) = (index as u32, *edge as u32);
                 places.push(Place {
+                    flags: Flags::default(),
                     step,
                     edge,
                     p: *p,

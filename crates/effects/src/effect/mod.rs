@@ -5,6 +5,7 @@ pub(crate) mod geometry;
 pub(crate) mod measurement;
 pub(crate) mod nuisance;
 pub(crate) mod parameter;
+pub(crate) mod readable_unit;
 pub(crate) mod setting;
 pub(crate) mod spread;
 pub(crate) mod support;

@@ -58,6 +58,7 @@ fn a_wrong_effect_raises_the_error_and_the_page_says_so() {
         "error of a step, RMS",
         "dtheta",
         "floor",
+        "error of a step, RMS (5 mm of smoothed motion, away from vertices)",
         "error at the end of a push",
         "where it fails",
         "worst pushes",
@@ -79,7 +80,7 @@ fn a_step_table_is_compared_as_its_recordings_are() {
         document["channels"].take()
     };
     let of_table = channels(&["steps.csv", "--manifest", "pushes/dataset.toml"]);
-    assert_eq!(of_table, channels(&["pushes"]));
+    assert_eq!(of_table, channels(&["pushes", "--step", "200ms"]));
     let message = set.error(&["compare", "steps.csv"]);
     assert!(message.contains("does not tell what was pushed"), "{message}");
     std::fs::copy(set.path("pushes/dataset.toml"), set.path("dataset.toml")).unwrap();
@@ -131,6 +132,30 @@ fn what_a_table_of_others_cannot_tell_is_said() {
     }
     let refused = set.error(&["compare", "table.csv"]);
     assert!(refused.contains("give --preset mit-table, or --mapping FILE"), "{refused}");
+}
+
+#[test]
+fn every_step_is_written_with_what_was_measured_and_predicted() {
+    let set = pushes();
+    let words = ["compare", "pushes", "--model", "model.toml"];
+    let compared = set.done(&[&words[..], &["-o", "residuals.csv", "--json"]].concat());
+    let compared: Value = serde_json::from_str(&compared.stdout).unwrap();
+    let text = set.read("residuals.csv");
+    assert!(text.starts_with("# tool: pushlab"), "{text}");
+    let mut rows = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
+    let head = rows.headers().unwrap().clone();
+    let at = |name: &str| head.iter().position(|known| known == name).unwrap();
+    let [part, turn] = ["part", "dtheta_residual_rad"].map(at);
+    let rows: Vec<csv::StringRecord> = rows.into_records().map(Result::unwrap).collect();
+    assert_eq!(compared["n_steps"], rows.len());
+    assert!(rows.iter().all(|row| &row[part] == "all"));
+    let squares = rows.iter().map(|row| row[turn].parse::<f64>().unwrap().powi(2));
+    let rms = (squares.sum::<f64>() / rows.len() as f64).sqrt();
+    let told = compared["channels"][2]["rms"].as_f64().unwrap();
+    assert!((rms - told).abs() < 1e-12, "{rms} {told}");
+    set.done(&[&words[..], &["-o", "residuals.parquet"]].concat());
+    let refused = set.error(&[&words[..], &["-o", "residuals.csv"]].concat());
+    assert!(refused.contains("--force"), "{refused}");
 }
 
 #[test]

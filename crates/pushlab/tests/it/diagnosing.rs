@@ -113,6 +113,34 @@ fn what_a_diagnosis_cannot_start_from_is_told() {
     assert!(message.contains("pushes"), "{message}");
 }
 
+/// `compare` says of the model with what was found what the diagnosis says, and of the one before.
+fn is_one_error(found: &Value, compared: &Value) {
+    for (k, name) in ["dx_m", "dy_m", "dtheta_rad", "force_normal_n"].into_iter().enumerate() {
+        let change = &compared["against"]["changes"][k];
+        for (told, seen) in [("before_si", "before"), ("after_si", "after")] {
+            let pair = [&found["error"][told][name], &change[seen]];
+            let [told, seen] = pair.map(|value| value.as_f64().unwrap());
+            assert!((told - seen).abs() < 1e-9 * seen, "{name}: {told} {seen}");
+        }
+    }
+}
+
+/// No effect is left without a reason, and what to type next is told.
+fn is_answered(found: &Value) {
+    for effect in found["effects"].as_array().unwrap() {
+        assert!(!effect["why"].as_str().unwrap().is_empty(), "{effect}");
+    }
+    let next: Vec<_> =
+        found["next"].as_array().unwrap().iter().map(|next| next.as_str().unwrap()).collect();
+    assert_eq!(
+        next[..2],
+        [
+            "pushlab add --all --from d.json --model patch.toml -o better.toml",
+            "pushlab compare two --model better.toml --against patch.toml",
+        ]
+    );
+}
+
 #[test]
 fn a_second_set_confirms_what_is_fitted_to_all_of_the_first() {
     let set = SmallSet::new();
@@ -140,6 +168,8 @@ fn a_second_set_confirms_what_is_fitted_to_all_of_the_first() {
     let turn = &compared["against"]["changes"][2];
     let [before, after] = ["before", "after"].map(|key| turn[key].as_f64().unwrap());
     assert!(after < 0.5 * before, "{turn}");
+    is_one_error(&found, &compared);
+    is_answered(&found);
     // No push of the first set is unseen, none may be in both, and the rig has to be the same.
     assert!(
         set.error(&[&["compare", "one"], &against[..]].concat())

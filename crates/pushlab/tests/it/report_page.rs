@@ -41,7 +41,7 @@ fn the_page_shows_errors_pushes_parameters_and_their_origin() {
         "table-anisotropy ratio",
         "<code>report pushes --model model.toml --model grain.toml</code>",
         "64 inputs with their SHA-256",
-        "Rows excluded: 31 short",
+        "Rows excluded: 51 first_touch",
         "6 repeats of 2 pushes",
     ] {
         assert!(page.contains(part), "no {part}");

@@ -3,10 +3,10 @@
 use std::fmt;
 
 use diagnosis::{Covariate, Coverage, ErrorSource, FloorSource};
-use effects::Channel;
+use effects::{Channel, readable_unit};
 
 use super::{Checked, Showable, Size};
-use crate::people::{people, spread, two_digits};
+use crate::people::{behind_number, spread, two_digits};
 use crate::terminal::TITLE;
 
 /// Pairs of look-alikes that a screen has room for.
@@ -146,9 +146,9 @@ fn sizes(effect: &Showable) -> String {
         return format!("ratio {:.4}, in any direction", (2.0 * widest).exp());
     }
     let one = |size: &Size| {
-        let (per, unit) = people(size.unit);
-        let text = format!("{} {} {unit}", size.name, two_digits(per * size.detection_limit));
-        text.trim_end().to_owned()
+        let (per, unit) = readable_unit(size.unit);
+        let limit = two_digits(per * size.detection_limit);
+        format!("{} {limit}{}", size.name, behind_number(unit))
     };
     effect.coordinates.iter().map(one).collect::<Vec<_>>().join(", ")
 }

@@ -1,6 +1,7 @@
 //! `pushlab compare`: where a model fails on recordings, and how wrong it may be at best.
 
 mod part;
+mod residuals;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -8,8 +9,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use dataset::Suspicion;
 use diagnosis::{
-    ChannelChange, Comparison, MapSettings, Observations, Predictions, PushEnds, RepeatTolerance,
-    change, compare, noise_floor, push_ends, roll_out,
+    ChannelChange, Comparison, MapSettings, NoiseFloor, Observations, Predictions, PushEnds,
+    change, compare, push_ends, roll_out,
 };
 use models::{Base, Description, ModelFile, Unexplained};
 use serde::Serialize;
@@ -20,16 +21,18 @@ use crate::destination::Force;
 use crate::document::document;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
+use crate::step_kind::StepKind;
 use crate::step_size::StepSize;
 use crate::step_source::{Reading, StepSource, Steps};
 use crate::terminal::Terminal;
 
 /// Tell how wrong a model is on recordings, where, and how wrong it may be at best
 ///
-/// Each step is predicted from its measured start along the pusher's measured way. The floor is how
-/// far repeated pushes differ from each other, and where few places are repeated what that tells of
-/// others; without repeats it is estimated from neighbours. Where
-/// a model was fitted to a part of these recordings, only the held-out pushes count.
+/// Each step is predicted from its measured start along the pusher's measured way: the steps that
+/// `diagnose` takes, where noise is known, or with --step all in contact. The floor is how far repeated
+/// pushes differ from each other, and where few places are repeated what that tells of others; without
+/// repeats it is estimated from neighbours. Where a model was fitted to a part of these recordings,
+/// only the held-out pushes count.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
@@ -42,12 +45,14 @@ pub(crate) struct Args {
     /// Another model, to tell how the error changes from it on the same steps
     #[arg(long, value_name = "FILE", value_parser = file_ending::model)]
     against: Option<PathBuf>,
-    /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm); else 200ms
+    /// Length of a step, of all that is in contact: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm);
+    /// else 5mm of smoothed motion, away from vertices
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<StepSize>,
-    /// Where to write the result as JSON (docs/comparison.schema.json); `-` is standard output
+    /// Where to write the result as JSON (.json, docs/comparison.schema.json; `-` is standard output), or every
+    /// step as a table (.csv, .parquet): what was done, measured, predicted and left, and in which part its push was
     #[arg(short, long, value_name = "FILE",
-          value_parser = file_ending::or_standard(file_ending::json))]
+          value_parser = file_ending::or_standard(file_ending::json_or_table))]
     output: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
@@ -59,6 +64,7 @@ Examples:
   pushlab compare pushes --model better.toml --against model.toml
   pushlab compare pushes --step 4mm --json
   pushlab compare pushes -o comparison.json
+  pushlab compare pushes --model better.toml -o residuals.parquet
   pushlab compare steps.csv --manifest pushes/dataset.toml
   pushlab compare table.csv --preset mit-table";
 
@@ -69,6 +75,8 @@ struct Compared {
     model: String,
     /// Which pushes are compared.
     part: Part,
+    /// What a step is.
+    step: StepKind,
     /// Of a hybrid: shares of what was learnt in what it says of these steps.
     unexplained: Option<Unexplained>,
     #[serde(flatten)]
@@ -102,9 +110,8 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     };
     let model = read(&args.model)?;
     let other = args.against.as_deref().map(&mut read).transpose()?;
-    let reading = Reading::Plain(args.step);
-    let Steps { rig, observations, inputs, suspicions, .. } =
-        args.source.read(reading, terminal)?;
+    let Steps { rig, observations: all, kind: step, in_contact, inputs, suspicions, .. } =
+        args.source.read(Reading::looked_at(args.step), terminal)?;
     origin.inputs.extend(inputs);
     rig.warn_of_other(&args.model, &model, terminal);
     if let (Some(path), Some(other)) = (&args.against, &other) {
@@ -112,17 +119,22 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     }
     let splits =
         [Some(&model), other.as_ref()].into_iter().flatten().filter_map(|f| f.split.as_ref());
-    let part = Part::of(splits, &observations);
-    let observations = part.observations(observations)?;
+    let part = Part::of(splits, &all);
+    let floor = NoiseFloor::about(&model.description, &[], &all)?;
+    let is_table = |path: &PathBuf| path.extension().is_some_and(|ending| ending != "json");
+    // Those that the model was fitted to as well.
+    let steps = args.output.as_ref().filter(|path| is_table(path));
+    let steps = steps.map(|_| residuals::of(&model.description, &all)).transpose()?;
+    let whole = in_contact.map(|whole| part.observations(whole)).transpose()?;
+    let observations = part.observations(all)?;
     let predict = |file: &ModelFile| Predictions::of(&file.description, &[], &observations);
     let activity = terminal.activity();
     activity.tell("predicting every step");
     let predictions = predict(&model)?;
-    let floor = noise_floor(&observations, &predictions, &RepeatTolerance::default())?
-        .for_all_places(&model.description, &[], &observations)?;
     let comparison = compare(&observations, &predictions, &floor, &MapSettings::default())?;
     activity.tell("rolling out whole pushes");
-    let rollouts = roll_out(&model.description, &[], &observations)?;
+    let whole = whole.as_ref().unwrap_or(&observations);
+    let rollouts = roll_out(&model.description, &[], whole)?;
     let roll_outs = push_ends(&rollouts);
     let against = match other {
         Some(other) => {
@@ -134,9 +146,12 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     activity.finish();
     let unexplained = unexplained(&model.description, &observations)?;
     let model = model.name;
-    let result = Compared { model, part, unexplained, comparison, roll_outs, against, suspicions };
-    if let Some(output) = output {
-        output.write(document(&origin, &terminal.warnings(), &result)?)?;
+    let result =
+        Compared { model, part, step, unexplained, comparison, roll_outs, against, suspicions };
+    match (output, steps) {
+        (Some(output), None) => output.write(document(&origin, &terminal.warnings(), &result)?)?,
+        (Some(output), Some(steps)) => residuals::write(output, steps, &result.part, &origin)?,
+        (None, _) => {}
     }
     terminal.finish(&origin, &result, &result)
 }

@@ -45,6 +45,15 @@ impl Part {
         }
     }
 
+    /// Which part a push was in: `all` where no model was fitted to any.
+    pub(super) fn name_of(&self, push: &String) -> &'static str {
+        match self {
+            Self::All => "all",
+            Self::Confirm { .. } if self.has(push) => "held_out",
+            Self::Confirm { .. } => "fitted",
+        }
+    }
+
     /// The observations of these pushes.
     ///
     /// # Errors

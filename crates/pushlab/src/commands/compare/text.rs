@@ -6,10 +6,11 @@ use diagnosis::{
     ChannelChange, ChannelError, Comparison, Floor, FloorSource, IntervalCalibration, NoiseFloor,
     PushEnds, Spread,
 };
+use effects::readable_unit;
 use models::Cluster;
 
 use super::{Against, Compared};
-use crate::people::{lines, people};
+use crate::people::lines;
 use crate::terminal::TITLE;
 use crate::unexplained::shares;
 
@@ -39,7 +40,7 @@ impl fmt::Display for Compared {
             let shares = shares(unexplained);
             writeln!(f, "  share of what it says that no physics explains: {shares}")?;
         }
-        writeln!(f, "{TITLE}error of a step, RMS{TITLE:#}")?;
+        writeln!(f, "{TITLE}error of a step, RMS{TITLE:#} ({})", self.step)?;
         found.channels.iter().try_for_each(|error| write_error(f, error))?;
         let floor = &found.floor;
         match floor.source {
@@ -76,7 +77,7 @@ impl fmt::Display for Compared {
 
 fn write_error(f: &mut fmt::Formatter<'_>, error: &ChannelError) -> fmt::Result {
     let ChannelError { name, rms, rms_se, nmse, floor, .. } = error;
-    let (per, unit) = people(error.unit);
+    let (per, unit) = readable_unit(error.unit);
     write!(f, "  {name:16} {:7.3} ± {:.3} {unit:2}", per * rms, per * rms_se)?;
     if let Some(Floor { rms, low95, high95, .. }) = floor {
         let (rms, low, high) = (per * rms, per * low95, per * high95);
@@ -107,7 +108,7 @@ fn write_growth(f: &mut fmt::Formatter<'_>, found: &Comparison) -> fmt::Result {
     let growing: Vec<_> = floors
         .filter(|(_, floor)| floor.per_meter > 0.0)
         .map(|(error, floor)| {
-            let (per, unit) = people(error.unit);
+            let (per, unit) = readable_unit(error.unit);
             let (constant, growth) = (per * floor.constant, 1e-3 * per * floor.per_meter);
             format!("{} {constant:.3} {unit} and {growth:.4} {unit} per mm", error.name)
         })
@@ -147,7 +148,7 @@ fn write_calibration(f: &mut fmt::Formatter<'_>, found: &[IntervalCalibration]) 
     }
     writeln!(f, "{TITLE}what the model's own intervals hold{TITLE:#}")?;
     for number in found {
-        let (per, unit) = people(number.unit);
+        let (per, unit) = readable_unit(number.unit);
         let [half, ninety, most] = number.coverage.map(|covered| 100.0 * covered.share);
         let (crps, nlpd) = (per * number.crps, number.nlpd);
         writeln!(
@@ -196,7 +197,7 @@ fn write_against(f: &mut fmt::Formatter<'_>, against: &Against) -> fmt::Result {
     writeln!(f, "{TITLE}against {}{TITLE:#}", against.model)?;
     for change in &against.changes {
         let ChannelChange { name, before, after, better_share, gap_closed, .. } = change;
-        let ((per, unit), better) = (people(change.unit), 100.0 * better_share);
+        let ((per, unit), better) = (readable_unit(change.unit), 100.0 * better_share);
         // d rms = d square / (2 rms).
         let se = per * change.square_change_se / (before + after).max(f64::MIN_POSITIVE);
         let (old, new) = (per * before, per * after);

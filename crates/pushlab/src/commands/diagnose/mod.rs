@@ -1,5 +1,6 @@
 //! `pushlab diagnose`: which physical effect a model lacks.
 
+mod next_commands;
 mod text;
 
 use std::collections::HashSet;
@@ -7,9 +8,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use dataset::Suspicion;
-use diagnosis::{DiagnoseSettings, MadeBy, MadeFrom, Observations, diagnose_with_progress};
-use models::ModelFile;
+use diagnosis::{
+    DiagnoseSettings, Diagnosis, MadeBy, MadeFrom, Observations, diagnose_with_progress,
+};
+use models::{ModelFile, Split};
 
+use self::next_commands::next_commands;
 pub(super) use self::text::write_error;
 use crate::command_line::seed_parser;
 use crate::destination::Force;
@@ -71,7 +75,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     readable(&args.model)?;
     origin.inputs.push(Input::file(&args.model)?);
     let model = ModelFile::read(&args.model)?;
-    let Steps { rig, observations, inputs, n_pushes, mut suspicions, .. } =
+    let Steps { rig, observations, kind, inputs, n_pushes, mut suspicions, .. } =
         args.source.read(Reading::Steady, terminal)?;
     origin.inputs.extend(inputs);
     rig.warn_of_other(&args.model, &model, terminal);
@@ -80,14 +84,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         Some(second) => Some(args.second(second, &mut origin, &mut suspicions, terminal)?),
         None => None,
     };
-    let split = model.split.clone().filter(|split| observations.are_of(split));
-    if confirm.is_none() && split.as_ref().is_some_and(|split| split.confirm_set.is_some()) {
-        bail!(
-            "{} was fitted to all of {} and confirmed by another set; give that with --confirm",
-            args.model.display(),
-            args.source.set.display()
-        );
-    }
+    let split = args.known_split(&model, &observations)?;
     let n_used = observations.pushes().len();
     let n_pushes_excluded = n_pushes.map_or(0, |n_pushes| n_pushes - n_used);
     let settings = DiagnoseSettings {
@@ -111,10 +108,16 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     found.made_by = Some(made_by(&origin));
     found.warnings.iter().for_each(|warning| terminal.warn(warning));
     found.warnings = terminal.warnings();
+    found.next = args.next_commands(&found)?;
     if let Some(output) = output {
         output.write(indented(&found)?)?;
     }
-    let text = text::Answer { found: &found, model: &model.name };
+    let text = text::Answer {
+        found: &found,
+        model: &model.name,
+        step: kind,
+        is_kept: args.output.is_some(),
+    };
     terminal.finish_with(&origin, || indented(&found), text)
 }
 
@@ -131,6 +134,31 @@ fn made_by(origin: &Origin) -> MadeBy {
 }
 
 impl Args {
+    /// How the pushes were split when the model was fitted to some of them.
+    ///
+    /// # Errors
+    /// If none was kept, for another set confirmed what was fitted, and no set does now.
+    fn known_split(&self, model: &ModelFile, observations: &Observations) -> Result<Option<Split>> {
+        let split = model.split.clone().filter(|split| observations.are_of(split));
+        if self.confirm.is_none() && split.as_ref().is_some_and(|one| one.confirm_set.is_some()) {
+            bail!(
+                "{} was fitted to all of {} and confirmed by another set; give that with --confirm",
+                self.model.display(),
+                self.source.set.display()
+            );
+        }
+        Ok(split)
+    }
+
+    /// What to type next; pushes that no fit has seen are looked at.
+    fn next_commands(&self, found: &Diagnosis) -> Result<Vec<String>> {
+        let looked_at = self.confirm.as_ref().unwrap_or(&self.source.set);
+        let source = [vec![looked_at.display().to_string()], self.source.words()].concat();
+        let answer = self.output.as_deref().filter(|path| !file_ending::is_standard(path));
+        let answer = answer.unwrap_or(Path::new("diagnosis.json"));
+        next_commands(found, &source, &self.model, answer)
+    }
+
     /// The set that confirms; none of its recordings may be one of those fitted to.
     fn second(
         &self,

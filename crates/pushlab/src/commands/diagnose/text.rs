@@ -6,9 +6,11 @@ use diagnosis::{
     Clusters, Diagnosis, EffectFinding, ErrorFall, Gain, Grade, MotionError, OriginShare,
     ParameterFinding, PushScatter, Remains,
 };
+use effects::readable_unit;
 use models::Cluster;
 
-use crate::people::{four_digits, lines, people, spread};
+use crate::people::{behind_number, four_digits, lines, spread, two_digits};
+use crate::step_kind::StepKind;
 use crate::terminal::{TITLE, WARNING};
 
 /// A diagnosis of a model.
@@ -16,10 +18,18 @@ pub(super) struct Answer<'a> {
     pub(super) found: &'a Diagnosis,
     /// The model's name.
     pub(super) model: &'a str,
+    /// What a step is.
+    pub(super) step: StepKind,
+    /// Whether it is written to a file, which the next commands read.
+    pub(super) is_kept: bool,
 }
 
 /// Width of a line of running text.
 const WIDTH: usize = 96;
+/// Width of a name before its reason.
+const REASON: usize = 26;
+/// An error that grows by so much is told to.
+const RISES: f64 = 1.05;
 
 impl fmt::Display for Answer<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -60,7 +70,7 @@ impl fmt::Display for Answer<'_> {
         for line in lines(&found.sentence, WIDTH) {
             writeln!(f, "{TITLE}{line}{TITLE:#}")?;
         }
-        write_error(f, &found.error)?;
+        write_error(f, &found.error, self.step)?;
         for (grade, title) in [
             (Some(Grade::Identified), "missing"),
             (Some(Grade::Ambiguous), "one of these"),
@@ -80,7 +90,19 @@ impl fmt::Display for Answer<'_> {
         }
         write_rest(f, &found.effects)?;
         write_scatter(f, &found.noise.push_to_push)?;
-        found.remains.as_ref().map_or(Ok(()), |remains| write_remains(f, remains))
+        found.remains.as_ref().map_or(Ok(()), |remains| write_remains(f, remains))?;
+        self.write_next(f)
+    }
+}
+
+impl Answer<'_> {
+    fn write_next(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.found.next.is_empty() {
+            return Ok(());
+        }
+        let first = if self.is_kept { "" } else { ", after the same with -o diagnosis.json" };
+        writeln!(f, "{TITLE}next{TITLE:#}{first}")?;
+        self.found.next.iter().try_for_each(|command| writeln!(f, "  {command}"))
     }
 }
 
@@ -147,8 +169,9 @@ fn plural(kind: Cluster) -> &'static str {
 pub(in crate::commands) fn write_error(
     f: &mut fmt::Formatter<'_>,
     error: &ErrorFall,
+    step: StepKind,
 ) -> fmt::Result {
-    writeln!(f, "{TITLE}error of a step, RMS{TITLE:#}, on the held-out pushes")?;
+    writeln!(f, "{TITLE}error of a step, RMS{TITLE:#} ({step}), on the held-out pushes")?;
     let ErrorFall { before_si, after_si, floor_si, .. } = error;
     let row = |of: fn(&MotionError) -> Option<f64>| [before_si, after_si, floor_si].map(of);
     for (name, unit, per, values) in [
@@ -161,12 +184,11 @@ pub(in crate::commands) fn write_error(
         if let [Some(before), Some(after), floor] = values {
             let (before, after) = (per * before, per * after);
             write!(f, "  {name:16} {before:7.3} → {after:.3} {unit:2}")?;
-            match floor.map(|floor| per * floor) {
-                Some(floor) if floor > 0.0 => {
-                    writeln!(f, "  floor {floor:.3}, {:.1} times it", after / floor)?;
-                }
-                _ => writeln!(f)?,
+            if let Some(floor) = floor.map(|floor| per * floor).filter(|floor| *floor > 0.0) {
+                write!(f, "  floor {floor:.3}, {:.1} times it", after / floor)?;
             }
+            let rises = if after > RISES * before { "; it rises" } else { "" };
+            writeln!(f, "{rises}")?;
         }
     }
     Ok(())
@@ -185,7 +207,8 @@ fn write_effect(f: &mut fmt::Formatter<'_>, effect: &EffectFinding) -> fmt::Resu
     if matches!(effect.grade, Grade::Identified | Grade::Ambiguous | Grade::Effective) {
         parameters.iter().try_for_each(|parameter| write_parameter(f, parameter))?;
     }
-    if !why.is_empty() {
+    let is_sure = matches!(effect.grade, Grade::Identified | Grade::Ambiguous);
+    if !is_sure && !why.is_empty() {
         lines(why, WIDTH).into_iter().try_for_each(|line| writeln!(f, "    {line}"))?;
     }
     match rivals.is_empty() {
@@ -196,12 +219,9 @@ fn write_effect(f: &mut fmt::Formatter<'_>, effect: &EffectFinding) -> fmt::Resu
 
 fn write_parameter(f: &mut fmt::Formatter<'_>, parameter: &ParameterFinding) -> fmt::Result {
     let Some(estimate) = parameter.estimate else { return Ok(()) };
-    let (per, unit) = people(&parameter.unit);
+    let (per, unit) = readable_unit(&parameter.unit);
     let number = |value: f64| four_digits(per * value);
-    let unit = match unit {
-        "" | "°" => unit.to_owned(),
-        unit => format!(" {unit}"),
-    };
+    let unit = behind_number(unit);
     write!(f, "    {} = {}{unit}", parameter.name, number(estimate))?;
     match (parameter.low95, parameter.high95) {
         (Some(low), Some(high)) => writeln!(f, " ({} to {})", number(low), number(high)),
@@ -209,25 +229,58 @@ fn write_parameter(f: &mut fmt::Formatter<'_>, parameter: &ParameterFinding) -> 
     }
 }
 
-/// The effects that are not claimed: named alone, for `--json` has their limits.
+/// The effects that are not claimed: why, and how large those may be that show no sign.
 fn write_rest(f: &mut fmt::Formatter<'_>, effects: &[EffectFinding]) -> fmt::Result {
-    // A limit with a reason is of an effect that is seen.
-    for (grade, is_seen, title) in [
-        (Grade::BelowDetectionLimit, true, "looked at, and not claimed (why: -o diagnosis.json)"),
-        (Grade::BelowDetectionLimit, false, "not seen (their limits: -o diagnosis.json)"),
-        (Grade::NotTestable, true, "not testable with these pushes (pushlab check says why)"),
+    for (grade, title) in [
+        (Grade::BelowDetectionLimit, "looked at, and not claimed"),
+        (Grade::NotTestable, "these pushes cannot tell"),
     ] {
-        let ids = effects.iter().filter(|effect| effect.grade == grade);
-        let ids = ids.filter(|effect| effect.why.is_empty() != is_seen);
-        let ids: Vec<&str> = ids.map(|effect| effect.id.as_str()).collect();
-        if !ids.is_empty() {
+        let told = effects.iter().filter(|effect| effect.grade == grade);
+        let told: Vec<_> =
+            told.filter(|effect| effect.is_seen() || grade == Grade::NotTestable).collect();
+        if !told.is_empty() {
             writeln!(f, "{TITLE}{title}{TITLE:#}")?;
-            lines(&ids.join(", "), WIDTH)
+        }
+        for EffectFinding { id, why, .. } in told {
+            let text = format!("{id:26} {why}");
+            let (first, others) = match &lines(&text, WIDTH)[..] {
+                [first, others @ ..] => (first.to_string(), others.join(" ")),
+                [] => (text, String::new()),
+            };
+            writeln!(f, "  {first}")?;
+            lines(&others, WIDTH - REASON)
                 .into_iter()
-                .try_for_each(|line| writeln!(f, "  {line}"))?;
+                .filter(|line| !line.is_empty())
+                .try_for_each(|line| writeln!(f, "  {:REASON$} {line}", ""))?;
         }
     }
-    Ok(())
+    let unseen = effects.iter().filter(|effect| effect.grade == Grade::BelowDetectionLimit);
+    let unseen: Vec<String> = unseen.filter(|effect| !effect.is_seen()).map(limit).collect();
+    if unseen.is_empty() {
+        return Ok(());
+    }
+    writeln!(
+        f,
+        "{TITLE}not seen{TITLE:#}; nine such sets in ten would show it from the size behind it on"
+    )?;
+    lines(&unseen.join(", "), WIDTH).into_iter().try_for_each(|line| writeln!(f, "  {line}"))
+}
+
+/// As "force-bias 0.16 N or 4.3°": of each unit by the number that these pushes show least of.
+fn limit(effect: &EffectFinding) -> String {
+    let mut limits: Vec<(&str, f64)> = Vec::new();
+    for ParameterFinding { unit, detection_limit, .. } in &effect.parameters {
+        let Some(limit) = *detection_limit else { continue };
+        match limits.iter_mut().find(|(known, _)| known == unit) {
+            Some((_, largest)) => *largest = largest.max(limit),
+            None => limits.push((unit, limit)),
+        }
+    }
+    let told = limits.into_iter().map(|(unit, limit)| {
+        let (per, unit) = readable_unit(unit);
+        format!("{}{}", two_digits(per * limit), behind_number(unit))
+    });
+    format!("{} {}", effect.id, told.collect::<Vec<_>>().join(" or ")).trim_end().to_owned()
 }
 
 #[cfg(test)]

@@ -28,11 +28,12 @@ pub(super) fn section(report: &Report) -> Result<Section, ReportError> {
     let ends: Vec<&str> =
         std::iter::once("at the end of a push").chain(tags.iter().map(String::as_str)).collect();
     let section = Section::new("errors", "Error against the noise floor")
-        .text(
-            "Root mean square of observed less predicted over a step, with 95 % intervals that know \
+        .text(&format!(
+            "Root mean square of observed less predicted over a step ({}), with 95 % intervals that know \
              that the steps of one push share their errors. The gray band is the noise floor: what \
              no model can predict.",
-        )
+            report.step
+        ))
         .drawings(drawings)
         .table(&head, names.iter().map(|name| row(report, name)).collect())
         .text(

@@ -31,6 +31,7 @@ use crate::destination::Force;
 use crate::diagnosis_file;
 use crate::file_ending;
 use crate::origin::{Input, Origin, readable};
+use crate::step_kind::StepKind;
 use crate::step_size::StepSize;
 use crate::step_source::{Reading, StepSource, Steps};
 use crate::terminal::Terminal;
@@ -55,7 +56,8 @@ pub(crate) struct Args {
     /// Answer of `pushlab diagnose` about this set and the first model: what is missing
     #[arg(long, value_name = "DIAGNOSIS", alias = "diagnosis", value_parser = file_ending::json)]
     from: Option<PathBuf>,
-    /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm); else 200ms
+    /// Length of a step, of all that is in contact: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm);
+    /// else 5mm of smoothed motion, away from vertices
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<StepSize>,
     #[command(flatten)]
@@ -74,13 +76,15 @@ Examples:
 struct Report {
     set: String,
     part: Part,
-    /// Of the pushes that are compared, and of all.
     floor: NoiseFloor,
-    floor_of_all: NoiseFloor,
+    /// What a step is of which errors are told.
+    step: StepKind,
     /// The pushes that no model was fitted to, by which errors are compared.
     observations: Observations,
     /// Those that maps and the player show.
     all: Observations,
+    /// All their steps in contact, near vertices too: for whole pushes, and for the outline.
+    in_contact: Observations,
     models: Vec<Tried>,
     /// Of all pushes of the set.
     footprints: Footprints,
@@ -119,57 +123,66 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     }
     let diagnosis = args.from.as_ref();
     let diagnosis = diagnosis.map(|path| diagnosis_file::read(path, &mut origin)).transpose()?;
-    let reading = Reading::Plain(args.step);
-    let Steps { rig, observations, inputs, suspicions, .. } =
-        args.source.read(reading, terminal)?;
-    origin.inputs.extend(inputs);
-    files.iter().for_each(|(path, file)| rig.warn_of_other(path, file, terminal));
-    if let Some(path) = args
-        .from
-        .as_ref()
-        .filter(|_| diagnosis.as_ref().is_some_and(|found| !observations.are_of(&found.split)))
-    {
+    let mut steps = args.source.read(Reading::looked_at(args.step), terminal)?;
+    origin.inputs.append(&mut steps.inputs);
+    if let Some(path) = args.from.as_ref().filter(|_| {
+        diagnosis.as_ref().is_some_and(|found| !steps.observations.are_of(&found.split))
+    }) {
         bail!("{} is about other recordings than {}", path.display(), args.source.set.display());
     }
-    let mut report = Report::of(rig.name, files, observations)?;
-    report.suspicions = suspicions;
-    let report = report.with_diagnosis(diagnosis)?;
+    files.iter().for_each(|(path, file)| steps.rig.warn_of_other(path, file, terminal));
+    let report = Report::of(steps, files)?.with_diagnosis(diagnosis)?;
     let (html, written) = report.written(&origin, &args.output)?;
     destination.write(html)?;
     terminal.finish(&origin, &written, &written)
 }
 
 impl Report {
-    fn of(set: String, files: Vec<(&Path, ModelFile)>, all: Observations) -> Result<Self> {
+    fn of(steps: Steps, files: Vec<(&Path, ModelFile)>) -> Result<Self> {
+        let Steps { rig, observations: all, kind: step, in_contact, suspicions, .. } = steps;
         let part = Part::of(files.iter().filter_map(|(_, file)| file.split.as_ref()), &all);
         let footprints = Footprints::of(&all);
+        let floor = lowest_floor(&files, &all)?.context("name a model with --model")?;
         let observations = part.observations(all.clone())?;
+        let in_contact = match in_contact {
+            // A push without a step that is compared is none here.
+            Some(found) => {
+                found.part(&all.pushes().iter().map(ToString::to_string).collect::<Vec<_>>())?
+            }
+            None => all.clone(),
+        };
         let names = distinct_names(&files);
-        let mut trial = Trial::new(&all, &observations, &part);
+        let trial = Trial {
+            all: &all,
+            unseen: &observations,
+            in_contact: &in_contact,
+            part: &part,
+            floor: &floor,
+        };
         let mut models = Vec::new();
         for ((path, file), name) in files.into_iter().zip(names) {
             let tried = trial.of(name, file);
             models.push(tried.with_context(|| format!("cannot try {}", path.display()))?);
         }
-        let [floor, floor_of_all] = trial.into_floors().context("name a model with --model")?;
         Ok(Self {
-            set,
+            set: rig.name,
             part,
             floor,
-            floor_of_all,
+            step,
             observations,
             all,
+            in_contact,
             models,
             footprints,
             diagnosis: None,
-            suspicions: Vec::new(),
+            suspicions,
         })
     }
 
     /// The same with what a diagnosis says of the first model.
     fn with_diagnosis(mut self, diagnosis: Option<Diagnosis>) -> Result<Self> {
         let Some(found) = diagnosis else { return Ok(self) };
-        let signatures = Signatures::of(&found, &self.models[0], &self.all, &self.floor_of_all)?;
+        let signatures = Signatures::of(&found, &self.models[0], &self.all, &self.floor)?;
         self.diagnosis = Some((found, signatures));
         Ok(self)
     }
@@ -219,6 +232,22 @@ impl Report {
             names.join("; ")
         )
     }
+}
+
+/// One floor for all models: about the one that leaves the least between like pushes.
+fn lowest_floor(
+    files: &[(&Path, ModelFile)],
+    observations: &Observations,
+) -> Result<Option<NoiseFloor>> {
+    let mut lowest: Option<NoiseFloor> = None;
+    for (path, file) in files {
+        let floor = NoiseFloor::about(&file.description, &[], observations)
+            .with_context(|| format!("cannot try {}", path.display()))?;
+        if lowest.as_ref().is_none_or(|lowest| floor.times(lowest) < 1.0) {
+            lowest = Some(floor);
+        }
+    }
+    Ok(lowest)
 }
 
 /// The letter by which charts name a model.

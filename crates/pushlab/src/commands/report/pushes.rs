@@ -31,7 +31,7 @@ pub(super) fn player(report: &Report) -> Player {
     let names = report.all.pushes().iter().zip(0..);
     let number_of: HashMap<&PushName, usize> = names.collect();
     for (index, rollout) in first.iter().enumerate() {
-        let step = rollout.first_step(&report.all);
+        let step = rollout.first_step(&report.in_contact);
         let known = objects.iter().position(|object| Arc::ptr_eq(object, &step.object));
         let outline = known.unwrap_or_else(|| {
             objects.push(step.object.clone());
@@ -45,7 +45,7 @@ pub(super) fn player(report: &Report) -> Player {
     let outline = |object: &Arc<Object>| {
         object.shape().outline(CORNERS).iter().map(|corner| [corner.x, corner.y]).collect()
     };
-    let step = first.first().map(|rollout| rollout.first_step(&report.all));
+    let step = first.first().map(|rollout| rollout.first_step(&report.in_contact));
     let place_of: HashMap<usize, usize> =
         played.iter().enumerate().map(|(place, (_, push, _))| (*push, place)).collect();
     let places =

@@ -15,6 +15,7 @@ use crate::command_line::run_typed;
 use crate::destination::{Force, Inputs};
 use crate::origin::{Input, plain};
 use crate::recorded_steps::SET_FILES;
+use crate::step_kind::StepKind;
 use crate::terminal::{TITLE, Terminal};
 
 /// Files of the folder, in the order in which they are made.
@@ -105,13 +106,16 @@ pub(super) struct Chain<'a> {
     ledger: Ledger,
     /// The recordings and what lies beside them.
     pub(super) set: Vec<Input>,
+    /// What a step of them is.
+    pub(super) step: StepKind,
     pub(super) past: Vec<Past>,
 }
 
 impl<'a> Chain<'a> {
     pub(super) fn new(args: &'a Args, terminal: &'a Terminal) -> Self {
         let ledger = Ledger::read(&args.output.join(LEDGER));
-        Self { args, terminal, ledger, set: Vec::new(), past: Vec::new() }
+        let (set, step, past) = (Vec::new(), StepKind::Steady, Vec::new());
+        Self { args, terminal, ledger, set, step, past }
     }
 
     /// A file of the folder.
@@ -155,6 +159,9 @@ impl<'a> Chain<'a> {
         };
         self.pass("init", state, plain(&folder.join(MANIFEST_NAME)));
         let set = RecordingSet::open(folder)?;
+        if set.is_of_end_points() {
+            self.step = StepKind::WholePush;
+        }
         let beside = SET_FILES.map(|name| set.dir().join(name)).into_iter();
         for path in beside.filter(|path| path.exists()).chain(set.recordings().to_vec()) {
             self.set.extend(Input::all(&path)?);

@@ -11,6 +11,7 @@ use super::chain::{BETTER, Chain, DIAGNOSIS, MODEL, PAGE, Past};
 use crate::commands::diagnose::write_error;
 use crate::diagnosis_file::lowers_the_error;
 use crate::people::lines;
+use crate::step_kind::StepKind;
 use crate::terminal::TITLE;
 
 /// The result of a run.
@@ -23,6 +24,8 @@ pub(super) struct Ran {
     ambiguous: Vec<Vec<String>>,
     effective: Vec<String>,
     error: ErrorFall,
+    /// What the step is that it is of.
+    step: StepKind,
     /// The model to go on with.
     model: PathBuf,
     report: PathBuf,
@@ -62,7 +65,7 @@ impl Ran {
         let next =
             shlex::try_join(words.clone()).unwrap_or_else(|_| words.collect::<Vec<_>>().join(" "));
         let Diagnosis { verdict, sentence, identified, ambiguous, effective, error, .. } = found;
-        let phases = chain.past;
+        let (phases, step) = (chain.past, chain.step);
         Self {
             phases,
             verdict,
@@ -71,6 +74,7 @@ impl Ran {
             ambiguous,
             effective,
             error,
+            step,
             model,
             report,
             next,
@@ -95,7 +99,7 @@ impl fmt::Display for Ran {
         for line in lines(&self.sentence, WIDTH) {
             writeln!(f, "{TITLE}{line}{TITLE:#}")?;
         }
-        write_error(f, &self.error)?;
+        write_error(f, &self.error, self.step)?;
         writeln!(f, "{TITLE}verdict{TITLE:#}  {}", self.verdict_text())?;
         writeln!(f, "{TITLE}model{TITLE:#}    {}", self.model.display())?;
         writeln!(f, "{TITLE}report{TITLE:#}   {}", self.report.display())?;

@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Result, bail, ensure};
+use dataset::IngestSettings;
 use diagnosis::{Observations, split};
 use models::{
     Description, GpPushModel, Hybrid, MadeFor, ModelFile, ProcessReport, PushModel, Setup, Split,
@@ -182,13 +183,18 @@ impl Parts {
         if steady.n_pushes.is_none() && args.step.is_some() {
             bail!(WrongUsage("--step is for recordings; the steps of a table are made"));
         }
-        let Steps { rig, observations, inputs, .. } = match steady.n_pushes {
-            Some(_) => args.source.read(Reading::Plain(args.step), &terminal.silent())?,
-            None => steady,
+        // A learnt model is asked near vertices, too, where it is compared with no step.
+        let usual = StepSize(IngestSettings::default().step);
+        let reading = Reading::Plain(args.step.unwrap_or(usual));
+        let to_learn = match steady.n_pushes {
+            Some(_) => Some(args.source.read(reading, &terminal.silent())?.observations),
+            None => None,
         };
+        let Steps { rig, observations, inputs, .. } = steady;
         origin.inputs.extend(inputs);
-        let part = |names: &[String]| observations.part(names);
-        let observations = [part(&split.fit)?, part(&split.confirm)?];
+        let to_learn = to_learn.as_ref().unwrap_or(&observations);
+        let unseen = if args.step.is_some() { to_learn } else { &observations };
+        let observations = [to_learn.part(&split.fit)?, unseen.part(&split.confirm)?];
         Ok(Self { split, observations, made_for: rig.made_for() })
     }
 }

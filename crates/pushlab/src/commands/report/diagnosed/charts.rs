@@ -43,23 +43,29 @@ pub(super) fn gains(found: &Diagnosis) -> Result<Vec<Drawing>, ReportError> {
 /// One number of a step in a diagnosis.
 type Pick = fn(&MotionError) -> Option<f64>;
 
-/// Error before and after, beside the floor, of each number of a step.
-pub(super) fn errors(error: &ErrorFall) -> Result<Vec<Drawing>, ReportError> {
-    let numbers: [(&str, &'static str, Pick); 5] = [
+/// A number of a step with its unit, the error before and after, and the floor.
+pub(super) type Fall = (&'static str, &'static str, [f64; 2], Option<f64>);
+
+/// The numbers of a step whose errors are known.
+pub(super) fn numbers(error: &ErrorFall) -> Vec<Fall> {
+    let numbers: [(&str, &str, Pick); 5] = [
         ("dx", "m", |motion| motion.dx_m),
         ("dy", "m", |motion| motion.dy_m),
         ("dtheta", "rad", |motion| motion.dtheta_rad),
         ("force_normal", "N", |motion| motion.force_normal_n),
         ("force_tangential", "N", |motion| motion.force_tangential_n),
     ];
-    let mut drawings = Vec::new();
-    for (name, unit, pick) in numbers {
-        let ends = pick(&error.before_si).zip(pick(&error.after_si));
-        if let Some((before, after)) = ends {
-            drawings.push(fall(name, unit, [before, after], pick(&error.floor_si))?);
-        }
-    }
-    Ok(drawings)
+    let known = numbers.into_iter().filter_map(|(name, unit, pick)| {
+        let errors = [pick(&error.before_si)?, pick(&error.after_si)?];
+        Some((name, unit, errors, pick(&error.floor_si)))
+    });
+    known.collect()
+}
+
+/// Error before and after, beside the floor, of each number of a step.
+pub(super) fn errors(error: &ErrorFall) -> Result<Vec<Drawing>, ReportError> {
+    let numbers = numbers(error).into_iter();
+    numbers.map(|(name, unit, errors, floor)| fall(name, unit, errors, floor)).collect()
 }
 
 fn fall(

@@ -1,5 +1,6 @@
 //! What a diagnosis says: what is missing, how sure that is, and what else it could be.
 
+mod card;
 mod charts;
 mod remains;
 mod signatures;
@@ -19,6 +20,7 @@ pub(super) fn section(found: &Diagnosis, signatures: &Signatures) -> Result<Sect
     let mut section = Section::new("diagnosis", "What is missing")
         .text(&found.sentence)
         .text(reading(found.verdict));
+    section = card::card(found, section);
     let gains = charts::gains(found)?;
     if !gains.is_empty() {
         section = section.text(GAINS).drawings(gains);
@@ -38,7 +40,8 @@ pub(super) fn section(found: &Diagnosis, signatures: &Signatures) -> Result<Sect
         let head = ["effect", "said", "p", "gain in nats", "gap closed", "values (95 %)"];
         section = section.table(&head, claimed);
     }
-    let doubted = found.effects.iter().filter(|one| is_added(one.grade) && !one.why.is_empty());
+    let is_doubted = |one: &&EffectFinding| one.grade != Grade::Identified || one.small;
+    let doubted = found.effects.iter().filter(|one| is_added(one.grade)).filter(is_doubted);
     let doubted: Vec<_> = doubted.map(|one| vec![one.id.clone(), one.why.clone()]).collect();
     if !doubted.is_empty() {
         section = section.table(&["effect", "why its cause may be another"], doubted);
@@ -234,16 +237,16 @@ fn rest(found: &Diagnosis, mut section: Section) -> Section {
     }
     let limits = of(Grade::BelowDetectionLimit).map(|effect| {
         let values: Vec<String> = effect.parameters.iter().filter_map(value).collect();
-        vec![effect.id.clone(), values.join("; ")]
+        vec![effect.id.clone(), effect.why.clone(), values.join("; ")]
     });
     let limits: Vec<_> = limits.collect();
     if !limits.is_empty() {
         section = section
             .text(
-                "Not seen: how much of each effect could still be there, by one step of a fit. A wide \
-                 interval means that little is known, not that the effect is probably large.",
+                "Not claimed: why, and how much of each effect could still be there, by one step of a fit. A \
+                 wide interval means that little is known, not that the effect is probably large.",
             )
-            .table(&["effect", "values (95 %)"], limits);
+            .table(&["effect", "why it is not claimed", "values (95 %)"], limits);
     }
     let silent: Vec<_> =
         of(Grade::NotTestable).map(|e| vec![e.id.clone(), e.why.clone()]).collect();
