@@ -88,6 +88,11 @@ fn by_geometry(
     for touch in &mut touches {
         touch.start = onset(scene, touch, settings);
     }
+    // A log of one push has no next place to be carried to; its gap may change for a late stream's sake, or
+    // for an outline's that is not the object's.
+    if touches.len() < 2 && pauses.is_empty() {
+        return (touches, losses, 0);
+    }
     let parts: Vec<_> = touches.iter().map(|touch| without_passes(scene, touch, gaps)).collect();
     let n_passes = parts.iter().map(|(_, n)| n).sum();
     (parts.into_iter().flat_map(|(parts, _)| parts).collect(), losses, n_passes)
