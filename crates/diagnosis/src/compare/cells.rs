@@ -27,7 +27,8 @@ impl CovariateCells {
 }
 
 impl Observations {
-    /// The push of a step, as an index into [`Observations::pushes`].
+    /// The push of a step, as an index into [`Observations::pushes`]; `step` is below
+    /// [`Observations::n_steps`].
     pub fn push_of(&self, step: usize) -> usize {
         self.push_of[step]
     }

@@ -10,8 +10,7 @@ use crate::{DiagnosisError, Observations, Predictions};
 type Number = fn(&StepInput, &Place) -> f64;
 
 /// What was done in a step, SI units: how it begins in frame W, and how the pusher goes on.
-const INPUTS: [(&str, Number); 14] = [
-    ("edge", |_, place| f64::from(place.edge)),
+const INPUTS: [(&str, Number); 12] = [
     ("p", |_, place| place.p),
     ("beta_rad", |_, place| place.beta),
     ("speed_m_s", |_, place| place.speed),
@@ -24,13 +23,17 @@ const INPUTS: [(&str, Number); 14] = [
     ("pusher_y_m", |input, _| input.track.start().y),
     ("pusher_end_x_m", |input, _| input.track.end().x),
     ("pusher_end_y_m", |input, _| input.track.end().y),
-    ("session", |input, _| f64::from(input.session)),
 ];
 /// Units of the numbers of [`Channels`].
 const UNITS: [&str; 7] = ["m", "m", "rad", "N", "N", "m", "m"];
 
-/// The steps of observations as columns: their push, what was done, and of each number of
-/// [`Channels`] what was measured, predicted and left, and the variance that the model itself claims.
+/// The steps of observations as columns, one row a step, in SI units that the names end with (`m2` is m²).
+///
+/// - What the step is: `recording`, `push`, `step`, `session` and `edge`, counted from 0, and its `flags`.
+/// - What was done: where the contact is on the edge (`p`, 0 to 1), the push's angle from the inward normal
+///   (`beta_rad`), and in frame W the object's pose at the start and the pusher's center at both ends.
+/// - Of each number of [`Channels`] what was `measured` and `predicted`, the `residual` (observed less
+///   predicted), and the `variance` that the model itself claims; empty where there is none.
 ///
 /// # Errors
 /// `OtherSteps` if the predictions are of other observations.
@@ -41,16 +44,17 @@ pub fn residual_columns(
     let residuals = predictions.residuals(observations)?;
     let column = |name: &str, cells| NamedColumn { name: name.to_owned(), cells };
     let pushes = || observations.push_of.iter().map(|push| &observations.pushes[*push]);
-    let places = || observations.places.iter();
+    let (steps, places) = (|| observations.steps.iter(), || observations.places.iter());
     let mut columns = vec![
         column("recording", Cells::Text(pushes().map(|push| push.recording.clone()).collect())),
         column("push", Cells::Integer(pushes().map(|push| push.push).collect())),
         column("step", Cells::Integer(places().map(|place| place.step).collect())),
+        column("session", Cells::Integer(steps().map(|step| step.input.session).collect())),
+        column("edge", Cells::Integer(places().map(|place| place.edge).collect())),
         column("flags", Cells::Text(places().map(|place| place.flags.to_string()).collect())),
     ];
     columns.extend(INPUTS.iter().map(|(name, number)| {
-        let steps = observations.steps.iter().zip(places());
-        let values = steps.map(|(step, place)| Some(number(&step.input, place)));
+        let values = steps().zip(places()).map(|(step, place)| Some(number(&step.input, place)));
         column(name, Cells::Real(values.collect()))
     }));
     for (number, (name, unit)) in Channels::NAMES.iter().zip(UNITS).enumerate() {
@@ -58,7 +62,7 @@ pub fn residual_columns(
         let of = |values: &[[Option<f64>; 7]]| {
             Cells::Real(values.iter().map(|values| values[number]).collect())
         };
-        let measured: Vec<_> = observations.steps.iter().map(|step| step.observed).collect();
+        let measured: Vec<_> = steps().map(|step| step.observed).collect();
         columns.extend([
             column(&format!("{name}_measured_{unit}"), of(&measured)),
             column(&format!("{name}_predicted_{unit}"), of(predictions.steps())),

@@ -1,5 +1,8 @@
 //! `pushlab train` on simulated pushes, and what reads its models.
 
+use pushlab::dataset::{RecordingSet, ingest};
+use pushlab::diagnosis::{NoiseFloor, Observations, steady_ingest};
+use pushlab::models::ModelFile;
 use serde_json::Value;
 
 use crate::small_set::SmallSet;
@@ -27,6 +30,17 @@ fn mean(trained: &Value, key: &str) -> f64 {
 fn weights(set: &SmallSet, model: &str) -> String {
     let file: toml::Table = set.read(model).parse().unwrap();
     file["learned"]["weights"].as_str().unwrap().to_owned()
+}
+
+/// The floor of the turn about a learnt model, by the pushes that it has not seen alone: through the others it
+/// passes.
+fn floor_of_unseen(set: &SmallSet, model: &str) -> f64 {
+    let recordings = RecordingSet::open(&set.path("sim")).unwrap();
+    let (table, _) = ingest(&recordings, &steady_ingest()).unwrap();
+    let all = Observations::steady(&table, recordings.manifest()).unwrap();
+    let model = ModelFile::read(&set.path(model)).unwrap();
+    let unseen = all.part(&model.split.unwrap().confirm).unwrap();
+    NoiseFloor::about(&model.description, &[], &unseen).unwrap().numbers[2].unwrap().rms
 }
 
 #[test]
@@ -65,6 +79,8 @@ fn every_kind_is_trained_kept_and_compared_on_pushes_that_it_has_not_seen() {
             assert!((told - found).abs() < 1e-9 * found, "{kind}: {told} {found}");
         }
         assert_eq!(compared["unexplained"], trained["unseen"]["unexplained"]);
+        let floor = compared["floor"]["numbers"][2]["rms"].as_f64();
+        assert_eq!(floor, Some(floor_of_unseen(&set, &model)), "{kind}");
         let shown = result(&show);
         assert_eq!((&shown["kind"], &shown["process"]), (&kind.into(), &process.into()));
         assert_eq!(shown["unexplained"], trained["unexplained"]);

@@ -9,13 +9,13 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use dataset::Suspicion;
 use diagnosis::{
-    ChannelChange, Comparison, MapSettings, NoiseFloor, Observations, Predictions, PushEnds,
-    change, compare, push_ends, roll_out,
+    ChannelChange, Comparison, MapSettings, Observations, Predictions, PushEnds, change, compare,
+    push_ends, roll_out,
 };
 use models::{Base, Description, ModelFile, Unexplained};
 use serde::Serialize;
 
-pub(super) use self::part::Part;
+pub(super) use self::part::{Part, floor_about};
 pub(super) use self::text::widened;
 use crate::destination::Force;
 use crate::document::document;
@@ -120,13 +120,13 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let splits =
         [Some(&model), other.as_ref()].into_iter().flatten().filter_map(|f| f.split.as_ref());
     let part = Part::of(splits, &all);
-    let floor = NoiseFloor::about(&model.description, &[], &all)?;
     let is_table = |path: &PathBuf| path.extension().is_some_and(|ending| ending != "json");
     // Those that the model was fitted to as well.
     let steps = args.output.as_ref().filter(|path| is_table(path));
-    let steps = steps.map(|_| residuals::of(&model.description, &all)).transpose()?;
+    let steps = steps.map(|_| residuals::of(&model.description, &all, &part)).transpose()?;
     let whole = in_contact.map(|whole| part.observations(whole)).transpose()?;
-    let observations = part.observations(all)?;
+    let observations = part.observations(all.clone())?;
+    let floor = floor_about(&model.description, &all, &observations)?;
     let predict = |file: &ModelFile| Predictions::of(&file.description, &[], &observations);
     let activity = terminal.activity();
     activity.tell("predicting every step");
@@ -150,7 +150,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
         Compared { model, part, step, unexplained, comparison, roll_outs, against, suspicions };
     match (output, steps) {
         (Some(output), None) => output.write(document(&origin, &terminal.warnings(), &result)?)?,
-        (Some(output), Some(steps)) => residuals::write(output, steps, &result.part, &origin)?,
+        (Some(output), Some(steps)) => residuals::write(output, &steps, &origin)?,
         (None, _) => {}
     }
     terminal.finish(&origin, &result, &result)

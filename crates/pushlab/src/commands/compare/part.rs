@@ -3,8 +3,8 @@
 use std::fmt;
 
 use anyhow::{Context, Result};
-use diagnosis::Observations;
-use models::Split;
+use diagnosis::{NoiseFloor, Observations, PushName};
+use models::{Base, Description, Split};
 use serde::Serialize;
 
 /// The pushes compared.
@@ -46,12 +46,19 @@ impl Part {
     }
 
     /// Which part a push was in: `all` where no model was fitted to any.
-    pub(super) fn name_of(&self, push: &String) -> &'static str {
+    fn name_of(&self, push: &String) -> &'static str {
         match self {
             Self::All => "all",
             Self::Confirm { .. } if self.has(push) => "held_out",
             Self::Confirm { .. } => "fitted",
         }
+    }
+
+    /// The same of the push of each step.
+    pub(super) fn names_of_steps(&self, all: &Observations) -> Vec<String> {
+        let of_push = |push: &PushName| self.name_of(&push.to_string()).to_owned();
+        let names: Vec<String> = all.pushes().iter().map(of_push).collect();
+        (0..all.n_steps()).map(|step| names[all.push_of(step)].clone()).collect()
     }
 
     /// The observations of these pushes.
@@ -66,6 +73,20 @@ impl Part {
             }
         }
     }
+}
+
+/// The noise floor about a model, of all pushes: its few numbers leave of pushes that they were fitted to what they
+/// leave of others. What was learnt freely does not, and has the floor of the pushes that it has not seen.
+///
+/// # Errors
+/// What the model refuses.
+pub(in crate::commands) fn floor_about(
+    model: &Description,
+    all: &Observations,
+    unseen: &Observations,
+) -> Result<NoiseFloor> {
+    let pushes = if matches!(model.base, Base::Analytical(_)) { all } else { unseen };
+    Ok(NoiseFloor::about(model, &[], pushes)?)
 }
 
 impl fmt::Display for Part {

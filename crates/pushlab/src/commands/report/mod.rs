@@ -26,7 +26,7 @@ use serde::Serialize;
 use self::diagnosed::Signatures;
 use self::headline::Headline;
 use self::tried::{Trial, Tried};
-use super::compare::Part;
+use super::compare::{Part, floor_about};
 use crate::destination::Force;
 use crate::diagnosis_file;
 use crate::file_ending;
@@ -142,8 +142,9 @@ impl Report {
         let Steps { rig, observations: all, kind: step, in_contact, suspicions, .. } = steps;
         let part = Part::of(files.iter().filter_map(|(_, file)| file.split.as_ref()), &all);
         let footprints = Footprints::of(&all);
-        let floor = lowest_floor(&files, &all)?.context("name a model with --model")?;
         let observations = part.observations(all.clone())?;
+        let floor = lowest_floor(&files, &all, &observations)?;
+        let floor = floor.context("name a model with --model")?;
         let in_contact = match in_contact {
             // A push without a step that is compared is none here.
             Some(found) => {
@@ -237,11 +238,12 @@ impl Report {
 /// One floor for all models: about the one that leaves the least between like pushes.
 fn lowest_floor(
     files: &[(&Path, ModelFile)],
-    observations: &Observations,
+    all: &Observations,
+    unseen: &Observations,
 ) -> Result<Option<NoiseFloor>> {
     let mut lowest: Option<NoiseFloor> = None;
     for (path, file) in files {
-        let floor = NoiseFloor::about(&file.description, &[], observations)
+        let floor = floor_about(&file.description, all, unseen)
             .with_context(|| format!("cannot try {}", path.display()))?;
         if lowest.as_ref().is_none_or(|lowest| floor.times(lowest) < 1.0) {
             lowest = Some(floor);
