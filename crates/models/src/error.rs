@@ -211,7 +211,7 @@ pub enum ModelError {
     /// Too few pushes to tell what the steps of one have in common.
     #[error(
         "the correlation of steps needs at least {needed} pushes of three steps or more, got \
-         {n_pushes}; record more pushes"
+         {n_pushes}; record more pushes, or take shorter steps"
     )]
     TooFewPushes {
         /// What was given.

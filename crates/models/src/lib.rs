@@ -50,7 +50,7 @@ pub use roll_out::step_correlation::{EndCheck, StepCorrelation};
 pub use roll_out::{
     Matching, Moment, PushEvents, PushMotion, PushParticle, RollOut, RollOutSettings, StepErrors,
 };
-pub use scatter::calibrated::{Calibrated, CalibrationPhase};
+pub use scatter::calibration::{Calibration, CalibrationPhase};
 pub use steps::channel_steps::{ChannelObservation, ChannelSteps, rigid_object};
 pub use steps::contact_gap::ContactGap;
 pub use steps::excluded::{Excluded, ExclusionReason};

@@ -20,6 +20,7 @@ use crate::destination::{Force, Inputs};
 use crate::origin::{Input, Origin, readable};
 use crate::step_source::{Reading, StepSource};
 use crate::terminal::Terminal;
+use crate::whole_pushes::calibration_of_fitted;
 
 /// Recordings with their split.
 pub(crate) struct Fitting {
@@ -114,20 +115,28 @@ impl Fitting {
         self.fit_with(model, free, &values)
     }
 
-    /// Writes the fitted model.
+    /// Writes the fitted model, as sure of whole pushes as those of its set let it be.
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub(crate) fn write(self, fit: Fit, name: String, to: OutputFile) -> Result<Fitted> {
+    pub(crate) fn write(
+        self,
+        fit: Fit,
+        name: String,
+        (source, to): (&StepSource, OutputFile),
+        terminal: &Terminal,
+    ) -> Result<Fitted> {
         let writes_nuisances = self.options.writes_nuisances();
         let description = if writes_nuisances { &fit.with_nuisances } else { &fit.description };
         let description = description.clone();
         let n_kept = self.split.confirm.len();
         let (split, made_for) = (Some(self.split), Some(self.made_for));
-        let model = ModelFile { name, description, split, made_for };
+        let mut model = ModelFile { split, made_for, ..ModelFile::new(name, description) };
+        model.calibration = calibration_of_fitted((source, None), &model, terminal);
         let path = to.path().to_owned();
+        let calibration = model.calibration.clone();
         model.write_to(to)?;
-        Ok(Fitted::new(fit, (&self.set, &path), n_kept, writes_nuisances))
+        Ok(Fitted::new(fit, (&self.set, &path), (n_kept, writes_nuisances), calibration))
     }
 }
 

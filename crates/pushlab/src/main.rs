@@ -25,6 +25,7 @@ mod suspected;
 mod table_summary;
 mod terminal;
 mod unexplained;
+mod whole_pushes;
 mod wrong_usage;
 
 use std::process::ExitCode;

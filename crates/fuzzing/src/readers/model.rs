@@ -8,8 +8,8 @@ use anyhow::Result;
 use dataset::SupportSpec;
 use effects::{Rig, Setting, Surface};
 use models::{
-    Analytical, Base, CharacteristicLength, Description, Estimate, ModelEffect, ModelFile, Noise,
-    StepInput, SurfaceKind,
+    Analytical, Base, Calibration, CharacteristicLength, ContactGap, Description, Estimate,
+    ModelEffect, ModelFile, Noise, StepCorrelation, StepInput, SurfaceKind,
 };
 use nalgebra::Matrix3;
 use planar::Shape;
@@ -38,8 +38,8 @@ impl Reader for Models {
             let base = Base::Analytical(analytical);
             let description = Description { base, effects, weights: None };
             let path = dir.join("model.toml");
-            ModelFile { name: "a model".to_owned(), description, split: None, made_for: None }
-                .write(&path)?;
+            let calibration = Some(calibration());
+            ModelFile { calibration, ..ModelFile::new("a model", description) }.write(&path)?;
             inputs.push(fs::read(path)?);
             Ok(())
         };
@@ -69,6 +69,7 @@ impl Reader for Models {
             "[learned]",
             "scatter_per_m",
             "[split]",
+            "[calibration]",
             "characteristic_length",
             "id = \"inertia\"",
         ]
@@ -80,6 +81,27 @@ impl Reader for Models {
             Ok(()) => Verdict::of(ModelFile::read(&path), wrong),
             Err(error) => Verdict::Wrong(format!("scratch is not usable: {error}")),
         }
+    }
+}
+
+/// How sure a model may be of whole pushes.
+fn calibration() -> Calibration {
+    let correlation = StepCorrelation {
+        held: [0.5, 0.25, 1.0],
+        length: 0.05,
+        own: [0.125, 0.0, 0.5],
+        freedom: 5.0,
+        measured: [0.0; 3],
+        gap: ContactGap::default(),
+        n_pushes: 9,
+        n_steps: 90,
+        ends: None,
+    };
+    Calibration {
+        n_pushes: 9,
+        widened: Some(1.5),
+        scatter_per_m: Some([[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 8.0]]),
+        correlation: Some(correlation),
     }
 }
 
@@ -99,7 +121,9 @@ pub(super) fn wrong(file: &ModelFile) -> Option<String> {
             return Some(wrong);
         }
     }
-    predicted(&file.description)
+    let calibrated = file.calibration.as_ref().map(|of| file.description.with(of)).transpose();
+    let calibrated = calibrated.ok().flatten();
+    predicted(&file.description).or_else(|| predicted(&calibrated?))
 }
 
 /// What is wrong with predictions, where the model gives some.

@@ -37,8 +37,7 @@ impl Reader for WeightsFiles {
         let mut add = |model: &dyn PushModel| -> Result<()> {
             let path = dir.join("model.toml");
             let description = model.describe()?;
-            ModelFile { name: "a".to_owned(), description, split: None, made_for: None }
-                .write(&path)?;
+            ModelFile::new("a", description).write(&path)?;
             inputs.push(input(dir, &path)?);
             Ok(())
         };

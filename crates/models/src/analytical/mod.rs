@@ -47,6 +47,13 @@ pub(crate) const FRICTION_RANGE: (f64, f64) = (0.0, 10.0);
 /// Of the characteristic length, in m: it is below the object's size.
 pub(crate) const LENGTH_RANGE: (f64, f64) = (1e-6, 10.0);
 
+/// Whether a matrix can be a covariance. An eigenvalue of zero may come back from the digits of a file as a rounding
+/// below it.
+pub(crate) fn is_covariance(matrix: &Matrix3<f64>) -> bool {
+    let eigenvalues = matrix.symmetric_eigenvalues();
+    *matrix == matrix.transpose() && eigenvalues.min() >= -1e-12 * eigenvalues.max()
+}
+
 impl Analytical {
     /// The nominal model: μp from the manifest, c from uniform pressure, no scatter.
     ///

@@ -7,10 +7,10 @@ use super::ModelFile;
 use super::made_for::MadeFor;
 use super::raw::{Raw, RawBase};
 use super::source::Source;
-use crate::analytical::{FRICTION_RANGE, LENGTH_RANGE};
+use crate::analytical::{FRICTION_RANGE, LENGTH_RANGE, is_covariance};
 use crate::{
-    Analytical, Base, CharacteristicLength, Estimate, ModelError, ProcessKind, Split, SurfaceKind,
-    model_kinds,
+    Analytical, Base, Calibration, CharacteristicLength, Estimate, ModelError, ProcessKind, Split,
+    SurfaceKind, model_kinds,
 };
 
 const PRESSURES: [&str; 1] = ["uniform"];
@@ -59,6 +59,18 @@ impl Source<'_> {
         &self,
         raw: Option<Spanned<MadeFor>>,
     ) -> Result<Option<MadeFor>, ModelError> {
+        let Some(raw) = raw else { return Ok(None) };
+        match raw.get_ref().problem() {
+            Some((key, problem)) => Err(self.invalid(raw.span().start, key, problem)),
+            None => Ok(Some(raw.into_inner())),
+        }
+    }
+
+    /// How sure the model may be of whole pushes, if anything can be so.
+    pub(super) fn calibration(
+        &self,
+        raw: Option<Spanned<Calibration>>,
+    ) -> Result<Option<Calibration>, ModelError> {
         let Some(raw) = raw else { return Ok(None) };
         match raw.get_ref().problem() {
             Some((key, problem)) => Err(self.invalid(raw.span().start, key, problem)),
@@ -186,9 +198,7 @@ impl Source<'_> {
     fn scatter(&self, raw: &RawBase) -> Result<Matrix3<f64>, ModelError> {
         let Some(rows) = &raw.scatter_per_m else { return Ok(Matrix3::zeros()) };
         let matrix = Matrix3::from_fn(|i, j| rows.get_ref()[i][j]);
-        let eigenvalues = matrix.symmetric_eigenvalues();
-        // An eigenvalue of zero may come back from the file's digits as a rounding below it.
-        if matrix == matrix.transpose() && eigenvalues.min() >= -1e-12 * eigenvalues.max() {
+        if is_covariance(&matrix) {
             return Ok(matrix);
         }
         let problem = "must be symmetric and positive semi-definite";

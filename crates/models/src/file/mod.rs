@@ -17,7 +17,7 @@ use output::{Existing, OutputFile};
 use self::made_for::MadeFor;
 use self::raw::{Raw, RawBase, RawEffect, RawOut};
 use self::source::Source;
-use crate::{Description, ModelError, Split};
+use crate::{Calibration, Description, ModelError, Split};
 
 /// A model with its name, as it is kept in a file.
 ///
@@ -32,11 +32,20 @@ pub struct ModelFile {
     pub split: Option<Split>,
     /// Object, pusher and table that it was made for; older files do not tell.
     pub made_for: Option<MadeFor>,
+    /// How sure it may be of whole pushes, if that was measured.
+    pub calibration: Option<Calibration>,
 }
 
 impl ModelFile {
     /// The format that this release writes and reads.
     pub const SCHEMA: &str = "pushlab.model/1";
+
+    /// A model that was made by hand, for no rig and from no pushes.
+    #[must_use]
+    pub fn new(name: impl Into<String>, description: Description) -> Self {
+        let (split, made_for, calibration) = (None, None, None);
+        Self { name: name.into(), description, split, made_for, calibration }
+    }
 
     /// Reads a model, with its weights file beside it if it has one.
     ///
@@ -62,8 +71,9 @@ impl ModelFile {
             None => None,
         };
         let (split, made_for) = (source.split(raw.split)?, source.made_for(raw.made_for)?);
+        let calibration = source.calibration(raw.calibration)?;
         let description = Description { base, effects, weights };
-        Ok(Self { name: raw.name, description, split, made_for })
+        Ok(Self { name: raw.name, description, split, made_for, calibration })
     }
 
     /// Writes the model, in place of one that is there, and beside it its weights if it has some.
@@ -102,7 +112,8 @@ impl ModelFile {
         let effects = self.description.effects.iter().map(RawEffect::of).collect();
         let (name, split, made_for) = (&self.name, self.split.as_ref(), self.made_for.as_ref());
         let kept = learned.as_ref().map(|learned| learned.weights.clone());
-        let raw = RawOut { schema: Self::SCHEMA, name, base, effects, learned, made_for, split };
+        let (schema, calibration) = (Self::SCHEMA, self.calibration.as_ref());
+        let raw = RawOut { schema, name, base, effects, learned, made_for, calibration, split };
         let text = toml::to_string(&raw).map_err(|error| ModelError::Weights {
             path: path.clone(),
             problem: format!("cannot be written as TOML: {error}"),

@@ -9,8 +9,8 @@ use serde_spanned::Spanned;
 
 use super::made_for::MadeFor;
 use crate::{
-    Analytical, Base, CharacteristicLength, EffectiveSurface, Estimate, ModelEffect, Split,
-    SurfaceKind, Unexplained,
+    Analytical, Base, Calibration, CharacteristicLength, EffectiveSurface, Estimate, ModelEffect,
+    Split, SurfaceKind, Unexplained,
 };
 
 #[derive(Deserialize)]
@@ -23,6 +23,7 @@ pub(super) struct Raw {
     pub effects: Vec<Spanned<RawEffect>>,
     pub learned: Option<Spanned<RawLearned>>,
     pub made_for: Option<Spanned<MadeFor>>,
+    pub calibration: Option<Spanned<Calibration>>,
     pub split: Option<Spanned<Split>>,
 }
 
@@ -37,6 +38,8 @@ pub(super) struct RawOut<'a> {
     pub learned: Option<RawLearned>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub made_for: Option<&'a MadeFor>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<&'a Calibration>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub split: Option<&'a Split>,
 }

@@ -64,6 +64,30 @@ impl EndCheck {
 }
 
 impl StepCorrelation {
+    /// What no measurement gives, and the key that says it.
+    pub(crate) fn problem(&self) -> Option<(&'static str, String)> {
+        let shares = [
+            ("calibration.correlation.held", self.held),
+            ("calibration.correlation.own", self.own),
+            ("calibration.correlation.measured", self.measured),
+        ];
+        let shares =
+            shares.into_iter().flat_map(|(key, of)| of.map(|share| (key, share, [0.0, 1e9])));
+        let ContactGap { offset, kept, sd } = self.gap;
+        let others = [
+            ("calibration.correlation.length", self.length, [1e-9, 1e6]),
+            ("calibration.correlation.freedom", self.freedom, [1.0, 1e9]),
+            ("calibration.correlation.gap.offset", offset, [-1.0, 1.0]),
+            ("calibration.correlation.gap.kept", kept, [-1e3, 1e3]),
+            ("calibration.correlation.gap.sd", sd, [0.0, 1.0]),
+        ];
+        let mut all = shares.chain(others);
+        all.find_map(|(key, value, [low, high])| {
+            let problem = || format!("must be from {low} to {high}, got {value:?}");
+            (!(low..=high).contains(&value)).then(|| (key, problem()))
+        })
+    }
+
     /// A push's size s: the root of ν/χ²_ν.
     pub(crate) fn size(&self, random: &mut ChaCha8Rng) -> f64 {
         // Degrees of freedom are positive; without them there is no scatter of the scatter.

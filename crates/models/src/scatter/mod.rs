@@ -1,7 +1,7 @@
 //! Recorded pushes and a model that has not seen them go in, how the errors of steps go together
 //! comes out.
 
-pub(crate) mod calibrated;
+pub(crate) mod calibration;
 pub(crate) mod end_check;
 pub(crate) mod error_products;
 pub(crate) mod measured_correlation;

@@ -179,7 +179,7 @@ fn a_file_with_effects_comes_back_as_it_was() {
         effect
     };
     let description = with(all().iter().map(of).collect());
-    let written = ModelFile { name: "all".into(), description, split: None, made_for: None };
+    let written = ModelFile::new("all", description);
     written.write(&path).unwrap();
     assert_eq!(ModelFile::read(&path).unwrap(), written);
     let text = std::fs::read_to_string(&path).unwrap();

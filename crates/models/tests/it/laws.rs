@@ -112,8 +112,7 @@ fn every_kind_comes_back_from_its_file_as_it_was() {
     for model in trained(30).into_iter().chain(surfaces.map(on)) {
         let path = folder.path().join("model.toml");
         let description = model.describe().unwrap();
-        let file =
-            ModelFile { name: "a \"name\"".into(), description, split: None, made_for: None };
+        let file = ModelFile::new("a \"name\"", description);
         file.write(&path).unwrap();
         let back = ModelFile::read(&path).unwrap();
         assert_eq!(back, file);
@@ -271,7 +270,7 @@ fn a_model_keeps_its_weights_until_another_one_is_whole() {
     let path = folder.path().join("square.toml");
     let file = |n: usize| {
         let description = trained(n).pop().unwrap().describe().unwrap();
-        ModelFile { name: "square".into(), description, split: None, made_for: None }
+        ModelFile::new("square", description)
     };
     let (old, new) = (file(30), file(40));
     assert!(old.description.weights.is_some() && old != new);
@@ -302,9 +301,7 @@ fn weights_that_were_changed_are_refused() {
     let path = folder.path().join("square.toml");
     let (model, _) = GpPushModel::learn(&steps(20, 1.0), &learn_options()).unwrap();
     let description: Description = model.describe().unwrap();
-    ModelFile { name: "square".into(), description, split: None, made_for: None }
-        .write(&path)
-        .unwrap();
+    ModelFile::new("square", description).write(&path).unwrap();
     let weights = weights(folder.path()).pop().unwrap();
     let text = std::fs::read_to_string(&weights).unwrap();
     std::fs::write(&weights, text.replacen('1', "2", 1)).unwrap();
@@ -326,9 +323,7 @@ fn weights_of_an_older_release_say_what_they_lack() {
         let ProcessModel::Spgp(model) = process else { panic!("not sparse") };
         (model.version, model.deviation) = (1, None);
     }
-    ModelFile { name: "square".into(), description, split: None, made_for: None }
-        .write(&path)
-        .unwrap();
+    ModelFile::new("square", description).write(&path).unwrap();
     let rebuilt = ModelFile::read(&path).and_then(|file| file.description.build());
     let ModelError::Gp { source, .. } = rebuilt.err().unwrap() else { panic!("another error") };
     assert!(source.to_string().contains("without the uncertainty of its learnt mean"), "{source}");

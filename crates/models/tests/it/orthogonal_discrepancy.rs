@@ -248,12 +248,7 @@ fn effects_are_fitted_with_the_physics_and_come_back_from_the_file() {
     assert!((dx.value - 0.004).abs() < 3.0 * dx.se && dx.se < 5e-4, "{dx:?}");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.toml");
-    let file = ModelFile {
-        name: "x".into(),
-        description: hybrid.describe().unwrap(),
-        split: None,
-        made_for: None,
-    };
+    let file = ModelFile::new("x", hybrid.describe().unwrap());
     file.write(&path).unwrap();
     let back = ModelFile::read(&path).unwrap();
     assert_eq!(back, file);

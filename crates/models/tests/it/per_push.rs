@@ -281,16 +281,16 @@ fn spreads_are_scaled_to_what_the_ends_of_pushes_show() {
     for sd in [0.0013, 0.004, 0.012] {
         let spread = [("dy", Spread::Sd(sd))];
         let model = description(&[("friction-center-offset", &[0.0, 0.0], &spread)], 2e-4);
-        let found = model.calibrated(&setup, &pushes).unwrap();
+        let found = model.calibration(&setup, &pushes).unwrap();
         let widened = found.widened.unwrap();
         assert!((0.7..1.4).contains(&(widened * sd / 0.004)), "{sd}: {widened}");
-        let told = found.description.effects[0].per_push["dy"];
+        let told = model.with(&found).unwrap().effects[0].per_push["dy"];
         assert_eq!(told, Spread::Sd(widened * sd));
         assert!(found.correlation.is_none() && found.n_pushes == 30);
     }
     let few =
         description(&[("friction-center-offset", &[0.0; 2], &[("dy", Spread::Sd(0.001))])], 0.0);
-    let refused = few.calibrated(&setup, &pushes[..7]).unwrap_err();
+    let refused = few.calibration(&setup, &pushes[..7]).unwrap_err();
     assert!(refused.to_string().contains('7'), "{refused}");
 }
 
@@ -298,8 +298,10 @@ fn spreads_are_scaled_to_what_the_ends_of_pushes_show() {
 fn physics_without_scatter_get_that_of_the_steps() {
     let pushes = drawing_pushes(0.004, 40);
     let setup = Setup { support: TABLE, own: Vec::new() };
-    let found = description(&[], 0.0).calibrated(&setup, &pushes).unwrap();
-    let Base::Analytical(base) = &found.description.base else { panic!("{:?}", found.description) };
+    let model = description(&[], 0.0);
+    let found = model.calibration(&setup, &pushes).unwrap();
+    let with = model.with(&found).unwrap();
+    let Base::Analytical(base) = &with.base else { panic!("{with:?}") };
     assert!(base.scatter().diagonal().iter().all(|variance| *variance > 0.0));
     // What each push draws its steps share.
     let held = found.correlation.unwrap().held;

@@ -2,9 +2,10 @@
 
 use dataset::{ObjectChoice, ObjectSpec, PusherSpec, SupportSpec};
 use models::{
-    Analytical, CharacteristicLength, Cluster, Description, EffectiveSurface, Estimate,
-    GpPushModel, Hybrid, MadeFor, ModelEffect, ModelFile, ProcessKind, PushModel, Split,
-    StepFeatures, StepInput, StepObservation, SurfaceKind, Training, learn_options, model_kinds,
+    Analytical, Calibration, CharacteristicLength, Cluster, ContactGap, Description,
+    EffectiveSurface, EndCheck, Estimate, GpPushModel, Hybrid, MadeFor, ModelEffect, ModelFile,
+    ProcessKind, PushModel, Split, StepCorrelation, StepFeatures, StepInput, StepObservation,
+    SurfaceKind, Training, learn_options, model_kinds,
 };
 use nalgebra::{Matrix3, Vector3};
 use planar::Shape;
@@ -89,10 +90,75 @@ fn written(description: &Description) -> Value {
     let pusher = PusherSpec { radius: 0.00475, friction: 0.25 };
     let support = SupportSpec { friction: 0.25, gravity: 9.81 };
     let made_for = Some(MadeFor::new("hexagons", &object, pusher, support));
-    let file = ModelFile { name: "x".into(), description, split, made_for };
+    let calibration = Some(calibration());
+    let file = ModelFile { split, made_for, calibration, ..ModelFile::new("x", description) };
     file.write(&path).unwrap();
     assert_eq!(ModelFile::read(&path).unwrap(), file);
     toml::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap()
+}
+
+fn calibration() -> Calibration {
+    let correlation = StepCorrelation {
+        held: [0.4, 0.0, 1.25],
+        length: 0.0625,
+        own: [0.0; 3],
+        freedom: 5.5,
+        measured: [0.0, 0.0, 0.125],
+        gap: ContactGap { offset: -1e-5, kept: 0.5, sd: 2e-5 },
+        n_pushes: 40,
+        n_steps: 400,
+        ends: Some(EndCheck { n_pushes: 40, n_within: [20, 36, 38] }),
+    };
+    Calibration {
+        n_pushes: 40,
+        widened: Some(1.6),
+        scatter_per_m: Some([[0.25, 0.0, 0.125], [0.0, 0.5, 0.0], [0.125, 0.0, 2.0]]),
+        correlation: Some(correlation),
+    }
+}
+
+#[test]
+fn a_calibration_that_no_measurement_gives_is_refused_by_its_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.toml");
+    let description = Analytical::nominal(0.25).unwrap().describe().unwrap();
+    let refused = |change: &dyn Fn(&mut Calibration)| {
+        let mut calibration = calibration();
+        change(&mut calibration);
+        let file = ModelFile {
+            calibration: Some(calibration),
+            ..ModelFile::new("x", description.clone())
+        };
+        file.write(&path).unwrap();
+        ModelFile::read(&path).unwrap_err().to_string()
+    };
+    let expected = [
+        (refused(&|of| of.widened = Some(0.0)), "calibration.widened", "0.0"),
+        (
+            refused(&|of| of.scatter_per_m = Some([[-1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]])),
+            "calibration.scatter_per_m",
+            "positive semi-definite",
+        ),
+        (
+            refused(&|of| of.correlation.as_mut().unwrap().own[1] = -0.5),
+            "calibration.correlation.own",
+            "-0.5",
+        ),
+        (
+            refused(&|of| of.correlation.as_mut().unwrap().length = f64::INFINITY),
+            "calibration.correlation.length",
+            "inf",
+        ),
+        (
+            refused(&|of| of.correlation.as_mut().unwrap().gap.kept = f64::NAN),
+            "calibration.correlation.gap.kept",
+            "NaN",
+        ),
+    ];
+    for (error, key, value) in expected {
+        let names = error.contains(key) && error.contains(value) && error.contains("model.toml");
+        assert!(names, "{error}");
+    }
 }
 
 fn models() -> Vec<Box<dyn PushModel>> {

@@ -92,9 +92,7 @@ fn a_model_of_contacts_comes_back_from_its_file_alone_and_beside_physics() {
         assert!(nmse(&*model, &steps) < 0.05);
         let path = folder.path().join("model.toml");
         let description = model.describe().unwrap();
-        ModelFile { name: "shapes".into(), description, split: None, made_for: None }
-            .write(&path)
-            .unwrap();
+        ModelFile::new("shapes", description).write(&path).unwrap();
         let back = ModelFile::read(&path).unwrap().description.build().unwrap();
         let asked = inputs(&steps[50..70]);
         let [one, two] = [&model, &back].map(|m| m.predict(&asked, Noise::Included).unwrap());
@@ -111,7 +109,7 @@ fn weights_of_schema_2_are_read_and_of_others_refused() {
     let training = Training { features: CONTACT, ..Training::default() };
     let (hybrid, _) = Hybrid::train(&base, None, &steps, &training).unwrap();
     let description = hybrid.describe().unwrap();
-    let file = ModelFile { name: "tri1".into(), description, split: None, made_for: None };
+    let file = ModelFile::new("tri1", description);
     let read_as = |schema: &str, key: &str| {
         let weights = file.description.weights.as_ref().unwrap();
         let now = serde_json::to_string(weights).unwrap();

@@ -61,7 +61,12 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let source = (&args.source, &args.options);
     let fitting = Fitting::read(source, &model, args.seed, &mut origin, terminal)?;
     let fit = fitting.fit(&model, &free)?.determined()?;
-    let fitted = fitting.write(fit, format!("{}, fitted", model.name), destination)?;
+    let fitted = fitting.write(
+        fit,
+        format!("{}, fitted", model.name),
+        (&args.source, destination),
+        terminal,
+    )?;
     terminal.finish(&origin, &fitted, &fitted)
 }
 

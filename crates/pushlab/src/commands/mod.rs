@@ -1,6 +1,7 @@
 //! The commands: one file each, with its arguments and its work, and one list.
 
 mod add;
+mod calibrate;
 mod check;
 mod compare;
 mod completions;
@@ -44,6 +45,7 @@ pub(crate) enum Command {
     Diagnose(diagnose::Args),
     Fit(fit::Args),
     Add(add::Args),
+    Calibrate(calibrate::Args),
     Suggest(suggest::Args),
     Train(train::Args),
     Simulate(simulate::Args),
@@ -73,6 +75,7 @@ impl Command {
             Self::Diagnose(args) => diagnose::run(args, terminal),
             Self::Fit(args) => fit::run(args, terminal),
             Self::Add(args) => add::run(args, terminal),
+            Self::Calibrate(args) => calibrate::run(args, terminal),
             Self::Suggest(args) => suggest::run(args, terminal),
             Self::Train(args) => train::run(args, terminal),
             Self::Simulate(args) => simulate::run(args, terminal),

@@ -7,11 +7,12 @@ use diagnosis::{
     EffectFit, FieldRegion, Fit, FrictionFieldFit, Interval, NuisanceFit, ParameterFit, SpreadFit,
 };
 use effects::Spread;
-use models::Cluster;
+use models::{Calibration, Cluster};
 use serde::Serialize;
 
 use crate::people::{behind_number, four_digits};
 use crate::terminal::TITLE;
+use crate::whole_pushes::Told;
 
 /// A fit and the file that it was written to.
 #[derive(Serialize)]
@@ -38,6 +39,8 @@ pub(crate) struct Fitted {
     iterations: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     per_push: Option<PerPush>,
+    /// How sure the model may be of whole pushes; none where these do not tell.
+    calibration: Option<Calibration>,
 }
 
 /// By how much an effect differs from push to push, and from place to place.
@@ -67,8 +70,8 @@ impl Fitted {
     pub(super) fn new(
         fit: Fit,
         (set, model): (&str, &Path),
-        n_kept: usize,
-        writes_nuisances: bool,
+        (n_kept, writes_nuisances): (usize, bool),
+        calibration: Option<Calibration>,
     ) -> Self {
         let Fit { n_pushes, n_steps, cluster, n_clusters, whitened_rms, iterations, .. } = fit;
         let rows = fit.covariance.row_iter().map(|row| row.iter().copied().collect());
@@ -89,6 +92,7 @@ impl Fitted {
             coordinates: fit.coordinates,
             iterations,
             per_push: None,
+            calibration,
         }
     }
 }
@@ -128,6 +132,9 @@ impl fmt::Display for Fitted {
         }
         let [before, after] = self.whitened_rms;
         writeln!(f, "error over noise on these pushes: {before:.2} before, {after:.2} after")?;
+        if let Some(calibration) = &self.calibration {
+            writeln!(f, "of whole pushes: {}", Told(calibration))?;
+        }
         let is_written = if self.writes_nuisances { "written, too" } else { "not written" };
         writeln!(f, "{TITLE}left open beside it{TITLE:#}, {is_written}")?;
         self.nuisances.iter().try_for_each(|nuisance| write_nuisance(f, nuisance))

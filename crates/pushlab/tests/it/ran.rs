@@ -16,7 +16,7 @@ const STATED: [&str; 6] = [
     "pusher.friction=0.25",
     "support.friction=0.25",
 ];
-const MADE: [&str; 7] = [
+const MADE: [&str; 8] = [
     "steps.csv",
     "model.toml",
     "comparison.json",
@@ -24,6 +24,7 @@ const MADE: [&str; 7] = [
     "better.toml",
     "comparison-better.json",
     "report.html",
+    "calibrated.toml",
 ];
 
 /// The fixture pushes without what no recording tells.
@@ -51,7 +52,7 @@ fn raw_recordings_go_all_the_way_and_again_where_something_is_gone() {
     let first = set.done(&run(&STATED, &[]));
     assert!(first.stdout.contains("limit-surface-shape"), "{}", first.stdout);
     assert!(first.stdout.contains("\nreport   out/report.html\nnext     pushlab "));
-    assert!(first.stderr.contains("5 of 8, diagnose\n"), "{}", first.stderr);
+    assert!(first.stderr.contains("5 of 9, diagnose\n"), "{}", first.stderr);
     // Each file is what its command makes of the same.
     for (arguments, made) in [
         (&["ingest", "raw", "-o", "again.csv"][..], "steps.csv"),
@@ -67,18 +68,19 @@ fn raw_recordings_go_all_the_way_and_again_where_something_is_gone() {
         serde_json::from_str(&set.done(&run(&STATED, &[&["--json"], more].concat())).stdout)
             .unwrap()
     };
-    assert_eq!(states(&again(&[])), ["unchanged"; 8]);
+    assert_eq!(states(&again(&[])), ["unchanged"; 9]);
     for name in ["better.toml", "report.html"] {
         std::fs::remove_file(set.path(&format!("out/{name}"))).unwrap();
     }
     let mut document = again(&[]);
     let [done, unchanged] = ["done", "unchanged"];
-    let expected = [[unchanged; 5].as_slice(), &[done, unchanged, done]].concat();
+    let expected = [[unchanged; 5].as_slice(), &[done, unchanged, done, unchanged]].concat();
     // The better model is the same again, so that nothing is compared again.
     assert_eq!(states(&document), expected);
     assert_eq!(made(), before);
     assert_eq!(document["schema"], "pushlab.run/1");
     assert_eq!(document["verdict"], "identified");
+    assert_eq!(document["model"], "out/calibrated.toml");
     // Its keys are those of a diagnosis.
     let error = document["error"].take();
     assert!(error["after"].as_f64().unwrap() < error["before"].as_f64().unwrap(), "{error}");
@@ -133,10 +135,10 @@ fn a_run_that_fails_goes_on_from_there() {
     let failed = ["run", "set", "-o", "out"];
     let message = set.error(&failed);
     assert!(message.contains("the same command goes on from here"), "{message}");
-    assert!(message.contains("1 of 8, init: set/dataset.toml tells all\n"), "{message}");
+    assert!(message.contains("1 of 9, init: set/dataset.toml tells all\n"), "{message}");
     let message = set.error(&failed);
-    assert!(message.contains("3 of 8, models init: skipped, out/model.toml"), "{message}");
-    assert!(message.contains("4 of 8, compare\n"), "{message}");
+    assert!(message.contains("3 of 9, models init: skipped, out/model.toml"), "{message}");
+    assert!(message.contains("4 of 9, compare\n"), "{message}");
     // Of what was made from other recordings all is made again, but not what somebody wrote since.
     set.edit("set/dataset.toml", "friction = 0.25", "friction = 0.2");
     let message = set.error(&failed);

@@ -21,6 +21,7 @@ fn result(stdout: &str) -> Value {
 fn recorded_pushes_are_rolled_out_and_compared_with_their_ends() {
     let set = trained();
     let simulate = ["simulate", "sim", "--model", "rff.toml", "--particles", "400", "-n", "3"];
+    let simulate = [&simulate[..], &["--correlation", "none"]].concat();
     let text = set.done(&[&simulate[..], &["-o", "out"]].concat()).stdout;
     assert!(text.contains("3 pushes, 400 particles each"), "{text}");
     assert!(text.contains("taken for independent"), "{text}");
@@ -119,7 +120,7 @@ fn errors_that_a_push_holds_widen_its_end() {
         let json = result(&set.done(&[&simulate[..], more].concat()).stdout);
         let moments = json["pushes"][0]["moments"].as_array().unwrap().clone();
         let covariance = &moments[moments.len() - 1]["pose_wb"]["covariance"];
-        (json["correlation"]["n_pushes"].clone(), covariance[8].as_f64().unwrap().sqrt())
+        (json["calibration"]["n_pushes"].clone(), covariance[8].as_f64().unwrap().sqrt())
     };
     set.done(&["generate", "-o", "more", "--pushes", "8", "--seed", "9"]);
     let (none, independent) = sd(&["-n", "1", "-o", "a", "--correlation", "none"]);
@@ -158,6 +159,36 @@ fn a_path_is_rolled_out_and_its_log_is_read_again() {
     }
     let pose = inspected.lines().find(|line| line.contains("/object/pose")).unwrap();
     assert!(pose.contains("object") && pose.contains("robot"), "serves as a pose: {pose}");
+}
+
+#[test]
+fn a_model_that_was_fitted_knows_along_a_path_how_sure_it_may_be() {
+    let set = trained();
+    set.write("arc.csv", "t_s,x_m,y_m\n0,-0.06,0.004\n1,-0.04,0.004\n2,-0.02,0.004\n");
+    let arc = ["simulate", "arc.csv", "--manifest", "sim/dataset.toml", "--particles", "400"];
+    let end = |model: &str, more: &[&str]| {
+        let out = format!("out-{}", model.len() + 100 * more.len());
+        let words = ["--model", model, "--json", "-o", &out];
+        let json = result(&set.done(&[&arc[..], &words, more].concat()).stdout);
+        let moments = json["pushes"][0]["moments"].as_array().unwrap().clone();
+        let covariance = &moments[moments.len() - 1]["pose_wb"]["covariance"];
+        (json["calibration"]["n_pushes"].as_u64(), covariance[0].as_f64().unwrap().sqrt())
+    };
+    let nothing = ["--correlation", "none"];
+    set.done(&["fit", "sim", "--free", "pusher-friction", "-o", "fitted.toml"]);
+    for (model, least) in [("rff.toml", 4), ("fitted.toml", 20)] {
+        let ((n, sure), (none, independent)) = (end(model, &[]), end(model, &nothing));
+        assert!(n.is_some_and(|n| n >= least) && none.is_none(), "{model}: {n:?} {none:?}");
+        assert!(sure > 1.2 * independent, "{model}: {sure} {independent}");
+    }
+    // Of another model nothing of it holds, until it is measured.
+    let add = ["add", "table-tilt", "--set", "ax=0.01", "--set", "ay=0"];
+    set.done(&[&add[..], &["--model", "fitted.toml", "-o", "tilted.toml"]].concat());
+    assert!(!set.read("tilted.toml").contains("[calibration]"));
+    set.done(&["calibrate", "sim", "--model", "tilted.toml", "-o", "sure.toml"]);
+    assert!(end("sure.toml", &[]).0.is_some_and(|n| n >= 20));
+    let shown = set.done(&["models", "show", "sure.toml"]).stdout;
+    assert!(shown.contains("of whole pushes: of the model's variance"), "{shown}");
 }
 
 #[test]

@@ -25,6 +25,7 @@ fn help_lists_every_command() {
   diagnose     Name the physical effect that a model lacks, or say that these recordings cannot tell
   fit          Fit nominal parameters, or effects that a model carries, to recordings
   add          Add effects to a model: what a diagnosis names, or one with values by hand or fitted
+  calibrate    Measure how sure a model may be of whole pushes, and keep it in the model's file
   suggest      Tell which pushes to do next: those that decide between rivals, or measure a name
   train        Train a model on a part of the pushes, alone or on what physics leaves over
   simulate     Roll pushes out by a model: where the object goes, and how sure that is

@@ -85,12 +85,7 @@ impl Sealed {
         let set = RecordingSet::open(&given)?;
         let base = Analytical::nominal(set.manifest().pusher.friction)?;
         let description = base.with_surface(case.surface)?.describe()?;
-        let model = ModelFile {
-            name: "the model under test".into(),
-            description,
-            split: None,
-            made_for: None,
-        };
+        let model = ModelFile::new("the model under test", description);
         model.write(&given.join(MODEL))?;
         Ok(Self { given, truth: report.sealed_truth })
     }

@@ -136,12 +136,11 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let Some(source) = &source else {
         return by_hand(args, ModelFile { name, ..model }, &origin, destination, terminal);
     };
-    let source = (source, &args.options);
-    let fitting = Fitting::read(source, &model, args.seed, &mut origin, terminal)?;
+    let fitting = Fitting::read((source, &args.options), &model, args.seed, &mut origin, terminal)?;
     let off = fitting.off(&model, about)?;
     model.description.effects.push(ModelEffect::from(Setting::new(about, &off)));
     let fit = fitting.fit(&model, &[about.id])?.distinct()?;
-    let fitted = fitting.write(fit, name, destination)?;
+    let fitted = fitting.write(fit, name, (source, destination), terminal)?;
     terminal.finish(&origin, &fitted, &fitted)
 }
 
@@ -153,8 +152,7 @@ fn per_push(
     terminal: &Terminal,
 ) -> Result<()> {
     let about = by_id(args.effect())?.info();
-    let source = (source, &args.options);
-    let fitting = Fitting::read(source, &model, args.seed, &mut origin, terminal)?;
+    let fitting = Fitting::read((source, &args.options), &model, args.seed, &mut origin, terminal)?;
     if !model.description.effects.iter().any(|effect| effect.id == about.id) {
         let off = fitting.off(&model, about)?;
         model.description.effects.push(ModelEffect::from(Setting::new(about, &off)));
@@ -163,7 +161,7 @@ fn per_push(
     let found = fitting.per_push(&model, about.id)?;
     let fit = found.fit.clone().determined()?;
     let name = format!("{} + {} per push", model.name, about.id);
-    let fitted = fitting.write(fit, name, destination)?.with_spread(&found);
+    let fitted = fitting.write(fit, name, (source, destination), terminal)?.with_spread(&found);
     terminal.finish(&origin, &fitted, &fitted)
 }
 
@@ -223,6 +221,7 @@ fn from_file(
         }
     }
     model.split = Some(found.split);
+    model.calibration = None;
     write(model, &origin, destination, terminal)
 }
 
@@ -271,6 +270,7 @@ fn by_hand(
         estimate.source = format!("by hand, {TOOL} {}", origin.command_line());
     }
     model.description.effects.push(effect);
+    model.calibration = None;
     write(model, origin, destination, terminal)
 }
 

@@ -73,7 +73,7 @@ fn nominal(rig: &Rig, source: &str, origin: &Origin) -> Result<ModelFile> {
     let source = format!("{source}{hashes}, by {TOOL} {}", origin.command_line());
     let name = format!("nominal model of {}", rig.name);
     let made_for = Some(rig.made_for());
-    Ok(ModelFile { name, description: rig.nominal(&source)?, split: None, made_for })
+    Ok(ModelFile { made_for, ..ModelFile::new(name, rig.nominal(&source)?) })
 }
 
 impl Args {

@@ -4,14 +4,15 @@ use std::fmt;
 
 use effects::Spread;
 use models::{
-    Analytical, Base, CharacteristicLength, Cluster, Estimate, ModelEffect, ModelFile, OUTPUTS,
-    Split, Unexplained,
+    Analytical, Base, Calibration, CharacteristicLength, Cluster, Estimate, ModelEffect, ModelFile,
+    OUTPUTS, Split, Unexplained,
 };
 use serde::Serialize;
 
 use crate::people::{behind_number, four_digits, short_digests};
 use crate::terminal::TITLE;
 use crate::unexplained::shares;
+use crate::whole_pushes::Told;
 
 /// A model's name, kind and parameters.
 #[derive(Serialize)]
@@ -31,6 +32,8 @@ pub(crate) struct Parameters {
     pub(crate) unexplained: Option<Unexplained>,
     /// None for a model that was not fitted to a part of a set.
     pub(crate) split: Option<Parts>,
+    /// How sure it may be of whole pushes, if that was measured.
+    pub(crate) calibration: Option<Calibration>,
 }
 
 /// The parts of the recordings that the model was fitted to.
@@ -88,6 +91,7 @@ impl Parameters {
             inputs: weights.map(|weights| weights.inputs.clone()).unwrap_or_default(),
             unexplained: beside.map(|beside| beside.unexplained),
             split,
+            calibration: file.calibration.clone(),
         }
     }
 }
@@ -215,6 +219,9 @@ impl fmt::Display for Parameters {
         }
         if let Some(unexplained) = &self.unexplained {
             writeln!(f, "  share that no physics explains: {}", shares(unexplained))?;
+        }
+        if let Some(calibration) = &self.calibration {
+            writeln!(f, "  of whole pushes: {}", Told(calibration))?;
         }
         if let Some(Parts { set, seed, n_fit, n_confirm, .. }) = &self.split {
             let set = short_digests(set);

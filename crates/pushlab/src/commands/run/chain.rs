@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use dataset::{MANIFEST_NAME, RecordingSet};
+use models::ModelError;
 use serde::Serialize;
 
 use super::Args;
@@ -26,7 +27,8 @@ pub(super) const DIAGNOSIS: &str = "diagnosis.json";
 pub(super) const BETTER: &str = "better.toml";
 pub(super) const CHANGE: &str = "comparison-better.json";
 pub(super) const PAGE: &str = "report.html";
-const OUTPUTS: [&str; 7] = [STEPS, MODEL, COMPARISON, DIAGNOSIS, BETTER, CHANGE, PAGE];
+pub(super) const CALIBRATED: &str = "calibrated.toml";
+const OUTPUTS: [&str; 8] = [STEPS, MODEL, COMPARISON, DIAGNOSIS, BETTER, CHANGE, PAGE, CALIBRATED];
 /// What each was made from.
 const LEDGER: &str = "phases.json";
 /// The manifest is the first phase.
@@ -89,6 +91,8 @@ pub(super) enum State {
     Unchanged,
     /// There is nothing to be done.
     Needless,
+    /// These recordings do not tell it.
+    NotTold,
 }
 
 /// A phase that is over.
@@ -201,6 +205,23 @@ impl<'a> Chain<'a> {
         Ok(())
     }
 
+    /// Runs a phase that the rest can do without; whether its output is there.
+    ///
+    /// # Errors
+    /// If a file cannot be read or written.
+    pub(super) fn go_if_told(&mut self, phase: &Phase) -> Result<bool> {
+        let n_past = self.past.len();
+        let Err(why) = self.go(phase) else { return Ok(true) };
+        let path = self.path(phase.output);
+        if self.past.len() > n_past || why.downcast_ref::<ModelError>().is_none() {
+            return Err(why);
+        }
+        self.terminal.note(format_args!("  cannot be told: {why}"));
+        let (name, state) = (phase.command, State::NotTold);
+        self.past.push(Past { name, state, output: path });
+        Ok(false)
+    }
+
     /// Notes a phase that is not asked for.
     pub(super) fn pass_over(&mut self, name: &'static str, output: &str) {
         let path = self.path(output);
@@ -221,6 +242,7 @@ impl<'a> Chain<'a> {
             State::Unchanged if self.past.is_empty() => format!("{path} tells all"),
             State::Unchanged => format!("skipped, {path} is made from the same"),
             State::Needless => "skipped, nothing is named that lowers the error".to_owned(),
+            State::NotTold => "skipped, these recordings do not tell it".to_owned(),
         };
         self.terminal.note(format_args!("{TITLE}{what}{TITLE:#}: {why}"));
         self.past.push(Past { name, state, output });

@@ -13,7 +13,9 @@ use anyhow::{Result, ensure};
 use diagnosis::Diagnosis;
 use output::OutputError;
 
-use self::chain::{BETTER, CHANGE, COMPARISON, Chain, DIAGNOSIS, MODEL, PAGE, Phase, STEPS};
+use self::chain::{
+    BETTER, CALIBRATED, CHANGE, COMPARISON, Chain, DIAGNOSIS, MODEL, PAGE, Phase, STEPS,
+};
 use self::manifest::Draft;
 use self::stated::Stated;
 use self::summary::Ran;
@@ -27,13 +29,14 @@ use crate::terminal::Terminal;
 /// Go all the way from recordings to a better model, and a report of it
 ///
 /// Runs the commands that one would type, one after the other: init, ingest, models init, compare,
-/// diagnose, add --all, compare --against, report. FOLDER has recordings, with or without dataset.toml;
+/// diagnose, add --all, compare --against, report, calibrate. FOLDER has recordings, with or without dataset.toml;
 /// without it one is written there. What no recording tells (outline, mass, radius of the tip, friction)
 /// is asked for on a terminal, and else stated with --set.
 ///
 /// All that is made lies in DIR: steps.csv, the step table; model.toml, the nominal model; comparison.json, its
 /// errors; diagnosis.json, what it lacks; better.toml, the model with that; comparison-better.json, its
-/// errors beside those of model.toml; report.html, the page with all of it. phases.json says what each was
+/// errors beside those of model.toml; report.html, the page with all of it; calibrated.toml, the better model with
+/// how sure it may be of whole pushes, for `simulate`. phases.json says what each was
 /// made from: the next run does again only what is not there, or what was made from something else.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
@@ -87,17 +90,17 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     // With dataset.toml it is known where the recordings are, among which nothing may be written.
     chain.check_outputs(&inputs())?;
     chain.begin(manifest)?;
-    let found = go(&mut chain).inspect_err(|_| {
+    let (found, model) = go(&mut chain).inspect_err(|_| {
         terminal.note("stopped: what is done stays, and the same command goes on from here");
     })?;
     let mut origin = args.origin();
     origin.inputs.clone_from(&chain.set);
-    let ran = Ran::of(args, chain, found);
+    let ran = Ran::of(args, chain, found, model);
     terminal.finish(&origin, &ran, &ran)
 }
 
-/// Every phase after the manifest; what was found.
-fn go(chain: &mut Chain) -> Result<Diagnosis> {
+/// Every phase after the manifest; what was found, and the model to go on with.
+fn go(chain: &mut Chain) -> Result<(Diagnosis, &'static str)> {
     let (model, better, diagnosis) = (chain.path(MODEL), chain.path(BETTER), chain.path(DIAGNOSIS));
     let seed = chain.seed().to_string();
     let diagnose = Phase::of_set("diagnose", DIAGNOSIS).with(["--seed", &seed]);
@@ -106,20 +109,22 @@ fn go(chain: &mut Chain) -> Result<Diagnosis> {
     chain.go(&Phase::of_set("compare", COMPARISON).reading("model", &model))?;
     chain.go(&diagnose.reading("model", &model))?;
     let found = Diagnosis::read(&diagnosis)?;
-    let report = Phase::of_set("report", PAGE).reading("model", &model);
-    let report = if lowers_the_error(&found) {
+    let model_name = if lowers_the_error(&found) { BETTER } else { MODEL };
+    if model_name == BETTER {
         let add = Phase::of_files("add", BETTER).with(["--all"]);
         chain.go(&add.reading("from", &diagnosis).reading("model", &model))?;
         let compare = Phase::of_set("compare", CHANGE).reading("model", &better);
         chain.go(&compare.reading("against", &model))?;
-        report.reading("model", &better)
     } else {
         chain.pass_over("add", BETTER);
         chain.pass_over("compare", CHANGE);
-        report
-    };
+    }
+    let model = chain.path(model_name);
+    let report = Phase::of_set("report", PAGE).reading("model", &model);
     chain.go(&report.reading("from", &diagnosis))?;
-    Ok(found)
+    let calibrate = Phase::of_set("calibrate", CALIBRATED).reading("model", &model);
+    let is_calibrated = chain.go_if_told(&calibrate)?;
+    Ok((found, if is_calibrated { CALIBRATED } else { model_name }))
 }
 
 impl Args {

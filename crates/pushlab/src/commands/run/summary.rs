@@ -7,9 +7,8 @@ use diagnosis::{Diagnosis, ErrorFall, Verdict};
 use serde::Serialize;
 
 use super::Args;
-use super::chain::{BETTER, Chain, DIAGNOSIS, MODEL, PAGE, Past};
+use super::chain::{Chain, DIAGNOSIS, PAGE, Past};
 use crate::commands::diagnose::write_error;
-use crate::diagnosis_file::lowers_the_error;
 use crate::people::lines;
 use crate::step_kind::StepKind;
 use crate::terminal::TITLE;
@@ -39,8 +38,8 @@ pub(super) struct Ran {
 const WIDTH: usize = 96;
 
 impl Ran {
-    pub(super) fn of(args: &Args, chain: Chain, found: Diagnosis) -> Self {
-        let model = chain.path(if lowers_the_error(&found) { BETTER } else { MODEL });
+    pub(super) fn of(args: &Args, chain: Chain, found: Diagnosis, model: &str) -> Self {
+        let model = chain.path(model);
         let (diagnosis, report) = (chain.path(DIAGNOSIS), chain.path(PAGE));
         let [set, output] = [&args.folder, &args.output].map(|path| path.display().to_string());
         let [model_text, diagnosis] = [&model, &diagnosis].map(|path| path.display().to_string());

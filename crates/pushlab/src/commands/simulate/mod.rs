@@ -8,15 +8,14 @@ mod place;
 mod poses;
 mod result;
 mod rolled;
-mod rows;
 mod tasks;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use models::{
-    Calibrated, CalibrationPhase, ContactGap, Description, ModelFile, PushModel, RecordedPush,
-    RollOutSettings, Setup, StepCorrelation, StepErrors,
+    Calibration, ContactGap, ModelFile, PushModel, RecordedPush, RollOutSettings, Setup,
+    StepCorrelation, StepErrors,
 };
 use output::PartFolder;
 
@@ -34,6 +33,7 @@ use crate::origin::{Input, Origin, readable};
 use crate::step_size::StepSize;
 use crate::step_source::StepSource;
 use crate::terminal::Terminal;
+use crate::whole_pushes::calibration;
 
 /// Roll pushes out by a model: where the object goes, and how sure that is
 ///
@@ -75,7 +75,8 @@ pub(crate) struct Args {
           value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pushes: u32,
     /// Recording set whose pushes tell how sure the model may be of whole pushes; else those of SOURCE
-    /// that are not rolled out; `none` takes the model as it is. A path alone does not tell
+    /// that are not rolled out, or else what the model file keeps of `fit`, `train` or `calibrate`; `none` takes
+    /// the model as it is
     #[arg(long, value_name = "SET|none")]
     correlation: Option<PathBuf>,
     /// Longest step of a path, or of a push of which the ends are known: a way (4mm) or a time (200ms);
@@ -119,55 +120,45 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let file = ModelFile::read(&args.model)?;
     let source = Source::read(args, &file, &mut origin, terminal)?;
     let setup = Setup { support: source.support, own: Vec::new() };
-    let Calibrated { description, correlation, widened, n_pushes } =
-        calibrated(args, (source.others.as_deref(), &setup), &file.description, terminal)?;
+    let found = how_sure(args, (source.others.as_deref(), &setup), &file, terminal)?;
+    let description = match &found {
+        Some(found) => file.description.with(found)?,
+        None => file.description.clone(),
+    };
     let model = description.build_in(setup.support, &setup.own)?;
-    let settings = args.settings(&source, correlation.as_ref());
+    let settings =
+        args.settings(&source, found.as_ref().and_then(|found| found.correlation.as_ref()));
     let (table, tables) = args.fast.then(|| tabulated(model.as_ref())).transpose()?.unzip();
     let model = table.as_ref().map_or(model.as_ref(), |table| table as &dyn PushModel);
     let rolled = all_rolled(args, source.tasks, (model, &settings), terminal)?;
     let sureness = Sureness::of(&description.base, model);
     let matched = args.matched;
-    let how =
-        How { settings: &settings, tables, matched, correlation, widened, n_pushes, sureness };
+    let how = How { settings: &settings, tables, matched, calibration: found, sureness };
     let result = Simulated::new(&args.output, &file.name, how, &rolled);
     let json = document(&origin, &terminal.warnings(), &result)?;
     destination.fill(|part| write(part, &rolled, json, &origin))?;
     terminal.finish(&origin, &result, &result)
 }
 
-/// The model as sure as other pushes let it be. Where nobody asked for it and they cannot tell, that is told, and the
-/// model stays as it is.
-fn calibrated(
+/// How sure the model may be: as other pushes tell; where none are at hand, as its file does. Where nobody asked for it
+/// and neither tells, that is said, and the model stays as it is.
+fn how_sure(
     args: &Args,
     (others, setup): (Option<&[RecordedPush]>, &Setup),
-    model: &Description,
+    file: &ModelFile,
     terminal: &Terminal,
-) -> Result<Calibrated> {
-    let description = model.clone();
-    let as_it_is = Calibrated { description, correlation: None, widened: None, n_pushes: 0 };
-    let Some(others) = others else { return Ok(as_it_is) };
-    let activity = terminal.activity();
-    let found = model.calibrated_with_progress(setup, others, &|phase| activity.tell(told(phase)));
-    activity.finish();
-    match found {
+) -> Result<Option<Calibration>> {
+    let kept = file.calibration.as_ref().filter(|_| args.correlation.is_none());
+    let Some(others) = others else { return Ok(kept.cloned()) };
+    match calibration(&file.description, setup, others, terminal) {
         Err(why) if args.measured_on().is_none() => {
+            let instead = if kept.is_some() { "; the model file does" } else { "" };
             terminal.remark(format_args!(
-                "the set's other pushes do not tell how sure the model may be: {why}"
+                "the set's other pushes do not tell how sure the model may be: {why}{instead}"
             ));
-            Ok(as_it_is)
+            Ok(kept.cloned())
         }
-        found => Ok(found?),
-    }
-}
-
-/// What a calibration is at, in words.
-fn told(phase: CalibrationPhase) -> String {
-    match phase {
-        CalibrationPhase::RollOuts { round, done, of } => {
-            format!("how sure of whole pushes: try {round}, {done} of {of} rolled out")
-        }
-        _ => "how sure of whole pushes: measuring how the errors of steps go together".to_owned(),
+        found => Ok(Some(found?)),
     }
 }
 

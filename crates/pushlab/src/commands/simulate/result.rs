@@ -3,21 +3,20 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use models::{Base, Moment, PushModel, RollOutSettings, StepCorrelation};
+use models::{Base, Calibration, Moment, PushModel, RollOutSettings};
 use serde::Serialize;
 
 use super::method::{Method, Tables};
 use super::rolled::{MeasuredEnd, PROBABILITIES, Rolled};
+use crate::whole_pushes::Told as OfWholePushes;
 
 /// How pushes were rolled out.
 pub(super) struct How<'a> {
     pub(super) settings: &'a RollOutSettings,
     pub(super) tables: Option<Tables>,
     pub(super) matched: Option<Method>,
-    pub(super) correlation: Option<StepCorrelation>,
-    pub(super) widened: Option<f64>,
-    /// That tell it.
-    pub(super) n_pushes: usize,
+    /// None where nothing tells it.
+    pub(super) calibration: Option<Calibration>,
     pub(super) sureness: Sureness,
 }
 
@@ -45,11 +44,11 @@ impl Sureness {
         match self {
             Self::OfPushes => {
                 "what differs from push to push is drawn for each as widely as the model says: \
-                 --correlation SET tells whether so much shows"
+                 `pushlab calibrate SET` tells whether so much shows"
             }
             Self::OfSteps => {
                 "errors of steps taken for independent, which is too sure of whole pushes: \
-                 --correlation SET"
+                 `pushlab calibrate SET`"
             }
             Self::None => {
                 "no push differs from another in the model, which is too sure of all: \
@@ -73,13 +72,8 @@ pub(super) struct Simulated {
     tables: Option<Tables>,
     /// Longest step, in m.
     longest_step: f64,
-    /// How errors of steps go together; none if they were taken for independent.
-    correlation: Option<StepCorrelation>,
-    /// So many times as wide as in the model is what differs from push to push; none where nothing does, or that
-    /// was not measured.
-    widened: Option<f64>,
-    /// Pushes by which it is told how sure the model may be; 0 where none were asked.
-    n_calibration_pushes: usize,
+    /// How sure the model may be of whole pushes; none if nothing told it.
+    calibration: Option<Calibration>,
     #[serde(skip)]
     sureness: Sureness,
     /// The probabilities of the quantiles.
@@ -120,7 +114,7 @@ impl Simulated {
     pub(super) fn new(
         folder: &Path,
         model: &str,
-        How { settings, tables, matched, correlation, widened, n_pushes, sureness }: How<'_>,
+        How { settings, tables, matched, calibration, sureness }: How<'_>,
         rolled: &[Rolled],
     ) -> Self {
         let push = |one: &Rolled| Push {
@@ -145,9 +139,7 @@ impl Simulated {
             matched,
             tables,
             longest_step: settings.step,
-            correlation,
-            widened,
-            n_calibration_pushes: n_pushes,
+            calibration,
             sureness,
             probabilities: PROBABILITIES,
             pushes: rolled.iter().map(push).collect(),
@@ -176,15 +168,9 @@ impl fmt::Display for Simulated {
                  variances within {variance_error:.1e} of its variance"
             )?;
         }
-        match (&self.correlation, self.widened) {
-            (Some(found), _) => writeln!(f, "  {}", Shares(found))?,
-            (None, Some(widened)) => writeln!(
-                f,
-                "  what differs from push to push is drawn for each, {widened:.2} times as widely as in the \
-                 model, by the ends of {} other pushes",
-                self.n_calibration_pushes
-            )?,
-            (None, None) => writeln!(f, "  {}", self.sureness.told())?,
+        match &self.calibration {
+            Some(found) => writeln!(f, "  {}", OfWholePushes(found))?,
+            None => writeln!(f, "  {}", self.sureness.told())?,
         }
         for push in pushes {
             write!(f, "{}", Told { push, by_particles: n_particles.is_some() })?;
@@ -246,21 +232,5 @@ impl fmt::Display for Told<'_> {
             writeln!(f, "    {share:.0} % of the steps are beyond those that the model has seen")?;
         }
         Ok(())
-    }
-}
-
-/// A measured correlation in one line.
-struct Shares<'a>(&'a StepCorrelation);
-
-impl fmt::Display for Shares<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let StepCorrelation { held, length, n_pushes, .. } = self.0;
-        let [dx, dy, dtheta] = held.map(|share| format!("{share:.2}"));
-        write!(
-            f,
-            "of the model's variance of a step {dx} (dx), {dy} (dy), {dtheta} (dtheta) goes on over \
-             {:.0} mm of a push, by {n_pushes} pushes",
-            1e3 * length
-        )
     }
 }

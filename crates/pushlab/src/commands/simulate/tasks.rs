@@ -1,26 +1,24 @@
 //! What is rolled out: recorded pushes, or a path from a file.
 
-use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Result, bail, ensure};
-use dataset::{MANIFEST_NAME, Manifest, StepLength, SupportSpec, quantile};
+use dataset::{MANIFEST_NAME, Manifest, StepLength, SupportSpec};
 use effects::Object;
-use gp_core::quantile::normal;
-use models::{ModelFile, PushPath, Pushed, RecordedPush, SeenSteps, StepSelection};
+use models::{ModelFile, PushPath, Pushed, RecordedPush, SeenSteps};
 use planar::Pose;
 
 use super::Args;
 use super::path_file::PathFile;
 use super::rolled::Task;
-use super::rows::Rows;
 use crate::known::Known;
 use crate::origin::{Input, Origin};
 use crate::rig::Rig;
 use crate::step_size::StepSize;
 use crate::step_source::StepSource;
 use crate::terminal::Terminal;
+use crate::whole_pushes::WholePushes;
 use crate::wrong_usage::WrongUsage;
 
 /// What is rolled out, and what is measured on.
@@ -35,8 +33,6 @@ pub(super) struct Source {
 
 /// The longest step of models that do not tell which they have learnt from, in m.
 const USUAL_STEP: f64 = 4e-3;
-/// Shorter recorded pushes have no way to go, in steps.
-const FEWEST_STEPS: usize = 2;
 
 impl Source {
     /// Reads what the arguments name.
@@ -56,14 +52,14 @@ impl Source {
             bail!(WrongUsage("--object is for a path; recorded pushes have their own"));
         }
         let source = StepSource::of(&args.source, args.known.clone());
-        let set = Recorded::read(&source, args.step, file, origin, terminal)?;
+        let set = WholePushes::read(&source, args.step, file, origin, terminal)?;
         set.rig.warn_of_other(&args.model, file, terminal);
         let support = set.rig.support;
         let same = |path: &Path| path.canonicalize().ok() == args.source.canonicalize().ok();
-        let chosen = set.chosen(args, args.measured_on().is_some_and(same))?;
+        let chosen = chosen(&set, args, args.measured_on().is_some_and(same))?;
         let others = match args.measured_on() {
             Some(path) if !same(path) => {
-                Some(Recorded::others_of(args, path, args.step, file, (origin, terminal))?)
+                Some(others_of(args, path, args.step, file, (origin, terminal))?)
             }
             Some(path) => {
                 set.has_steps(path)?;
@@ -123,7 +119,7 @@ impl Source {
         let (measured_wb, pose_sd, touching) = (None, [[0.0; 2]; 2], false);
         let task = Task { name, pushed, path, start_wb, measured_wb, pose_sd, touching };
         let others = match args.measured_on() {
-            Some(set) => Some(Recorded::others_of(args, set, None, file, (origin, terminal))?),
+            Some(set) => Some(others_of(args, set, None, file, (origin, terminal))?),
             None => None,
         };
         let support = manifest.support;
@@ -170,119 +166,41 @@ fn is_path(file: &Path) -> bool {
     }
 }
 
-/// The pushes of a set or a table.
-struct Recorded {
-    /// Whether the ends of each push alone are known.
-    is_of_ends: bool,
-    rig: Rig,
-    all: Vec<RecordedPush>,
-    /// Those that the model has not seen, where it tells; else all.
-    unseen: Vec<RecordedPush>,
+/// The pushes of another set or table, to be measured on.
+fn others_of(
+    args: &Args,
+    path: &Path,
+    step: Option<StepSize>,
+    file: &ModelFile,
+    (origin, terminal): (&mut Origin, &Terminal),
+) -> Result<Vec<RecordedPush>> {
+    // A set has its own manifest; a table may be about the object of the path or of the other table.
+    let known = if path.is_dir() { Known::default() } else { args.known.clone() };
+    let set = WholePushes::of_steps(&StepSource::of(path, known), step, file, origin, terminal)?;
+    Ok(set.others(&[], file))
 }
 
-/// How well the places of ends were measured, in m: where the pusher still touches, within its radius, the
-/// median size of the gap, as the standard deviation of a normal number. None where it never touches.
-fn sd_of_ends<'a>(pushes: impl Iterator<Item = &'a RecordedPush>) -> Option<f64> {
-    let gap = |push: &RecordedPush| {
-        let gap = *push.gaps(&push.pushed.stated()).last()?;
-        (gap < push.pushed.pusher_radius).then_some(gap.abs())
+/// The pushes to roll out; no more than a half where the others are to be measured on.
+fn chosen(set: &WholePushes, args: &Args, is_shared: bool) -> Result<Vec<RecordedPush>> {
+    if args.push.is_empty() {
+        ensure!(!set.unseen.is_empty(), "no push that the model has not seen; name some");
+        let n = set.unseen.len();
+        let most = if is_shared { n.div_ceil(2) } else { n };
+        let wanted = (args.pushes as usize).min(most);
+        return Ok((0..wanted).map(|k| set.unseen[k * n / wanted].clone()).collect());
+    }
+    let named = |name: &String| {
+        let found = set.all.iter().find(|push| push.name == *name);
+        found.cloned().ok_or_else(|| {
+            let known: Vec<_> = set.all.iter().take(5).map(|p| p.name.as_str()).collect();
+            anyhow::anyhow!(
+                "{} has no push {name}{}; it has {}{}",
+                args.source.display(),
+                if set.is_of_ends { "" } else { " of two steps or more" },
+                known.join(", "),
+                if set.all.len() > 5 { ", …" } else { "" }
+            )
+        })
     };
-    Some(quantile(pushes.filter_map(gap).collect(), 0.5)? / normal(0.75))
-}
-
-impl Recorded {
-    fn read(
-        source: &StepSource,
-        step: Option<StepSize>,
-        file: &ModelFile,
-        origin: &mut Origin,
-        terminal: &Terminal,
-    ) -> Result<Self> {
-        let rows = Rows::read(source, step, terminal)?;
-        let Rows { table, about, is_of_ends, inputs } = rows;
-        origin.inputs.extend(inputs);
-        let (rig, path) = (about.rig(), &source.set);
-        let selection = StepSelection::default();
-        let mut all = selection.pushes(&table, &rig.object, rig.pusher.radius)?;
-        all.retain(|push| is_of_ends || push.steps.len() >= FEWEST_STEPS);
-        let least = if is_of_ends { "" } else { " of two steps or more" };
-        ensure!(!all.is_empty(), "{} has no push{least}", path.display());
-        let is_of = |split: &&models::Split| {
-            about.observations(&table).is_ok_and(|observations| observations.are_of(split))
-        };
-        let split = file.split.as_ref().filter(is_of);
-        let is_unseen =
-            |push: &RecordedPush| split.is_none_or(|split| split.confirm.contains(&push.name));
-        if is_of_ends {
-            // Of pushes that are to be held against a model their ends tell nothing, where others do.
-            let sd = sd_of_ends(all.iter().filter(|push| !is_unseen(push)));
-            if let Some(sd) = sd.or_else(|| sd_of_ends(all.iter())) {
-                terminal.remark(format_args!(
-                    "places of ends are taken as measured to {:.2} mm, which their gaps to the pusher show",
-                    1e3 * sd
-                ));
-                all.iter_mut().for_each(|push| push.pose_sd[1][0] = push.pose_sd[1][0].hypot(sd));
-            }
-        }
-        let unseen = all.iter().filter(|push| is_unseen(push)).cloned().collect();
-        Ok(Self { is_of_ends, rig, all, unseen })
-    }
-
-    /// The pushes of another set or table, to be measured on.
-    fn others_of(
-        args: &Args,
-        path: &Path,
-        step: Option<StepSize>,
-        file: &ModelFile,
-        (origin, terminal): (&mut Origin, &Terminal),
-    ) -> Result<Vec<RecordedPush>> {
-        // A set has its own manifest; a table may be about the object of the path or of the other table.
-        let known = if path.is_dir() { Known::default() } else { args.known.clone() };
-        let set = Self::read(&StepSource::of(path, known), step, file, origin, terminal)?;
-        set.has_steps(path)?;
-        Ok(set.others(&[], file))
-    }
-
-    /// Pushes beside those that were chosen: of what a model learnt from those alone that it has not seen. The
-    /// few numbers of physics leave of pushes that they were fitted to what they leave of others.
-    fn others(&self, chosen: &[RecordedPush], file: &ModelFile) -> Vec<RecordedPush> {
-        let names: HashSet<&str> = chosen.iter().map(|push| push.name.as_str()).collect();
-        let all = if file.description.weights.is_some() { &self.unseen } else { &self.all };
-        all.iter().filter(|push| !names.contains(push.name.as_str())).cloned().collect()
-    }
-
-    fn has_steps(&self, path: &Path) -> Result<()> {
-        ensure!(
-            !self.is_of_ends,
-            "{} has poses before and after pushes, which do not tell how the errors of steps go \
-             together; name a set of recordings with --correlation, or leave it out",
-            path.display()
-        );
-        Ok(())
-    }
-
-    /// The pushes to roll out; no more than a half where the others are to be measured on.
-    fn chosen(&self, args: &Args, is_shared: bool) -> Result<Vec<RecordedPush>> {
-        if args.push.is_empty() {
-            ensure!(!self.unseen.is_empty(), "no push that the model has not seen; name some");
-            let n = self.unseen.len();
-            let most = if is_shared { n.div_ceil(2) } else { n };
-            let wanted = (args.pushes as usize).min(most);
-            return Ok((0..wanted).map(|k| self.unseen[k * n / wanted].clone()).collect());
-        }
-        let named = |name: &String| {
-            let found = self.all.iter().find(|push| push.name == *name);
-            found.cloned().ok_or_else(|| {
-                let known: Vec<_> = self.all.iter().take(5).map(|p| p.name.as_str()).collect();
-                anyhow::anyhow!(
-                    "{} has no push {name}{}; it has {}{}",
-                    args.source.display(),
-                    if self.is_of_ends { "" } else { " of two steps or more" },
-                    known.join(", "),
-                    if self.all.len() > 5 { ", …" } else { "" }
-                )
-            })
-        };
-        args.push.iter().map(named).collect()
-    }
+    args.push.iter().map(named).collect()
 }

@@ -11,8 +11,8 @@ use anyhow::{Result, bail, ensure};
 use dataset::IngestSettings;
 use diagnosis::{Observations, split};
 use models::{
-    Description, GpPushModel, Hybrid, MadeFor, ModelFile, ProcessReport, PushModel, Setup, Split,
-    StepFeatures, StepObservation, Training, Unexplained, learn_options,
+    Calibration, Description, GpPushModel, Hybrid, MadeFor, ModelFile, ProcessReport, PushModel,
+    Setup, Split, StepFeatures, StepObservation, Training, Unexplained, learn_options,
 };
 use serde::Serialize;
 
@@ -26,6 +26,7 @@ use crate::some_of::some_of;
 use crate::step_size::StepSize;
 use crate::step_source::{Reading, StepSource, Steps};
 use crate::terminal::Terminal;
+use crate::whole_pushes::calibration_of_fitted;
 use crate::wrong_usage::WrongUsage;
 
 /// Train a model on a part of the pushes, alone or on what physics leaves over
@@ -96,6 +97,8 @@ struct Trained {
     /// Shares of what was learnt in what a hybrid says.
     unexplained: Option<Unexplained>,
     unseen: Unseen,
+    /// How sure the model may be of whole pushes; none where those that it has not seen do not tell.
+    calibration: Option<Calibration>,
 }
 
 /// The held-out pushes.
@@ -130,7 +133,7 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
     let is_hybrid = args.kind == Kind::Hybrid;
     let inputs: Vec<_> = steps.iter().map(|step| step.input.clone()).collect();
     let unexplained = is_hybrid.then(|| trained.model.unexplained(&inputs)).transpose()?;
-    let result = Trained {
+    let mut result = Trained {
         model: args.output.clone(),
         chosen,
         inputs: args.features().names(),
@@ -146,9 +149,13 @@ pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
             scores: scores(trained.model.as_ref(), &steps, is_hybrid)?,
             unexplained,
         },
+        calibration: None,
     };
     let (split, made_for) = (Some(parts.split), Some(parts.made_for));
-    ModelFile { name, description, split, made_for }.write_to(destination)?;
+    let mut file = ModelFile { split, made_for, ..ModelFile::new(name, description) };
+    file.calibration = calibration_of_fitted((&args.source, args.step), &file, terminal);
+    result.calibration.clone_from(&file.calibration);
+    file.write_to(destination)?;
     terminal.finish(&origin, &result, &result)
 }
 

@@ -5,6 +5,7 @@ use std::fmt;
 use super::{Score, Trained};
 use crate::terminal::{TITLE, WARNING};
 use crate::unexplained::shares;
+use crate::whole_pushes::Told;
 
 impl fmt::Display for Trained {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -44,6 +45,9 @@ impl fmt::Display for Trained {
         match mean(&|score| score.nmse_of_physics) {
             Some(nmse) => writeln!(f, ", of the physics alone {nmse:.4}")?,
             None => writeln!(f)?,
+        }
+        if let Some(calibration) = &self.calibration {
+            writeln!(f, "of whole pushes: {}", Told(calibration))?;
         }
         if let Some(learnt) = &self.unexplained {
             let title = "share of what it says that no physics explains";

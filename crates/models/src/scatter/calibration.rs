@@ -5,24 +5,31 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use effects::Spread;
 use nalgebra::Matrix3;
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
+use serde::{Deserialize, Serialize};
 
 use crate::analytical::fit::scatter_per_way;
+use crate::analytical::is_covariance;
 use crate::{
     Analytical, Base, Description, ModelError, Noise, PushModel, RecordedPush, RollOutSettings,
     Setup, StepCorrelation,
 };
 
-/// A model that is as sure of where pushes end as recorded ones let it be.
-#[derive(Clone, Debug)]
-pub struct Calibrated {
-    /// The model with its scatter.
-    pub description: Description,
-    /// How the errors of the steps of a push go together; none where what differs from push to push says it.
-    pub correlation: Option<StepCorrelation>,
-    /// So many times as wide as before is what differs from push to push; none where nothing does.
-    pub widened: Option<f64>,
+/// How sure a model may be of where pushes end, as recorded ones showed it ([`Description::calibration`]).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Calibration {
     /// Pushes that it was measured on.
     pub n_pushes: usize,
+    /// So many times as wide as in the model is what differs from push to push; none where nothing does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub widened: Option<f64>,
+    /// Of physics that have none of their own, the scatter of steps: the covariance of (Δx, Δy, Δθ) in m and rad
+    /// per meter of way squared.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scatter_per_m: Option<[[f64; 3]; 3]>,
+    /// How the errors of the steps of a push go together; none where what differs from push to push says it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub correlation: Option<StepCorrelation>,
 }
 
 /// What a calibration is at, for those who wait for it.
@@ -50,11 +57,13 @@ const N_PARTICLES: usize = 100;
 /// Factors are tried so far apart until ends are in the other half of their regions, then between the last two.
 const FIRST_RATIO: f64 = 1.6;
 const HALVINGS: usize = 2;
+/// What a file may say: by hand somebody may be more daring.
+const MOST_WIDENED: f64 = 1e3;
 /// Spreads become at most so many times as wide, or as narrow.
 const WIDEST: f64 = 8.0;
 
 impl Description {
-    /// The model with the scatter that recorded pushes show.
+    /// How sure the model may be of whole pushes, by recorded ones.
     ///
     /// Where parameters differ from push to push, all spreads are scaled by one factor, with which the
     /// regions of roll-outs hold as many of the measured ends as they say: the least Cramér–von Mises distance
@@ -67,40 +76,60 @@ impl Description {
     ///
     /// # Errors
     /// `TooFewPushes`; what the model refuses.
-    pub fn calibrated(
+    pub fn calibration(
         &self,
         setup: &Setup,
         pushes: &[RecordedPush],
-    ) -> Result<Calibrated, ModelError> {
-        self.calibrated_with_progress(setup, pushes, &|_| {})
+    ) -> Result<Calibration, ModelError> {
+        self.calibration_with_progress(setup, pushes, &|_| {})
     }
 
     /// The same, and tells an observer what it is at: roll-outs take half a minute. Many threads tell, in any
     /// order; what is found does not depend on who listens.
     ///
     /// # Errors
-    /// As [`Self::calibrated`].
-    pub fn calibrated_with_progress(
+    /// As [`Self::calibration`].
+    pub fn calibration_with_progress(
         &self,
         setup: &Setup,
         pushes: &[RecordedPush],
         observer: &(dyn Fn(CalibrationPhase) + Sync),
-    ) -> Result<Calibrated, ModelError> {
+    ) -> Result<Calibration, ModelError> {
         if self.built_in(setup)?.n_drawn() > 0 {
             return self.widened_by_ends(setup, pushes, observer);
         }
         observer(CalibrationPhase::Steps);
-        let mut description = self.clone();
-        if let Base::Analytical(base) = &self.base
-            && *base.scatter() == Matrix3::zeros()
-        {
-            let model = self.built_in(setup)?;
-            description.base = Base::Analytical(base.with_scatter_of(model.as_ref(), pushes)?);
-        }
-        let model = description.built_in(setup)?;
+        let has_none = match &self.base {
+            Base::Analytical(base) => *base.scatter() == Matrix3::zeros(),
+            _ => false,
+        };
+        let scatter_per_m = match has_none {
+            true => scatter_of(self.built_in(setup)?.as_ref(), pushes)?.map(Into::into),
+            false => None,
+        };
+        let found = Calibration { scatter_per_m, ..Calibration::default() };
+        let model = self.with(&found)?.built_in(setup)?;
         let correlation = StepCorrelation::measure(model.as_ref(), pushes)?;
-        let n_pushes = correlation.n_pushes;
-        Ok(Calibrated { description, correlation: Some(correlation), widened: None, n_pushes })
+        Ok(Calibration { n_pushes: correlation.n_pushes, correlation: Some(correlation), ..found })
+    }
+
+    /// The model as sure of whole pushes as a calibration lets it be; how the errors of steps go together is for
+    /// [`RollOutSettings`].
+    ///
+    /// # Errors
+    /// Physics that refuse a scatter.
+    pub fn with(&self, calibration: &Calibration) -> Result<Self, ModelError> {
+        let mut model = calibration.widened.map_or_else(|| self.clone(), |of| self.widened(of));
+        if let (Base::Analytical(base), Some(scatter)) = (&self.base, calibration.scatter_per_m) {
+            let base = Analytical::new(
+                base.pusher_friction().clone(),
+                base.length().clone(),
+                scatter.into(),
+            )?
+            .with_surface(base.surface())?;
+            model.base = Base::Analytical(base);
+        }
+        Ok(model)
     }
 
     fn widened_by_ends(
@@ -108,7 +137,7 @@ impl Description {
         setup: &Setup,
         pushes: &[RecordedPush],
         observer: &(dyn Fn(CalibrationPhase) + Sync),
-    ) -> Result<Calibrated, ModelError> {
+    ) -> Result<Calibration, ModelError> {
         let n_pushes = pushes.len().min(MOST);
         if n_pushes < FEWEST {
             return Err(ModelError::TooFewPushes { n_pushes, needed: FEWEST });
@@ -158,8 +187,7 @@ impl Description {
         }
         let least = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
         let factor = least.map_or(1.0, |(log_factor, _)| log_factor.exp());
-        let description = self.widened(factor);
-        Ok(Calibrated { description, correlation: None, widened: Some(factor), n_pushes })
+        Ok(Calibration { n_pushes, widened: Some(factor), ..Calibration::default() })
     }
 
     /// The model whose parameters differ so many times as widely from push to push.
@@ -180,25 +208,34 @@ impl Description {
     }
 }
 
-impl Analytical {
-    /// The same model with the covariance that the steps of pushes show about a model, per meter of way squared.
-    fn with_scatter_of(
-        &self,
-        model: &dyn PushModel,
-        pushes: &[RecordedPush],
-    ) -> Result<Self, ModelError> {
-        let steps: Vec<_> = pushes.iter().flat_map(|push| &push.steps).collect();
-        let inputs: Vec<_> = steps.iter().map(|step| step.input.clone()).collect();
-        let said = model.predict(&inputs, Noise::Excluded)?;
-        let pairs = steps.iter().zip(said);
-        let errors: Vec<_> = pairs.map(|(step, said)| step.outputs - said.mean).collect();
-        if errors.is_empty() {
-            return Ok(self.clone());
-        }
-        let scatter = scatter_per_way(steps, &errors, 0);
-        Self::new(self.pusher_friction().clone(), self.length().clone(), scatter)?
-            .with_surface(self.surface())
+impl Calibration {
+    /// What no measurement gives, and the key that says it.
+    pub(crate) fn problem(&self) -> Option<(&'static str, String)> {
+        let (low, high) = (1.0 / MOST_WIDENED, MOST_WIDENED);
+        let widened = self.widened.filter(|of| !(low..=high).contains(of));
+        let widened = widened.map(|of| format!("must be from {low} to {high}, got {of:?}"));
+        widened
+            .map(|problem| ("calibration.widened", problem))
+            .or_else(|| {
+                let is_none = !is_covariance(&self.scatter_per_m?.into());
+                let problem = "must be symmetric and positive semi-definite".to_owned();
+                is_none.then_some(("calibration.scatter_per_m", problem))
+            })
+            .or_else(|| self.correlation.as_ref()?.problem())
     }
+}
+
+/// The covariance that the steps of pushes show about a model, per meter of way squared; none of no step.
+fn scatter_of(
+    model: &dyn PushModel,
+    pushes: &[RecordedPush],
+) -> Result<Option<Matrix3<f64>>, ModelError> {
+    let steps: Vec<_> = pushes.iter().flat_map(|push| &push.steps).collect();
+    let inputs: Vec<_> = steps.iter().map(|step| step.input.clone()).collect();
+    let said = model.predict(&inputs, Noise::Excluded)?;
+    let pairs = steps.iter().zip(said);
+    let errors: Vec<_> = pairs.map(|(step, said)| step.outputs - said.mean).collect();
+    Ok((!errors.is_empty()).then(|| scatter_per_way(steps, &errors, 0)))
 }
 
 /// Whether ends are in the outer half of their regions, by the mean of their levels.
