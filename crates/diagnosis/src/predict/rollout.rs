@@ -72,17 +72,15 @@ pub fn roll_out(
     match model.base {
         Base::Analytical(_) => {
             let model = ChannelModel::new(model, observations.support, own)?;
-            for (rollout, run) in rollouts.iter_mut().zip(&runs) {
-                let ways = beginnings(observations, run)?;
-                let outline = model.true_outline(&ways[0].object, ways[0].pusher_radius)?;
-                rollout.gaps.push(gap_at(&outline, &ways[0], 0.0, &ways[0].pose_wb));
-                let ends = model.predict(&ways)?;
-                for (way, end) in ways.iter().zip(ends) {
-                    let moved = [end.dx, end.dy, end.dtheta];
-                    let end_wb = moved_by(&way.pose_wb, &way.direction_w(), moved);
-                    rollout.gaps.push(gap_at(&outline, way, way.track.duration(), &end_wb));
-                    rollout.predicted_wb.push(end_wb);
-                }
+            let ways = runs.iter().map(|run| way(observations, run));
+            let ways = ways.collect::<Result<Vec<_>, _>>()?;
+            let paths = model.predict_paths(&ways)?;
+            for ((rollout, (way, times)), path) in rollouts.iter_mut().zip(&ways).zip(paths) {
+                let outline = model.true_outline(&way.object, way.pusher_radius)?;
+                let gap = |(time, pose): (&f64, &Pose)| gap_at(&outline, way, *time, pose);
+                rollout.gaps.push(gap((&0.0, &way.pose_wb)));
+                rollout.gaps.extend(times.iter().zip(&path).map(gap));
+                rollout.predicted_wb.extend(path);
             }
         }
         _ => {
@@ -138,19 +136,19 @@ fn measured(observations: &Observations, run: &[usize]) -> Rollout {
     rollout
 }
 
-/// The way from the start of a push to the end of each of its steps.
-fn beginnings(
+/// The way from the start of a push to the end of its last step, and when each of them ends, in s from the start.
+fn way(
     observations: &Observations,
     run: &[usize],
-) -> Result<Vec<StepInput>, models::ModelError> {
+) -> Result<(StepInput, Vec<f64>), models::ModelError> {
     /// Straight pieces of a step.
     const PIECES: u32 = 4;
     let first = &observations.steps[run[0]].input;
     if observations.places[run[0]].is_whole {
-        return Ok(vec![first.clone()]);
+        return Ok((first.clone(), vec![first.track.duration()]));
     }
     let mut way = vec![(0.0, first.track.start())];
-    let mut beginnings = Vec::new();
+    let mut times = Vec::new();
     for index in run {
         let StepInput { track, since_contact, .. } = &observations.steps[*index].input;
         let start = since_contact - first.since_contact;
@@ -158,10 +156,10 @@ fn beginnings(
             let time = track.duration() * f64::from(piece) / f64::from(PIECES);
             way.push((start + time, track.at(time).0));
         }
-        let polyline = Polyline::new(&way).map_err(effects::EffectError::from)?;
-        beginnings.push(StepInput { track: Track::polyline(Arc::new(polyline)), ..first.clone() });
+        times.push(start + track.duration());
     }
-    Ok(beginnings)
+    let polyline = Polyline::new(&way).map_err(effects::EffectError::from)?;
+    Ok((StepInput { track: Track::polyline(Arc::new(polyline)), ..first.clone() }, times))
 }
 
 /// The gap at a time of a step's track where a model has the object at `pose_wb` then.

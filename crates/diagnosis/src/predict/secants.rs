@@ -44,6 +44,8 @@ const PUSHER_SHIFT: f64 = 5e-5;
 impl Linearisation {
     /// The predictions of an analytical model with its effects, and their slopes.
     ///
+    /// Where parameters differ from push to push, predictions are expected, and slopes those of a typical push.
+    ///
     /// Infinitesimal derivatives mislead at the edge of sticking and sliding, so a slope is the
     /// secant from one side to the other, or to one side where the range ends there.
     ///
@@ -88,6 +90,8 @@ impl Linearisation {
 /// The model and its neighbours, for one object.
 struct Probes {
     physics: PushPhysics,
+    /// Of a typical push; none where pushes do not differ.
+    typical: Option<PushPhysics>,
     /// The same as its neighbours are predicted.
     roughly: PushPhysics,
     sides: Vec<Sides>,
@@ -120,22 +124,25 @@ impl Probes {
         directions: &[Direction],
     ) -> Result<Self, DiagnosisError> {
         let physics = model.physics(&step.object)?;
-        let roughly = physics.clone().in_half_the_substeps();
+        let typical = physics.of_typical_push();
+        let middle = typical.as_ref().unwrap_or(&physics);
+        let roughly = middle.clone().in_half_the_substeps();
         let sides = directions.iter().map(|direction| {
-            let from = if direction.is_switch() { &physics } else { &roughly };
+            let from = if direction.is_switch() { middle } else { &roughly };
             Sides::new(from, direction, step)
         });
         let sides = sides.collect::<Result<_, EffectError>>().map_err(ModelError::from)?;
-        Ok(Self { physics, roughly, sides })
+        Ok(Self { physics, typical, roughly, sides })
     }
 
     fn at(&self, observations: &Observations, index: usize) -> Result<AtStep, EffectError> {
         let step = &observations.steps[index].input;
         let predict = |physics: &PushPhysics| physics.predict(step).map(|found| found.to_array());
         let predicted = predict(&self.physics)?;
+        let typical = self.typical.as_ref().map_or(Ok(predicted), predict)?;
         let roughly = predict(&self.roughly)?;
         let secant = |sides: &Sides| -> Result<Secant, EffectError> {
-            let here = if sides.is_switched { predicted } else { roughly };
+            let here = if sides.is_switched { typical } else { roughly };
             let side = |side: &Option<PushPhysics>| side.as_ref().map_or(Ok(here), &predict);
             let (above, below) = (side(&sides.above)?, side(&sides.below)?);
             let slope = std::array::from_fn(|k| (above[k] - below[k]) / sides.span);

@@ -9,6 +9,7 @@ use crate::effect::geometry::Outline;
 use crate::object::spots::Spots;
 use crate::predict::contact_event::ContactEvent;
 use crate::predict::instant::{Memory, Rate};
+use crate::predict::moved::moved;
 use crate::predict::touch_time::{TOUCH, touch_time};
 use crate::{Channels, ContactLaw, EffectError, MeasurementModel, PushPhysics, StepInput};
 
@@ -22,7 +23,7 @@ pub(crate) struct Forward<'a> {
     pub(crate) spots: Option<&'a Spots>,
     pub(crate) law: ContactLaw,
     /// The tracked frame in the outline's.
-    pose_ob: Pose,
+    pub(crate) pose_ob: Pose,
     /// Whether measured and true geometry are the same.
     is_plain: bool,
     pub(crate) has_inertia: bool,
@@ -108,9 +109,15 @@ impl<'a> Forward<'a> {
     }
 
     /// All channels at the end of the step.
-    pub(crate) fn run(mut self) -> Result<Channels, EffectError> {
+    pub(crate) fn run(self) -> Result<Channels, EffectError> {
+        self.run_past(|_| {})
+    }
+
+    /// The same, seen at the start and after each sub-step.
+    pub(crate) fn run_past(mut self, mut seen: impl FnMut(&Self)) -> Result<Channels, EffectError> {
         self.start()?;
-        let start_wb = self.pose_wo * self.pose_ob;
+        seen(&self);
+        let start_wb = self.measured_pose();
         let gap_start = self.measured_gap();
         self.finish_late_motion();
         let duration = self.step.track.duration();
@@ -132,9 +139,10 @@ impl<'a> Forward<'a> {
             if kink == Some(length) {
                 self.trail.clear();
             }
+            seen(&self);
         }
         self.time = duration;
-        let end_wb = self.pose_wo * self.pose_ob;
+        let end_wb = self.measured_pose();
         let along = self.step.direction_w();
         let moved = end_wb.position - start_wb.position;
         let force = self.impulse / duration;
@@ -387,11 +395,6 @@ impl<'a> Forward<'a> {
         if self.is_plain {
             return self.now.contact.gap;
         }
-        self.nominal(self.time, &(self.pose_wo * self.pose_ob)).gap
+        self.nominal(self.time, &self.measured_pose()).gap
     }
-}
-
-/// A pose after moving with a constant velocity for some time.
-pub(crate) fn moved(pose: &Pose, twist: &Twist, time: f64) -> Pose {
-    Pose { position: pose.position + time * twist.linear, angle: pose.angle + time * twist.angular }
 }

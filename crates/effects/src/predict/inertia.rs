@@ -6,8 +6,9 @@ use planar::{Pose, Twist};
 
 use crate::EffectError;
 use crate::predict::contact_event::ContactEvent;
-use crate::predict::forward::{Forward, moved};
+use crate::predict::forward::Forward;
 use crate::predict::instant::Rate;
+use crate::predict::moved::moved;
 
 /// 1 − 1/√2: both stages of the rule have this share of the sub-step.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;

@@ -11,6 +11,8 @@ pub(crate) mod holding;
 pub(crate) mod inertia;
 pub(crate) mod instant;
 pub(crate) mod lean;
+pub(crate) mod moved;
+pub(crate) mod path;
 pub(crate) mod push_physics;
 pub(crate) mod substep_end;
 pub(crate) mod touch_time;
@@ -78,6 +80,18 @@ impl PushPhysics {
             _ => all.into_iter().map(deviation).collect(),
         };
         Ok(Predicted { mean: Channels::from_array(mean), deviations })
+    }
+
+    /// The model of a push in the middle of all: what differs from push to push or from place to place has its value of
+    /// the model; none where nothing differs.
+    pub fn of_typical_push(&self) -> Option<Self> {
+        if self.differing().is_empty() {
+            return None;
+        }
+        let mut typical = self.clone();
+        typical.per_push.clear();
+        typical.per_place.clear();
+        Some(typical)
     }
 
     fn predict_one(&self, step: &StepInput) -> Result<Channels, EffectError> {

@@ -25,9 +25,9 @@ pub struct PushPhysics {
     /// For each stage, the indices of the effects that act there.
     at_stage: [Vec<usize>; Stage::ALL.len()],
     /// Parameters that differ from push to push, each by its effect and its place there.
-    per_push: Vec<Varying>,
+    pub(super) per_push: Vec<Varying>,
     /// The same from place to place.
-    per_place: Vec<Varying>,
+    pub(super) per_place: Vec<Varying>,
     /// Share of the sub-steps that a step takes.
     share_of_substeps: f64,
 }

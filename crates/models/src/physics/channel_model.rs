@@ -9,6 +9,7 @@ use effects::{
 };
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Pose, Twist};
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use crate::{Analytical, Base, CharacteristicLength, Description, ModelError, SurfaceKind};
 
@@ -76,6 +77,23 @@ impl ChannelModel {
         steps: impl IntoIterator<Item = &'a StepInput>,
     ) -> Result<Vec<Channels>, ModelError> {
         self.of_each(steps, PushPhysics::predict)
+    }
+
+    /// The poses of the object at times of each step, in s from its start, expected where parameters differ from push
+    /// to push ([`PushPhysics::predict_path`]).
+    ///
+    /// # Errors
+    /// As [`ChannelModel::predict`].
+    pub fn predict_paths(
+        &self,
+        steps: &[(StepInput, Vec<f64>)],
+    ) -> Result<Vec<Vec<Pose>>, ModelError> {
+        let physics =
+            self.of_each(steps.iter().map(|(step, _)| step), |physics, _| Ok(physics.clone()))?;
+        let of = |(physics, (step, times)): (&PushPhysics, &(StepInput, Vec<f64>))| {
+            Ok(physics.predict_path(step, times)?)
+        };
+        physics.par_iter().zip(steps).map(of).collect()
     }
 
     /// All channels of each step given the standard normal numbers that its push has drawn

@@ -176,6 +176,11 @@ fn ends_are_suggested_reported_and_simulated_like_any_other_set() {
     let measured =
         poses.lines().filter(|line| line.starts_with("pushes") && !line.ends_with(",,,"));
     assert_eq!(measured.count(), 2);
+    // All the way, but for what takes steps.
+    let ran = json(&set, &["run", "ends", "-o", "ran"]);
+    let last = ran["phases"].as_array().unwrap().last().unwrap();
+    assert_eq!((&last["name"], &last["state"]), (&"calibrate".into(), &"not_told".into()));
+    assert_eq!(ran["model"], "ran/better.toml");
 }
 
 #[test]

@@ -205,11 +205,15 @@ impl<'a> Chain<'a> {
         Ok(())
     }
 
-    /// Runs a phase that the rest can do without; whether its output is there.
+    /// Runs a phase that the rest can do without, and that asks for the steps of pushes; whether its output is there.
     ///
     /// # Errors
     /// If a file cannot be read or written.
     pub(super) fn go_if_told(&mut self, phase: &Phase) -> Result<bool> {
+        if self.step == StepKind::WholePush {
+            self.pass(phase.command, State::NotTold, self.path(phase.output));
+            return Ok(false);
+        }
         let n_past = self.past.len();
         let Err(why) = self.go(phase) else { return Ok(true) };
         let path = self.path(phase.output);
