@@ -38,6 +38,8 @@ pub(crate) struct Linearisation {
     pub(crate) by_pusher: Vec<[[f64; 7]; 2]>,
 }
 
+/// Share of a direction's size at which it is tried where the mechanics refuse all of it.
+const NEAR: f64 = 0.1;
 /// What stands for noise of the pusher's place, in m.
 const PUSHER_SHIFT: f64 = 5e-5;
 
@@ -101,7 +103,11 @@ struct Probes {
 struct Sides {
     above: Option<PushPhysics>,
     below: Option<PushPhysics>,
+    /// From one side to the other, and from the middle to the upper one.
     span: f64,
+    by_above: f64,
+    /// Where the range ends on one side, a place nearer by on the other, and how far it is.
+    near: Option<(PushPhysics, f64)>,
     /// Whether it is switched, so that sub-steps miss another part on each side.
     is_switched: bool,
 }
@@ -143,11 +149,22 @@ impl Probes {
         let roughly = predict(&self.roughly)?;
         let secant = |sides: &Sides| -> Result<Secant, EffectError> {
             let here = if sides.is_switched { typical } else { roughly };
-            let side = |side: &Option<PushPhysics>| side.as_ref().map_or(Ok(here), &predict);
-            let (above, below) = (side(&sides.above)?, side(&sides.below)?);
-            let slope = std::array::from_fn(|k| (above[k] - below[k]) / sides.span);
-            let is_one_sided = sides.above.is_none() || sides.below.is_none();
-            let bend = |k: usize| (above[k] + below[k] - 2.0 * here[k]) / sides.span;
+            let side = |side: &Option<PushPhysics>| side.as_ref().map(predict).transpose();
+            let (above, below, span) = match (side(&sides.above), side(&sides.below)) {
+                (Ok(above), Ok(below)) => (above, below, sides.span),
+                // What the mechanics refuse on one side, as a pusher so high that no lean is that of its force, the
+                // other one tells.
+                (Ok(Some(above)), Err(_)) => (Some(above), None, sides.by_above),
+                (Err(_), Ok(Some(below))) => (None, Some(below), sides.span - sides.by_above),
+                (Err(why), _) | (_, Err(why)) => match &sides.near {
+                    Some((near, by)) => (Some(predict(near)?), None, *by),
+                    None => return Err(why),
+                },
+            };
+            let is_one_sided = above.is_none() || below.is_none();
+            let (above, below) = (above.unwrap_or(here), below.unwrap_or(here));
+            let slope = std::array::from_fn(|k| (above[k] - below[k]) / span);
+            let bend = |k: usize| (above[k] + below[k] - 2.0 * here[k]) / span;
             let bend = if is_one_sided { [0.0; 7] } else { std::array::from_fn(bend) };
             Ok(Secant { slope, bend })
         };
@@ -203,7 +220,12 @@ impl Sides {
                 None => moved.with(effect, &values)?,
             }))
         };
-        Ok(Self { above: at(high)?, below: at(low)?, span: high - low, is_switched })
+        let place = here[coordinate];
+        let (span, by_above, is_end) = (high - low, high - place, low == place || high == place);
+        let by = if low == place { NEAR * span } else { -NEAR * span };
+        let near = if is_end && !is_switched { at(place + by)? } else { None };
+        let (above, below, near) = (at(high)?, at(low)?, near.map(|near| (near, by)));
+        Ok(Self { above, below, span, by_above, near, is_switched })
     }
 }
 
