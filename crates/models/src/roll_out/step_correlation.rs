@@ -64,7 +64,7 @@ impl EndCheck {
 }
 
 impl StepCorrelation {
-    /// What no measurement gives, and the key that says it.
+    /// What no measurement gives, and the key that says it; far beyond all that one can give, which has to be read back.
     pub(crate) fn problem(&self) -> Option<(&'static str, String)> {
         let shares = [
             ("calibration.correlation.held", self.held),
@@ -72,14 +72,14 @@ impl StepCorrelation {
             ("calibration.correlation.measured", self.measured),
         ];
         let shares =
-            shares.into_iter().flat_map(|(key, of)| of.map(|share| (key, share, [0.0, 1e9])));
+            shares.into_iter().flat_map(|(key, of)| of.map(|share| (key, share, [0.0, 1e30])));
         let ContactGap { offset, kept, sd } = self.gap;
         let others = [
-            ("calibration.correlation.length", self.length, [1e-9, 1e6]),
+            ("calibration.correlation.length", self.length, [1e-9, 1e9]),
             ("calibration.correlation.freedom", self.freedom, [1.0, 1e9]),
-            ("calibration.correlation.gap.offset", offset, [-1.0, 1.0]),
-            ("calibration.correlation.gap.kept", kept, [-1e3, 1e3]),
-            ("calibration.correlation.gap.sd", sd, [0.0, 1.0]),
+            ("calibration.correlation.gap.offset", offset, [-1e9, 1e9]),
+            ("calibration.correlation.gap.kept", kept, [-1e9, 1e9]),
+            ("calibration.correlation.gap.sd", sd, [0.0, 1e9]),
         ];
         let mut all = shares.chain(others);
         all.find_map(|(key, value, [low, high])| {

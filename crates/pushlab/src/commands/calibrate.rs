@@ -18,9 +18,9 @@ use crate::whole_pushes::{Told, WholePushes, calibration};
 /// Measure how sure a model may be of whole pushes, and keep it in the model's file
 ///
 /// `simulate` then takes it from there where no other pushes are at hand: along a path, or of pushes of which
-/// the ends alone are known. Of a model that learnt those pushes tell that it has not seen, of physics all. `fit`,
-/// `add --fit` and `train` measure it themselves; a model that `add` made from a diagnosis, or by hand, has
-/// none yet.
+/// the ends alone are known. Of physics all pushes of the set tell, of a model that learnt those that it has not
+/// seen. `fit`, `add --fit` and `train` measure it themselves; a model that `add` made from a diagnosis, or by
+/// hand, has none yet.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {

@@ -138,10 +138,7 @@ pub(crate) fn calibration(
     found
 }
 
-/// The same of a model that was just fitted, by the pushes of its set; none where they do not tell.
-///
-/// # Errors
-/// If the set cannot be read again.
+/// The same of a model that was just fitted, by the pushes of its set; none where they do not tell, and why is noted.
 pub(crate) fn calibration_of_fitted(
     (source, step): (&StepSource, Option<StepSize>),
     file: &ModelFile,
@@ -150,9 +147,18 @@ pub(crate) fn calibration_of_fitted(
     // What is to be said of the set was said when it was read for the fit.
     let mut origin = Origin::new("");
     let silent = terminal.silent();
-    let pushes = WholePushes::of_steps(source, step, file, &mut origin, &silent).ok()?;
-    let setup = Setup { support: pushes.rig.support, own: Vec::new() };
-    calibration(&file.description, &setup, &pushes.others(&[], file), terminal).ok()
+    let mut found = || -> Result<Calibration> {
+        let pushes = WholePushes::of_steps(source, step, file, &mut origin, &silent)?;
+        let setup = Setup { support: pushes.rig.support, own: Vec::new() };
+        Ok(calibration(&file.description, &setup, &pushes.others(&[], file), terminal)?)
+    };
+    found()
+        .inspect_err(|why| {
+            terminal.note(format_args!(
+                "how sure the model may be of whole pushes was not measured: {why:#}"
+            ));
+        })
+        .ok()
 }
 
 /// What a calibration is at, in words.
