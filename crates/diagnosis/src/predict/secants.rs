@@ -254,3 +254,43 @@ fn turned(
     change[1] = way_w.dot(&planar::perpendicular(&after)) - dy;
     change
 }
+
+#[cfg(test)]
+mod tests {
+    use effects::{ContactLaw, Effect, EffectInfo, IntoEffect, PushHeight, Snapshot};
+
+    use super::{Direction, Linearisation, NEAR};
+    use crate::DiagnosisError;
+    use crate::synthetic::recorded;
+
+    /// A push height above which no step can be predicted, in m.
+    #[derive(Debug)]
+    struct LowCeiling(f64);
+
+    impl Effect for LowCeiling {
+        fn info(&self) -> &EffectInfo {
+            PushHeight.info()
+        }
+
+        fn contact(&self, values: &[f64], at: &Snapshot<'_>, law: &mut ContactLaw) {
+            let is_refused = values[0] > self.0;
+            PushHeight.contact(if is_refused { &[f64::NAN] } else { values }, at, law);
+        }
+    }
+
+    fn slopes(effect: impl IntoEffect, size: f64) -> Result<Vec<[f64; 7]>, DiagnosisError> {
+        let (observations, model) = recorded(1);
+        let direction = Direction { effect: effect.into_effect(), coordinate: 0, size };
+        let mut found = Linearisation::of(&model, &[], &observations, &[direction])?;
+        Ok(found.slopes.swap_remove(0))
+    }
+
+    #[test]
+    fn a_size_that_the_mechanics_refuse_is_tried_nearer_by() {
+        const SIZE: f64 = 0.02;
+        let found = slopes(LowCeiling(0.5 * SIZE), SIZE).unwrap();
+        assert_eq!(found, slopes(PushHeight, NEAR * SIZE).unwrap());
+        assert_ne!(found, slopes(PushHeight, SIZE).unwrap());
+        assert!(slopes(LowCeiling(0.5 * NEAR * SIZE), SIZE).is_err());
+    }
+}
