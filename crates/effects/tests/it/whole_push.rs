@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use effects::{ApproachGap, Object, PushPhysics, Rig, StepInput, Surface, Track};
+use effects::{ApproachGap, Object, PushPhysics, Rig, Spread, StepInput, Surface, Track, by_id};
 use mechanics::{
     Ellipsoid, PathMotion, PathSettings, Place, Polyline, Pusher, PusherPath, Slider, StraightPath,
     push_along,
@@ -43,15 +43,15 @@ fn exact(shape: &Shape, path: &dyn PusherPath) -> PathMotion {
 }
 
 /// Where the origin gets to, in W, and the turn.
-fn moved(step: &StepInput) -> (Vector2<f64>, f64) {
-    let found = physics().predict(step).unwrap();
+fn moved(physics: &PushPhysics, step: &StepInput) -> (Vector2<f64>, f64) {
+    let found = physics.predict(step).unwrap();
     let along = step.direction_w();
     (found.dx * along + found.dy * planar::perpendicular(&along), found.dtheta)
 }
 
 /// How far a prediction is from the exact push: m and rad.
 fn errors(step: &StepInput, exact: &PathMotion) -> [f64; 2] {
-    let (position, turn) = moved(step);
+    let (position, turn) = moved(&physics(), step);
     [(position - exact.pose_wb.position).norm(), (turn - exact.pose_wb.angle).abs()]
 }
 
@@ -60,6 +60,28 @@ fn of_square(y: f64, gap: f64, way: f64) -> StepInput {
     let start = Vector2::new(-0.045 - RADIUS - gap, y);
     let end = start + Vector2::new(way, 0.0);
     step(&Arc::new(Shape::square(0.09).unwrap()), Track::straight(start, end, way / SPEED))
+}
+
+#[test]
+fn on_its_way_a_push_is_where_it_would_end_by_then() {
+    let (whole, half) = (of_square(0.012, 3e-3, WAY), of_square(0.012, 3e-3, 0.5 * WAY));
+    let offset = by_id("friction-center-offset").unwrap();
+    let typical = physics().with(offset, &[0.0, 2e-3]).unwrap();
+    let differing =
+        typical.clone().with_spread("friction-center-offset", "dy", Spread::Sd(4e-3)).unwrap();
+    assert!(typical.of_typical_push().is_none());
+    let middle = differing.of_typical_push().unwrap();
+    assert_eq!(middle.predict(&whole).unwrap(), typical.predict(&whole).unwrap());
+    let duration = whole.track.duration();
+    for physics in [typical, differing] {
+        let path = physics.predict_path(&whole, &[0.0, 0.5 * duration, duration]).unwrap();
+        assert_eq!(path[0], whole.pose_wb);
+        for (pose, step, within) in [(path[1], &half, 2e-5), (path[2], &whole, 1e-12)] {
+            let (position, turn) = moved(&physics, step);
+            let off = (pose.position - position).norm().max((pose.angle - turn).abs() * 0.05);
+            assert!(off < within, "{off} m");
+        }
+    }
 }
 
 #[test]
@@ -100,8 +122,8 @@ fn a_way_that_never_meets_the_outline_moves_nothing() {
 
 #[test]
 fn the_way_before_the_touch_is_lost_and_so_is_a_gap_that_was_not_measured() {
-    let far = moved(&of_square(0.02, 3e-3, WAY));
-    let near = moved(&of_square(0.02, 0.0, WAY - 3e-3));
+    let far = moved(&physics(), &of_square(0.02, 3e-3, WAY));
+    let near = moved(&physics(), &of_square(0.02, 0.0, WAY - 3e-3));
     assert!((far.0 - near.0).norm() < 2e-6 && (far.1 - near.1).abs() < 2e-5, "{far:?} {near:?}");
     let gapped = physics().with(ApproachGap, &[2e-3]).unwrap();
     let lost = gapped.predict(&of_square(0.0, 3e-3, WAY)).unwrap();
