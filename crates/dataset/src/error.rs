@@ -296,6 +296,12 @@ pub enum DatasetError {
         /// Why the first push was excluded.
         reason: String,
     },
+    /// Parts of a set that do not go together.
+    #[error("{what}")]
+    Parts {
+        /// What is wrong, and what to do.
+        what: String,
+    },
     /// A table lacks a column.
     #[error("{path}: no column `{column}`; the table has: {found}")]
     ColumnMissing {

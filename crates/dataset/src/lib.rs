@@ -45,6 +45,7 @@ pub use curves::smoothing::{Smoother, smooth};
 pub use curves::spline::{CubicSpline, EndCondition};
 pub use ingest::first_contact::FirstContact;
 pub use ingest::force_zero::{ForceZero, UntaredReason};
+pub use ingest::merge::merge_each;
 pub use ingest::push::Exclusion;
 pub use ingest::repair::RepairKind;
 pub use ingest::report::{
@@ -57,6 +58,7 @@ pub use ingest::{ingest, ingest_each, provenance};
 pub use manifest::init::{draft_manifest, find_recordings, init, unread_recordings};
 pub use manifest::object::{ObjectChoice, ObjectSpec};
 pub use manifest::object_support::ObjectSupport;
+pub use manifest::part::Part;
 pub use manifest::preset::Preset;
 pub use manifest::recording_set::RecordingSet;
 pub use manifest::session::Session;

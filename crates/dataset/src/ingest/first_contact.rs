@@ -1,14 +1,14 @@
 //! Where and how a push first touches, recovered from the poses.
 
 use planar::{Pose, wrap_angle};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::ingest::push::Push;
 use crate::ingest::scene::Scene;
 use crate::ingest::settings::{IngestSettings, StepLength};
 
 /// Where and how a push first touches.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FirstContact {
     /// Edge.
     pub edge: u32,

@@ -1,7 +1,7 @@
 //! The zero of the force sensor: estimated where the pusher is free by geometry.
 
 use nalgebra::Vector2;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::curves::noise::{NORMAL_SD_OVER_MAD, mean, median};
 use crate::ingest::repair::CleanStream;
@@ -9,7 +9,7 @@ use crate::ingest::scene::GapSample;
 use crate::ingest::settings::ContactSettings;
 
 /// What is known of the zero of the force sensor in one recording.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "state")]
 pub enum ForceZero {
     /// There is no force stream.
@@ -31,7 +31,7 @@ pub enum ForceZero {
 }
 
 /// Why the zero of a force stream is not known.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "reason")]
 pub enum UntaredReason {
     /// The pusher is never far enough from the object for long enough.

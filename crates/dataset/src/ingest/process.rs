@@ -60,6 +60,7 @@ pub(crate) fn process(
         path: recording.path.clone(),
         sha256: recording.sha256.clone(),
         session: setup.session.map(str::to_owned),
+        nominal_force_n: None,
         excluded: None,
         remarks: recording.remarks.clone(),
         streams: stream_reports(recording, &scene),

@@ -1,6 +1,6 @@
 //! One push within a recording: its contact, its phases and the curves of each.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::error::DatasetError;
 use crate::ingest::contact::{Contacts, pusher_onset, quiet_time, rest_in_contact, rest_time};
@@ -26,7 +26,7 @@ pub(crate) struct Push {
 }
 
 /// Why a push, or a whole recording, gave no rows.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "reason")]
 #[non_exhaustive]
 pub enum Exclusion {

@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::curves::noise::median;
 use crate::ingest::first_contact::FirstContact;
@@ -13,25 +13,32 @@ use crate::ingest::force_zero::ForceZero;
 use crate::ingest::push::Exclusion;
 use crate::ingest::repair::RepairKind;
 use crate::ingest::settings::IngestSettings;
+use crate::manifest::part::Part;
 use crate::remark::{Remark, StreamRole};
 use crate::table::coverage::Coverage;
 
 /// The report of an ingest; [`IngestReport::to_text`] is for people, serde for programs.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+///
+/// Read again, it is what [`merge_each`](crate::merge_each) takes, and has no summary: that follows from the rows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct IngestReport {
     /// Version of this report's form.
-    pub schema: &'static str,
+    pub schema: String,
     /// The tool and its version.
-    pub tool: &'static str,
+    pub tool: String,
     /// Title of the set.
     pub name: String,
+    /// Which part of the set was read, if not all of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<Part>,
     /// The preset that stood in for a manifest, if any.
-    pub preset: Option<&'static str>,
+    pub preset: Option<String>,
     /// What lies beside the recordings and was not read, and what `sessions.csv` does not say.
     pub remarks: Vec<Remark>,
     /// How recordings became rows.
     pub settings: IngestSettings,
     /// Findings over the set.
+    #[serde(skip_deserializing)]
     pub summary: Summary,
     /// One entry a recording, in the order of their names.
     pub recordings: Vec<RecordingReport>,
@@ -103,7 +110,7 @@ impl Spread {
 }
 
 /// One recording.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RecordingReport {
     /// Its name.
     pub name: String,
@@ -113,6 +120,8 @@ pub struct RecordingReport {
     pub sha256: String,
     /// Measuring session, where one is known.
     pub session: Option<String>,
+    /// Support friction times weight of its object, μ·m·g, as the manifest states them; none where it does not.
+    pub nominal_force_n: Option<f64>,
     /// Why the whole recording was excluded.
     pub excluded: Option<Exclusion>,
     /// What reading it had to replace, skip or warn about.
@@ -147,6 +156,7 @@ impl RecordingReport {
             path: path.into(),
             sha256: String::new(),
             session: None,
+            nominal_force_n: None,
             excluded: None,
             remarks: Vec::new(),
             streams: Vec::new(),
@@ -161,7 +171,7 @@ impl RecordingReport {
 }
 
 /// Noise of samples at rest.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RestingNoise {
     /// Per axis, in m.
     pub position_sd_m: f64,
@@ -172,7 +182,7 @@ pub struct RestingNoise {
 }
 
 /// One stream of a recording.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StreamReport {
     /// Which.
     pub stream: StreamRole,
@@ -204,7 +214,7 @@ pub struct StreamReport {
 }
 
 /// One push.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PushReport {
     /// 0-based number within the recording.
     pub push: u32,
@@ -242,7 +252,7 @@ pub struct PushReport {
 }
 
 /// One stream during a push.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StreamInPush {
     /// Which.
     pub stream: StreamRole,

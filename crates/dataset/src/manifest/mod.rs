@@ -5,6 +5,7 @@ pub(crate) mod init;
 pub(crate) mod object;
 pub(crate) mod object_support;
 mod open_values;
+pub(crate) mod part;
 pub(crate) mod preset;
 pub(crate) mod recording_set;
 pub(crate) mod session;

@@ -6,6 +6,7 @@ use crate::formats::end_points::END_POINTS;
 use crate::formats::format::{ANY_FORMAT, LogFormat};
 use crate::formats::list::{all_formats, format_by_id};
 use crate::manifest::object::{ObjectChoice, ObjectSpec};
+use crate::manifest::part::Part;
 use crate::manifest::preset::Preset;
 use crate::manifest::session::{Session, Sessions, read_sessions};
 use crate::manifest::unread::unread_formats;
@@ -24,6 +25,7 @@ pub struct RecordingSet {
     recordings: Vec<PathBuf>,
     sessions: Sessions,
     remarks: Vec<Remark>,
+    part: Option<Part>,
 }
 
 impl RecordingSet {
@@ -100,6 +102,21 @@ impl RecordingSet {
         Ok(self)
     }
 
+    /// The same set with one part of its recordings.
+    #[must_use]
+    pub fn in_part(mut self, part: Part) -> Self {
+        let range = part.range(self.recordings.len());
+        self.recordings = self.recordings.drain(range).collect();
+        self.part = Some(part);
+        self
+    }
+
+    /// Which part of the set its recordings are, if not all.
+    #[must_use]
+    pub fn part(&self) -> Option<Part> {
+        self.part
+    }
+
     /// Whether its pushes are known by the object's poses before and after alone.
     #[must_use]
     pub fn is_of_end_points(&self) -> bool {
@@ -128,7 +145,7 @@ impl RecordingSet {
         if own_format.is_none_or(|format| !format.endings().is_empty()) {
             remarks.extend(sessions.remarks(&names)?);
         }
-        Ok(Self { dir, manifest, preset, format, recordings, sessions, remarks })
+        Ok(Self { dir, manifest, preset, format, recordings, sessions, remarks, part: None })
     }
 
     /// The same set with its recordings in another format, where they lie in more than one.

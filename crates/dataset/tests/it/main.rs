@@ -12,6 +12,7 @@ mod made;
 mod manual;
 mod misread;
 mod own_format;
+mod parts;
 mod several_pushes;
 mod steps;
 mod whole_pushes;
