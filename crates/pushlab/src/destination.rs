@@ -13,7 +13,7 @@ use crate::recorded_steps::SET_FILES;
 /// What every command that writes files may be told about those that exist.
 ///
 /// There is no such option for folders: what else lies in one is not the command's to remove.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub(crate) struct Force {
     /// Replace an output file that exists; without it that is refused. Inputs are never replaced
     #[arg(long)]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use dataset::{Provenance, ReadLimits, open_regular};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// The tool's name and version.
@@ -27,7 +27,7 @@ pub(crate) struct Origin {
 }
 
 /// A file, or a folder that is one recording.
-#[derive(Clone, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Input {
     /// Where it was read.
     pub(crate) path: PathBuf,

@@ -15,6 +15,7 @@ mod ingest;
 mod init;
 mod inspect;
 mod man;
+mod merge;
 mod models;
 mod report;
 mod run;
@@ -36,6 +37,7 @@ pub(crate) enum Command {
     Inspect(inspect::Args),
     #[command(visible_alias = "table")]
     Ingest(ingest::Args),
+    Merge(merge::Args),
     Describe(describe::Args),
     Models(models::Args),
     Effects(effects::Args),
@@ -66,6 +68,7 @@ impl Command {
             Self::Init(args) => init::run(args, terminal),
             Self::Inspect(args) => inspect::run(args, terminal),
             Self::Ingest(args) => ingest::run(args, terminal),
+            Self::Merge(args) => merge::run(args, terminal),
             Self::Describe(args) => describe::run(args, terminal),
             Self::Models(args) => models::run(args, terminal),
             Self::Effects(args) => effects::run(args, terminal),

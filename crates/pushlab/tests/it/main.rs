@@ -19,6 +19,7 @@ mod inputs;
 mod killed;
 mod misread_data;
 mod other_rig;
+mod parted;
 mod ran;
 mod report_page;
 mod schema;

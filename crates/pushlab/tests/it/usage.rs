@@ -16,6 +16,7 @@ fn help_lists_every_command() {
   init         Write a commented dataset.toml from what a folder of recordings holds
   inspect      Tell what raw recordings contain: topics, types, columns, samples, rates, frames
   ingest       Turn recordings into a step table, with a report of every repair [alias: table]
+  merge        Put the parts of a set together that were ingested apart
   describe     Tell what a step table holds: rows, shapes, flags, coverage, and what made it
   models       Write, show and list models
   effects      List and explain effects: what models can carry, and what `generate` can hide

@@ -11,7 +11,7 @@ use crate::terminal::WARNING;
 /// The result beside the table itself.
 #[derive(Serialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Ingested {
+pub(in crate::commands) enum Ingested {
     /// Of recordings.
     Report(Box<IngestReport>),
     /// Of a table of others.

@@ -1,33 +1,32 @@
 //! `pushlab ingest`: recordings, or a table of others, become a step table.
 
 mod ingested;
+mod outputs;
 mod source;
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use clap::builder::PossibleValuesParser;
 use dataset::{
-    Curve, EndCondition, IngestSettings, Preset, Provenance, RecordingSet, Table, TableWriter,
-    ingest_each, provenance,
+    Curve, EndCondition, IngestSettings, Part, Preset, Provenance, RecordingSet, Table,
+    TableWriter, ingest_each, provenance,
 };
 
 use planar::MIT_NAMES;
 
-use self::ingested::Ingested;
+pub(super) use self::ingested::Ingested;
+pub(super) use self::outputs::{Outputs, report_beside};
 use self::source::Source;
 use crate::command_line::preset_parser;
-use crate::destination::{Force, Inputs};
-use crate::document::document;
-use crate::file_ending;
+use crate::destination::Inputs;
 use crate::origin::{Input, Origin};
 use crate::recorded_steps::recorded_inputs;
 use crate::step_size::StepSize;
 use crate::suspected::{suspected, warn};
 use crate::table_summary::TableSummary;
-use crate::terminal::{TITLE, Terminal};
+use crate::terminal::Terminal;
 use crate::wrong_usage::WrongUsage;
 
 /// Turn recordings into a step table, with a report of every repair
@@ -40,10 +39,8 @@ use crate::wrong_usage::WrongUsage;
 pub(crate) struct Args {
     /// Recording set, or a foreign step table
     set: PathBuf,
-    /// Where to write the step table: .csv or .parquet; `-` is standard output, as CSV
-    #[arg(short, long, value_name = "TABLE",
-          value_parser = file_ending::or_standard(file_ending::table))]
-    output: Option<PathBuf>,
+    #[command(flatten)]
+    outputs: Outputs,
     /// Length of a step: a time (200ms, 0.2s) or a way of the pusher (4mm, 0.4cm); else 200ms
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<StepSize>,
@@ -60,12 +57,10 @@ pub(crate) struct Args {
     /// How the columns of a foreign step table become ours (see `init . --preset mit-table -o -`)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["preset", "step", "curve"])]
     mapping: Option<PathBuf>,
-    /// Where to write the full report: .txt for people, .json for programs; `-` is standard output
-    #[arg(long, value_name = "REPORT",
-          value_parser = file_ending::or_standard(file_ending::report))]
-    report: Option<PathBuf>,
-    #[command(flatten)]
-    force: Force,
+    /// Read one of so many parts of the recordings; `pushlab merge` puts parts together. The report of a part
+    /// goes beside its table, as .json
+    #[arg(long, value_name = "I/N", requires = "output", conflicts_with = "mapping")]
+    part: Option<Part>,
 }
 
 const EXAMPLES: &str = "\
@@ -73,7 +68,11 @@ Examples:
   pushlab ingest pushes -o steps.csv
   pushlab ingest pushes -o steps.parquet --step 4mm --report report.txt
   pushlab ingest mit-push-table/table.csv --preset mit-table -o steps.csv
-  pushlab ingest plywood.csv --preset mit-endpoints --shape hex -o hex.csv";
+  pushlab ingest plywood.csv --preset mit-endpoints --shape hex -o hex.csv
+  pushlab ingest pushes --part 3/8 -o part-3.parquet     # on one of eight machines; then `merge`";
+
+/// The option that makes a part, which is not of the whole.
+pub(super) const PART: &str = "part";
 
 #[derive(Clone, Copy, ValueEnum)]
 enum CurveName {
@@ -84,36 +83,20 @@ enum CurveName {
 }
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    let outputs = || args.output.iter().chain(&args.report);
-    let terminal = &terminal.beside(outputs().map(PathBuf::as_path))?;
+    let outputs = match args.part {
+        Some(_) => args.outputs.of_part()?,
+        None => args.outputs.clone(),
+    };
+    let terminal = &terminal.beside(outputs.paths())?;
     let inputs = Inputs::default().with_set(&args.set, args.preset).with(&args.mapping);
-    let take = |path: &Option<PathBuf>| {
-        path.as_ref().map(|path| args.force.file(path, &inputs)).transpose()
-    };
-    let (output, report) = (take(&args.output)?, take(&args.report)?);
+    let mut taken = outputs.take(&inputs)?;
     let source = Source::of(args)?;
-    let mut writer = output.map(TableWriter::begin).transpose()?;
+    taken.begin()?;
     let (provenance, origin, result) = match source {
-        Source::Recordings(set) => args.ingest(&set, writer.as_mut(), terminal)?,
-        Source::Table { table, inputs } => args.convert(*table, inputs, writer.as_mut())?,
+        Source::Recordings(set) => args.ingest(*set, taken.writer(), terminal)?,
+        Source::Table { table, inputs } => args.convert(*table, inputs, taken.writer())?,
     };
-    if let Some(destination) = report {
-        let is_json = destination.path().extension().is_some_and(|ending| ending == "json");
-        let text = if is_json {
-            document(&origin, &terminal.warnings(), &result)?
-        } else {
-            anstream::adapter::strip_str(&(result.full_text() + &origin.comment())).to_string()
-        };
-        destination.write(text)?;
-    }
-    if let Some(writer) = writer {
-        writer.finish(&provenance)?;
-    }
-    let mut text = result.short_text();
-    for path in outputs() {
-        let _ = writeln!(text, "{TITLE}wrote {}{TITLE:#}", path.display());
-    }
-    terminal.finish(&origin, &result, text)
+    taken.finish(&origin, &provenance, &result, terminal)
 }
 
 impl Args {
@@ -121,6 +104,9 @@ impl Args {
     fn refuse_step(&self) -> Result<()> {
         if self.step.is_some() || self.curve.is_some() {
             bail!(WrongUsage("a table has its steps already: leave out --step and --curve"));
+        }
+        if self.part.is_some() {
+            bail!(WrongUsage("a table is converted at once: leave out --part"));
         }
         Ok(())
     }
@@ -149,7 +135,7 @@ impl Args {
     /// Rows go to the file as they come: memory does not grow with their number.
     fn ingest(
         &self,
-        set: &RecordingSet,
+        set: RecordingSet,
         mut writer: Option<&mut TableWriter>,
         terminal: &Terminal,
     ) -> Result<(Provenance, Origin, Ingested)> {
@@ -158,7 +144,14 @@ impl Args {
                 "a push of which the ends are known is one step: leave out --step and --curve"
             ));
         }
-        warn(&suspected(set), terminal);
+        // What is to be told of the whole set is told once.
+        if self.part.is_none_or(|part| part.number() == 1) {
+            warn(&suspected(&set), terminal);
+        }
+        let set = &match self.part {
+            Some(part) => set.in_part(part),
+            None => set,
+        };
         let mut settings = IngestSettings::default();
         if let Some(StepSize(step)) = self.step {
             settings.step = step;
@@ -195,5 +188,6 @@ impl Args {
             .option("preset", self.preset.map(Preset::name))
             .option("shape", self.shape.clone())
             .paths("mapping", &self.mapping)
+            .option(PART, self.part)
     }
 }
