@@ -138,10 +138,10 @@ fn learnt(
 
 /// Particles after all steps.
 fn moved(
-    start: &ParticleFilter<models::PushParticle>,
+    start: &ParticleFilter<'static, models::PushParticle>,
     roll_out: &RollOut<'_>,
     steps: &[PathStep],
-) -> Result<ParticleFilter<models::PushParticle>> {
+) -> Result<ParticleFilter<'static, models::PushParticle>> {
     let mut filter = start.clone();
     for step in steps {
         filter.predict(&roll_out.motion(step)?)?;
@@ -154,7 +154,7 @@ fn analytical(pushed: &Pushed, threads: usize) -> Result<Row> {
     let (path, steps) = push()?;
     let settings = RollOutSettings { touching: true, ..settings() };
     let roll_out = RollOut { model: &model, pushed, settings: &settings };
-    let start: ParticleFilter<_> = roll_out.start(&Pose::default(), &path)?;
+    let start: ParticleFilter<'_, _> = roll_out.start(&Pose::default(), &path)?;
     let step = steps[0];
     let input = |particle: &models::PushParticle| {
         let shape = pushed.shape.clone();

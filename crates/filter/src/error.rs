@@ -53,11 +53,37 @@ pub enum FilterError {
         /// How many particles there are.
         n_particles: usize,
     },
+    /// A number of a model that is none.
+    #[error("{what} is {value}; repair the model or the measurement")]
+    NotFinite {
+        /// What is no number.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A covariance without an inverse.
+    #[error("the {dimension}-dimensional {what} is singular; give the measurement noise")]
+    Singular {
+        /// Of what.
+        what: &'static str,
+        /// Its dimension.
+        dimension: usize,
+    },
     /// A covariance that is none.
     #[error("the {dimension}-dimensional covariance is not positive semi-definite")]
     NotPositiveSemiDefinite {
         /// Its dimension.
         dimension: usize,
+    },
+    /// The measurement of a particle refused.
+    #[error("step {step}: the measurement of particle {particle} refuses")]
+    Measurement {
+        /// Steps made before.
+        step: usize,
+        /// Which particle, counted from 0.
+        particle: usize,
+        /// Why.
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// The motion model refused a step.
     #[error("step {step}: the motion model refuses")]

@@ -2,22 +2,33 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 
+use crate::linearized::symmetric;
 use crate::slab::TruncatedNormal;
 use crate::{FilterError, Rule};
 
 /// A Gaussian over vectors.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Gaussian {
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
     /// A square root R of the covariance, R Rᵀ, by its eigenvectors, with a column for each direction
     /// that has variance.
     root: DMatrix<f64>,
+    /// The triangular root and the log determinant, from the first density on; none of a singular one.
+    triangular: OnceLock<Option<(Cholesky<f64, Dyn>, f64)>>,
+}
+
+impl PartialEq for Gaussian {
+    /// By mean and covariance, from which the rest follows.
+    fn eq(&self, other: &Self) -> bool {
+        self.mean == other.mean && self.covariance == other.covariance
+    }
 }
 
 /// Eigenvalues above −tolerance times the largest are rounding.
@@ -59,7 +70,20 @@ impl Gaussian {
         let root = DMatrix::from_fn(dimension, wide.len(), |i, k| {
             unit(i) * eigen.eigenvalues[wide[k]].sqrt() * eigen.eigenvectors[(i, wide[k])]
         });
-        Ok(Self { mean, covariance, root })
+        Ok(Self { mean, covariance, root, triangular: OnceLock::new() })
+    }
+
+    /// A Gaussian of independent coordinates.
+    ///
+    /// # Errors
+    /// `ShapeMismatch`; `OutOfRange` for a standard deviation that is negative or no number.
+    pub fn independent(mean: DVector<f64>, sds: &[f64]) -> Result<Self, FilterError> {
+        if let Some(value) = sds.iter().find(|sd| !(**sd >= 0.0 && sd.is_finite())) {
+            let (name, expected) = ("standard deviation", "finite and not negative");
+            return Err(FilterError::OutOfRange { name, expected, value: *value });
+        }
+        let variances = DVector::from_iterator(sds.len(), sds.iter().map(|sd| sd * sd));
+        Self::new(mean, DMatrix::from_diagonal(&variances))
     }
 
     /// The mean.
@@ -89,10 +113,14 @@ impl Gaussian {
         if actual != expected {
             return Err(FilterError::ShapeMismatch { what: "point", expected, actual });
         }
-        let factor = self.covariance.clone().cholesky();
-        let factor = factor.ok_or(FilterError::NotPositiveSemiDefinite { dimension: expected })?;
+        let triangular = self.triangular.get_or_init(|| {
+            let factor = self.covariance.clone().cholesky()?;
+            let log_determinant = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
+            Some((factor, log_determinant))
+        });
+        let singular = FilterError::NotPositiveSemiDefinite { dimension: expected };
+        let (factor, log_determinant) = triangular.as_ref().ok_or(singular)?;
         let off = at - &self.mean;
-        let log_determinant = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
         let square = off.dot(&factor.solve(&off));
         Ok(-0.5 * (square + log_determinant + expected as f64 * TAU.ln()))
     }
@@ -229,7 +257,48 @@ impl Gaussian {
     /// The rule's points in the state's own coordinates.
     pub(crate) fn points(&self, rule: &dyn Rule) -> Vec<(DVector<f64>, f64)> {
         let points = rule.points(self.root.ncols()).into_iter();
-        points.map(|(point, weight)| (&self.mean + &self.root * point, weight)).collect()
+        points.map(|(point, weight)| (self.at(&point), weight)).collect()
+    }
+
+    /// The rule's points ξ in the coordinates of the root, those without weight left out.
+    pub(crate) fn standard_points(&self, rule: &dyn Rule) -> Vec<(DVector<f64>, f64)> {
+        let points = rule.points(self.root.ncols()).into_iter();
+        points.filter(|(_, weight)| *weight > 0.0).collect()
+    }
+
+    /// The state at a point ξ.
+    pub(crate) fn at(&self, point: &DVector<f64>) -> DVector<f64> {
+        &self.mean + &self.root * point
+    }
+
+    /// R with R Rᵀ = C.
+    pub(crate) fn root(&self) -> &DMatrix<f64> {
+        &self.root
+    }
+
+    /// L with L R = 1: what makes standard normal numbers of deviations from the mean.
+    pub(crate) fn whitener(&self) -> DMatrix<f64> {
+        let units = self.covariance.diagonal().map(|variance| variance.max(0.0).sqrt());
+        let scaled = |i: usize, k: usize| {
+            if units[i] > 0.0 { self.root[(i, k)] / units[i] } else { 0.0 }
+        };
+        let (d, n) = (self.mean.len(), self.root.ncols());
+        // The scaled root has orthogonal columns.
+        let squares: Vec<f64> =
+            (0..n).map(|k| (0..d).map(|i| scaled(i, k).powi(2)).sum()).collect();
+        DMatrix::from_fn(n, d, |k, i| {
+            if units[i] > 0.0 { scaled(i, k) / (squares[k] * units[i]) } else { 0.0 }
+        })
+    }
+
+    /// Where ξ has this mean and covariance instead of 0 and 1.
+    pub(crate) fn of_standard(
+        &self,
+        mean: &DVector<f64>,
+        covariance: &DMatrix<f64>,
+    ) -> Result<Self, FilterError> {
+        let of_state = symmetric(&self.root * covariance * self.root.transpose());
+        Self::new(self.at(mean), of_state)
     }
 
     /// The Gaussian with the moments of weighted ones, of any sum of weights.

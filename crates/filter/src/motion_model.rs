@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use rand_chacha::ChaCha8Rng;
+use rand::Rng;
 
 /// How a state moves in one step, with its randomness.
 ///
@@ -17,11 +17,13 @@ pub trait MotionModel: Sync {
     ///
     /// # Errors
     /// What the model says.
-    fn advance(
-        &self,
-        states: &mut [Self::State],
-        random: &mut ChaCha8Rng,
-    ) -> Result<(), Self::Error>;
+    fn advance(&self, states: &mut [Self::State], random: &mut dyn Rng) -> Result<(), Self::Error>;
+}
+
+/// A motion of which the density is known: what smoothing particles takes.
+pub trait MotionDensity: MotionModel {
+    /// Log density of the step from one state to another, up to a constant; −∞ where it is impossible.
+    fn log_density(&self, from: &Self::State, to: &Self::State) -> f64;
 }
 
 /// A motion that knows the density of its own draws.
@@ -34,6 +36,6 @@ pub trait DrawnMotion: MotionModel {
         &self,
         states: &mut [Self::State],
         log_densities: &mut [f64],
-        random: &mut ChaCha8Rng,
+        random: &mut dyn Rng,
     ) -> Result<(), Self::Error>;
 }

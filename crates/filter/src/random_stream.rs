@@ -12,6 +12,7 @@ pub(crate) enum Purpose {
     Motion,
     Resampling,
     Injection,
+    Smoothing,
 }
 
 /// The stream of a chunk of particles in one step.

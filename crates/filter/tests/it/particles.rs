@@ -6,7 +6,7 @@ use filter::{
     DrawnMotion, FilterError, MeasurementModel, MotionModel, Multinomial, ParticleFilter,
     PlanarSummary, Residual, Settings, Stratified, Systematic, Weights,
 };
-use rand::{RngExt, SeedableRng};
+use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
@@ -20,7 +20,7 @@ impl MotionModel for Walk {
     type State = f64;
     type Error = Infallible;
 
-    fn advance(&self, states: &mut [f64], random: &mut ChaCha8Rng) -> Result<(), Infallible> {
+    fn advance(&self, states: &mut [f64], random: &mut dyn Rng) -> Result<(), Infallible> {
         let mut draw = || random.sample::<f64, _>(StandardNormal);
         states.iter_mut().for_each(|x| *x += DRIFT + MOTION_SD * draw());
         Ok(())
@@ -32,7 +32,7 @@ impl DrawnMotion for Walk {
         &self,
         states: &mut [f64],
         log_densities: &mut [f64],
-        random: &mut ChaCha8Rng,
+        random: &mut dyn Rng,
     ) -> Result<(), Infallible> {
         for (x, log_density) in states.iter_mut().zip(log_densities) {
             let draw: f64 = random.sample(StandardNormal);
@@ -88,7 +88,7 @@ fn start(n: usize, seed: u64) -> Vec<f64> {
     (0..n).map(|_| random.sample(StandardNormal)).collect()
 }
 
-fn filtered(n: usize, settings: Settings) -> (f64, f64, f64) {
+fn filtered(n: usize, settings: Settings<'_>) -> (f64, f64, f64) {
     let mut filter = ParticleFilter::new(start(n, settings.seed + 1000), settings).unwrap();
     let mut evidence = 0.0;
     for seen in SEEN {

@@ -139,7 +139,7 @@ impl RollOut<'_> {
         self.check_steps(&steps)?;
         let mut filter = self.start(start_wb, path)?;
         let mut moments = Vec::with_capacity(steps.len() + 1);
-        let mut note = |time, pusher_w: [f64; 2], filter: &ParticleFilter<PushParticle>| {
+        let mut note = |time, pusher_w: [f64; 2], filter: &ParticleFilter<'_, PushParticle>| {
             let particles = filter.particles();
             let pose_wb = PlanarSummary::of(particles, filter.weights())?;
             let events = PushEvents::sum(particles.iter().map(PushParticle::events));
@@ -164,7 +164,7 @@ impl RollOut<'_> {
         &self,
         start_wb: &Pose,
         path: &PushPath,
-    ) -> Result<ParticleFilter<PushParticle>, ModelError> {
+    ) -> Result<ParticleFilter<'static, PushParticle>, ModelError> {
         self.check()?;
         let RollOutSettings { n_particles, seed, start_sd, gap, errors, .. } = self.settings;
         let [place_sd, angle_sd] = start_sd;

@@ -4,8 +4,7 @@ use effects::{Track, TrueOutline};
 use filter::{DrawnMotion, MotionModel};
 use nalgebra::{Matrix3, Rotation2, Vector2, Vector3};
 use planar::{Contact, Feature, Pose, Twist};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 
 use super::settle::{Holding, moved_by};
@@ -60,11 +59,7 @@ impl MotionModel for PushMotion<'_> {
     type State = PushParticle;
     type Error = ModelError;
 
-    fn advance(
-        &self,
-        states: &mut [PushParticle],
-        random: &mut ChaCha8Rng,
-    ) -> Result<(), ModelError> {
+    fn advance(&self, states: &mut [PushParticle], random: &mut dyn Rng) -> Result<(), ModelError> {
         self.advance_each(states, random, |_, _| {})
     }
 }
@@ -76,7 +71,7 @@ impl DrawnMotion for PushMotion<'_> {
         &self,
         states: &mut [PushParticle],
         log_densities: &mut [f64],
-        random: &mut ChaCha8Rng,
+        random: &mut dyn Rng,
     ) -> Result<(), ModelError> {
         log_densities.fill(0.0);
         self.advance_each(states, random, |index, density| log_densities[index] = density)
@@ -87,7 +82,7 @@ impl PushMotion<'_> {
     fn advance_each(
         &self,
         states: &mut [PushParticle],
-        random: &mut ChaCha8Rng,
+        random: &mut dyn Rng,
         mut density: impl FnMut(usize, f64),
     ) -> Result<(), ModelError> {
         let room = TOGETHER.min(states.len());
@@ -107,7 +102,7 @@ impl PushMotion<'_> {
     fn advance_block(
         &self,
         states: &mut [PushParticle],
-        random: &mut ChaCha8Rng,
+        random: &mut dyn Rng,
         Asked { who, inputs, begun }: &mut Asked,
         mut density: impl FnMut(usize, f64),
     ) -> Result<(), ModelError> {
@@ -181,7 +176,7 @@ impl PushMotion<'_> {
         &self,
         mixture: &SlipMixture,
         inputs: &[StepInput],
-        random: &mut ChaCha8Rng,
+        random: &mut dyn Rng,
     ) -> Result<Vec<StepPrediction>, ModelError> {
         let all = mixture.ways(inputs, self.noise())?;
         let one = |said: SlipPrediction| match self.settings.errors {

@@ -98,7 +98,7 @@ fn a_filter_beats_rare_and_noisy_motion_capture_and_the_blind_model() {
                 let pose_wb = Pose::new(seen[0], seen[1], seen[2]);
                 filter.update(&PoseSeen { pose_wb, sd: SD }).unwrap();
             }
-            let mean = |filter: &filter::ParticleFilter<_>| -> [f64; 3] {
+            let mean = |filter: &filter::ParticleFilter<'_, _>| -> [f64; 3] {
                 PlanarSummary::of(filter.particles(), filter.weights()).unwrap().mean.into()
             };
             raw.add(last_seen, truth);

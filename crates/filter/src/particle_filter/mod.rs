@@ -1,9 +1,17 @@
 //! Particles that move, are weighed and are drawn anew.
 
-use rand_chacha::ChaCha8Rng;
+mod adaptive;
+mod auxiliary;
+mod backward;
+mod rao_blackwellized;
+
+use rand::Rng;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use rayon::slice::ParallelSliceMut;
 
+pub use self::adaptive::KldSampling;
+pub use self::backward::ParticleHistory;
+pub use self::rao_blackwellized::RaoBlackwellized;
 use crate::random_stream::{CHUNK, Purpose, stream};
 use crate::{DrawnMotion, FilterError, MeasurementModel, MotionModel, Settings, Weights};
 
@@ -14,10 +22,10 @@ use crate::{DrawnMotion, FilterError, MeasurementModel, MotionModel, Settings, W
 /// # Source
 /// Gordon, Salmond & Smith (1993); Thrun, Burgard & Fox, Probabilistic Robotics (2005), chapter 4.
 #[derive(Clone, Debug)]
-pub struct ParticleFilter<S> {
+pub struct ParticleFilter<'a, S> {
     particles: Vec<S>,
     weights: Weights,
-    settings: Settings,
+    settings: Settings<'a>,
     /// Motions made; streams of random numbers are named by it.
     step: usize,
     /// Resamplings made.
@@ -37,12 +45,12 @@ pub struct Update {
     pub n_injected: usize,
 }
 
-impl<S: Clone + Send + Sync> ParticleFilter<S> {
+impl<'a, S: Clone + Send + Sync> ParticleFilter<'a, S> {
     /// Particles of equal weight.
     ///
     /// # Errors
     /// `Empty` without particles; `OutOfRange` for a setting.
-    pub fn new(particles: Vec<S>, settings: Settings) -> Result<Self, FilterError> {
+    pub fn new(particles: Vec<S>, settings: Settings<'a>) -> Result<Self, FilterError> {
         settings.check()?;
         if particles.is_empty() {
             return Err(FilterError::Empty { what: "particles" });
@@ -75,11 +83,7 @@ impl<S: Clone + Send + Sync> ParticleFilter<S> {
     /// `Motion` with what the model says.
     pub fn predict<M: MotionModel<State = S>>(&mut self, motion: &M) -> Result<(), FilterError> {
         let (seed, step) = (self.settings.seed, self.step);
-        let chunks = self.particles.par_chunks_mut(CHUNK).enumerate();
-        let advance = |(chunk, states): (usize, &mut [S])| {
-            motion.advance(states, &mut stream(seed, Purpose::Motion, step, chunk))
-        };
-        first_error(chunks.map(advance).collect(), step)?;
+        advance(motion, &mut self.particles, (seed, step), 0)?;
         self.step += 1;
         Ok(())
     }
@@ -131,7 +135,7 @@ impl<S: Clone + Send + Sync> ParticleFilter<S> {
         &mut self,
         measurement: &Z,
         (least_log_evidence, share): (f64, f64),
-        inject: impl Fn(&mut ChaCha8Rng) -> S,
+        inject: impl Fn(&mut dyn Rng) -> S,
     ) -> Result<Update, FilterError> {
         if !(0.0..=1.0).contains(&share) {
             let (name, expected) = ("share of injected particles", "from 0 to 1");
@@ -166,6 +170,10 @@ impl<S: Clone + Send + Sync> ParticleFilter<S> {
 
     fn weigh(&mut self, log_likelihoods: &[f64]) -> Result<Update, FilterError> {
         let (weights, log_evidence) = self.weights.updated(log_likelihoods, self.step)?;
+        Ok(self.accept(weights, log_evidence))
+    }
+
+    fn accept(&mut self, weights: Weights, log_evidence: f64) -> Update {
         self.weights = weights;
         let effective_size = self.weights.effective_size();
         let n = self.particles.len() as f64;
@@ -173,11 +181,11 @@ impl<S: Clone + Send + Sync> ParticleFilter<S> {
         if resampled {
             self.resample();
         }
-        Ok(Update { log_evidence, effective_size, resampled, n_injected: 0 })
+        Update { log_evidence, effective_size, resampled, n_injected: 0 }
     }
 
     /// Resamples, and replaces particles at even distances by draws.
-    fn inject(&mut self, share: f64, inject: impl Fn(&mut ChaCha8Rng) -> S) -> usize {
+    fn inject(&mut self, share: f64, inject: impl Fn(&mut dyn Rng) -> S) -> usize {
         self.resample();
         let n = self.particles.len();
         let n_injected = (share * n as f64).ceil() as usize;
@@ -187,6 +195,20 @@ impl<S: Clone + Send + Sync> ParticleFilter<S> {
         }
         n_injected
     }
+}
+
+/// Moves particles, of which the first is in a chunk.
+fn advance<M: MotionModel>(
+    motion: &M,
+    particles: &mut [M::State],
+    (seed, step): (u64, usize),
+    first_chunk: usize,
+) -> Result<(), FilterError> {
+    let chunks = particles.par_chunks_mut(CHUNK).enumerate();
+    let advance = |(chunk, states): (usize, &mut [M::State])| {
+        motion.advance(states, &mut stream(seed, Purpose::Motion, step, first_chunk + chunk))
+    };
+    first_error(chunks.map(advance).collect(), step)
 }
 
 /// The error of the first chunk that has one, whichever thread came first.
