@@ -1,8 +1,10 @@
-//! Quasi-Newton minimisation (BFGS) of a smooth function that may be undefined at some points.
+//! Quasi-Newton minimisation (BFGS, and L-BFGS of many variables) of a smooth function that may be
+//! undefined at some points.
 
 use serde::{Deserialize, Serialize};
 
 use crate::GpError;
+use crate::limited_memory::LimitedMemory;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
@@ -58,15 +60,29 @@ impl StopReason {
 
 /// Minimises a function of which `evaluate(point, gradient)` returns the value.
 ///
-/// A failing evaluation within a line search shortens the step.
+/// A failing evaluation within a line search shortens the step. Up to [`MOST_DENSE`] variables the whole
+/// inverse Hessian is kept, above them the last twenty steps (L-BFGS), in memory that grows with the
+/// number of variables and not with its square.
 ///
 /// # Errors
 /// The function's own error at the start.
 ///
 /// # Source
-/// Nocedal & Wright, Numerical Optimization (2006), ch. 6; Hager & Zhang (2005) for the acceptance
+/// Nocedal & Wright, Numerical Optimization (2006), ch. 6 and 7; Hager & Zhang (2005) for the acceptance
 /// of steps whose decrease drowns in rounding.
 pub fn minimize<E>(
+    evaluate: impl FnMut(&[f64], &mut [f64]) -> Result<f64, E>,
+    start: &[f64],
+    limits: Limits,
+) -> Result<Minimum, E> {
+    minimize_from(Curvature::new(start.len()), evaluate, start, limits)
+}
+
+/// The most variables of which the whole inverse Hessian is kept.
+pub const MOST_DENSE: usize = 1000;
+
+fn minimize_from<E>(
+    mut curvature: Curvature,
     mut evaluate: impl FnMut(&[f64], &mut [f64]) -> Result<f64, E>,
     start: &[f64],
     limits: Limits,
@@ -74,7 +90,6 @@ pub fn minimize<E>(
     let mut gradient = vec![0.0; start.len()];
     let value = evaluate(start, &mut gradient)?;
     let mut here = Point { position: start.to_vec(), value, gradient };
-    let mut curvature = InverseHessian::new(start.len());
     let (mut iterations, mut evaluations) = (0, 1);
     let mut history = vec![here.value];
     let stop = loop {
@@ -103,7 +118,7 @@ pub fn minimize<E>(
                 history.push(here.value);
             }
             None if curvature.is_fresh() => break StopReason::LineSearchFailed,
-            None => curvature = InverseHessian::new(start.len()),
+            None => curvature.forget(),
         }
     };
     let gradient_norm = here.gradient_norm();
@@ -153,28 +168,41 @@ impl Point {
     }
 }
 
-/// The BFGS approximation of the inverse Hessian, by rows; empty until the first step.
-struct InverseHessian {
-    n: usize,
-    entries: Vec<f64>,
+/// What the steps so far tell of the inverse Hessian.
+enum Curvature {
+    Dense(InverseHessian),
+    Limited(LimitedMemory),
 }
 
-impl InverseHessian {
+impl Curvature {
     fn new(n: usize) -> Self {
-        Self { n, entries: Vec::new() }
+        if n <= MOST_DENSE {
+            Self::Dense(InverseHessian { n, entries: Vec::new() })
+        } else {
+            Self::Limited(LimitedMemory::default())
+        }
     }
 
     fn is_fresh(&self) -> bool {
-        self.entries.is_empty()
+        match self {
+            Self::Dense(whole) => whole.entries.is_empty(),
+            Self::Limited(last) => last.is_fresh(),
+        }
+    }
+
+    fn forget(&mut self) {
+        match self {
+            Self::Dense(whole) => whole.entries.clear(),
+            Self::Limited(last) => *last = LimitedMemory::default(),
+        }
     }
 
     /// −H g, with no component above `MAX_STEP`; without curvature a step of at most 1 downhill.
     fn direction(&self, gradient: &[f64]) -> Vec<f64> {
-        let (mut direction, longest): (Vec<f64>, f64) = if self.is_fresh() {
-            (gradient.iter().map(|slope| -slope).collect(), 1.0)
-        } else {
-            let rows = self.entries.chunks_exact(self.n);
-            (rows.map(|row| -dot(row, gradient)).collect(), MAX_STEP)
+        let (mut direction, longest): (Vec<f64>, f64) = match self {
+            _ if self.is_fresh() => (gradient.iter().map(|slope| -slope).collect(), 1.0),
+            Self::Dense(whole) => (whole.direction(gradient), MAX_STEP),
+            Self::Limited(last) => (last.direction(gradient), MAX_STEP),
         };
         let norm = direction.iter().fold(0.0_f64, |norm, step| norm.max(step.abs()));
         if norm > longest {
@@ -183,7 +211,6 @@ impl InverseHessian {
         direction
     }
 
-    /// H ← (I − s tᵀ/sᵀt) H (I − t sᵀ/sᵀt) + s sᵀ/sᵀt with step s and change of gradient t.
     fn update(&mut self, from: &Point, to: &Point) {
         let difference =
             |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
@@ -193,14 +220,34 @@ impl InverseHessian {
         if along <= f64::EPSILON * dot(&change, &change).sqrt() * dot(&step, &step).sqrt() {
             return;
         }
-        if self.is_fresh() {
+        match self {
+            Self::Dense(whole) => whole.update(&step, &change, along),
+            Self::Limited(last) => last.update(step, change, along),
+        }
+    }
+}
+
+/// The BFGS approximation of the inverse Hessian, by rows; empty until the first step.
+struct InverseHessian {
+    n: usize,
+    entries: Vec<f64>,
+}
+
+impl InverseHessian {
+    fn direction(&self, gradient: &[f64]) -> Vec<f64> {
+        self.entries.chunks_exact(self.n).map(|row| -dot(row, gradient)).collect()
+    }
+
+    /// H ← (I − s tᵀ/sᵀt) H (I − t sᵀ/sᵀt) + s sᵀ/sᵀt with step s and change of gradient t.
+    fn update(&mut self, step: &[f64], change: &[f64], along: f64) {
+        if self.entries.is_empty() {
             self.entries = vec![0.0; self.n * self.n];
-            let scale = along / dot(&change, &change);
+            let scale = along / dot(change, change);
             (0..self.n).for_each(|i| self.entries[i * self.n + i] = scale);
         }
         let image: Vec<f64> =
-            self.entries.chunks_exact(self.n).map(|row| dot(row, &change)).collect();
-        let outer = (1.0 + dot(&change, &image) / along) / along;
+            self.entries.chunks_exact(self.n).map(|row| dot(row, change)).collect();
+        let outer = (1.0 + dot(change, &image) / along) / along;
         for (i, row) in self.entries.chunks_exact_mut(self.n).enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
                 let mixed = (image[i] * step[j] + step[i] * image[j]) / along;
@@ -269,7 +316,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Limits, StopReason, minimize};
+    use super::{Curvature, Limits, StopReason, minimize, minimize_from};
+    use crate::limited_memory::LimitedMemory;
 
     const LIMITS: Limits = Limits { max_iterations: 200, gradient_tolerance: 1e-9, progress: None };
 
@@ -286,6 +334,28 @@ mod tests {
         assert!(minimum.stop.converged());
         assert!(minimum.point.iter().all(|x| (x - 1.0).abs() < 1e-8), "{minimum:?}");
         assert!(minimum.iterations < 60, "{minimum:?}");
+    }
+
+    #[test]
+    fn few_steps_remembered_reach_the_same_minimum() {
+        let curvature = Curvature::Limited(LimitedMemory::default());
+        let minimum = minimize_from(curvature, rosenbrock, &[-1.2, 1.0], LIMITS).unwrap();
+        assert!(minimum.stop.converged());
+        assert!(minimum.point.iter().all(|x| (x - 1.0).abs() < 1e-8), "{minimum:?}");
+        assert!(minimum.iterations < 60, "{minimum:?}");
+    }
+
+    #[test]
+    fn many_variables_are_minimized_in_little_memory() {
+        // Valleys side by side, each as curved as the one of two variables.
+        let valleys = |x: &[f64], gradient: &mut [f64]| -> Result<f64, ()> {
+            x.chunks(2).zip(gradient.chunks_mut(2)).map(|(x, slope)| rosenbrock(x, slope)).sum()
+        };
+        let start: Vec<f64> = (0..20_000).map(|i| [-1.2, 1.0, 0.3, -0.5][i % 4]).collect();
+        let minimum = minimize(valleys, &start, LIMITS).unwrap();
+        assert!(minimum.stop.converged());
+        assert!(minimum.point.iter().all(|x| (x - 1.0).abs() < 1e-7), "{}", minimum.gradient_norm);
+        assert!(minimum.iterations < 120, "{}", minimum.iterations);
     }
 
     #[test]

@@ -25,6 +25,7 @@ mod learn_report;
 mod learn_student_t;
 mod leave_one_out;
 mod likelihood;
+mod limited_memory;
 mod low_discrepancy;
 mod mean;
 mod model;
