@@ -153,6 +153,12 @@ pub enum GpError {
          and give them as a mean function"
     )]
     LinearMean,
+    /// Moments at an uncertain input were asked of a process with a polynomial mean.
+    #[error(
+        "moments at an uncertain input are known for constant and linear means alone; take the points \
+         of a rule, or a linear mean"
+    )]
+    PolynomialMean,
     /// A coverage level outside (0, 1).
     #[error("a coverage level must lie strictly between 0 and 1, got {level}")]
     InvalidLevel {
@@ -176,6 +182,12 @@ pub enum GpError {
         /// Version in the model.
         found: u32,
     },
+    /// A saved sparse model without the sums over its rows.
+    #[error(
+        "the model was saved without sums over its rows, so rows cannot be added to it or removed; \
+         condition it again on its data"
+    )]
+    NoRowSums,
     /// A matrix that is no covariance.
     #[error("the {what} is not symmetric, or negative along some direction")]
     NotACovariance {

@@ -122,12 +122,13 @@ impl Gp {
         self.noise_variance
     }
 
-    /// The constant mean m, in the unit of the output; of a linear mean its value at x = 0.
+    /// The constant mean m, in the unit of the output; of a linear mean or a polynomial its value at x = 0.
     pub fn mean(&self) -> f64 {
         self.trend.constant()
     }
 
-    /// The slopes of a linear mean, one an input; none of a constant one.
+    /// The slopes of a linear mean, one an input; none of a constant one, and of a polynomial those at the
+    /// first row.
     pub fn mean_slopes(&self) -> &[f64] {
         self.trend.slopes()
     }

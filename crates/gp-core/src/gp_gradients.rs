@@ -33,7 +33,9 @@ impl Gp {
                     gradient[(i, d)] += weight * slope;
                 }
             }
-            for (d, slope) in trend.slopes().iter().enumerate() {
+            slope.fill(0.0);
+            trend.add_gradient(&a, &mut slope);
+            for (d, slope) in slope.iter().enumerate() {
                 gradient[(i, d)] += slope;
             }
         }

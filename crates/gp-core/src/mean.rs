@@ -5,12 +5,12 @@ use std::f64::consts::PI;
 use faer::{Mat, MatRef};
 use serde::{Deserialize, Serialize};
 
-use crate::GpError;
-use crate::checks::check_outputs;
+use crate::checks::{check_outputs, check_range};
 use crate::cholesky::{factorize, log_determinant, solve_with};
 use crate::kernel::{column, column_mut};
 use crate::triangle::{inverse, solve_lower, solve_upper};
 use crate::vector::{add_multiple, dot};
+use crate::{GpError, Monomials};
 
 /// The mean m(x) of a Gaussian process before data.
 ///
@@ -34,14 +34,20 @@ pub enum Mean {
     Fixed(f64),
     /// A learnt constant and a learnt slope an input: a row of H is (1, x).
     Linear,
+    /// A learnt coefficient of every product of at most so many inputs, 1 to 6: with 2 a row of H is 1, all
+    /// inputs, their squares and their products in pairs.
+    Polynomial(u32),
 }
 
 impl Mean {
     /// # Errors
-    /// `NotFinite` for a fixed value that is not.
+    /// `NotFinite` for a fixed value that is not; `OutOfRange` for a degree.
     pub fn check(self) -> Result<(), GpError> {
         match self {
             Self::Fixed(value) => check_outputs("mean", &[value], 1),
+            Self::Polynomial(degree) => {
+                check_range("degree of the mean", f64::from(degree), 1.0, 6.0)
+            }
             _ => Ok(()),
         }
     }
@@ -49,68 +55,91 @@ impl Mean {
     /// As `check`, where only constants are known.
     ///
     /// # Errors
-    /// As `check`; `LinearMean` for one.
+    /// As `check`; `LinearMean` for one, and for a polynomial.
     pub fn check_constant(self) -> Result<(), GpError> {
-        if self == Self::Linear { Err(GpError::LinearMean) } else { self.check() }
+        match self {
+            Self::Linear | Self::Polynomial(_) => Err(GpError::LinearMean),
+            _ => self.check(),
+        }
     }
 
     /// How many coefficients are learnt, with `n_inputs` inputs.
     pub fn n_coefficients(self, n_inputs: usize) -> usize {
-        match self {
-            Self::Fixed(_) => 0,
-            Self::Estimated => 1,
-            Self::Linear => 1 + n_inputs,
+        match self.degree() {
+            None => 0,
+            Some(degree) => (1..=degree as usize).fold(1, |n, k| n * (n_inputs + k) / k),
         }
     }
 
-    /// The columns of H, with inputs taken from the first row.
-    fn basis(self, x: MatRef<'_, f64>) -> Vec<Vec<f64>> {
-        let column = |k: usize| match k.checked_sub(1) {
-            None => vec![1.0; x.nrows()],
-            Some(d) => x.col(d).iter().map(|value| value - x[(0, d)]).collect(),
-        };
-        (0..self.n_coefficients(x.ncols())).map(column).collect()
+    /// The degree of a learnt mean, 0 of a constant; none of a known one.
+    pub fn degree(self) -> Option<u32> {
+        match self {
+            Self::Fixed(_) => None,
+            Self::Estimated => Some(0),
+            Self::Linear => Some(1),
+            Self::Polynomial(degree) => Some(degree),
+        }
+    }
+
+    /// The functions that coefficients are learnt of, about the first row; none of a known mean.
+    fn monomials(self, x: MatRef<'_, f64>) -> Option<Monomials> {
+        let degree = self.degree()?;
+        let first: Vec<f64> = x.row(0).iter().copied().collect();
+        Some(Monomials::new(degree, &first))
     }
 }
 
 /// A mean with its coefficients.
 #[derive(Clone, Debug)]
 pub(crate) struct Trend {
-    /// At the first row, from which slopes count so that far inputs cost no digits.
+    /// At the first row, from which products count so that far inputs cost no digits.
     value: f64,
-    first: Vec<f64>,
-    slopes: Vec<f64>,
+    monomials: Monomials,
+    /// Of all products but the 1.
+    coefficients: Vec<f64>,
 }
 
 impl Trend {
     /// Of coefficients in the order of H's columns, and `origin` added to the constant.
-    fn new(origin: f64, coefficients: &[f64], x: MatRef<'_, f64>) -> Self {
-        let (constant, slopes) = match coefficients.split_first() {
-            Some((constant, slopes)) => (*constant, slopes.to_vec()),
+    fn new(origin: f64, coefficients: &[f64], monomials: Option<&Monomials>) -> Self {
+        let monomials = monomials.cloned().unwrap_or_else(|| Monomials::new(0, &[]));
+        let (constant, rest) = match coefficients.split_first() {
+            Some((constant, rest)) => (*constant, rest.to_vec()),
             None => (0.0, Vec::new()),
         };
-        let first = (0..slopes.len()).map(|d| x[(0, d)]).collect();
-        Self { value: origin + constant, first, slopes }
+        Self { value: origin + constant, monomials, coefficients: rest }
     }
 
     /// m at x = 0.
     pub(crate) fn constant(&self) -> f64 {
-        self.value - dot(&self.first, &self.slopes)
+        if self.monomials.degree() < 2 {
+            return self.value
+                - dot(&self.monomials.center()[..self.coefficients.len()], &self.coefficients);
+        }
+        let mut value = [0.0];
+        self.fill(Mat::zeros(1, self.monomials.center().len()).as_ref(), &mut value);
+        value[0]
     }
 
-    /// One an input, or none of a constant mean.
+    /// Whether it is no more than a constant and slopes.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.monomials.degree() < 2
+    }
+
+    /// Slopes at the first row, one an input; none of a constant mean.
     pub(crate) fn slopes(&self) -> &[f64] {
-        &self.slopes
+        &self.coefficients[..self.coefficients.len().min(self.monomials.center().len())]
+    }
+
+    /// Adds the gradient of m at `x`.
+    pub(crate) fn add_gradient(&self, x: &[f64], gradient: &mut [f64]) {
+        self.monomials.add_gradient(x, &self.coefficients, gradient);
     }
 
     /// Writes m of every row.
     pub(crate) fn fill(&self, x: MatRef<'_, f64>, mean: &mut [f64]) {
         mean.fill(self.value);
-        for (d, (slope, first)) in self.slopes.iter().zip(&self.first).enumerate() {
-            for (mean, x) in mean.iter_mut().zip(x.col(d).iter()) {
-                *mean += slope * (x - first);
-            }
-        }
+        self.monomials.add(x, &self.coefficients, mean);
     }
 }
 
@@ -179,8 +208,9 @@ impl Residual {
             _ => y[0],
         };
         let mut weights: Vec<f64> = y.iter().map(|y| y - origin).collect();
-        let mut basis = mean.basis(x);
-        let spread = log_spread(&basis)?;
+        let monomials = mean.monomials(x);
+        let mut basis = monomials.as_ref().map_or_else(Vec::new, |all| all.columns(x));
+        let spread = log_spread(&basis, monomials.as_ref())?;
         let columns = basis.iter_mut().map(Vec::as_mut_slice);
         let mut vectors: Vec<&mut [f64]> =
             std::iter::once(weights.as_mut_slice()).chain(columns).collect();
@@ -197,8 +227,8 @@ impl Residual {
         let normalization = (y.len() - basis.len()) as f64 * (2.0 * PI).ln();
         let of_mean = log_determinant(precision.as_ref()) - spread;
         let log_likelihood = -0.5 * (quadratic + log_determinant(factor) + of_mean + normalization);
-        let trend = Trend::new(origin, &coefficients, x);
-        let deviations = deviations(factor, x, &basis, precision.as_ref());
+        let trend = Trend::new(origin, &coefficients, monomials.as_ref());
+        let deviations = deviations(factor, monomials.as_ref(), &basis, precision.as_ref());
         Ok(Self { trend, deviations, weights, log_likelihood })
     }
 }
@@ -206,7 +236,7 @@ impl Residual {
 /// From L⁻¹H and the Cholesky factor C of HᵀK⁻¹H: e = C⁻¹h.
 fn deviations(
     factor: MatRef<'_, f64>,
-    x: MatRef<'_, f64>,
+    monomials: Option<&Monomials>,
     basis: &[Vec<f64>],
     precision: MatRef<'_, f64>,
 ) -> Vec<Deviation> {
@@ -216,27 +246,28 @@ fn deviations(
     let turned = inverse(precision).transpose().to_owned();
     let deviation = |c: usize| {
         let coefficients = column(&turned, c);
-        let mut weights = vec![0.0; x.nrows()];
+        let mut weights = vec![0.0; factor.nrows()];
         for (coefficient, column) in coefficients.iter().zip(basis) {
             add_multiple(&mut weights, -coefficient, column);
         }
         solve_upper(factor, &mut weights);
-        Deviation { trend: Trend::new(0.0, coefficients, x), weights }
+        Deviation { trend: Trend::new(0.0, coefficients, monomials), weights }
     };
     (0..basis.len()).map(deviation).collect()
 }
 
 /// ln |HᵀH|.
-fn log_spread(basis: &[Vec<f64>]) -> Result<f64, GpError> {
+fn log_spread(basis: &[Vec<f64>], monomials: Option<&Monomials>) -> Result<f64, GpError> {
+    let input = |column: usize| monomials.and_then(|all| all.input(column)).unwrap_or(0);
     if basis.first().is_some_and(|column| column.len() < basis.len()) {
         let n_rows = basis[0].len();
-        return Err(GpError::UndeterminedSlope { input: n_rows - 1, n_rows });
+        return Err(GpError::UndeterminedSlope { input: input(n_rows), n_rows });
     }
     let mut square = products(basis);
     match factorize("basis of the mean", square.as_mut()) {
         Ok(()) => Ok(log_determinant(square.as_ref())),
         Err(GpError::NotPositiveDefinite { pivot, .. }) if pivot > 0 => {
-            Err(GpError::UndeterminedSlope { input: pivot - 1, n_rows: basis[0].len() })
+            Err(GpError::UndeterminedSlope { input: input(pivot), n_rows: basis[0].len() })
         }
         Err(error) => Err(error),
     }

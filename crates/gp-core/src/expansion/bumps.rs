@@ -205,8 +205,11 @@ impl Gp {
     /// The belief about f as a sum of the kernel's columns: what it says of uncertain inputs; O(N³).
     ///
     /// # Errors
-    /// `NoClosedForm` for any kernel but the squared exponential of all inputs.
+    /// `NoClosedForm` for any kernel but the squared exponential of all inputs; `PolynomialMean`.
     pub fn expansion(&self) -> Result<Expansion<SquaredExponentialBasis>, GpError> {
+        if !self.trend.is_linear() {
+            return Err(GpError::PolynomialMean);
+        }
         let basis = SquaredExponentialBasis::new(self.kernel(), self.inputs())?;
         let prior = basis.signal_variance();
         let roots = vec![(-1.0, inverse(self.cholesky.factor()))];

@@ -2,8 +2,8 @@
 
 use faer::Mat;
 use gp_core::{
-    Gp, GpError, GpModel, HeteroscedasticGp, LearnOptions, Mean, Posterior, SquaredExponential,
-    WithMean,
+    Gp, GpError, GpModel, HeteroscedasticGp, LearnOptions, Mean, Polynomial, Posterior,
+    SquaredExponential, WithMean,
 };
 
 const NOISE_VARIANCE: f64 = 0.02;
@@ -173,4 +173,67 @@ fn far_from_all_data_the_physics_is_left() {
         |y| Gp::builder(kernel(1.0)).noise_variance(NOISE_VARIANCE).condition(x.as_ref(), y),
     );
     assert!(matches!(broken.unwrap_err(), GpError::NotFinite { what: "mean function", .. }));
+}
+
+fn parabola(x: &Mat<f64>, i: usize) -> f64 {
+    let (a, b) = (x[(i, 0)], x[(i, 1)]);
+    1.0 - 2.0 * a + 0.5 * b + 0.25 * a * a - 0.75 * a * b + 2.0 * b * b
+}
+
+/// On no curve of second degree.
+fn scattered(n: usize, seed: f64) -> Mat<f64> {
+    let turn = |i: usize, d: usize| 1.7 * (2 * i + d) as f64 + 0.9 * (i * i * (d + 1)) as f64;
+    Mat::from_fn(n, 2, |i, d| 2.0 * (turn(i, d) + seed).sin() + 5.0)
+}
+
+#[test]
+fn a_polynomial_is_found_exactly_and_continued_far_away() {
+    let x = scattered(14, 0.0);
+    let y: Vec<f64> = (0..14).map(|i| parabola(&x, i)).collect();
+    let builder = Gp::builder(kernel(1.0)).noise_variance(NOISE_VARIANCE).mean(Mean::Polynomial(2));
+    let gp = builder.condition(&x, &y).unwrap();
+    assert!((gp.mean() - 1.0).abs() < 1e-7, "{}", gp.mean());
+    let far = Mat::from_fn(4, 2, |i, d| 30.0 * (i + d) as f64 - 20.0);
+    let mean = gp.predict_mean(far.as_ref()).unwrap();
+    let slopes = gp.mean_gradient(far.as_ref()).unwrap();
+    for (i, mean) in mean.iter().enumerate() {
+        assert!((mean / parabola(&far, i) - 1.0).abs() < 1e-8, "{mean}");
+        let slope = -2.0 + 0.5 * far[(i, 0)] - 0.75 * far[(i, 1)];
+        assert!((slopes[(i, 0)] - slope).abs() < 1e-6, "{} {slope}", slopes[(i, 0)]);
+    }
+    let again: Gp = serde_json::from_str(&serde_json::to_string(&gp).unwrap()).unwrap();
+    assert_eq!(again.predict_mean(far.as_ref()).unwrap(), mean);
+    assert_eq!(gp.expansion().unwrap_err(), GpError::PolynomialMean);
+}
+
+#[test]
+fn a_polynomial_is_the_limit_of_ever_wider_priors() {
+    let (x, x_star) = (scattered(14, 0.0), scattered(6, 0.4));
+    let y: Vec<f64> = (0..14).map(|i| (3.0 * x[(i, 0)]).sin() + x[(i, 1)]).collect();
+    let polynomial = Gp::builder(kernel(1.0)).noise_variance(NOISE_VARIANCE);
+    let gp = polynomial.mean(Mean::Polynomial(2)).condition(&x, &y).unwrap();
+    let (mean, variance) = gp.predict(&x_star).unwrap();
+    let off = |wide: f64| {
+        let whole = kernel(1.0) + wide * Polynomial::isotropic(2, 1.0);
+        let builder = Gp::builder(whole).noise_variance(NOISE_VARIANCE).mean(Mean::Fixed(0.0));
+        let known = builder.condition(&x, &y).unwrap().predict(&x_star).unwrap();
+        let apart = |(a, b): (&f64, &f64)| (a - b).abs();
+        let means = mean.iter().zip(&known.0).map(apart).fold(0.0, f64::max);
+        variance.iter().zip(&known.1).map(apart).fold(means, f64::max)
+    };
+    let (narrow, wide) = (off(1e2), off(1e5));
+    assert!(wide < 0.01 * narrow && wide < 1e-3, "{narrow} {wide}");
+}
+
+#[test]
+fn a_polynomial_that_rows_do_not_tell_is_an_error() {
+    let x = scattered(5, 0.0);
+    let fit = |mean: Mean| {
+        let builder = Gp::builder(kernel(1.0)).noise_variance(NOISE_VARIANCE).mean(mean);
+        builder.condition(&x, &outputs(&x)).unwrap_err()
+    };
+    let expected = GpError::UndeterminedSlope { input: 1, n_rows: 5 };
+    assert_eq!(fit(Mean::Polynomial(2)), expected);
+    assert!(matches!(fit(Mean::Polynomial(7)), GpError::OutOfRange { value: 7.0, .. }));
+    assert_eq!(Mean::Polynomial(3).n_coefficients(4), 35);
 }
