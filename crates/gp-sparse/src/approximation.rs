@@ -66,7 +66,7 @@ impl Approximation {
 pub struct SparseSettings {
     /// The approximation.
     pub approximation: Approximation,
-    /// The constant mean.
+    /// The mean.
     pub mean: Mean,
     /// Variance of a noise on the pseudo-outputs over their prior variance, 0 or a little more.
     ///
@@ -90,7 +90,7 @@ impl SparseSettings {
             let name = "alpha of the approximation".to_owned();
             return Err(GpError::OutOfRange { name, value: alpha, lowest: 0.0, highest: 1.0 });
         }
-        self.mean.check_constant()?;
+        self.mean.check()?;
         check_not_negative("jitter", self.jitter)
     }
 }

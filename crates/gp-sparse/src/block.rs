@@ -3,10 +3,10 @@
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
 use faer::{Accum, Mat, MatMut, MatRef, Par};
-use gp_core::Kernel;
 use gp_core::kernel::{column, column_mut};
 use gp_core::triangle::{multiply_rows, multiply_rows_transposed, solve_upper};
 use gp_core::vector::{add_multiple, add_products, add_square, multiply, subtract_from_multiple};
+use gp_core::{Kernel, Monomials};
 
 use crate::Approximation;
 
@@ -21,9 +21,11 @@ pub(crate) struct Block {
     y: Vec<f64>,
     /// Known noise of the rows beside the common one.
     row_noise: Vec<f64>,
+    /// H, what the mean is a sum of; the first column is 1.
+    basis: Vec<Vec<f64>>,
     /// K_fu.
     k: Mat<f64>,
-    /// A = D^−½ (V, y, 1) with V = K_fu L⁻ᵀ, K_uu = L Lᵀ.
+    /// A = D^−½ (V, y, H) with V = K_fu L⁻ᵀ, K_uu = L Lᵀ.
     whitened: Mat<f64>,
     /// c, the variance that the pseudo-inputs leave over.
     leftover: Vec<f64>,
@@ -35,8 +37,8 @@ pub(crate) struct Block {
 pub(crate) struct Scratch {
     product: Mat<f64>,
     slope: Mat<f64>,
-    /// w of each response.
-    weights: [Vec<f64>; 2],
+    /// w of each response, one after the other.
+    weights: Vec<Vec<f64>>,
     row_slopes: Vec<f64>,
 }
 
@@ -47,6 +49,12 @@ pub(crate) struct Sums {
     pub(crate) log_determinant: f64,
     /// Σ ln(1 + α c/σₙ²)/α.
     pub(crate) penalty: f64,
+}
+
+impl Sums {
+    pub(crate) fn new(width: usize) -> Self {
+        Self { square: Mat::zeros(width, width), log_determinant: 0.0, penalty: 0.0 }
+    }
 }
 
 /// What the gradient collects over the rows.
@@ -79,63 +87,64 @@ pub(crate) struct Solution<'a> {
     pub(crate) has_free_z: bool,
 }
 
-/// What the process makes of outputs r = b y − c: at x it is c + k(x, Z) u.
+/// What the process makes of outputs r = b y − H c: at x it is h(x) c + k(x, Z) u.
 #[derive(Clone)]
 pub(crate) struct Response {
-    /// b: 1 of the mean, and 0 of its standard deviation.
-    of_y: f64,
+    /// b: 1 of the mean, and 0 of its deviations.
+    pub(crate) of_y: f64,
     /// c.
-    pub(crate) constant: f64,
+    pub(crate) coefficients: Vec<f64>,
     /// t = B⁻¹VᵀD⁻¹r.
-    whitened: Vec<f64>,
+    pub(crate) whitened: Vec<f64>,
     /// u = L⁻ᵀt.
     pub(crate) weights: Vec<f64>,
 }
 
 impl Response {
-    /// Of nothing, with `m` pseudo-inputs.
-    pub(crate) fn new(m: usize) -> Self {
-        Self { of_y: 0.0, constant: 0.0, whitened: vec![0.0; m], weights: vec![0.0; m] }
-    }
-
-    /// To b y − c.
+    /// To b y − H c.
     ///
-    /// - `known`: R⁻¹VᵀD⁻¹y and R⁻¹VᵀD⁻¹1; - `factors`: R and L.
+    /// - `of_y_known`, `of_basis`: R⁻¹VᵀD⁻¹y and R⁻¹VᵀD⁻¹H; - `factors`: R and L.
     pub(crate) fn solve(
-        &mut self,
-        (of_y, constant): (f64, f64),
-        [y, one]: [&[f64]; 2],
+        (of_y, coefficients): (f64, Vec<f64>),
+        (of_y_known, of_basis): (&[f64], &[Vec<f64>]),
         [root, factor]: [MatRef<'_, f64>; 2],
-    ) {
-        (self.of_y, self.constant) = (of_y, constant);
-        for ((t, y), one) in self.whitened.iter_mut().zip(y).zip(one) {
-            *t = of_y * y - constant * one;
+    ) -> Self {
+        let mut whitened: Vec<f64> = of_y_known.iter().map(|y| of_y * y).collect();
+        for (coefficient, known) in coefficients.iter().zip(of_basis) {
+            add_multiple(&mut whitened, -coefficient, known);
         }
-        solve_upper(root, &mut self.whitened);
-        self.weights.copy_from_slice(&self.whitened);
-        solve_upper(factor, &mut self.weights);
+        solve_upper(root, &mut whitened);
+        let mut weights = whitened.clone();
+        solve_upper(factor, &mut weights);
+        Self { of_y, coefficients, whitened, weights }
     }
 }
 
 impl Scratch {
-    pub(crate) fn new(m: usize) -> Self {
+    /// - `n_responses`: at most so many.
+    pub(crate) fn new(m: usize, n_responses: usize) -> Self {
         let matrix = || Mat::zeros(BLOCK, m);
-        let row = || vec![0.0; BLOCK];
-        let (weights, row_slopes) = ([row(), row()], row());
+        let (weights, row_slopes) = (vec![vec![0.0; BLOCK]; n_responses], vec![0.0; BLOCK]);
         Self { product: matrix(), slope: matrix(), weights, row_slopes }
     }
 }
 
 impl Block {
-    /// - `row_noise`: one a row.
-    pub(crate) fn new(x: MatRef<'_, f64>, y: Vec<f64>, row_noise: Vec<f64>, m: usize) -> Self {
+    /// - `row_noise`: one a row; - `m`: pseudo-inputs.
+    pub(crate) fn new(
+        x: MatRef<'_, f64>,
+        (y, row_noise): (Vec<f64>, Vec<f64>),
+        monomials: &Monomials,
+        m: usize,
+    ) -> Self {
         let n = y.len();
         Self {
+            basis: monomials.columns(x),
             x: x.to_owned(),
             y,
             row_noise,
             k: Mat::zeros(n, m),
-            whitened: Mat::zeros(n, m + 2),
+            whitened: Mat::zeros(n, m + 1 + monomials.count()),
             leftover: vec![0.0; n],
             root_precision: vec![0.0; n],
         }
@@ -159,7 +168,11 @@ impl Block {
         }
         column_mut(&mut self.whitened, m).copy_from_slice(&self.y);
         multiply(column_mut(&mut self.whitened, m), &self.root_precision);
-        column_mut(&mut self.whitened, m + 1).copy_from_slice(&self.root_precision);
+        for (k, basis) in self.basis.iter().enumerate() {
+            let whitened = column_mut(&mut self.whitened, m + 1 + k);
+            whitened.copy_from_slice(&self.root_precision);
+            multiply(whitened, basis);
+        }
         let whitened = self.whitened.as_ref();
         add_lower(sums.square.as_mut(), whitened.transpose(), whitened);
     }
@@ -217,7 +230,9 @@ impl Block {
         let m = self.k.ncols();
         weights.fill(0.0);
         add_multiple(weights, response.of_y, column(&self.whitened, m));
-        add_multiple(weights, -response.constant, &self.root_precision);
+        for (k, coefficient) in response.coefficients.iter().enumerate() {
+            add_multiple(weights, -coefficient, column(&self.whitened, m + 1 + k));
+        }
         for (a, t) in response.whitened.iter().enumerate() {
             add_multiple(weights, -t, column(&self.whitened, a));
         }

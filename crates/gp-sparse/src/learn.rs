@@ -6,7 +6,7 @@ use faer::{Mat, MatRef};
 use gp_core::bfgs::{Limits, Minimum, best_of, minimize};
 use gp_core::checks::{check_inputs, check_outputs, check_positive, check_row_noise};
 use gp_core::{
-    Gp, GpError, HyperPrior, Kernel, LearnOptions, SearchSpace, StopReason, check_learnable,
+    Gp, GpError, HyperPrior, Kernel, LearnOptions, Mean, SearchSpace, StopReason, check_learnable,
 };
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 
@@ -116,7 +116,13 @@ impl SparseGp {
     ) -> Result<(Self, SparseReport), GpError> {
         check_options(kernel, x, y, options)?;
         let space = SearchSpace::new(kernel, x, y, options.prior);
-        let warm = warm_start(kernel, x, y, options)?;
+        let warm = WarmStart {
+            rows: options.warm_start_rows,
+            seed: options.seed,
+            mean: options.settings.mean,
+            prior: options.prior,
+        };
+        let warm = warm.parameters(kernel, x, y, &options.row_noise)?;
         let (placing, _) = split(kernel, &warm)?;
         let z = options.pseudo_inputs.place(&*placing, x, options.seed)?;
         let scales = (0..x.ncols()).map(|d| spread(x, d)).collect();
@@ -229,35 +235,45 @@ impl Search<'_> {
     }
 }
 
-/// Hyperparameters of the exact process on a random part of the rows; where those tell nothing,
-/// the usual start.
-fn warm_start(
-    kernel: &dyn Kernel,
-    x: MatRef<'_, f64>,
-    y: &[f64],
-    options: &SparseOptions,
-) -> Result<Vec<f64>, GpError> {
-    let mut rows = shuffled_rows(y.len(), options.seed);
-    rows.truncate(options.warm_start_rows);
-    let few = Mat::from_fn(rows.len(), x.ncols(), |i, d| x[(rows[i], d)]);
-    let few_y: Vec<f64> = rows.iter().map(|&row| y[row]).collect();
-    let learning = LearnOptions {
-        n_starts: 2,
-        seed: options.seed,
-        gradient_tolerance: 0.1,
-        mean: options.settings.mean,
-        prior: options.prior,
-        ..LearnOptions::default()
-    };
-    let values: Vec<f64> = kernel.parameters().iter().map(|parameter| parameter.value).collect();
-    let family = kernel.with_parameters(&values)?;
-    let row_noise = rows_at(&options.row_noise, &rows);
-    let builder = Gp::builder(family).row_noise(&row_noise).options(learning);
-    match builder.fit(few.as_ref(), &few_y) {
-        Ok(gp) => Ok(gp.hyperparameters().into_iter().map(|(_, value)| value).collect()),
-        Err(_) => {
-            let space = SearchSpace::new(kernel, x, y, options.prior);
-            Ok(space.parameters(&space.start(0, options.seed)))
+/// An exact process on a random part of the rows.
+pub(crate) struct WarmStart {
+    pub(crate) rows: usize,
+    pub(crate) seed: u64,
+    pub(crate) mean: Mean,
+    pub(crate) prior: HyperPrior,
+}
+
+impl WarmStart {
+    /// Its hyperparameters; where those rows tell nothing, the usual start.
+    pub(crate) fn parameters(
+        &self,
+        kernel: &dyn Kernel,
+        x: MatRef<'_, f64>,
+        y: &[f64],
+        row_noise: &[f64],
+    ) -> Result<Vec<f64>, GpError> {
+        let mut rows = shuffled_rows(y.len(), self.seed);
+        rows.truncate(self.rows);
+        let few = Mat::from_fn(rows.len(), x.ncols(), |i, d| x[(rows[i], d)]);
+        let few_y: Vec<f64> = rows.iter().map(|&row| y[row]).collect();
+        let learning = LearnOptions {
+            n_starts: 2,
+            seed: self.seed,
+            gradient_tolerance: 0.1,
+            mean: self.mean,
+            prior: self.prior,
+            ..LearnOptions::default()
+        };
+        let values: Vec<f64> = kernel.parameters().iter().map(|p| p.value).collect();
+        let family = kernel.with_parameters(&values)?;
+        let row_noise = rows_at(row_noise, &rows);
+        let builder = Gp::builder(family).row_noise(&row_noise).options(learning);
+        match builder.fit(few.as_ref(), &few_y) {
+            Ok(gp) => Ok(gp.hyperparameters().into_iter().map(|(_, value)| value).collect()),
+            Err(_) => {
+                let space = SearchSpace::new(kernel, x, y, self.prior);
+                Ok(space.parameters(&space.start(0, self.seed)))
+            }
         }
     }
 }
@@ -291,13 +307,16 @@ pub(crate) fn rows_at(values: &[f64], rows: &[usize]) -> Vec<f64> {
 }
 
 /// The kernel with the parameters, and the noise variance, which comes last.
-fn split(kernel: &dyn Kernel, parameters: &[f64]) -> Result<(Box<dyn Kernel>, f64), GpError> {
+pub(crate) fn split(
+    kernel: &dyn Kernel,
+    parameters: &[f64],
+) -> Result<(Box<dyn Kernel>, f64), GpError> {
     let (noise_variance, values) = parameters.split_last().expect("the noise is always there");
     Ok((kernel.with_parameters(values)?, *noise_variance))
 }
 
 /// The standard deviation of an input; 1 for equal values.
-fn spread(x: MatRef<'_, f64>, d: usize) -> f64 {
+pub(crate) fn spread(x: MatRef<'_, f64>, d: usize) -> f64 {
     let n = x.nrows() as f64;
     let mean = x.col(d).iter().sum::<f64>() / n;
     let variance = x.col(d).iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;

@@ -1,20 +1,18 @@
 //! The objective of all sparse approximations, ln N(y | m, Q + D) less a penalty, and its gradient.
 
-use std::f64::consts::PI;
-
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::{Mat, MatRef, Par};
-use gp_core::cholesky::{factorize, invert, log_determinant};
+use gp_core::cholesky::{factorize, invert};
 use gp_core::kernel::{column, column_mut, fill_lower_gram, mirror_lower};
-use gp_core::triangle::{self, clear_above, scratch_rows, solve_lower};
-use gp_core::vector::{add_multiple, dot};
-use gp_core::{GpError, Kernel, Mean};
+use gp_core::triangle::{self, clear_above, scratch_rows};
+use gp_core::vector::add_multiple;
+use gp_core::{GpError, Kernel};
 use rayon::prelude::{IntoParallelRefMutIterator, ParallelIterator};
 
 use crate::SparseSettings;
 use crate::block::{Response, Shared, Solution};
-use crate::deviation::Deviation;
 use crate::part::Part;
+use crate::row_sums::{RowSums, Solved};
 
 pub(crate) const PSEUDO_COVARIANCE: &str = "covariance of the pseudo-outputs";
 pub(crate) const PRECISION: &str = "precision of the pseudo-outputs";
@@ -25,12 +23,8 @@ pub(crate) const PRECISION: &str = "precision of the pseudo-outputs";
 /// ln |Q + D| = ln |B| + ln |D| and (Q + D)⁻¹ = D⁻¹ − D⁻¹VB⁻¹VᵀD⁻¹. O(N M²).
 pub(crate) struct Objective {
     settings: SparseSettings,
-    /// Subtracted from all outputs, so that far offsets cost no digits.
-    origin: f64,
-    n_rows: usize,
     parts: Vec<Part>,
-    /// (V, y, 1)ᵀ D⁻¹ (V, y, 1), the lower triangle.
-    sums: Mat<f64>,
+    pub(crate) sums: RowSums,
     /// Pseudo-inputs, M×D by rows and as a matrix.
     z: Vec<f64>,
     z_columns: Mat<f64>,
@@ -38,13 +32,10 @@ pub(crate) struct Objective {
     gram: Mat<f64>,
     factor: Mat<f64>,
     pub(crate) factor_inverse: Mat<f64>,
-    /// The Cholesky factor R of B.
-    pub(crate) root: Mat<f64>,
+    pub(crate) solved: Solved,
     inverse: Mat<f64>,
     scratch: Mat<f64>,
     slope: Mat<f64>,
-    /// That of the mean, less the data's origin, and that of its standard deviation if it is learnt.
-    responses: Vec<Response>,
 }
 
 impl Objective {
@@ -57,38 +48,23 @@ impl Objective {
         n_parameters: usize,
         settings: SparseSettings,
     ) -> Self {
-        let (n, d, m) = (x.nrows(), x.ncols(), n_pseudo_inputs);
-        let origin = y.iter().sum::<f64>() / n as f64;
+        let (d, m) = (x.ncols(), n_pseudo_inputs);
+        let sums = RowSums::new(x, y, m, settings.mean);
         let square = || Mat::zeros(m, m);
         Self {
             settings,
-            origin,
-            n_rows: n,
-            parts: Part::split(x, y, row_noise, origin, m, n_parameters),
-            sums: Mat::zeros(m + 2, m + 2),
+            parts: Part::split((x, y, row_noise), sums.origin, &sums.monomials, m, n_parameters),
+            sums,
             z: vec![0.0; m * d],
             z_columns: Mat::zeros(m, d),
             gram: square(),
             factor: square(),
             factor_inverse: square(),
-            root: square(),
+            solved: Solved::new(m),
             inverse: square(),
             scratch: Mat::zeros(scratch_rows(m), m),
             slope: square(),
-            responses: vec![Response::new(m); 1 + settings.mean.n_coefficients(0)],
         }
-    }
-
-    /// The mean at x is c + k(x, Z) u.
-    pub(crate) fn mean(&self) -> Deviation {
-        let Response { constant, weights, .. } = &self.responses[0];
-        Deviation { constant: self.origin + constant, weights: weights.clone() }
-    }
-
-    /// By how much the function moves with a standard deviation of a learnt mean.
-    pub(crate) fn deviation(&self) -> Option<Deviation> {
-        let Response { constant, weights, .. } = self.responses.get(1)?;
-        Some(Deviation { constant: *constant, weights: weights.clone() })
     }
 
     /// The objective in nats for pseudo-inputs `z`, M×D by rows.
@@ -124,51 +100,9 @@ impl Objective {
             factor_inverse: self.factor_inverse.as_ref(),
         };
         self.parts.par_iter_mut().for_each(|part| part.sum(&shared));
-        self.solve()
-    }
-
-    /// Merges the parts' sums and solves for the weights.
-    ///
-    /// With a learnt mean the value is a density of what the mean does not touch, as in
-    /// [`gp_core::Gp::log_marginal_likelihood`].
-    fn solve(&mut self) -> Result<f64, GpError> {
-        let m = self.z_columns.nrows();
-        merge_lower(&mut self.sums, self.parts.iter().map(|part| &part.sums.square));
-        self.root.copy_from(self.sums.as_ref().get(..m, ..m));
-        for a in 0..m {
-            self.root[(a, a)] += 1.0;
-        }
-        factorize(PRECISION, self.root.as_mut())?;
-        let total = |term: fn(&Part) -> f64| self.parts.iter().map(term).sum::<f64>();
-        let row = |i: usize| (0..m).map(|a| self.sums[(i, a)]).collect::<Vec<f64>>();
-        let (mut of_y, mut of_one) = (row(m), row(m + 1));
-        solve_lower(self.root.as_ref(), &mut [&mut of_y, &mut of_one]);
-        let one_one = self.sums[(m + 1, m + 1)] - dot(&of_one, &of_one);
-        let one_y = self.sums[(m + 1, m)] - dot(&of_one, &of_y);
-        let y_y = self.sums[(m, m)] - dot(&of_y, &of_y);
-        let constant = match self.settings.mean {
-            Mean::Fixed(value) => value - self.origin,
-            _ => one_y / one_one,
-        };
-        let quadratic = y_y - 2.0 * constant * one_y + constant * constant * one_one;
-        let factors = [self.root.as_ref(), self.factor.as_ref()];
-        self.responses[0].solve((1.0, constant), [&of_y, &of_one], factors);
-        let mut determinant =
-            log_determinant(self.root.as_ref()) + total(|part| part.sums.log_determinant);
-        let mut n_told = self.n_rows;
-        if let Some(deviation) = self.responses.get_mut(1) {
-            if one_one <= m as f64 * f64::EPSILON * self.sums[(m + 1, m + 1)] {
-                let what = "precision of the mean";
-                return Err(GpError::NotPositiveDefinite { what, size: 1, pivot: 0 });
-            }
-            deviation.solve((0.0, one_one.sqrt().recip()), [&of_y, &of_one], factors);
-            determinant += (one_one / self.n_rows as f64).ln();
-            n_told -= 1;
-        }
-        let normalization = n_told as f64 * (2.0 * PI).ln();
-        let approximation = self.settings.approximation;
-        let penalty = (1.0 - approximation.alpha()) * total(|part| part.sums.penalty);
-        Ok(-0.5 * (quadratic + determinant + normalization + penalty))
+        self.sums.merge(self.parts.iter().map(|part| &part.sums));
+        self.solved.solve(&self.sums, self.factor.as_ref(), self.settings)?;
+        Ok(self.solved.value)
     }
 
     /// The gradient at the place of the last `value`: by the kernel's log-parameters, by ln σₙ²,
@@ -191,7 +125,7 @@ impl Objective {
         };
         let solution = Solution {
             inverse: self.inverse.as_ref(),
-            responses: &self.responses,
+            responses: &self.solved.responses,
             has_free_z: !of_z.is_empty(),
         };
         self.parts.par_iter_mut().for_each(|part| part.differentiate(&shared, &solution));
@@ -207,7 +141,7 @@ impl Objective {
 
     /// B⁻¹, both triangles.
     fn invert_root(&mut self) {
-        self.inverse.copy_from(&self.root);
+        self.inverse.copy_from(&self.solved.root);
         invert(self.inverse.as_mut(), self.scratch.as_mut());
         mirror_lower(&mut self.inverse);
     }
@@ -230,7 +164,7 @@ impl Objective {
         of_z.fill(0.0);
         for b in 0..self.z_columns.nrows() {
             let slope = column_mut(&mut self.slope, b);
-            for Response { weights, .. } in &self.responses {
+            for Response { weights, .. } in &self.solved.responses {
                 add_multiple(slope, -weights[b], weights);
             }
             slope.iter_mut().for_each(|slope| *slope *= 0.5);
@@ -248,7 +182,7 @@ impl Objective {
 }
 
 /// The sum of lower triangles.
-fn merge_lower<'a>(sum: &mut Mat<f64>, parts: impl Iterator<Item = &'a Mat<f64>>) {
+pub(crate) fn merge_lower<'a>(sum: &mut Mat<f64>, parts: impl Iterator<Item = &'a Mat<f64>>) {
     sum.fill(0.0);
     for part in parts {
         for j in 0..part.ncols() {

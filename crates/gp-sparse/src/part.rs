@@ -5,6 +5,7 @@
 //! them.
 
 use faer::{Mat, MatRef};
+use gp_core::Monomials;
 
 use crate::block::{BLOCK, Block, Scratch, Shared, Slopes, Solution, Sums};
 
@@ -19,12 +20,11 @@ pub(crate) struct Part {
 impl Part {
     /// All rows in at most [`MOST_PARTS`] parts, for `m` pseudo-inputs; outputs less `origin`.
     ///
-    /// - `row_noise`: one a row, or none.
+    /// - `row_noise`: one a row, or none; - `monomials`: what the mean is a sum of.
     pub(crate) fn split(
-        x: MatRef<'_, f64>,
-        y: &[f64],
-        row_noise: &[f64],
+        (x, y, row_noise): (MatRef<'_, f64>, &[f64], &[f64]),
         origin: f64,
+        monomials: &Monomials,
         m: usize,
         n_parameters: usize,
     ) -> Vec<Self> {
@@ -33,14 +33,14 @@ impl Part {
             let y: Vec<f64> = y.iter().map(|y| y - origin).collect();
             let noise = |i: usize| row_noise.get(i).copied().unwrap_or(0.0);
             let row_noise = (start..start + y.len()).map(noise).collect();
-            Block::new(x.subrows(start, y.len()), y, row_noise, m)
+            Block::new(x.subrows(start, y.len()), (y, row_noise), monomials, m)
         };
         let part = |(p, y): (usize, &[f64])| Self {
             blocks: (y.chunks(BLOCK).enumerate())
                 .map(|(b, y)| block(p * per_part + b * BLOCK, y))
                 .collect(),
-            scratch: Scratch::new(m),
-            sums: Sums { square: Mat::zeros(m + 2, m + 2), log_determinant: 0.0, penalty: 0.0 },
+            scratch: Scratch::new(m, 1 + monomials.count()),
+            sums: Sums::new(m + 1 + monomials.count()),
             slopes: Slopes {
                 square: Mat::zeros(m, m),
                 kernel: vec![0.0; n_parameters],

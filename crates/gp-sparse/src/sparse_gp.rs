@@ -11,19 +11,21 @@ use gp_core::kernel::{
 };
 use gp_core::triangle::{add_outer, inverse, multiply_rows_transposed};
 use gp_core::vector::{add_multiple, add_square};
-use gp_core::{GpError, JointGaussian, Kernel, Posterior, Workspace};
+use gp_core::{GpError, JointGaussian, Kernel, Monomials, Posterior, Workspace};
 
 use crate::SparseSettings;
 use crate::deviation::Deviation;
 use crate::objective::Objective;
 use crate::reduction::reduction;
+use crate::row_sums::RowSums;
 
-/// A Gaussian process seen through its values u at M pseudo-inputs Z; it keeps none of the data.
+/// A Gaussian process seen through its values u at M pseudo-inputs Z; of the data it keeps
+/// sums alone.
 ///
 /// - f mean: m + k*ᵀ w with w = K_uu⁻¹ (E(u) − m), in O(M) an input.
 /// - f variance: k** − k*ᵀ (K_uu⁻¹ − Σ) k* with Σ = (K_uu + K_uf D⁻¹ K_fu)⁻¹, in O(M²) an input.
-/// - to which is added, of a learnt mean m, what the data leave open of it: the variance 1/(1ᵀC1) of m
-///   times (1 − k*ᵀ K_uu⁻¹ K_uf C 1)², with C the inverse of what [`Approximation`] takes for the
+/// - to which is added, of a learnt mean, what the data leave open of it: of a constant m the variance
+///   1/(1ᵀC1) of it times (1 − k*ᵀ K_uu⁻¹ K_uf C 1)², with C the inverse of what [`Approximation`] takes for the
 ///   covariance of the data. It is the exact process' term with that covariance.
 ///
 /// The thesis' eq. 3.24 adds σₙ² and is the variance of an observation.
@@ -35,10 +37,14 @@ pub struct SparseGp {
     pub(crate) settings: SparseSettings,
     pub(crate) noise_variance: f64,
     pub(crate) z: Mat<f64>,
-    pub(crate) constant: f64,
-    pub(crate) weights: Vec<f64>,
-    /// Of a learnt mean.
-    pub(crate) deviation: Option<Deviation>,
+    /// The mean of f.
+    pub(crate) mean: Deviation,
+    /// Of a learnt mean, one a coefficient.
+    pub(crate) deviations: Vec<Deviation>,
+    /// What a learnt mean is a sum of.
+    pub(crate) monomials: Monomials,
+    /// What is kept of the rows; nothing in a process that was saved without.
+    pub(crate) sums: Option<RowSums>,
     /// L⁻¹ with K_uu = L Lᵀ, and zeros above the diagonal.
     pub(crate) factor_inverse: Mat<f64>,
     /// R with R Rᵀ = I + L⁻¹ K_uf D⁻¹ K_fu L⁻ᵀ.
@@ -134,20 +140,20 @@ impl SparseGp {
         let mut objective = Objective::new(x, y, row_noise, m, n_parameters, settings);
         let value = objective.value(&*kernel, noise_variance, z)?;
         check_outputs("objective", &[value], 1)?;
-        let root_inverse = inverse(objective.root.as_ref());
-        let Deviation { constant, weights } = objective.mean();
+        let root_inverse = inverse(objective.solved.root.as_ref());
         Ok(Self {
             kernel,
             settings,
             noise_variance,
             z: Mat::from_fn(m, d, |a, j| z[a * d + j]),
-            constant,
-            weights,
-            deviation: objective.deviation(),
+            mean: objective.solved.mean(objective.sums.origin),
+            deviations: objective.solved.deviations(),
+            monomials: objective.sums.monomials.clone(),
             reduction: reduction(objective.factor_inverse.as_ref(), root_inverse.as_ref())?,
             factor_inverse: objective.factor_inverse,
             root_inverse,
-            root: objective.root,
+            root: objective.solved.root,
+            sums: Some(objective.sums),
             objective: value,
         })
     }
@@ -187,7 +193,7 @@ impl SparseGp {
     ) -> Result<Evaluator, GpError> {
         check_data(&*self.kernel, x, y)?;
         check_row_noise(row_noise, y.len())?;
-        let (m, n_parameters) = (self.weights.len(), self.kernel.parameters().len());
+        let (m, n_parameters) = (self.mean.weights.len(), self.kernel.parameters().len());
         Ok(Evaluator {
             kernel: self.kernel.clone(),
             noise_variance: self.noise_variance,
@@ -207,9 +213,24 @@ impl SparseGp {
         self.noise_variance
     }
 
-    /// The constant mean m, in the unit of the output.
+    /// The constant mean m, in the unit of the output; of a linear mean or a polynomial its value at x = 0.
     pub fn mean(&self) -> f64 {
-        self.constant
+        let Deviation { constant, coefficients, .. } = &self.mean;
+        let mut value = [*constant];
+        self.monomials.add(Mat::zeros(1, self.z.ncols()).as_ref(), coefficients, &mut value);
+        value[0]
+    }
+
+    /// Writes c + Σ g_k h_k(x) of every row.
+    fn fill(&self, one: &Deviation, x: MatRef<'_, f64>, values: &mut [f64]) {
+        values.fill(one.constant);
+        self.monomials.add(x, &one.coefficients, values);
+    }
+
+    /// A deviation, or the mean, at every row.
+    fn values(&self, one: &Deviation, x: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {
+        let known = (self.z.as_ref(), &*one.weights);
+        mean_in_blocks(&*self.kernel, x, known, |rows, values| self.fill(one, rows, values))
     }
 
     /// The approximation, the choice of the mean, and the jitter.
@@ -234,8 +255,7 @@ impl Posterior for SparseGp {
     }
 
     fn predict_mean(&self, x_star: MatRef<'_, f64>) -> Result<Vec<f64>, GpError> {
-        let known = (self.z.as_ref(), &*self.weights);
-        mean_in_blocks(&*self.kernel, x_star, known, |_, mean| mean.fill(self.constant))
+        self.values(&self.mean, x_star)
     }
 
     fn predict(&self, x_star: MatRef<'_, f64>) -> Result<(Vec<f64>, Vec<f64>), GpError> {
@@ -254,7 +274,7 @@ impl Posterior for SparseGp {
 
     fn predict_joint(&self, x_star: MatRef<'_, f64>) -> Result<JointGaussian, GpError> {
         let mean = self.predict_mean(x_star)?;
-        let mut cross = Mat::zeros(x_star.nrows(), self.weights.len());
+        let mut cross = Mat::zeros(x_star.nrows(), self.mean.weights.len());
         fill_cross(&*self.kernel, x_star, self.z.as_ref(), cross.as_mut());
         let mut covariance = Mat::zeros(x_star.nrows(), x_star.nrows());
         fill_lower_gram(&*self.kernel, x_star, &mut covariance);
@@ -268,12 +288,8 @@ impl Posterior for SparseGp {
         for j in 0..covariance.ncols() {
             covariance[(j, j)] = covariance[(j, j)].max(0.0);
         }
-        if let Some(Deviation { constant, weights }) = &self.deviation {
-            let known = (self.z.as_ref(), &**weights);
-            let moved = mean_in_blocks(&*self.kernel, x_star, known, |_, moved| {
-                moved.fill(*constant);
-            })?;
-            add_outer(&mut covariance, &moved);
+        for deviation in &self.deviations {
+            add_outer(&mut covariance, &self.values(deviation, x_star)?);
         }
         mirror_lower(&mut covariance);
         JointGaussian::new(mean, covariance)
@@ -295,11 +311,11 @@ impl PredictBlock for SparseGp {
         mean: &mut [f64],
         variance: &mut [f64],
     ) {
-        let m = self.weights.len();
+        let m = self.mean.weights.len();
         let (mut cross, mut whitened) = workspace.matrices(x_star.nrows(), m);
         fill_cross(&*self.kernel, x_star, self.z.as_ref(), cross.as_mut());
-        mean.fill(self.constant);
-        for (a, weight) in self.weights.iter().enumerate() {
+        self.fill(&self.mean, x_star, mean);
+        for (a, weight) in self.mean.weights.iter().enumerate() {
             add_multiple(mean, *weight, column_of(cross.as_mut(), a));
         }
         self.kernel.diagonal(x_star, variance);
@@ -309,10 +325,10 @@ impl PredictBlock for SparseGp {
         }
         // Rounding alone can make the difference of two nearly equal variances negative.
         variance.iter_mut().for_each(|variance| *variance = variance.max(0.0));
-        if let Some(Deviation { constant, weights }) = &self.deviation {
-            let moved = column_of(whitened, 0);
-            moved.fill(*constant);
-            for (a, weight) in weights.iter().enumerate() {
+        for deviation in &self.deviations {
+            let moved = column_of(whitened.as_mut(), 0);
+            self.fill(deviation, x_star, moved);
+            for (a, weight) in deviation.weights.iter().enumerate() {
                 add_multiple(moved, *weight, column_of(cross.as_mut(), a));
             }
             add_square(variance, 1.0, moved);

@@ -3,8 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod bad_input;
+mod grid;
 mod laws;
 mod learning;
+mod means_and_rows;
 mod reference;
 mod row_noise;
 mod uncertain_inputs;

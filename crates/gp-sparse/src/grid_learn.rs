@@ -1,0 +1,171 @@
+//! Learning the parameters of a process on a grid.
+
+use std::sync::Arc;
+
+use faer::MatRef;
+use gp_core::bfgs::{Limits, Minimum, minimize};
+use gp_core::checks::{check_outputs, check_positive, check_range};
+use gp_core::{GpError, Kernel, LearnOptions, Role, SearchSpace, StopReason, check_learnable};
+
+use crate::grid::Grid;
+use crate::grid_objective::GridObjective;
+use crate::grid_sums::GridSums;
+use crate::learn::{WarmStart, split, spread};
+use crate::{GridGp, GridOptions};
+
+/// What the optimiser did; hyperparameters in the user's units, the noise variance last.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GridReport {
+    /// Names of the hyperparameters.
+    pub names: Vec<String>,
+    /// Where it started: those of the exact process on a few rows.
+    pub start: Vec<f64>,
+    /// Where it ended.
+    pub parameters: Vec<f64>,
+    /// ln p(y | X) there, in nats.
+    pub log_marginal_likelihood: f64,
+    /// Largest component of the gradient there.
+    pub gradient_norm: f64,
+    /// Quasi-Newton iterations.
+    pub iterations: usize,
+    /// Evaluations of the likelihood with its gradient.
+    pub evaluations: usize,
+    /// Why it stopped.
+    pub stop: StopReason,
+    /// Names of the parameters that ended at a wall.
+    pub at_bound: Vec<String>,
+    /// Nodes in use.
+    pub n_nodes: usize,
+    /// Spacing of the nodes over the learnt lengthscale, in the input where it is widest: above about a
+    /// half the interpolation shows.
+    pub widest_spacing: f64,
+}
+
+impl GridGp {
+    /// Learns kernel parameters and noise by maximising the marginal likelihood of all rows.
+    ///
+    /// Parameters start from an exact process on a few rows, whose lengthscales tell how near the nodes
+    /// have to be. The result does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// As `fit`; `TooFewRows` below two rows, `ConstantOutputs`, `NotConverged`.
+    pub fn learn(
+        kernel: impl Kernel + 'static,
+        x: MatRef<'_, f64>,
+        y: &[f64],
+        options: &GridOptions,
+    ) -> Result<(Self, GridReport), GpError> {
+        let learning =
+            LearnOptions { mean: options.mean, prior: options.prior, ..LearnOptions::default() };
+        check_learnable(&kernel, x, y, &learning)?;
+        check_positive("gradient_tolerance", options.gradient_tolerance)?;
+        let warm = WarmStart {
+            rows: options.warm_start_rows,
+            seed: options.seed,
+            mean: options.mean,
+            prior: options.prior,
+        };
+        let start = warm.parameters(&kernel, x, y, &[])?;
+        let (warm, _) = split(&kernel, &start)?;
+        let (grid, sums) = summed(&*warm, x, y, options)?;
+        let space = SearchSpace::new(&kernel, x, y, options.prior);
+        let minimum = maximize(&kernel, &space, (&grid, &sums), &start, options)?;
+        let parameters = space.parameters(&minimum.point);
+        let (learnt, noise_variance) = split(&kernel, &parameters)?;
+        let learnt: Arc<dyn Kernel> = Arc::from(learnt);
+        let widest_spacing = widest(&grid.spacing, &lengthscales(&*learnt, x));
+        let n_nodes = grid.n_nodes();
+        let gp =
+            Self::condition(learnt, noise_variance, (grid, sums), options.mean, options.jitter)?;
+        let mut names: Vec<String> = kernel.parameters().into_iter().map(|p| p.name).collect();
+        names.push("noise_variance".to_owned());
+        let at_bound = space.at_bound(&minimum.point).into_iter().map(|i| names[i].clone());
+        let at_bound = at_bound.collect();
+        let report = GridReport {
+            names,
+            start,
+            parameters,
+            log_marginal_likelihood: gp.log_marginal_likelihood(),
+            gradient_norm: minimum.gradient_norm,
+            iterations: minimum.iterations,
+            evaluations: minimum.evaluations,
+            stop: minimum.stop,
+            at_bound,
+            n_nodes,
+            widest_spacing,
+        };
+        Ok((gp, report))
+    }
+}
+
+fn maximize(
+    kernel: &dyn Kernel,
+    space: &SearchSpace,
+    (grid, sums): (&Grid, &GridSums),
+    start: &[f64],
+    options: &GridOptions,
+) -> Result<Minimum, GpError> {
+    let mut objective = GridObjective::new(sums, grid.positions(), options.mean, options.jitter);
+    let mut by_parameters = vec![0.0; start.len()];
+    let limits = Limits {
+        max_iterations: options.max_iterations,
+        gradient_tolerance: options.gradient_tolerance,
+        progress: None,
+    };
+    let evaluate = |point: &[f64], gradient: &mut [f64]| {
+        let (moved, noise_variance) = split(kernel, &space.parameters(point))?;
+        let value = objective.value(&*moved, noise_variance)?;
+        objective.differentiate(&*moved, noise_variance, &mut by_parameters);
+        by_parameters.iter_mut().for_each(|slope| *slope = -*slope);
+        space.by_coordinates(point, &by_parameters, gradient);
+        let total = space.penalty(point, gradient) - value;
+        check_outputs("log marginal likelihood", &[total], 1)?;
+        check_outputs("gradient of the log marginal likelihood", gradient, point.len())?;
+        Ok(total)
+    };
+    let minimum = minimize(evaluate, &space.point(start), limits)?;
+    if minimum.stop.converged() {
+        return Ok(minimum);
+    }
+    let Minimum { iterations, gradient_norm, .. } = minimum;
+    Err(GpError::NotConverged { n_starts: 1, iterations, gradient_norm })
+}
+
+/// The grid for a kernel, and the rows summed on it.
+pub(crate) fn summed(
+    kernel: &dyn Kernel,
+    x: MatRef<'_, f64>,
+    y: &[f64],
+    options: &GridOptions,
+) -> Result<(Grid, GridSums), GpError> {
+    options.mean.check()?;
+    let degree = options.mean.degree().unwrap_or(0);
+    check_range("degree of the mean on a grid", f64::from(degree), 0.0, 2.0)?;
+    check_positive("finest_spacing", options.finest_spacing)?;
+    gp_core::checks::check_not_negative("jitter", options.jitter)?;
+    let scales = lengthscales(kernel, x);
+    let grid = Grid::finest(x, &scales, options.finest_spacing, options.most_nodes)?;
+    let sums = GridSums::new(&grid, x, y)?;
+    Ok((grid, sums))
+}
+
+/// The shortest lengthscale or period of each input; its spread where the kernel has none.
+fn lengthscales(kernel: &dyn Kernel, x: MatRef<'_, f64>) -> Vec<f64> {
+    let parameters = kernel.parameters();
+    let of_input = |d: usize| {
+        let lengths = parameters.iter().filter_map(|parameter| match &parameter.role {
+            Role::Lengthscale { inputs } => Some((inputs, parameter.value)),
+            Role::Period { inputs } => Some((inputs, 0.2 * parameter.value)),
+            _ => None,
+        });
+        let own = lengths.filter(|(inputs, _)| inputs.is_empty() || inputs.contains(&d));
+        let shortest = own.map(|(_, value)| value).fold(f64::INFINITY, f64::min);
+        // A function that changes less than its inputs' range needs nodes no farther apart.
+        shortest.min(2.0 * spread(x, d))
+    };
+    (0..x.ncols()).map(of_input).collect()
+}
+
+fn widest(spacing: &[f64], lengthscales: &[f64]) -> f64 {
+    spacing.iter().zip(lengthscales).map(|(h, l)| h / l).fold(0.0, f64::max)
+}
