@@ -123,6 +123,17 @@ impl<'a, S: Clone + Send + Sync> ParticleFilter<'a, S> {
         self.weigh(&self.log_likelihoods(measurement))
     }
 
+    /// As [`ParticleFilter::update`], by the log likelihood of each particle as it was computed elsewhere:
+    /// for measurements that are evaluated for all particles at once.
+    ///
+    /// - `log_likelihoods`: of the measurement, one a particle, up to a constant; −∞ where it is impossible.
+    ///
+    /// # Errors
+    /// As [`ParticleFilter::update`]; `ShapeMismatch` for another number of them than of particles.
+    pub fn update_by(&mut self, log_likelihoods: &[f64]) -> Result<Update, FilterError> {
+        self.weigh(log_likelihoods)
+    }
+
     /// As [`ParticleFilter::update`], but replaces a share of the particles by draws of
     /// `inject` first if the measurement's log evidence is below `least_log_evidence`.
     ///

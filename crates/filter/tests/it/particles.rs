@@ -145,6 +145,18 @@ fn the_number_of_threads_changes_no_bit() {
 }
 
 #[test]
+fn likelihoods_that_were_computed_elsewhere_weigh_as_those_of_a_measurement() {
+    let mut one = ParticleFilter::new(start(500, 3), Settings::default()).unwrap();
+    let mut other = one.clone();
+    let seen = Seen(0.8);
+    let likelihoods: Vec<f64> = one.particles().iter().map(|x| seen.log_likelihood(x)).collect();
+    assert_eq!(one.update(&seen).unwrap(), other.update_by(&likelihoods).unwrap());
+    assert_eq!((one.particles(), one.weights()), (other.particles(), other.weights()));
+    let short = other.update_by(&likelihoods[1..]);
+    assert!(matches!(short, Err(FilterError::ShapeMismatch { expected: 500, actual: 499, .. })));
+}
+
+#[test]
 fn a_collapse_is_an_error_with_its_step_and_leaves_the_filter_as_it_was() {
     let mut filter = ParticleFilter::new(vec![5.0; 100], Settings::default()).unwrap();
     filter.predict(&Walk).unwrap();
