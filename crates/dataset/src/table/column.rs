@@ -5,6 +5,8 @@ use std::{path::Path, sync::Arc};
 use nalgebra::Vector2;
 
 use crate::error::DatasetError;
+use crate::table::Table;
+use crate::table::named_column::Cells;
 use crate::table::step::{ContactForce, StepForce, StepRow};
 
 /// One column of the table.
@@ -28,6 +30,26 @@ impl Column {
             Access::Real(get, _) => Some(get(row)),
             Access::OptionalReal(get, _) => get(row),
         }
+    }
+
+    /// The values of some rows.
+    #[must_use]
+    pub fn cells(&self, rows: &[StepRow]) -> Cells {
+        match self.access {
+            Access::Text(get, _) => {
+                Cells::Text(rows.iter().map(|row| get(row).unwrap_or_default()).collect())
+            }
+            Access::Integer(get, _) => Cells::Integer(rows.iter().map(get).collect()),
+            Access::Real(get, _) => Cells::Real(rows.iter().map(|row| Some(get(row))).collect()),
+            Access::OptionalReal(get, _) => Cells::Real(rows.iter().map(get).collect()),
+        }
+    }
+}
+
+impl Table {
+    /// The columns that a file of this table has.
+    pub fn columns(&self) -> impl Iterator<Item = &'static Column> {
+        written_columns(self.rows.first().is_some_and(StepRow::is_whole_push))
     }
 }
 

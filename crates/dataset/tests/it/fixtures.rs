@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use dataset::{
-    IngestReport, IngestSettings, Phase, RecordingSet, StepRow, Table, all_writers, ingest,
+    IngestReport, IngestSettings, NamedColumn, Phase, RecordingSet, StepRow, Table, all_writers,
+    ingest, write_columns,
 };
 
 /// Formats hold the same decimal numbers, but a yaw may be stored as a quaternion and a stamp as
@@ -103,4 +104,25 @@ fn the_steady_force_is_that_of_friction() {
     let whole = 0.25 * 0.8374 * 9.81;
     assert!(steady.high < whole + 0.05 && steady.high > whole - 0.05, "{steady:?}");
     assert!(steady.median > 0.6 * whole, "{steady:?}");
+}
+
+#[test]
+fn columns_of_a_table_are_those_of_its_file() {
+    let (table, _) = table("pushes");
+    let dir = tempfile::tempdir().unwrap();
+    let [whole, by_columns] = ["whole.csv", "columns.csv"].map(|name| dir.path().join(name));
+    table.write(&whole).unwrap();
+    let columns: Vec<_> = table
+        .columns()
+        .map(|column| NamedColumn {
+            name: column.name.to_owned(),
+            cells: column.cells(&table.rows),
+        })
+        .collect();
+    let output = output::OutputFile::new(&by_columns, output::Existing::Refuse).unwrap();
+    write_columns(output, &columns, &table.provenance).unwrap();
+    let text = |path: &Path| std::fs::read_to_string(path).unwrap();
+    assert_eq!(text(&whole), text(&by_columns));
+    // The column of ways is of whole pushes alone.
+    assert_eq!(columns.len() + 1, dataset::columns().len());
 }
