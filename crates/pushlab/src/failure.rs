@@ -31,11 +31,14 @@ pub(crate) fn report(error: &anyhow::Error, terminal: &Terminal) -> Outcome {
     if error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>()).any(gone) {
         return Outcome::Done;
     }
-    terminal.tell(format_args!("{FAILURE}error:{FAILURE:#} {}", chain(error)));
-    if let Some(remedy) = remedy(error) {
-        terminal.tell(format_args!("  help: {remedy}"));
-    }
+    terminal.tell(format_args!("{FAILURE}error:{FAILURE:#} {}", message(error)));
     if error.is::<WrongUsage>() { Outcome::WrongUsage } else { Outcome::Failed }
+}
+
+/// What failed, why, and what may help.
+pub(crate) fn message(error: &anyhow::Error) -> String {
+    let help = remedy(error).map_or_else(String::new, |remedy| format!("\n  help: {remedy}"));
+    chain(error) + &help
 }
 
 /// The error and its causes, without those that an error's own message already names.

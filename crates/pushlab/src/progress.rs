@@ -5,12 +5,25 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::heard::Heard;
+
 /// Counts finished pieces of work.
 pub(crate) enum Progress {
     /// On a terminal.
     Bar(ProgressBar),
     /// In a file or a pipe.
     Lines {
+        /// What is done to the pieces.
+        what: &'static str,
+        /// Finished pieces.
+        done: usize,
+        /// All pieces.
+        total: usize,
+    },
+    /// To a program.
+    Heard {
+        /// Who listens.
+        heard: Heard,
         /// What is done to the pieces.
         what: &'static str,
         /// Finished pieces.
@@ -44,6 +57,10 @@ impl Progress {
         Self::Silent
     }
 
+    pub(crate) fn heard(heard: Heard, what: &'static str, total: usize) -> Self {
+        Self::Heard { heard, what, done: 0, total }
+    }
+
     /// One more piece is done.
     pub(crate) fn advance(&mut self) {
         match self {
@@ -55,6 +72,10 @@ impl Progress {
                     let line = format!("{what} {done} of {total}\n");
                     let _ = std::io::Write::write_all(&mut std::io::stderr(), line.as_bytes());
                 }
+            }
+            Self::Heard { heard, what, done, total } => {
+                *done += 1;
+                heard.progress(what, *done, *total);
             }
             Self::Silent => {}
         }
@@ -68,8 +89,15 @@ impl Progress {
     }
 }
 
-/// Tells what long work is at whose pieces nobody can count, on a terminal alone.
-pub(crate) struct Activity(Option<ProgressBar>);
+/// Tells what long work is at whose pieces nobody can count, on a terminal or to a program alone.
+pub(crate) enum Activity {
+    /// On a terminal.
+    Line(ProgressBar),
+    /// To a program.
+    Heard(Heard),
+    /// Nobody wants to know.
+    Silent,
+}
 
 /// How often its clock is drawn.
 const TICK: Duration = Duration::from_millis(200);
@@ -83,23 +111,25 @@ impl Activity {
         let style = ProgressStyle::with_template("{spinner} {elapsed} {wide_msg}");
         let line = style.map_or(line.clone(), |style| line.with_style(style));
         line.enable_steady_tick(TICK);
-        Self(Some(line))
+        Self::Line(line)
     }
 
     pub(crate) fn silent() -> Self {
-        Self(None)
+        Self::Silent
     }
 
     /// The work is at this now.
     pub(crate) fn tell(&self, phase: impl Display) {
-        if let Some(line) = &self.0 {
-            line.set_message(phase.to_string());
+        match self {
+            Self::Line(line) => line.set_message(phase.to_string()),
+            Self::Heard(heard) => heard.phase(&phase.to_string()),
+            Self::Silent => {}
         }
     }
 
     /// Removes the line.
     pub(crate) fn finish(self) {
-        if let Some(line) = self.0 {
+        if let Self::Line(line) = self {
             line.finish_and_clear();
         }
     }

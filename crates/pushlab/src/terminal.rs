@@ -16,6 +16,7 @@ use serde::Serialize;
 use crate::document::document;
 use crate::file_ending::is_standard;
 use crate::global::Global;
+use crate::heard::Heard;
 use crate::origin::{Input, Origin};
 use crate::progress::{Activity, Progress};
 use crate::wrong_usage::WrongUsage;
@@ -34,6 +35,8 @@ pub(crate) struct Terminal {
     warnings: Arc<Mutex<Vec<String>>>,
     /// What people have read of it, in this command or another one of the same run.
     read: Arc<Mutex<Vec<String>>>,
+    /// A program in place of people.
+    heard: Option<Heard>,
     started: Instant,
 }
 
@@ -60,8 +63,23 @@ impl Terminal {
             (false, false) => Shown::Text,
         };
         let (warnings, read) = (Arc::default(), Arc::default());
-        let (is_part, started) = (false, Instant::now());
-        Self { result, quiet, verbose, is_part, color, warnings, read, started }
+        let (is_part, heard, started) = (false, None, Instant::now());
+        Self { result, quiet, verbose, is_part, color, warnings, read, heard, started }
+    }
+
+    /// For a program that listens: nothing is printed.
+    pub(crate) fn heard_by(heard: Heard) -> Self {
+        Self {
+            result: Shown::Json,
+            quiet: false,
+            verbose: false,
+            is_part: false,
+            color: ColorChoice::Never,
+            warnings: Arc::default(),
+            read: Arc::default(),
+            heard: Some(heard),
+            started: Instant::now(),
+        }
     }
 
     /// Ends a command: its result for people, or as a document for programs.
@@ -88,7 +106,10 @@ impl Terminal {
         text: impl Display,
     ) -> Result<()> {
         match self.result {
-            Shown::Json => self.print(&json()?)?,
+            Shown::Json => match &self.heard {
+                Some(heard) => heard.keep(json()?, &text.to_string()),
+                None => self.print(&json()?)?,
+            },
             Shown::Text => self.print(&text.to_string())?,
             Shown::Nothing => {}
         }
@@ -198,6 +219,10 @@ impl Terminal {
     /// # Errors
     /// As [`Terminal::finish`].
     pub(crate) fn print(&self, text: &str) -> Result<()> {
+        if let Some(heard) = &self.heard {
+            heard.keep_text(text);
+            return Ok(());
+        }
         let mut stream = AutoStream::new(io::stdout().lock(), self.choice(&io::stdout()));
         stream.write_all(text.as_bytes())?;
         stream.flush()?;
@@ -213,12 +238,18 @@ impl Terminal {
 
     /// Tells people on standard error; nothing is lost if nobody listens.
     pub(crate) fn tell(&self, text: impl Display) {
+        if let Some(heard) = &self.heard {
+            return heard.tell(&text.to_string());
+        }
         let mut stream = AutoStream::new(io::stderr().lock(), self.choice(&io::stderr()));
         let _ = writeln!(stream, "{text}");
     }
 
     /// Shows how far a long piece of work is, on standard error.
     pub(crate) fn progress(&self, what: &'static str, total: usize) -> Progress {
+        if let Some(heard) = &self.heard {
+            return Progress::heard(heard.clone(), what, total);
+        }
         let target = ProgressDrawTarget::stderr();
         if self.quiet || self.is_part && target.is_hidden() {
             Progress::silent()
@@ -229,7 +260,11 @@ impl Terminal {
 
     /// Shows what long work is at, on standard error, if that is a terminal.
     pub(crate) fn activity(&self) -> Activity {
-        if self.quiet { Activity::silent() } else { Activity::new(ProgressDrawTarget::stderr()) }
+        match &self.heard {
+            Some(heard) => Activity::Heard(heard.clone()),
+            None if self.quiet => Activity::silent(),
+            None => Activity::new(ProgressDrawTarget::stderr()),
+        }
     }
 
     fn choice<S: anstream::stream::RawStream>(&self, stream: &S) -> anstream::ColorChoice {
