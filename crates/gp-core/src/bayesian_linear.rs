@@ -9,7 +9,7 @@ use faer::{Accum, Mat, MatRef, Par};
 use crate::checks::{check_count, check_finite, check_inputs, check_outputs, check_positive};
 use crate::cholesky::{Cholesky, log_determinant};
 use crate::kernel::{column, mirror_lower};
-use crate::{GpError, JointGaussian, Posterior};
+use crate::{GpError, JointGaussian, LinearStatistics, Posterior};
 
 /// y = φᵀw + noise with weights w ~ N(0, Σp) and noise ~ N(0, σₙ²), conditioned on data.
 ///
@@ -17,6 +17,8 @@ use crate::{GpError, JointGaussian, Posterior};
 /// and covariance A⁻¹, and f(φ*) has variance φ*ᵀA⁻¹φ*. (The thesis prints eq. 3.6 without the
 /// first σₙ⁻²; this is the right form.) It equals the Gaussian process with mean 0 and kernel
 /// φᵀΣpφ'. As a `Posterior`, its inputs are feature rows.
+///
+/// All that it needs of the data are sums over rows, [`LinearStatistics`], which merge.
 ///
 /// Computed with Σp = L Lᵀ, Ψ = ΦL and B = ΨᵀΨ + σₙ² I, so that A⁻¹ = σₙ² L B⁻¹ Lᵀ; O(N M² + M³).
 ///
@@ -51,28 +53,55 @@ impl BayesianLinear {
         let m = features.ncols();
         check_inputs("features", features, m)?;
         check_outputs("outputs", y, features.nrows())?;
-        check_count("rows of the prior covariance", m, prior_covariance.nrows())?;
-        check_count("columns of the prior covariance", m, prior_covariance.ncols())?;
-        check_finite("prior covariance", prior_covariance)?;
-        check_positive("noise variance", noise_variance)?;
-        let prior_factor = lower_factor(prior_covariance)?;
+        let prior_factor = checked_factor(m, prior_covariance, noise_variance)?;
         let whitened = product(features, prior_factor.as_ref());
-        let mut matrix = product(whitened.transpose(), whitened.as_ref());
+        let square = product(whitened.transpose(), whitened.as_ref());
+        let outputs = MatRef::from_column_major_slice(y, y.len(), 1);
+        let of_y = product(whitened.transpose(), outputs);
+        let total: f64 = y.iter().map(|y| y * y).sum();
+        Self::solved(prior_factor, square, of_y, (y.len() as f64, total), noise_variance)
+    }
+
+    /// Conditions the weights on the sums over rows of data, in O(M³) whatever their number.
+    ///
+    /// # Errors
+    /// `ShapeMismatch`, `NotFinite`, `NotPositive`; `NotPositiveDefinite` if Σp is not.
+    pub fn from_statistics(
+        statistics: &LinearStatistics,
+        prior_covariance: MatRef<'_, f64>,
+        noise_variance: f64,
+    ) -> Result<Self, GpError> {
+        let m = statistics.n_features();
+        let factor = checked_factor(m, prior_covariance, noise_variance)?;
+        let square = product(factor.transpose(), statistics.square().as_ref());
+        let square = product(square.as_ref(), factor.as_ref());
+        let of_y = statistics.of_y();
+        let of_y = MatRef::from_column_major_slice(&of_y, m, 1);
+        let of_y = product(factor.transpose(), of_y);
+        let (n, total) = (statistics.n_rows() as f64, statistics.y_y());
+        Self::solved(factor, square, of_y, (n, total), noise_variance)
+    }
+
+    /// From ΨᵀΨ, Ψᵀy, and N and yᵀy.
+    fn solved(
+        prior_factor: Mat<f64>,
+        mut matrix: Mat<f64>,
+        mut solution: Mat<f64>,
+        (n, total): (f64, f64),
+        noise_variance: f64,
+    ) -> Result<Self, GpError> {
+        let m = matrix.nrows();
         for i in 0..m {
             matrix[(i, i)] += noise_variance;
         }
         let cholesky = Cholesky::new("precision of the weights", matrix)?;
-        let outputs = MatRef::from_column_major_slice(y, y.len(), 1);
-        let mut solution = product(whitened.transpose(), outputs);
         cholesky.solve_lower(solution.as_mut());
         let explained: f64 = column(&solution, 0).iter().map(|value| value * value).sum();
-        let total: f64 = y.iter().map(|y| y * y).sum();
-        let degrees = y.len() as f64 - m as f64;
         let log_evidence = -0.5
             * ((total - explained) / noise_variance
                 + log_determinant(cholesky.factor())
-                + degrees * noise_variance.ln()
-                + y.len() as f64 * (2.0 * PI).ln());
+                + (n - m as f64) * noise_variance.ln()
+                + n * (2.0 * PI).ln());
         let upper = cholesky.factor().transpose();
         solve_upper_triangular_in_place(upper, solution.as_mut(), Par::Seq);
         let weights = column(&product(prior_factor.as_ref(), solution.as_ref()), 0).to_vec();
@@ -143,6 +172,19 @@ impl Posterior for BayesianLinear {
         check_inputs("features", x_star, self.n_inputs())?;
         Ok(vec![self.noise_variance; x_star.nrows()])
     }
+}
+
+/// The factor of a prior covariance that fits M features.
+fn checked_factor(
+    m: usize,
+    prior_covariance: MatRef<'_, f64>,
+    noise_variance: f64,
+) -> Result<Mat<f64>, GpError> {
+    check_count("rows of the prior covariance", m, prior_covariance.nrows())?;
+    check_count("columns of the prior covariance", m, prior_covariance.ncols())?;
+    check_finite("prior covariance", prior_covariance)?;
+    check_positive("noise variance", noise_variance)?;
+    lower_factor(prior_covariance)
 }
 
 /// The Cholesky factor of a covariance with zeros above the diagonal.

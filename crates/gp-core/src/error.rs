@@ -209,6 +209,30 @@ pub enum GpError {
         /// What differs.
         what: &'static str,
     },
+    /// A part of a data set beyond its last.
+    #[error("there is no part {part}: the {of} parts count from 0")]
+    NoSuchPart {
+        /// The part, from 0.
+        part: u64,
+        /// How many there are.
+        of: u64,
+    },
+    /// A part of a data set that was taken in before.
+    #[error("part {part} of {of}, from 0, is there already: leave it out")]
+    PartTwice {
+        /// The part, from 0.
+        part: u64,
+        /// How many there are.
+        of: u64,
+    },
+    /// A part of a data set that was never taken in.
+    #[error("part {part} of {of}, from 0, is missing: add it too")]
+    PartMissing {
+        /// The first that is missing, from 0.
+        part: u64,
+        /// How many there are.
+        of: u64,
+    },
     /// A user's kernel without a serialisable description.
     #[error("the kernel has no `KernelSpec`, so the model cannot be saved: {kernel}")]
     NotSerializable {

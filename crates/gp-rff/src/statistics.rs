@@ -2,10 +2,10 @@
 
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, MatRef, Par};
-use gp_core::GpError;
 use gp_core::checks::{check_count, check_inputs, check_outputs};
 use gp_core::kernel::{column, column_mut};
 use gp_core::vector::add_compensated;
+use gp_core::{GpError, Mergeable};
 use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSlice};
 use serde::{Deserialize, Serialize};
 
@@ -86,7 +86,7 @@ impl SufficientStatistics {
         Ok(())
     }
 
-    /// Takes in what others have seen.
+    /// Takes in what others have seen. Of many parts, [`gp_core::Parts`] have the same bits in any order.
     ///
     /// # Errors
     /// `Incompatible` if the features, the origin or the version differ.
@@ -219,6 +219,12 @@ impl SufficientStatistics {
     fn add(&mut self, start: usize, terms: &[f64]) {
         let range = start..start + terms.len();
         add_compensated(&mut self.sums[range.clone()], &mut self.remainders[range], terms);
+    }
+}
+
+impl Mergeable for SufficientStatistics {
+    fn merge(&mut self, other: &Self) -> Result<(), GpError> {
+        Self::merge(self, other)
     }
 }
 

@@ -1,7 +1,10 @@
 //! Bayesian linear regression against the Gaussian process that it equals.
 
 use faer::Mat;
-use gp_core::{BayesianLinear, Gp, GpError, Kernel, Mean, Parameter, Posterior};
+use gp_core::{
+    BayesianLinear, Gp, GpError, Kernel, LinearStatistics, Mean, Mergeable, Parameter, Parts,
+    Posterior,
+};
 use proptest::collection::vec;
 use proptest::prelude::{Just, ProptestConfig, Strategy, prop_assert, proptest};
 
@@ -116,4 +119,74 @@ fn a_user_kernel_without_spec_cannot_be_saved() {
     let kernel = FeatureKernel { prior_covariance: one.clone() };
     let gp = Gp::builder(kernel).noise_variance(1.0).condition(one.as_ref(), &[2.0]).unwrap();
     assert!(matches!(gp.to_model(), Err(GpError::NotSerializable { .. })));
+}
+
+/// Statistics of rows in calls of so many.
+fn in_batches(features: &Mat<f64>, y: &[f64], n: usize) -> LinearStatistics {
+    let mut statistics = LinearStatistics::new(features.ncols()).unwrap();
+    for (batch, y) in y.chunks(n).enumerate() {
+        statistics.update(features.as_ref().subrows(batch * n, y.len()), y).unwrap();
+    }
+    statistics
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn sums_over_rows_are_all_that_it_needs_of_the_data(
+        (features, y, prior_covariance, x_star) in case(), n in 1_usize..5
+    ) {
+        let fit = BayesianLinear::fit(features.as_ref(), &y, prior_covariance.as_ref(), 0.1).unwrap();
+        let statistics = in_batches(&features, &y, n);
+        let sums = BayesianLinear::from_statistics(&statistics, prior_covariance.as_ref(), 0.1).unwrap();
+        let (mean, variance) = fit.predict(x_star.as_ref()).unwrap();
+        let (other_mean, other_variance) = sums.predict(x_star.as_ref()).unwrap();
+        for (a, b) in mean.iter().chain(&variance).zip(other_mean.iter().chain(&other_variance)) {
+            prop_assert!((a - b).abs() < 1e-9 * (1.0 + a.abs()), "{a} {b}");
+        }
+        prop_assert!((fit.log_evidence() - sums.log_evidence()).abs() < 1e-8);
+    }
+}
+
+#[test]
+fn statistics_of_many_rows_are_exact_and_come_back_from_a_file() {
+    // Sums of whole numbers are exact, and 5000 rows take several groups and parts.
+    let features = Mat::from_fn(5000, 3, |i, j| ((i * (j + 3)) % 11) as f64 - 5.0);
+    let y: Vec<f64> = (0..5000).map(|i| (i % 7) as f64).collect();
+    let statistics = in_batches(&features, &y, 5000);
+    assert_eq!(statistics.n_rows(), 5000);
+    assert_eq!(statistics, in_batches(&features, &y, 123));
+    let square = features.transpose() * &features;
+    assert_eq!(statistics.square(), square);
+    let of_y = |j: usize| (0..5000).map(|i| features[(i, j)] * y[i]).sum::<f64>();
+    assert_eq!(statistics.of_y(), [of_y(0), of_y(1), of_y(2)]);
+    assert_eq!(statistics.y_y(), y.iter().map(|y| y * y).sum::<f64>());
+    let text = serde_json::to_string(&statistics).unwrap();
+    assert_eq!(serde_json::from_str::<LinearStatistics>(&text).unwrap(), statistics);
+    let short = text.replacen("\"n_features\":3", "\"n_features\":4", 1);
+    assert!(serde_json::from_str::<LinearStatistics>(&short).is_err());
+}
+
+#[test]
+fn merged_parts_have_the_same_bits_whatever_came_first() {
+    let features = Mat::from_fn(900, 2, |i, j| (1.3 * i as f64 + j as f64).sin());
+    let y: Vec<f64> = (0..900).map(|i| (0.7 * i as f64).cos()).collect();
+    let part = |k: usize| {
+        let mut own = LinearStatistics::new(2).unwrap();
+        own.update(features.as_ref().subrows(100 * k, 100), &y[100 * k..100 * (k + 1)]).unwrap();
+        own
+    };
+    let merged = |order: [usize; 9]| {
+        let mut parts = Parts::new(9);
+        order.iter().for_each(|k| parts.add(*k as u64, part(*k)).unwrap());
+        parts.finish().unwrap()
+    };
+    let statistics = merged([0, 1, 2, 3, 4, 5, 6, 7, 8]);
+    assert_eq!(statistics, merged([8, 3, 1, 0, 7, 2, 6, 4, 5]));
+    assert_eq!(statistics.n_rows(), 900);
+    let other = LinearStatistics::new(3).unwrap();
+    let what = "numbers of features of the statistics";
+    assert_eq!(part(0).merge(&other), Err(GpError::Incompatible { what }));
+    assert_eq!(LinearStatistics::new(0), Err(GpError::Empty { what: "features" }));
 }
