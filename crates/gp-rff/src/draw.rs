@@ -75,14 +75,15 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The x at which the χ² distribution function of 3 or 5 degrees of freedom is `p`.
+/// The x at which the χ² distribution function of 1, 3 or 5 degrees of freedom is `p`.
 fn chi_squared_quantile(p: f64, degrees: u32) -> f64 {
     let below = |x: f64| {
-        let third = libm::erf((0.5 * x).sqrt()) - (2.0 * x / PI).sqrt() * (-0.5 * x).exp();
-        if degrees == 3 {
-            third
-        } else {
-            third - (2.0 * x / PI).sqrt() * x / 3.0 * (-0.5 * x).exp()
+        let first = libm::erf((0.5 * x).sqrt());
+        let third = first - (2.0 * x / PI).sqrt() * (-0.5 * x).exp();
+        match degrees {
+            1 => first,
+            3 => third,
+            _ => third - (2.0 * x / PI).sqrt() * x / 3.0 * (-0.5 * x).exp(),
         }
     };
     quantile::invert(below, p.clamp(1e-12, 1.0 - 1e-12), 0.0, 100.0)
@@ -95,6 +96,7 @@ mod tests {
 
     #[test]
     fn quantiles_known_from_tables() {
+        assert!((chi_squared_quantile(0.95, 1) - 3.841_458_820_694_124).abs() < 1e-9);
         assert!((chi_squared_quantile(0.95, 3) - 7.814_727_903_251_179).abs() < 1e-9);
         assert!((chi_squared_quantile(0.95, 5) - 11.070_497_693_516_35).abs() < 1e-9);
     }

@@ -95,6 +95,25 @@ impl RandomFeatures {
         Ok(Self { lengthscales: lengthscales.to_vec(), ..self.clone() })
     }
 
+    /// The same lengthscales with frequencies of one's own: of any stationary kernel, whose spectrum they
+    /// are drawn from.
+    ///
+    /// - `frequencies`: for lengthscales of 1, one a row; as many as there are.
+    ///
+    /// # Errors
+    /// `ShapeMismatch`, `NotFinite`.
+    pub fn with_frequencies(&self, frequencies: MatRef<'_, f64>) -> Result<Self, GpError> {
+        check_count("frequencies", self.phases.len(), frequencies.nrows())?;
+        check_inputs("frequencies", frequencies, self.n_inputs())?;
+        let rows = frequencies.row_iter().flat_map(|row| row.iter().copied().collect::<Vec<_>>());
+        Ok(Self { frequencies: rows.collect(), ..self.clone() })
+    }
+
+    /// The frequencies for lengthscales of 1, one a row.
+    pub fn frequencies(&self) -> MatRef<'_, f64> {
+        MatRef::from_row_major_slice(&self.frequencies, self.phases.len(), self.n_inputs())
+    }
+
     /// The number of features M.
     pub fn n_features(&self) -> usize {
         match self.form {

@@ -2,14 +2,14 @@
 
 use faer::{Mat, MatRef};
 use gp_core::bfgs::{Limits, Minimum, best_of, minimize};
-use gp_core::checks::check_outputs;
+use gp_core::checks::{check_inputs, check_outputs};
 use gp_core::{
-    Gp, GpError, HyperPrior, Kernel, LearnOptions, Mean, SearchSpace, StopReason, check_learnable,
+    Gp, GpError, HyperPrior, LearnOptions, Mean, SearchSpace, StopReason, check_learnable,
 };
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::{IntoParallelIterator, ParallelIterator};
+use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::likelihood::Likelihood;
 use crate::{FeatureOptions, RandomFeatures, RffGp, Spectrum, SufficientStatistics};
@@ -50,6 +50,13 @@ pub enum Hyperparameters {
     /// step, 24 N M bytes.
     #[default]
     OwnLikelihood,
+    /// From there on, the frequencies are learnt with the rest, with the spectrum that they were drawn
+    /// from as their prior: fewer features follow a function whose spectrum is its own.
+    ///
+    /// # Source
+    /// Lázaro-Gredilla, Quiñonero-Candela, Rasmussen & Figueiras-Vidal, Sparse spectrum Gaussian process
+    /// regression (2010), without a prior.
+    Frequencies,
 }
 
 impl Default for RffOptions {
@@ -99,30 +106,28 @@ impl RffGp {
         y: &[f64],
         options: &RffOptions,
     ) -> Result<(Self, RffReport), GpError> {
-        let kernel = options.spectrum.kernel(&vec![1.0; x.ncols()], 1.0)?;
-        check_learnable(&*kernel, x, y, &small_options(options))?;
-        options.mean.check_constant()?;
-        let small_gp = small_process(&*kernel, x, y, options)?;
+        let small_gp = small_process(x, y, options)?;
         let d = x.ncols();
         let features = RandomFeatures::new(options.spectrum, &small_gp[..d], options.features)?;
-        let mut report = RffReport {
-            parameters: small_gp.clone(),
-            small_gp,
-            iterations: 0,
-            evaluations: 0,
-            stop: None,
-            at_bound: Vec::new(),
-        };
-        if options.hyperparameters == Hyperparameters::OwnLikelihood {
-            maximize_own(&*kernel, &features, x, y, options, &mut report)?;
-        }
-        let features = features.with_lengthscales(&report.parameters[..d])?;
-        let origin = y.iter().sum::<f64>() / y.len() as f64;
-        let mut statistics = SufficientStatistics::new(&features, origin)?;
-        statistics.update(&features, x, y)?;
-        let (signal, noise) = (report.parameters[d], report.parameters[d + 1]);
-        let gp = Self::from_statistics(features, statistics, signal, noise, options.mean)?;
-        Ok((gp, report))
+        learn_from(features, small_gp, x, y, options)
+    }
+
+    /// As `learn`, with features that are given: of a spectrum of your own
+    /// ([`RandomFeatures::with_frequencies`]), or those of another process. The options' own features
+    /// are not drawn; their spectrum is that of the small process.
+    ///
+    /// # Errors
+    /// As `learn`.
+    pub fn learn_with(
+        features: RandomFeatures,
+        x: MatRef<'_, f64>,
+        y: &[f64],
+        options: &RffOptions,
+    ) -> Result<(Self, RffReport), GpError> {
+        check_inputs("inputs", x, features.n_inputs())?;
+        let small_gp = small_process(x, y, options)?;
+        let features = features.with_lengthscales(&small_gp[..x.ncols()])?;
+        learn_from(features, small_gp, x, y, options)
     }
 
     /// ∂ ln p(y)/∂ ln θ for the lengthscales, the signal variance and the noise variance; O(N M²).
@@ -140,60 +145,134 @@ impl RffGp {
     }
 }
 
-/// Moves the report's parameters to the maximum of the features' own likelihood.
-fn maximize_own(
-    kernel: &dyn Kernel,
-    features: &RandomFeatures,
+/// Learns all that is asked for from the small process on.
+fn learn_from(
+    mut features: RandomFeatures,
+    small_gp: Vec<f64>,
     x: MatRef<'_, f64>,
     y: &[f64],
     options: &RffOptions,
-    report: &mut RffReport,
-) -> Result<(), GpError> {
+) -> Result<(RffGp, RffReport), GpError> {
     let d = x.ncols();
-    let space = SearchSpace::new(kernel, x, y, options.prior);
-    let limits = Limits {
-        max_iterations: options.max_iterations,
-        gradient_tolerance: options.gradient_tolerance,
-        progress: None,
+    let mut report = RffReport {
+        parameters: small_gp.clone(),
+        small_gp,
+        iterations: 0,
+        evaluations: 0,
+        stop: None,
+        at_bound: Vec::new(),
     };
-    let run = |index: usize| {
-        let mut likelihood = Likelihood::new(features, x, y, options.mean)?;
+    if options.hyperparameters != Hyperparameters::SmallGp {
+        let learnt = Own::new(&features, x, y, options)?.maximize(&mut report)?;
+        features.frequencies = learnt;
+    }
+    let features = features.with_lengthscales(&report.parameters[..d])?;
+    let origin = y.iter().sum::<f64>() / y.len() as f64;
+    let mut statistics = SufficientStatistics::new(&features, origin)?;
+    statistics.update(&features, x, y)?;
+    let (signal, noise) = (report.parameters[d], report.parameters[d + 1]);
+    let gp = RffGp::from_statistics(features, statistics, signal, noise, options.mean)?;
+    Ok((gp, report))
+}
+
+/// The maximum of the features' own likelihood, from several starts.
+struct Own<'a> {
+    features: &'a RandomFeatures,
+    x: MatRef<'a, f64>,
+    y: &'a [f64],
+    options: &'a RffOptions,
+    space: SearchSpace,
+    names: Vec<String>,
+}
+
+impl<'a> Own<'a> {
+    fn new(
+        features: &'a RandomFeatures,
+        x: MatRef<'a, f64>,
+        y: &'a [f64],
+        options: &'a RffOptions,
+    ) -> Result<Self, GpError> {
+        let kernel = options.spectrum.kernel(&vec![1.0; x.ncols()], 1.0)?;
+        let space = SearchSpace::new(&*kernel, x, y, options.prior);
+        let mut names: Vec<String> = kernel.parameters().into_iter().map(|p| p.name).collect();
+        names.push("noise_variance".to_owned());
+        Ok(Self { features, x, y, options, space, names })
+    }
+
+    /// Moves the report's parameters there; the frequencies, learnt if they are to be.
+    fn maximize(&self, report: &mut RffReport) -> Result<Vec<f64>, GpError> {
+        let start = |index: usize| match index {
+            0 => self.space.point(&report.small_gp),
+            _ => self.space.start(index, self.options.seed),
+        };
+        let starts: Vec<_> = (0..self.options.n_starts).map(start).collect();
+        let run = |start: &Vec<f64>| self.minimize(start);
+        let ends: Vec<Result<Minimum, GpError>> = starts.par_iter().map(run).collect();
+        let (_, best) = best_of(&ends)?;
+        self.tell(best, report);
+        if self.options.hyperparameters == Hyperparameters::Frequencies {
+            let mut start = best.point.clone();
+            start.extend(&self.features.frequencies);
+            let ends = [self.minimize(&start)];
+            let (_, best) = best_of(&ends)?;
+            self.tell(best, report);
+            return Ok(best.point[self.names.len()..].to_vec());
+        }
+        Ok(self.features.frequencies.clone())
+    }
+
+    /// From standardised hyperparameters, and from frequencies behind them if they are to move.
+    fn minimize(&self, start: &[f64]) -> Result<Minimum, GpError> {
+        let Self { features, x, y, options, space, names } = self;
+        let (d, n) = (x.ncols(), names.len());
+        let progress = (start.len() > n).then_some((10, PROGRESS));
+        let limits = Limits {
+            max_iterations: options.max_iterations.max(if start.len() > n { 1000 } else { 0 }),
+            gradient_tolerance: options.gradient_tolerance,
+            progress,
+        };
+        let mut likelihood = Likelihood::new(features, *x, y, options.mean)?;
         let evaluate = |point: &[f64], gradient: &mut [f64]| {
-            let parameters = space.parameters(point);
-            let moved = features.with_lengthscales(&parameters[..d])?;
+            let (standardized, frequencies) = point.split_at(n);
+            let parameters = space.parameters(standardized);
+            let mut moved = features.with_lengthscales(&parameters[..d])?;
+            if !frequencies.is_empty() {
+                moved.frequencies = frequencies.to_vec();
+            }
             let value = likelihood.evaluate(&moved, parameters[d], parameters[d + 1], gradient)?;
             gradient.iter_mut().for_each(|slope| *slope = -*slope);
-            let total = space.penalty(point, gradient) - value;
+            let (of_parameters, of_frequencies) = gradient.split_at_mut(n);
+            let mut total = space.penalty(standardized, of_parameters) - value;
+            let pairs = frequencies.chunks_exact(d).zip(of_frequencies.chunks_exact_mut(d));
+            for (frequency, slopes) in pairs {
+                total += options.spectrum.penalty(frequency, slopes);
+            }
             check_outputs("log evidence", &[total], 1)?;
             check_outputs("gradient of the log evidence", gradient, point.len())?;
             Ok(total)
         };
-        let start = match index {
-            0 => space.point(&report.small_gp),
-            _ => space.start(index, options.seed),
-        };
-        minimize(evaluate, &start, limits)
-    };
-    let ends: Vec<Result<Minimum, GpError>> =
-        (0..options.n_starts).into_par_iter().map(run).collect();
-    let (_, best) = best_of(&ends)?;
-    let mut names: Vec<String> = kernel.parameters().into_iter().map(|p| p.name).collect();
-    names.push("noise_variance".to_owned());
-    report.parameters = space.parameters(&best.point);
-    report.iterations = best.iterations;
-    report.evaluations = best.evaluations;
-    report.stop = Some(best.stop);
-    report.at_bound = space.at_bound(&best.point).into_iter().map(|i| names[i].clone()).collect();
-    Ok(())
+        minimize(evaluate, start, limits)
+    }
+
+    fn tell(&self, best: &Minimum, report: &mut RffReport) {
+        let standardized = &best.point[..self.names.len()];
+        report.parameters = self.space.parameters(standardized);
+        report.iterations += best.iterations;
+        report.evaluations += best.evaluations;
+        report.stop = Some(best.stop);
+        let at_bound = self.space.at_bound(standardized).into_iter();
+        report.at_bound = at_bound.map(|i| self.names[i].clone()).collect();
+    }
 }
 
+/// Frequencies have settled where ten iterations together gain less, in nats.
+const PROGRESS: f64 = 0.1;
+
 /// Hyperparameters of the exact process on a random part of the rows.
-fn small_process(
-    kernel: &dyn Kernel,
-    x: MatRef<'_, f64>,
-    y: &[f64],
-    options: &RffOptions,
-) -> Result<Vec<f64>, GpError> {
+fn small_process(x: MatRef<'_, f64>, y: &[f64], options: &RffOptions) -> Result<Vec<f64>, GpError> {
+    let kernel = options.spectrum.kernel(&vec![1.0; x.ncols()], 1.0)?;
+    check_learnable(&*kernel, x, y, &small_options(options))?;
+    options.mean.check_constant()?;
     let mut rows: Vec<usize> = (0..y.len()).collect();
     rows.shuffle(&mut ChaCha8Rng::seed_from_u64(options.seed));
     rows.truncate(options.small_gp_rows);

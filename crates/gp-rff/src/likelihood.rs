@@ -35,6 +35,8 @@ struct Part {
     /// ∂ ln p/∂Φ.
     slope: Mat<f64>,
     of_lengthscales: Vec<f64>,
+    /// The slope by the frequencies, over −s/l_d.
+    of_frequencies: Vec<f64>,
 }
 
 impl Likelihood {
@@ -56,6 +58,7 @@ impl Likelihood {
             rows: FeatureRows::new(features, true),
             slope: Mat::zeros(BLOCK, m),
             of_lengthscales: vec![0.0; features.n_inputs()],
+            of_frequencies: vec![0.0; features.frequencies.len()],
         };
         Ok(Self {
             mean,
@@ -67,8 +70,8 @@ impl Likelihood {
         })
     }
 
-    /// ln p, and its gradient by ln of lengthscales, signal variance and noise variance; 3 N M²
-    /// operations.
+    /// ln p, and its gradient by ln of lengthscales, signal variance and noise variance, and if
+    /// `gradient` has room by the frequencies; 3 N M² operations.
     ///
     /// # Errors
     /// `NotPositiveDefinite`.
@@ -95,6 +98,15 @@ impl Likelihood {
         gradient[d + 1] = 0.5 * (residuals / noise_variance - free);
         let slope_factor = self.slope_factor.as_ref();
         self.parts.par_iter_mut().for_each(|part| part.differentiate(features, slope_factor));
+        let of_frequencies = gradient[d + 2..].chunks_exact_mut(d).enumerate();
+        for (j, slopes) in of_frequencies {
+            for (c, (slope, lengthscale)) in
+                slopes.iter_mut().zip(features.lengthscales()).enumerate()
+            {
+                let sum = self.parts.iter().map(|part| part.of_frequencies[j * d + c]).sum::<f64>();
+                *slope = -sum * signal_variance.sqrt() / lengthscale;
+            }
+        }
         for (d, slope) in gradient[..d].iter_mut().enumerate() {
             *slope = self.parts.iter().map(|part| part.of_lengthscales[d]).sum();
         }
@@ -138,9 +150,10 @@ impl Part {
     ///
     /// For an angle θ = Σ ω_d x_d/l_d + b: ∂cos θ/∂ ln l_d = sin θ · ω_d x_d/l_d.
     fn differentiate(&mut self, features: &RandomFeatures, slope_factor: MatRef<'_, f64>) {
-        let Self { x, y, rows, slope, of_lengthscales, statistics } = self;
+        let Self { x, y, rows, slope, of_lengthscales, of_frequencies, statistics } = self;
         let (d, n_frequencies) = (x.ncols(), features.phases.len());
         of_lengthscales.fill(0.0);
+        of_frequencies.fill(0.0);
         for (block, y) in y.chunks(BLOCK).enumerate() {
             let (start, n) = (block * BLOCK, y.len());
             rows.fill(features, x.as_ref().subrows(start, n), y, statistics.origin());
@@ -157,8 +170,49 @@ impl Part {
                 }
                 for (c, of_lengthscale) in of_lengthscales.iter_mut().enumerate() {
                     let x = &column(x, c)[start..start + n];
-                    *of_lengthscale += frequency[c] * dot(of_angle, x);
+                    let with_input = dot(of_angle, x);
+                    *of_lengthscale += frequency[c] * with_input;
+                    of_frequencies[j * d + c] += with_input;
                 }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+    use gp_core::Mean;
+
+    use super::Likelihood;
+    use crate::{FeatureOptions, Form, RandomFeatures, Sampling, Spectrum};
+
+    #[test]
+    fn the_gradient_by_frequencies_is_that_of_differences() {
+        let x = Mat::from_fn(50, 2, |i, d| (1.7 * (3 * i + d) as f64 + (i * i) as f64).sin());
+        let y: Vec<f64> = (0..50).map(|i| (3.0 * x[(i, 0)]).sin() + x[(i, 1)]).collect();
+        for form in [Form::Cosines, Form::Paired] {
+            let options =
+                FeatureOptions { n_features: 6, form, sampling: Sampling::Independent, seed: 3 };
+            let features = RandomFeatures::new(Spectrum::Matern32, &[0.7, 1.2], options).unwrap();
+            let mut likelihood =
+                Likelihood::new(&features, x.as_ref(), &y, Mean::Estimated).unwrap();
+            let n = features.frequencies.len();
+            let mut gradient = vec![0.0; 4 + n];
+            likelihood.evaluate(&features, 0.8, 0.05, &mut gradient).unwrap();
+            let mut unused = vec![0.0; 4];
+            for k in 0..n {
+                let mut at = |step: f64| {
+                    let mut moved = features.clone();
+                    moved.frequencies[k] += step;
+                    likelihood.evaluate(&moved, 0.8, 0.05, &mut unused).unwrap()
+                };
+                let numeric = (at(1e-6) - at(-1e-6)) / 2e-6;
+                let apart = (gradient[4 + k] - numeric).abs();
+                assert!(
+                    apart < 1e-5 * (1.0 + numeric.abs()),
+                    "{form:?} {k} {numeric} {gradient:?}"
+                );
             }
         }
     }
