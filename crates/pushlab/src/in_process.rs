@@ -64,6 +64,11 @@ pub fn run<W: AsRef<str>>(
     }
 }
 
+/// An error of the crates with its causes, and what may help, as the command line says it.
+pub fn explained(error: impl std::error::Error + Send + Sync + 'static) -> String {
+    message(&anyhow::Error::from(error))
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::{Arc, Mutex};

@@ -78,7 +78,7 @@ pub use plant;
 pub use report;
 
 #[cfg(feature = "cli")]
-pub use in_process::{CommandError, run};
+pub use in_process::{CommandError, explained, run};
 #[cfg(feature = "cli")]
 pub use listener::{Listener, Printed};
 #[cfg(feature = "cli")]
