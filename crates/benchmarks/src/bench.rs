@@ -10,7 +10,7 @@ use crate::benchmark::{Benchmark, Sizes};
 use crate::report::publish;
 use crate::{
     contact, diagnosis, effects, filter, gp, gp_rff, gp_sparse, ingest, matching, peers, plant,
-    push,
+    push, stream,
 };
 
 /// Time the workspace beside a reference; writes target/bench/NAME.json.
@@ -66,6 +66,7 @@ const BENCHMARKS: &[Benchmark] = &[
     matching::BENCHMARK,
     plant::BENCHMARK,
     push::BENCHMARK,
+    stream::BENCHMARK,
 ];
 
 #[cfg(test)]

@@ -103,7 +103,7 @@ fn read_all(set: &RecordingSet) -> Result<u64> {
 }
 
 /// Most memory that this process ever had in use, in bytes; none where the system does not tell.
-fn peak_memory() -> Option<u64> {
+pub(super) fn peak_memory() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     Some(1024 * line.trim().strip_suffix(" kB")?.parse::<u64>().ok()?)

@@ -17,6 +17,7 @@ mod peers;
 mod plant;
 mod push;
 mod report;
+mod stream;
 mod timing;
 
 pub use command_line::main;
