@@ -49,7 +49,9 @@ class Module:
                 hint = f"Optional[{hint}]"
             lines = [f"    {field}: {hint}" + ("" if is_needed else " = None")]
             if about:
-                lines += textwrap.wrap(about, 96, initial_indent="    #: ", subsequent_indent="    #: ")
+                lines += textwrap.wrap(
+                    about, 96, initial_indent="    #: ", subsequent_indent="    #: "
+                )
                 lines = lines[1:] + lines[:1]
             (required if is_needed else optional).append("\n".join(lines))
         is_whole = name == self.whole

@@ -59,13 +59,17 @@ def test_what_a_diagnosis_names_lowers_the_error(tilted, model, diagnosis):
 
 
 def test_pushes_are_suggested(tilted, model, diagnosis):
-    found = pushlab.suggest(diagnosis, source=tilted, model=model, pushes=5, repeats=1, progress=False)
+    found = pushlab.suggest(
+        diagnosis, source=tilted, model=model, pushes=5, repeats=1, progress=False
+    )
     assert len(found.pushes) == 5
     assert "suggested.csv" not in str(found)
 
 
 def test_pushes_are_rolled_out_with_a_figure(tilted, model, tmp_path):
-    found = pushlab.simulate(tilted, model, pushes=2, particles=200, output=tmp_path / "out", progress=False)
+    found = pushlab.simulate(
+        tilted, model, pushes=2, particles=200, output=tmp_path / "out", progress=False
+    )
     assert (tmp_path / "out" / "poses.csv").exists()
     figures = found.figures
     assert len(figures) == 2 and figures[0]._repr_svg_().startswith("<svg")
@@ -91,7 +95,9 @@ def test_warnings_are_warnings_of_python_and_stand_in_the_result(pushes, nominal
     text = nominal.path.read_text(encoding="utf-8")
     assert "pusher_radius_m = 0.00475" in text
     other = tmp_path / "other.toml"
-    other.write_text(text.replace("pusher_radius_m = 0.00475", "pusher_radius_m = 0.01"), encoding="utf-8")
+    other.write_text(
+        text.replace("pusher_radius_m = 0.00475", "pusher_radius_m = 0.01"), encoding="utf-8"
+    )
     with pytest.warns(pushlab.PushlabWarning, match="was made for another rig"):
         found = pushlab.compare(pushes, other, progress=False)
     assert any("another rig" in warning for warning in found.warnings)

@@ -50,7 +50,9 @@ def test_with_the_same_hyperparameters_it_is_the_process_of_scikit_learn(data):
     # Rounding of a covariance of condition 1e4.
     assert np.allclose(mean, expected, atol=1e-10)
     assert np.allclose(covariance, of_theirs, atol=1e-10)
-    assert np.allclose(ours.predict(star, return_std=True)[1], np.sqrt(np.diag(covariance)), atol=1e-9)
+    assert np.allclose(
+        ours.predict(star, return_std=True)[1], np.sqrt(np.diag(covariance)), atol=1e-9
+    )
     likelihood = ours.log_marginal_likelihood_value_
     assert likelihood == pytest.approx(theirs.log_marginal_likelihood_value_, abs=1e-8)
 
@@ -81,7 +83,9 @@ def test_hyperparameters_are_fixed_and_bounded_by_name(data):
     fixed = {"matern52.lengthscale": 1.5}
     found = GaussianProcessRegressor(kernel, fixed=fixed, bounds={"noise_variance": (0.04, 1.0)})
     named = found.fit(x, y).hyperparameters_
-    assert named["matern52.lengthscale[0]"] == named["matern52.lengthscale[1]"] == pytest.approx(1.5)
+    assert (
+        named["matern52.lengthscale[0]"] == named["matern52.lengthscale[1]"] == pytest.approx(1.5)
+    )
     assert named["noise_variance"] == pytest.approx(0.04, rel=1e-2)
     assert "noise_variance" in found.report_
     with pytest.raises(pushlab.PushlabError, match="no_such"):

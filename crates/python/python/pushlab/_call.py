@@ -105,7 +105,9 @@ def words(*positional: object, **options: object) -> list[str]:
 
     Options that are None or False are left out, True stands alone, lists are repeated.
     """
-    listed = [os.fspath(word) if isinstance(word, os.PathLike) else str(word) for word in positional]
+    listed = [
+        os.fspath(word) if isinstance(word, os.PathLike) else str(word) for word in positional
+    ]
     for name, value in options.items():
         listed.extend(_option("--" + name.replace("_", "-").strip("-"), value))
     return listed

@@ -103,10 +103,12 @@ class Documented(Shown):
 def _made(hint: Any, value: Any) -> Any:
     if value is None:
         return None
-    if dataclasses.is_dataclass(hint):
+    if isinstance(hint, type) and dataclasses.is_dataclass(hint):
         hints = typing.get_type_hints(hint)
         keys = getattr(hint, "_keys", {})
-        fields = [(field.name, keys.get(field.name, field.name)) for field in dataclasses.fields(hint)]
+        fields = [
+            (field.name, keys.get(field.name, field.name)) for field in dataclasses.fields(hint)
+        ]
         return hint(**{name: _made(hints[name], value.get(key)) for name, key in fields})
     origin, inner = typing.get_origin(hint), typing.get_args(hint)
     if origin is list:

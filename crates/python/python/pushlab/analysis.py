@@ -97,7 +97,9 @@ class Report(Result):
         return f'<iframe {frame} srcdoc="{html.escape(self.html)}"></iframe>'
 
 
-def check(source: Source, model: Optional[ModelLike] = None, *, progress: Progress = True) -> Result:
+def check(
+    source: Source, model: Optional[ModelLike] = None, *, progress: Progress = True
+) -> Result:
     """What a set can and cannot show, before any model is fitted to it."""
     with named(source) as (path, about):
         return Result(*call(words("check", path, **about, model=_file(model)), progress))
@@ -157,7 +159,9 @@ def fit(
     - ``options``: as of ``pushlab fit``: ``points=4``, ``by_statics=True``, ``nuisances=True``.
     """
     free = free if isinstance(free, str) else ",".join(free)
-    return _made(("fit",), source, model=_file(model), free=free, seed=seed, progress=progress, **options)
+    return _made(
+        ("fit",), source, model=_file(model), free=free, seed=seed, progress=progress, **options
+    )
 
 
 def train(
@@ -182,7 +186,14 @@ def train(
     options = {"kind": kind, "residual-kind": residual_kind, "with": ",".join(inputs) or None}
     model = _file(model)
     return _made(
-        ("train",), source, **options, model=model, rows=rows, step=step, seed=seed, progress=progress
+        ("train",),
+        source,
+        **options,
+        model=model,
+        rows=rows,
+        step=step,
+        seed=seed,
+        progress=progress,
     )
 
 
@@ -254,7 +265,9 @@ def suggest(
             "for": effect, "speed": speed, "area": area, "seed": seed,
             "output": Path(folder) / "suggested.csv",
         }  # fmt: skip
-        found = Result(*call(words("suggest", *(() if path is None else (path,)), **options), progress))
+        found = Result(
+            *call(words("suggest", *(() if path is None else (path,)), **options), progress)
+        )
         found.text = "\n".join(line for line in found.text.splitlines() if folder not in line)
         return found
 
@@ -309,14 +322,16 @@ def report(
     - ``models``: one or several; the first is the one that others are seen beside.
     - ``diagnosis``: of the first model on this source.
     """
-    several = models if isinstance(models, (list, tuple)) else [models]
+    several: list[ModelLike] = [*models] if isinstance(models, (list, tuple)) else [models]  # type: ignore[list-item]
     with ExitStack() as stack:
         path, about = stack.enter_context(named(source))
         file = stack.enter_context(_diagnosis_file(diagnosis))
         folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="pushlab-"))
         page = Path(folder) / "report.html"
         files = [_file(one) for one in several]
-        typed = words("report", path, **about, model=files, step=step, output=page, **{"from": file})
+        typed = words(
+            "report", path, **about, model=files, step=step, output=page, **{"from": file}
+        )
         document, text = call(typed, progress)
         text = "\n".join(line for line in text.splitlines() if not line.startswith("wrote "))
         return Report(document, text, page.read_text(encoding="utf-8"))

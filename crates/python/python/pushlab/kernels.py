@@ -92,7 +92,9 @@ def _each(value: PerInput) -> Any:
     return float(value) if np.ndim(value) == 0 else [float(one) for one in value]  # type: ignore[arg-type,union-attr]
 
 
-def _radial(kind: str, lengthscale: PerInput, signal_variance: float, **more: Any) -> dict[str, Any]:
+def _radial(
+    kind: str, lengthscale: PerInput, signal_variance: float, **more: Any
+) -> dict[str, Any]:
     scales = {"lengthscales": _each(lengthscale), "signal_variance": float(signal_variance)}
     return {"kind": kind, **scales, **more}
 

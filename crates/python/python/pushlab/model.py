@@ -123,7 +123,7 @@ class Model(Shown):
         :func:`read_steps`), and for what the mechanics refuse.
         """
         with Teller(progress) as tell:
-            return Prediction(*self._native.predict(steps._native, noise=noise, tell=tell))
+            return Prediction(*self._native.predict(steps._table, noise=noise, tell=tell))
 
     def __repr__(self) -> str:
         return f"<Model {self.name!r}>"

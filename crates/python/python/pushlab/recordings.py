@@ -22,7 +22,18 @@ if TYPE_CHECKING:
 PathLike = Union[str, "os.PathLike[str]"]
 
 #: Columns that the first look at a table shows.
-_FIRST = ["recording", "push", "step", "t_s", "p", "beta_rad", "speed_m_s", "dx_m", "dy_m", "dtheta_rad"]
+_FIRST = [
+    "recording",
+    "push",
+    "step",
+    "t_s",
+    "p",
+    "beta_rad",
+    "speed_m_s",
+    "dx_m",
+    "dy_m",
+    "dtheta_rad",
+]
 
 
 class RecordingSet(Shown):
@@ -105,6 +116,10 @@ class Steps(Mapping[str, np.ndarray]):
 
     #: The report of the ingest that made the table: what was repaired, excluded and why.
     report: Any = None
+    _table: _native.Steps
+    _about: dict[str, Any]
+    _described: list[tuple[str, str, str]]
+    _kept: dict[str, Any]
 
     def __init__(self) -> None:
         raise TypeError("tables come from RecordingSet(...).ingest() and read_steps(...)")
@@ -112,7 +127,7 @@ class Steps(Mapping[str, np.ndarray]):
     @classmethod
     def _of(cls, native: _native.Steps, about: dict[str, Any], report: Any) -> Steps:
         steps = object.__new__(cls)
-        steps._native, steps._about, steps.report = native, about, records(report)
+        steps._table, steps._about, steps.report = native, about, records(report)
         steps._described = native.columns
         steps._kept = {}
         return steps
@@ -139,7 +154,7 @@ class Steps(Mapping[str, np.ndarray]):
     @property
     def provenance(self) -> list[tuple[str, str]]:
         """What made the rows: tool, arguments, and the SHA-256 of every source."""
-        return self._native.provenance
+        return self._table.provenance
 
     @property
     def pushes(self) -> np.ndarray:
@@ -150,7 +165,7 @@ class Steps(Mapping[str, np.ndarray]):
     @property
     def n_rows(self) -> int:
         """Number of steps."""
-        return len(self._native)
+        return len(self._table)
 
     def __len__(self) -> int:
         return len(self._described)
@@ -172,7 +187,7 @@ class Steps(Mapping[str, np.ndarray]):
 
     def _column(self, name: str) -> Any:
         if name not in self._kept:
-            column = self._native.column(name)
+            column = self._table.column(name)
             # Everyone gets the same array: it stays as it is.
             (column[0] if isinstance(column, tuple) else column).setflags(write=False)
             self._kept[name] = column
@@ -188,11 +203,11 @@ class Steps(Mapping[str, np.ndarray]):
                 )
             chosen = np.flatnonzero(chosen)
         chosen = np.ascontiguousarray(chosen, dtype=np.int64)
-        return Steps._of(self._native.select(chosen), self._about, self.report)
+        return Steps._of(self._table.select(chosen), self._about, self.report)
 
     def write(self, path: PathLike) -> None:
         """Writes a ``.csv`` or ``.parquet`` file with the provenance, in place of one that is there."""
-        self._native.write(path)
+        self._table.write(path)
 
     def to_pandas(self) -> pandas.DataFrame:
         """As a :class:`pandas.DataFrame`; text as categories. Needs pandas."""
@@ -224,7 +239,9 @@ class Steps(Mapping[str, np.ndarray]):
         def column(name: str) -> Any:
             one = self._column(name)
             if isinstance(one, tuple):
-                return pyarrow.DictionaryArray.from_arrays(one[0], pyarrow.array(one[1], pyarrow.string()))
+                return pyarrow.DictionaryArray.from_arrays(
+                    one[0], pyarrow.array(one[1], pyarrow.string())
+                )
             return pyarrow.array(one)
 
         columns = [column(name) for name in self.columns]
@@ -245,7 +262,9 @@ class Steps(Mapping[str, np.ndarray]):
             return html.escape(f"{value:.5g}" if isinstance(value, float) else str(value))
 
         n_shown = min(self.n_rows, 8)
-        head = "".join(f'<th title="{html.escape(self.meanings[name])}">{name}</th>' for name in _FIRST)
+        head = "".join(
+            f'<th title="{html.escape(self.meanings[name])}">{name}</th>' for name in _FIRST
+        )
         columns = [self[name][:n_shown].tolist() for name in _FIRST]
         rows = "".join(
             "<tr>" + "".join(f"<td>{text(value)}</td>" for value in row) + "</tr>"
