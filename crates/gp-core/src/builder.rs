@@ -125,6 +125,38 @@ impl GpBuilder {
         asked.learn(x.into().matrix(), y)
     }
 
+    /// Learns with each of several settings, such as kernels or ranks of a coregionalisation, and takes the
+    /// one with the largest ln p(y | X) − ½ k ln N, where k hyperparameters were free (the Bayesian
+    /// information criterion); its place among them, and the process. The means have to be the same.
+    ///
+    /// # Errors
+    /// As `fit`, of the first that fails; `Empty` without settings; `Incompatible` where means differ.
+    ///
+    /// # Source
+    /// Schwarz, Estimating the dimension of a model (1978).
+    pub fn fit_best<'a>(
+        settings: &[Self],
+        x: impl Into<Inputs<'a>>,
+        y: &[f64],
+    ) -> Result<(usize, Gp), GpError> {
+        let x = x.into();
+        if settings.windows(2).any(|pair| pair[0].options.mean != pair[1].options.mean) {
+            return Err(GpError::Incompatible { what: "means of the settings" });
+        }
+        let mut best: Option<(f64, usize, Gp)> = None;
+        for (place, one) in settings.iter().enumerate() {
+            let gp = one.fit(x, y)?;
+            let n_free = one.constraints.n_free(&names(&*one.kernel))?;
+            let penalty = 0.5 * n_free as f64 * (y.len() as f64).ln();
+            let score = gp.log_marginal_likelihood() - penalty;
+            if best.as_ref().is_none_or(|(most, ..)| score > *most) {
+                best = Some((score, place, gp));
+            }
+        }
+        let (_, place, gp) = best.ok_or(GpError::Empty { what: "settings" })?;
+        Ok((place, gp))
+    }
+
     /// Conditions the kernel on data with its parameters as they are; O(N³).
     ///
     /// - `x`: inputs, N×D; a single row is enough. - `y`: outputs, N.

@@ -97,6 +97,12 @@ impl Constraints {
         Ok(all)
     }
 
+    /// How many hyperparameters are free.
+    pub(crate) fn n_free(&self, names: &[String]) -> Result<usize, GpError> {
+        let all = self.resolve(names)?;
+        Ok(all.iter().filter(|one| one.fixed.is_none() && one.leader.is_none()).count())
+    }
+
     /// The values as they are, but for those that are fixed, given or tied.
     ///
     /// # Errors

@@ -58,7 +58,7 @@ impl SearchSpace {
                     (output - 2.0 * log_spread(&inputs), Range::signal())
                 }
                 Role::Shape => (0.0, Range::around(log_value)),
-                Role::Odds => (0.0, Range::odds()),
+                Role::Odds => (0.0, Range::odds(log_value)),
             };
             coordinates.push(Coordinate::new(log_scale, range));
         }
@@ -338,11 +338,11 @@ impl Range {
         }
     }
 
-    /// Odds of a correlation: start at none, starts up to 0.8, walls 2e-6 from 1.
-    fn odds() -> Self {
+    /// Odds of a correlation: start at the kernel's, starts up to 0.8, walls 2e-6 from 1.
+    fn odds(start: f64) -> Self {
         let (near, far) = (9f64.ln(), 1e6_f64.ln());
         Self {
-            start: 0.0,
+            start,
             center: 0.0,
             is_variance: false,
             low: -near,

@@ -41,8 +41,8 @@ impl KernelSpec {
             Self::Linear { slope_variances } => Box::new(Linear::from(slope_variances)),
             Self::Constant { variance } => Box::new(Constant::new(variance)),
             Self::White { variance } => Box::new(White::new(variance)),
-            Self::Coregionalization { variances, odds } => {
-                Box::new(Coregionalization::from_odds(&variances, &odds))
+            Self::Coregionalization { variances, odds, rank } => {
+                Box::new(Coregionalization::of(&variances, &odds, rank))
             }
             Self::ActiveInputs { kernel, columns } => {
                 Box::new(ActiveInputs::new(kernel.build(), &columns))

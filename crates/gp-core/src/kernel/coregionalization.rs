@@ -3,7 +3,7 @@
 use faer::Mat;
 
 use super::{Kernel, KernelSpec, Parameter, Role};
-use crate::checks::{check_count, check_outputs};
+use crate::checks::{check_count, check_outputs, check_range};
 use crate::{GpError, Inputs};
 
 /// k(i, j) = B_ij, the covariance of outputs i and j, which its one input numbers from 0.
@@ -15,6 +15,9 @@ use crate::{GpError, Inputs};
 /// B_ij = √(v_i v_j) C_ij. The correlations are C = L Lᵀ with rows of unit length from partial
 /// correlations ρ, L_ij = ρ_ij Π_k<j √(1 − ρ_ik²), so that any odds make a covariance; outputs that
 /// share fewer functions than there are outputs drive odds to the walls.
+/// Of a rank R ([`Self::with_rank`]) outputs share R functions beside one of each of their own: C is L Lᵀ
+/// with R columns that all rows have and one a row, L_ir = ρ_ir Π_k<r √(1 − ρ_ik²), and
+/// [`GpBuilder::fit_best`](crate::GpBuilder::fit_best) chooses between ranks.
 /// Parameters: `coregionalization.variance[i]`, and the odds (1 + ρ)/(1 − ρ), without unit,
 /// `coregionalization.odds[i,j]`, of which 1 is no correlation.
 ///
@@ -24,8 +27,9 @@ use crate::{GpError, Inputs};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coregionalization {
     variances: Vec<f64>,
-    /// Of (1, 0), (2, 0), (2, 1) and so on.
+    /// Of (1, 0), (2, 0), (2, 1) and so on; of a rank those of each output with the shared functions.
     odds: Vec<f64>,
+    rank: Option<usize>,
     /// B by rows, and its slopes by the log-parameters.
     covariance: Vec<f64>,
     slopes: Vec<Vec<f64>>,
@@ -47,11 +51,31 @@ impl Coregionalization {
     ///
     /// - `odds`: of the pairs (1, 0), (2, 0), (2, 1) and so on; none if they share nothing.
     pub fn from_odds(variances: &[f64], odds: &[f64]) -> Self {
+        Self::of(variances, odds, None)
+    }
+
+    /// Outputs of variance 1 that share `rank` functions, 1 up to their number, beside one of their own.
+    ///
+    /// Learning starts from a first function that all share, and others that outputs share with signs in
+    /// turn.
+    pub fn with_rank(n_outputs: usize, rank: usize) -> Self {
+        let pairs = loadings(n_outputs, rank);
+        let odds = pairs.into_iter().map(|(i, r)| match (r, i % 2) {
+            (0, _) => 3.0,
+            (_, 0) => 2.0,
+            _ => 0.5,
+        });
+        Self::of(&vec![1.0; n_outputs], &odds.collect::<Vec<_>>(), Some(rank))
+    }
+
+    pub(super) fn of(variances: &[f64], odds: &[f64], rank: Option<usize>) -> Self {
         let n = variances.len();
-        let factor = Factor::new(n, odds);
+        let factor = Factor::new(n, odds, rank);
+        let width = factor.width;
         let covariance = |left: &[f64], right: &[f64]| -> Vec<f64> {
             let entry = |i: usize, j: usize| {
-                let (a, b) = (&left[i * n..(i + 1) * n], &right[j * n..(j + 1) * n]);
+                let row = |of: usize| of * width..(of + 1) * width;
+                let (a, b) = (&left[row(i)], &right[row(j)]);
                 let correlation: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
                 (variances[i] * variances[j]).sqrt() * correlation
             };
@@ -70,7 +94,7 @@ impl Coregionalization {
         let of_variances = (0..n).map(by_variance);
         let slopes = of_variances.chain(factor.slopes.iter().map(by_odds)).collect();
         let (variances, odds) = (variances.to_vec(), odds.to_vec());
-        Self { variances, odds, covariance: whole, slopes }
+        Self { variances, odds, rank, covariance: whole, slopes }
     }
 
     /// The number of outputs.
@@ -135,39 +159,50 @@ impl Coregionalization {
     }
 }
 
+/// Which output has odds with which shared function. An output with a smaller number than the rank has none
+/// with later functions, which would turn the functions into each other and no more.
+fn loadings(n: usize, rank: usize) -> Vec<(usize, usize)> {
+    (0..n).flat_map(|i| (0..rank.min(i + 1)).map(move |r| (i, r))).collect()
+}
+
 /// L by rows, and its slopes by the logarithms of the odds.
 struct Factor {
+    width: usize,
     entries: Vec<f64>,
     slopes: Vec<Vec<f64>>,
 }
 
 impl Factor {
-    fn new(n: usize, odds: &[f64]) -> Self {
-        let mut entries = vec![0.0; n * n];
-        let mut slopes = vec![vec![0.0; n * n]; odds.len()];
+    fn new(n: usize, odds: &[f64], rank: Option<usize>) -> Self {
+        let width = n + rank.unwrap_or(0);
+        let mut entries = vec![0.0; n * width];
+        let mut slopes = vec![vec![0.0; n * width]; odds.len()];
         let mut first = 0;
         for i in 0..n {
-            // The length that is left of the row, which the diagonal takes.
+            // Columns that the row shares, and the one that takes the length that is left of it.
+            let shared = rank.map_or(i, |rank| rank.min(i + 1));
+            let own = i + rank.unwrap_or(0);
             let mut rest = 1.0;
-            for j in 0..=i {
+            for j in 0..=shared {
                 let number = first + j;
-                let has_odds = j < i && number < odds.len();
+                let has_odds = j < shared && number < odds.len();
                 // dρ/d ln odds = ½ (1 − ρ²), and d ln √(1 − ρ²)/d ln odds = −½ ρ.
                 let rho = if has_odds { (0.5 * odds[number].ln()).tanh() } else { 0.0 };
-                let share = if j < i { rho } else { 1.0 };
-                entries[i * n + j] = share * rest;
+                let share = if j < shared { rho } else { 1.0 };
+                let place = i * width + if j < shared { j } else { own };
+                entries[place] = share * rest;
                 for (k, slope) in slopes.iter_mut().enumerate().take(number).skip(first) {
                     let before = (0.5 * odds[k].ln()).tanh();
-                    slope[i * n + j] = -0.5 * before * share * rest;
+                    slope[place] = -0.5 * before * share * rest;
                 }
                 if has_odds {
-                    slopes[number][i * n + j] = 0.5 * (1.0 - rho * rho) * rest;
+                    slopes[number][place] = 0.5 * (1.0 - rho * rho) * rest;
                 }
                 rest *= (1.0 - rho * rho).sqrt();
             }
-            first += i;
+            first += shared;
         }
-        Self { entries, slopes }
+        Self { width, entries, slopes }
     }
 }
 
@@ -177,7 +212,10 @@ impl Kernel for Coregionalization {
         if n == 0 {
             return Err(GpError::Empty { what: "variances of outputs" });
         }
-        if !self.odds.is_empty() {
+        if let Some(rank) = self.rank {
+            check_range("rank of the coregionalization", rank as f64, 1.0, n as f64)?;
+            check_count("odds of shared functions", loadings(n, rank).len(), self.odds.len())?;
+        } else if !self.odds.is_empty() {
             check_count("odds of pairs of outputs", n * (n - 1) / 2, self.odds.len())?;
         }
         check_count("columns of the inputs", 1, n_inputs)
@@ -191,8 +229,11 @@ impl Kernel for Coregionalization {
         let variance = |(i, &value): (usize, &f64)| {
             Parameter::new(format!("coregionalization.variance[{i}]"), value, Role::Variance)
         };
-        let pairs = (1..self.n_outputs()).flat_map(|i| (0..i).map(move |j| (i, j)));
-        let odds = pairs.zip(&self.odds).map(|((i, j), &value)| {
+        let pairs: Vec<(usize, usize)> = match self.rank {
+            Some(rank) => loadings(self.n_outputs(), rank),
+            None => (1..self.n_outputs()).flat_map(|i| (0..i).map(move |j| (i, j))).collect(),
+        };
+        let odds = pairs.into_iter().zip(&self.odds).map(|((i, j), &value)| {
             Parameter::new(format!("coregionalization.odds[{i},{j}]"), value, Role::Odds)
         });
         self.variances.iter().enumerate().map(variance).chain(odds).collect()
@@ -200,7 +241,7 @@ impl Kernel for Coregionalization {
 
     fn with_values(&self, values: &[f64]) -> Box<dyn Kernel> {
         let (variances, odds) = values.split_at(self.n_outputs());
-        Box::new(Self::from_odds(variances, odds))
+        Box::new(Self::of(variances, odds, self.rank))
     }
 
     fn parameter_gradient(&self, a: &[f64], b: &[f64], gradient: &mut [f64]) {
@@ -214,6 +255,6 @@ impl Kernel for Coregionalization {
 
     fn spec(&self) -> Option<KernelSpec> {
         let (variances, odds) = (self.variances.clone(), self.odds.clone());
-        Some(KernelSpec::Coregionalization { variances, odds })
+        Some(KernelSpec::Coregionalization { variances, odds, rank: self.rank })
     }
 }

@@ -105,6 +105,9 @@ pub enum KernelSpec {
         variances: Vec<f64>,
         /// One a pair of outputs, without unit; none if they share nothing.
         odds: Vec<f64>,
+        /// How many functions they share; none where odds are of pairs of outputs.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        rank: Option<usize>,
     },
     /// `ActiveInputs`.
     ActiveInputs {

@@ -2,8 +2,8 @@
 
 use faer::{Mat, Side};
 use gp_core::{
-    Coregionalization, Gp, GpError, Kernel, Mean, Posterior, SquaredExponential, Transform, Warped,
-    White, gram,
+    Coregionalization, Gp, GpBuilder, GpError, Kernel, LearnOptions, Mean, Posterior,
+    SquaredExponential, Transform, Warped, White, gram,
 };
 
 fn line(n: usize) -> Vec<f64> {
@@ -204,4 +204,99 @@ fn transforms_and_what_they_refuse() {
     let text = serde_json::to_string(&gp).unwrap();
     let read: Warped<Gp> = serde_json::from_str(&text).unwrap();
     assert_eq!(read.moments(&[1.0]).unwrap(), gp.moments(&[1.0]).unwrap());
+}
+
+#[test]
+fn outputs_of_a_rank_are_sums_of_so_many_functions_and_their_own() {
+    let kernel = Coregionalization::with_rank(4, 2);
+    let names: Vec<String> = kernel.parameters().into_iter().map(|p| p.name).collect();
+    assert_eq!(names.len(), 4 + 7);
+    assert_eq!(names[4..6], ["coregionalization.odds[0,0]", "coregionalization.odds[1,0]"]);
+    // Less the part of each output alone, the covariance has the rank.
+    let numbers = Mat::from_fn(4, 1, |i, _| i as f64);
+    let odds = [2.0, 3.0, 0.5, 0.25, 4.0, 5.0, 1.5];
+    let values: Vec<f64> = [1.0, 2.0, 0.5, 3.0].into_iter().chain(odds).collect();
+    let moved = kernel.with_parameters(&values).unwrap();
+    let rho = |odds: f64| (odds - 1.0) / (odds + 1.0);
+    let row = |i: usize| match i {
+        0 => (rho(2.0), 0.0),
+        _ => {
+            let (a, b) = (rho(odds[2 * i - 1]), rho(odds[2 * i]));
+            (a, b * (1.0 - a * a).sqrt())
+        }
+    };
+    let covariance = gram(&*moved, numbers.as_ref()).unwrap();
+    for i in 0..4 {
+        assert!((covariance[(i, i)] - values[i]).abs() < 1e-14);
+        for j in 0..i {
+            let shared = row(i).0 * row(j).0 + row(i).1 * row(j).1;
+            let expected = (values[i] * values[j]).sqrt() * shared;
+            assert!((covariance[(i, j)] - expected).abs() < 1e-14, "{i} {j}");
+        }
+    }
+    // Its slopes are those of differences.
+    let mut slopes = vec![0.0; 11];
+    for (i, j) in [(0, 0), (1, 0), (3, 1), (3, 2)] {
+        moved.parameter_gradient(&[i as f64], &[j as f64], &mut slopes);
+        for (k, slope) in slopes.iter().enumerate() {
+            let at = |step: f64| {
+                let mut values = values.clone();
+                values[k] *= step.exp();
+                let kernel = moved.with_parameters(&values).unwrap();
+                kernel.value(&[i as f64], &[j as f64])
+            };
+            let numeric = (at(1e-5) - at(-1e-5)) / 2e-5;
+            assert!((slope - numeric).abs() < 1e-9, "{i} {j} {k} {slope} {numeric}");
+        }
+    }
+    let again = moved.spec().unwrap().build();
+    assert_eq!(again.value(&[3.0], &[1.0]), moved.value(&[3.0], &[1.0]));
+    assert!(Coregionalization::with_rank(3, 4).check(1).is_err());
+    assert!(Coregionalization::with_rank(3, 0).check(1).is_err());
+}
+
+#[test]
+fn the_rank_of_outputs_is_learnt() {
+    let x = line(14);
+    let (first, second) = (|x: f64| (3.0 * x).sin(), |x: f64| (2.0 * x + 1.0).cos());
+    let weights = [[1.0, 0.0], [0.8, 0.0], [-1.2, 0.0], [0.5, 0.0]];
+    let outputs = |share: f64| -> Vec<Vec<Option<f64>>> {
+        let output = |k: usize| {
+            let value = move |(i, x): (usize, &f64)| {
+                let other = share * [0.9, -0.7, 0.4, 1.1][k];
+                let noise = 0.02 * (17.0 * (i * i + 31 * k) as f64).sin();
+                Some(weights[k][0] * first(*x) + other * second(*x) + noise)
+            };
+            x.iter().enumerate().map(value).collect()
+        };
+        (0..4).map(output).collect()
+    };
+    let chosen = |share: f64| {
+        let (stacked, y) = Coregionalization::stack(&x, &outputs(share)).unwrap();
+        let setting = |rank: usize| {
+            let smooth = SquaredExponential::isotropic(1.0).active(&[0]);
+            let kernel = smooth * Coregionalization::with_rank(4, rank).active(&[1]);
+            let options = LearnOptions { n_starts: 1, ..LearnOptions::default() };
+            Gp::builder(kernel)
+                .fix("squared_exponential.signal_variance", 1.0)
+                .options(LearnOptions { mean: Mean::Fixed(0.0), ..options })
+        };
+        let settings = [setting(1), setting(2)];
+        GpBuilder::fit_best(&settings, &stacked, &y).unwrap()
+    };
+    assert_eq!(chosen(0.0).0, 0);
+    let (place, gp) = chosen(1.0);
+    assert_eq!(place, 1);
+    assert!(gp.noise_variance() < 0.01, "{}", gp.noise_variance());
+}
+
+#[test]
+fn settings_that_cannot_be_compared_are_an_error() {
+    let x = line(8);
+    let y: Vec<f64> = x.iter().map(|x| x.sin()).collect();
+    let smooth = || Gp::builder(SquaredExponential::isotropic(1.0));
+    let error = GpBuilder::fit_best(&[], &x, &y).unwrap_err();
+    assert_eq!(error, GpError::Empty { what: "settings" });
+    let error = GpBuilder::fit_best(&[smooth(), smooth().mean(Mean::Linear)], &x, &y).unwrap_err();
+    assert_eq!(error, GpError::Incompatible { what: "means of the settings" });
 }
