@@ -7,7 +7,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 
-pub(super) use self::once::once;
+pub(super) use self::once::{once, peak_memory_mb};
 
 use self::once::Once;
 use super::benchmark::{Benchmark, Sizes};

@@ -31,7 +31,7 @@ const SEED: u64 = 7;
 ///
 /// # Errors
 /// When a file cannot be written, the Rust peers cannot be built, or a process of ours fails.
-pub(super) fn run(folder: &Path) -> Result<()> {
+pub(super) fn run(folder: &Path, python: &str) -> Result<()> {
     fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
     let pool = ThreadPoolBuilder::new().num_threads(1).build().context("cannot start a thread")?;
     let mut rows = Vec::new();
@@ -40,7 +40,7 @@ pub(super) fn run(folder: &Path) -> Result<()> {
         let path = data.write(folder)?;
         rows.push(pool.install(|| data.likelihood(runs))?);
         for library in ["lapack", "sklearn", "gpy"] {
-            rows.extend(python(&path, library, "likelihood"));
+            rows.extend(python_peer(python, &path, library, "likelihood"));
         }
         if n == FIT_ROWS {
             rows.extend(pool.install(|| data.fits())?);
@@ -48,7 +48,7 @@ pub(super) fn run(folder: &Path) -> Result<()> {
             for (library, task) in
                 [("lapack", "fit"), ("sklearn", "fit"), ("gpy", "fit"), ("gpy", "sparse")]
             {
-                rows.extend(python(&path, library, task));
+                rows.extend(python_peer(python, &path, library, task));
             }
         }
     }
@@ -64,16 +64,16 @@ pub(super) fn run(folder: &Path) -> Result<()> {
 
 /// What one library took for one task.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
-struct Measured {
+pub(crate) struct Measured {
     /// Its name and version.
-    peer: String,
-    task: String,
+    pub(crate) peer: String,
+    pub(crate) task: String,
     /// Training rows.
-    size: usize,
+    pub(crate) size: usize,
     /// Median time, in s; none while it runs, and if it was stopped after [`BUDGET`].
-    seconds: Option<f64>,
+    pub(crate) seconds: Option<f64>,
     /// Mean negative log density of the test rows, in nats; none where nothing is predicted.
-    nlpd: Option<f64>,
+    pub(crate) nlpd: Option<f64>,
 }
 
 impl Measured {
@@ -182,8 +182,8 @@ fn rust_peers(path: &Path) -> Result<Vec<Measured>> {
 }
 
 /// Nothing where Python or the library is not there, which is said.
-fn python(path: &Path, library: &str, task: &str) -> Vec<Measured> {
-    let mut python = Command::new("python3");
+fn python_peer(python: &str, path: &Path, library: &str, task: &str) -> Vec<Measured> {
+    let mut python = Command::new(python);
     python
         .arg(workspace_root().join("crates/benchmarks/peers/peers.py"))
         .arg(path)
@@ -198,7 +198,7 @@ fn python(path: &Path, library: &str, task: &str) -> Vec<Measured> {
 }
 
 /// How long a peer may take for one row.
-const BUDGET: Duration = Duration::from_mins(2);
+pub(crate) const BUDGET: Duration = Duration::from_mins(2);
 
 /// The rows that a program prints, or the last line of what it complains of.
 ///

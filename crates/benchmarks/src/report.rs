@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use serde::de::DeserializeOwned;
 
 use super::timing::Row;
 
@@ -47,12 +48,12 @@ fn table(rows: &[Row]) -> String {
 }
 
 /// Two digits after the point, or of a small one.
-fn ratio(ratio: f64) -> String {
+pub(crate) fn ratio(ratio: f64) -> String {
     if ratio < 0.1 { format!("{ratio:.1e}") } else { format!("{ratio:.2}") }
 }
 
 /// The time in the unit that leaves one to three digits before the point.
-fn duration(seconds: f64) -> String {
+pub(crate) fn duration(seconds: f64) -> String {
     let units = [("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)];
     let (unit, scale) =
         units.into_iter().find(|(_, scale)| seconds >= *scale).unwrap_or(("ns", 1e-9));
@@ -67,13 +68,25 @@ fn write(name: &str, rows: &[Row], folder: &Path) -> Result<PathBuf> {
     Ok(path)
 }
 
+/// What a run left, if it was made.
+pub(crate) fn read<T: DeserializeOwned>(folder: &Path, name: &str) -> Result<Option<Vec<T>>> {
+    let path = folder.join(format!("{name}.json"));
+    if !path.exists() {
+        return Ok(None);
+    }
+    let text =
+        fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let rows = serde_json::from_str(&text);
+    Ok(Some(rows.with_context(|| format!("{} is of another release", path.display()))?))
+}
+
 #[cfg(test)]
 mod tests {
     use std::fs;
 
     use serde_json::{Value, json};
 
-    use super::{Row, duration, publish, ratio, table};
+    use super::{Row, duration, publish, ratio, read, table};
 
     fn rows() -> [Row; 2] {
         [("ellip1", 3e-7, 0.5), ("hex", 1e-7, 1.5)].map(|(name, reference_seconds, ratio)| Row {
@@ -144,5 +157,14 @@ mod tests {
         fs::write(&file, "").expect("a file");
         let error = publish("push", &[], &file).expect_err("a file is no folder");
         assert!(error.to_string().ends_with("/file"), "{error}");
+    }
+
+    #[test]
+    fn what_was_not_run_is_left_out_and_what_is_damaged_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(read::<Row>(folder.path(), "push").unwrap().is_none());
+        std::fs::write(folder.path().join("push.json"), "[{}]").unwrap();
+        let error = read::<Row>(folder.path(), "push").unwrap_err();
+        assert!(error.to_string().contains("of another release"), "{error}");
     }
 }

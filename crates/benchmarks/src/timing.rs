@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What is timed: its name, its problem size, the threads it uses, and how often it runs.
 pub(crate) struct Case<'a> {
@@ -18,7 +18,7 @@ pub(crate) struct Case<'a> {
 }
 
 /// Medians over the rounds, each of one call.
-#[derive(Debug, PartialEq, Serialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Row {
     pub(crate) name: String,
     pub(crate) size: usize,
@@ -30,7 +30,7 @@ pub(crate) struct Row {
     /// Candidate over reference: below 1 the candidate is faster.
     pub(crate) ratio: f64,
     /// Largest resident memory of a process that did it alone, in MB.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) peak_memory_mb: Option<f64>,
 }
 

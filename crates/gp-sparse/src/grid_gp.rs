@@ -13,6 +13,7 @@ use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut
 
 use crate::grid::{Grid, Stencil};
 use crate::grid_objective::{GridObjective, in_panels};
+use crate::grid_options::{GridOptions, summed};
 use crate::grid_sums::GridSums;
 use crate::row_sums::Solved;
 use crate::sparse_gp::check_data;
@@ -271,47 +272,6 @@ impl Posterior for GridGp {
     }
 }
 
-/// How the nodes are placed, and how parameters are learnt on them.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GridOptions {
-    /// The most nodes: an evaluation costs their cube.
-    pub most_nodes: usize,
-    /// Nodes are no nearer to each other than this share of a lengthscale.
-    pub finest_spacing: f64,
-    /// The mean, of degree 2 at most.
-    pub mean: Mean,
-    /// Variance of a noise on the nodes over their prior variance, as in
-    /// [`SparseSettings::jitter`](crate::SparseSettings).
-    pub jitter: f64,
-    /// Rows of the exact process on a random part of the data, from which parameters start and the
-    /// lengthscales of the spacing come.
-    pub warm_start_rows: usize,
-    /// Seed of all that is drawn.
-    pub seed: u64,
-    /// Most quasi-Newton iterations.
-    pub max_iterations: usize,
-    /// Largest component of the gradient at convergence, in nats per log-parameter.
-    pub gradient_tolerance: f64,
-    /// What is known of the hyperparameters before the data.
-    pub prior: gp_core::HyperPrior,
-}
-
-impl Default for GridOptions {
-    fn default() -> Self {
-        Self {
-            most_nodes: 900,
-            finest_spacing: 0.2,
-            mean: Mean::Estimated,
-            jitter: 1e-8,
-            warm_start_rows: 300,
-            seed: 0,
-            max_iterations: 200,
-            gradient_tolerance: 0.1,
-            prior: gp_core::HyperPrior::Flat,
-        }
-    }
-}
-
 impl GridGp {
     /// Conditions known parameters on data; O(N 16ᴰ + M³).
     ///
@@ -328,7 +288,7 @@ impl GridGp {
         options: &GridOptions,
     ) -> Result<Self, GpError> {
         check_data(&kernel, x, y)?;
-        let summed = crate::grid_learn::summed(&kernel, x, y, options)?;
+        let summed = summed(&kernel, x, y, options)?;
         Self::condition(Arc::new(kernel), noise_variance, summed, options.mean, options.jitter)
     }
 }

@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use faer::MatRef;
 use gp_core::bfgs::{Limits, Minimum, minimize};
-use gp_core::checks::{check_outputs, check_positive, check_range};
-use gp_core::{GpError, Kernel, LearnOptions, Role, SearchSpace, StopReason, check_learnable};
+use gp_core::checks::{check_outputs, check_positive};
+use gp_core::{GpError, Kernel, LearnOptions, SearchSpace, StopReason, check_learnable};
 
 use crate::grid::Grid;
 use crate::grid_objective::GridObjective;
+use crate::grid_options::{lengthscales, summed};
 use crate::grid_sums::GridSums;
-use crate::learn::{WarmStart, split, spread};
+use crate::learn::{WarmStart, split};
 use crate::{GridGp, GridOptions};
 
 /// What the optimiser did; hyperparameters in the user's units, the noise variance last.
@@ -129,41 +130,6 @@ fn maximize(
     }
     let Minimum { iterations, gradient_norm, .. } = minimum;
     Err(GpError::NotConverged { n_starts: 1, iterations, gradient_norm })
-}
-
-/// The grid for a kernel, and the rows summed on it.
-pub(crate) fn summed(
-    kernel: &dyn Kernel,
-    x: MatRef<'_, f64>,
-    y: &[f64],
-    options: &GridOptions,
-) -> Result<(Grid, GridSums), GpError> {
-    options.mean.check()?;
-    let degree = options.mean.degree().unwrap_or(0);
-    check_range("degree of the mean on a grid", f64::from(degree), 0.0, 2.0)?;
-    check_positive("finest_spacing", options.finest_spacing)?;
-    gp_core::checks::check_not_negative("jitter", options.jitter)?;
-    let scales = lengthscales(kernel, x);
-    let grid = Grid::finest(x, &scales, options.finest_spacing, options.most_nodes)?;
-    let sums = GridSums::new(&grid, x, y)?;
-    Ok((grid, sums))
-}
-
-/// The shortest lengthscale or period of each input; its spread where the kernel has none.
-fn lengthscales(kernel: &dyn Kernel, x: MatRef<'_, f64>) -> Vec<f64> {
-    let parameters = kernel.parameters();
-    let of_input = |d: usize| {
-        let lengths = parameters.iter().filter_map(|parameter| match &parameter.role {
-            Role::Lengthscale { inputs } => Some((inputs, parameter.value)),
-            Role::Period { inputs } => Some((inputs, 0.2 * parameter.value)),
-            _ => None,
-        });
-        let own = lengths.filter(|(inputs, _)| inputs.is_empty() || inputs.contains(&d));
-        let shortest = own.map(|(_, value)| value).fold(f64::INFINITY, f64::min);
-        // A function that changes less than its inputs' range needs nodes no farther apart.
-        shortest.min(2.0 * spread(x, d))
-    };
-    (0..x.ncols()).map(of_input).collect()
 }
 
 fn widest(spacing: &[f64], lengthscales: &[f64]) -> f64 {

@@ -12,10 +12,9 @@ use rayon::prelude::{IntoParallelRefMutIterator, ParallelIterator};
 use crate::SparseSettings;
 use crate::block::{Response, Shared, Solution};
 use crate::part::Part;
-use crate::row_sums::{RowSums, Solved};
+use crate::row_sums::{RowSums, Solved, merge_lower};
 
 pub(crate) const PSEUDO_COVARIANCE: &str = "covariance of the pseudo-outputs";
-pub(crate) const PRECISION: &str = "precision of the pseudo-outputs";
 
 /// ln p(y | X, Z, θ) for one data set and many Z and θ; owns all memory, 16 N M bytes.
 ///
@@ -176,19 +175,6 @@ impl Objective {
                 slope.iter_mut().for_each(|slope| *slope *= 2.0);
                 let of_z = &mut of_z[b * d..(b + 1) * d];
                 kernel.column_gradient(z, z_b, values, slope, &mut [], of_z);
-            }
-        }
-    }
-}
-
-/// The sum of lower triangles.
-pub(crate) fn merge_lower<'a>(sum: &mut Mat<f64>, parts: impl Iterator<Item = &'a Mat<f64>>) {
-    sum.fill(0.0);
-    for part in parts {
-        for j in 0..part.ncols() {
-            let column_sum = &mut column_mut(sum, j)[j..];
-            for (sum, part) in column_sum.iter_mut().zip(&column(part, j)[j..]) {
-                *sum += part;
             }
         }
     }

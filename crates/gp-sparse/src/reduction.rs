@@ -9,7 +9,7 @@ use faer::linalg::svd::{ComputeSvdVectors, svd, svd_scratch};
 use faer::{Accum, Mat, MatRef, Par, diag::Diag};
 use gp_core::GpError;
 
-use crate::objective::PRECISION;
+use crate::row_sums::PRECISION;
 
 /// T, with zeros above its diagonal, of which TᵀT = K_uu⁻¹ − Σ = L⁻ᵀ (I − R⁻ᵀR⁻¹) L⁻¹: then k** − |T k*|²
 /// is the variance of f, in half the operations of its two parts. O(M³).

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use faer::{Mat, MatRef};
 use gp_core::cholesky::{factorize, log_determinant, solve_with};
-use gp_core::kernel::column;
+use gp_core::kernel::{column, column_mut};
 use gp_core::triangle::{inverse, solve_lower};
 use gp_core::vector::dot;
 use gp_core::{GpError, Mean, Monomials};
@@ -12,7 +12,8 @@ use gp_core::{GpError, Mean, Monomials};
 use crate::SparseSettings;
 use crate::block::{Response, Sums};
 use crate::deviation::Deviation;
-use crate::objective::{PRECISION, merge_lower};
+
+pub(crate) const PRECISION: &str = "precision of the pseudo-outputs";
 
 /// All that a sparse process needs of the rows, for given parameters and pseudo-inputs.
 #[derive(Clone, Debug)]
@@ -61,6 +62,19 @@ impl RowSums {
         self.spread += faer::Scale(sign) * &other.spread;
         self.log_determinant += sign * other.log_determinant;
         self.penalty += sign * other.penalty;
+    }
+}
+
+/// The sum of lower triangles.
+pub(crate) fn merge_lower<'a>(sum: &mut Mat<f64>, parts: impl Iterator<Item = &'a Mat<f64>>) {
+    sum.fill(0.0);
+    for part in parts {
+        for j in 0..part.ncols() {
+            let column_sum = &mut column_mut(sum, j)[j..];
+            for (sum, part) in column_sum.iter_mut().zip(&column(part, j)[j..]) {
+                *sum += part;
+            }
+        }
     }
 }
 

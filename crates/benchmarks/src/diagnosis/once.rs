@@ -54,7 +54,7 @@ pub(crate) fn once(n_pushes: usize) -> Result<()> {
 }
 
 /// As Linux counts it.
-fn peak_memory_mb() -> Result<f64> {
+pub(crate) fn peak_memory_mb() -> Result<f64> {
     let path = "/proc/self/status";
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {path}"))?;
     let kilobytes = peak(&text).with_context(|| format!("no peak of memory in {path}"))?;
