@@ -31,6 +31,6 @@ pub use motion_model::{DrawnMotion, MotionDensity, MotionModel};
 pub use particle_filter::{KldSampling, ParticleFilter, ParticleHistory, RaoBlackwellized, Update};
 pub use planar_summary::{PlanarState, PlanarSummary};
 pub use resampler::{Multinomial, Resampler, Residual, Stratified, Systematic, all_resamplers};
-pub use rule::{GaussHermite, Rule, Unscented};
+pub use rule::{GaussHermite, Rule, Simplex, Unscented};
 pub use settings::Settings;
 pub use weights::Weights;

@@ -1,11 +1,13 @@
 //! Points and weights that stand for a Gaussian.
 
 mod gauss_hermite;
+mod simplex;
 mod unscented;
 
 use nalgebra::DVector;
 
 pub use gauss_hermite::GaussHermite;
+pub use simplex::Simplex;
 pub use unscented::Unscented;
 
 /// A rule that integrates functions of a standard normal vector.

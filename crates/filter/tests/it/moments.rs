@@ -1,12 +1,14 @@
 //! Gaussians and mixtures carried through motion.
 
-use filter::{FilterError, GaussHermite, Gaussian, Mixture, Rule, Unscented};
+use filter::{FilterError, GaussHermite, Gaussian, Mixture, Rule, Simplex, Unscented};
 use nalgebra::{DMatrix, DVector, dmatrix, dvector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-fn rules() -> [(&'static dyn Rule, u32); 3] {
-    [(&Unscented, 3), (&GaussHermite { order: 3 }, 5), (&GaussHermite { order: 5 }, 9)]
+fn rules() -> [(&'static dyn Rule, u32); 4] {
+    let grids: [(&dyn Rule, u32); 2] =
+        [(&GaussHermite { order: 3 }, 5), (&GaussHermite { order: 5 }, 9)];
+    [(&Simplex, 2), (&Unscented, 3), grids[0], grids[1]]
 }
 
 /// E zᵏ of a standard normal: the double factorial of k − 1 for even k.
@@ -21,6 +23,10 @@ fn rules_are_exact_up_to_their_degree() {
             let points = rule.points(dimension);
             assert!((points.iter().map(|(_, weight)| weight).sum::<f64>() - 1.0).abs() < 1e-13);
             assert!(points.iter().all(|(_, weight)| *weight >= 0.0));
+            for (a, b) in (0..dimension).flat_map(|a| (0..a).map(move |b| (a, b))) {
+                let found: f64 = points.iter().map(|(z, weight)| weight * z[a] * z[b]).sum();
+                assert!(found.abs() < 1e-13, "{dimension}: {found}");
+            }
             for axis in 0..dimension {
                 for k in 0..=degree {
                     let found: f64 =

@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use filter::{
     DifferentiableMeasurement, FilterError, GaussHermite, Gaussian, GaussianMeasurement,
-    LinearMeasurement, MeasurementModel, Mixture, ParticleFilter, Rule, Settings, Unscented,
+    LinearMeasurement, MeasurementModel, Mixture, ParticleFilter, Rule, Settings, Simplex,
+    Unscented,
 };
 use nalgebra::{DMatrix, DVector, dmatrix, dvector};
 use proptest::test_runner::Config;
@@ -14,8 +15,8 @@ use rand_chacha::ChaCha8Rng;
 
 use super::linear::{T, systems};
 
-fn rules() -> [&'static dyn Rule; 3] {
-    [&Unscented, &GaussHermite { order: 2 }, &GaussHermite { order: 4 }]
+fn rules() -> [&'static dyn Rule; 4] {
+    [&Simplex, &Unscented, &GaussHermite { order: 2 }, &GaussHermite { order: 4 }]
 }
 
 fn gaussian(mean: f64, variance: f64) -> Gaussian {
@@ -27,7 +28,7 @@ proptest! {
 
     #[test]
     fn every_update_of_a_linear_system_is_what_the_joint_gaussian_says(system in systems()) {
-        for rule in [None, Some(rules()[0]), Some(rules()[1]), Some(rules()[2])] {
+        for rule in std::iter::once(None).chain(rules().map(Some)) {
             let (mut state, mut evidence) = (system.start.clone(), 0.0);
             for k in 0..=T {
                 if k > 0 {
@@ -155,7 +156,9 @@ fn a_bearing_has_no_seam() {
     };
     let near = RangeBearing::new(1.05, -0.04);
     let far = RangeBearing::new(1.05, PI - 0.04);
-    let pairs = rules().map(|rule| {
+    // A simplex is not the same from the other side.
+    let even = rules().into_iter().skip(1);
+    let pairs = even.map(|rule| {
         [(1.0, &near), (-1.0, &far)].map(|(sign, z)| prior(sign).updated_by(rule, z).unwrap())
     });
     let extended = [(1.0, &near), (-1.0, &far)].map(|(sign, z)| prior(sign).updated(z).unwrap());
