@@ -1,4 +1,4 @@
-//! Parts of a page: text, figures, tables, claims, drawings and players.
+//! Parts of a page: text, figures, tables, claims, drawings, films and players.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -11,10 +11,11 @@ use crate::player::Player;
 use crate::region::Region;
 
 /// What pages do beside being read, in the order in which the scripts need each other.
-pub(crate) const SCRIPTS: [&str; 6] = [
+pub(crate) const SCRIPTS: [&str; 7] = [
     include_str!("hover.js"),
     include_str!("csv.js"),
     include_str!("slider.js"),
+    include_str!("film.js"),
     include_str!("charts.js"),
     include_str!("player.js"),
     include_str!("explore.js"),
@@ -37,6 +38,7 @@ enum Block {
     Claims(Vec<Claim>),
     /// Folded behind a line, if there is one.
     Drawings(Option<String>, Vec<Drawing>),
+    Film(Vec<Drawing>),
     Player(Player),
 }
 
@@ -135,6 +137,14 @@ impl Section {
         self
     }
 
+    /// Adds drawings of one size that are shown one after the other, as a film; they stand below each other
+    /// without scripts.
+    #[must_use]
+    pub fn film(mut self, pictures: Vec<Drawing>) -> Self {
+        self.blocks.push(Block::Film(pictures));
+        self
+    }
+
     /// Adds a player.
     #[must_use]
     pub fn player(mut self, player: Player) -> Self {
@@ -147,7 +157,8 @@ impl Section {
         let needed = |block: &Block| match block {
             Block::Drawings(..) => 0..3,
             Block::Table(..) | Block::Claims(_) => 1..2,
-            Block::Player(_) => 3..SCRIPTS.len(),
+            Block::Film(_) => 0..4,
+            Block::Player(_) => 4..SCRIPTS.len(),
             _ => 0..0,
         };
         self.blocks.iter().flat_map(needed)
@@ -156,7 +167,7 @@ impl Section {
     /// The names of its drawings.
     pub(crate) fn anchors(&self) -> impl Iterator<Item = &str> {
         let drawings = self.blocks.iter().filter_map(|block| match block {
-            Block::Drawings(_, drawings) => Some(drawings),
+            Block::Drawings(_, drawings) | Block::Film(drawings) => Some(drawings),
             _ => None,
         });
         drawings.flatten().flat_map(Drawing::anchors)
@@ -191,6 +202,11 @@ impl Section {
                     push_table(out, ["claim", "value", "verdict", "reason"], rows);
                 }
                 Block::Drawings(line, drawings) => push_drawings(out, line.as_deref(), drawings),
+                Block::Film(pictures) => {
+                    out.push_str("<div class=\"film\" data-film>\n");
+                    pictures.iter().for_each(|picture| picture.push(out));
+                    out.push_str("</div>\n");
+                }
                 Block::Player(player) => player.push(out)?,
             }
         }

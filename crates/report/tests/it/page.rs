@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use report::{
-    Claim, Data, Drawn, Figure, Line, Page, Panel, Plate, Provenance, ReportError, Section, Table,
-    Verdict,
+    Claim, Data, Drawing, Drawn, Figure, Line, Page, Panel, Plate, Provenance, ReportError,
+    Section, Table, Verdict,
 };
 
 const NASTY: &str = "<script>alert('1')</script> & \"2\"";
@@ -103,4 +103,22 @@ fn figures_outside_the_folder_and_names_twice_are_refused() {
     assert!(matches!(twice.html(folder.path()), Err(ReportError::Duplicate { .. })));
     let bad = Page::new("t", "", Provenance::default()).with(Section::new("a b", "A"));
     assert!(matches!(bad.html(folder.path()), Err(ReportError::Name { .. })));
+}
+
+#[test]
+fn a_film_has_its_pictures_one_below_the_other_and_the_script_that_plays_them() {
+    let picture = |k: usize| {
+        let panel = Panel::new("x in m", "y in m").with(Line::new(&[0.0, 1.0], &[0.0, k as f64]));
+        Drawing::new(&Figure::single(panel), &format!("picture {k} {NASTY}")).unwrap()
+    };
+    let section = Section::new("film", "Film").film((0..3).map(picture).collect());
+    let page = Page::new("A film", "", Provenance::default()).with(section);
+    let html = page.single_file().unwrap();
+    let film = html.split("data-film>").nth(1).unwrap().split("</section>").next().unwrap();
+    assert_eq!(film.matches("<figure").count(), 3);
+    assert!(film.find("picture 0").unwrap() < film.find("picture 2").unwrap());
+    assert!(!film.contains("<script>alert"));
+    assert_eq!(html.matches("querySelectorAll(\"[data-film]\")").count(), 1);
+    let without = Page::new("No film", "", Provenance::default()).single_file().unwrap();
+    assert!(!without.contains("[data-film]"));
 }
