@@ -47,10 +47,12 @@ pub use process::training::{Training, learn_options};
 pub use process::{ProcessModel, ProcessReport};
 pub use roll_out::measurements::{ForceSeen, PoseSeen};
 pub use roll_out::step_correlation::{EndCheck, StepCorrelation};
+pub use roll_out::tracker::{PushTracker, Wander};
 pub use roll_out::{
     Matching, Moment, PushEvents, PushMotion, PushParticle, RollOut, RollOutSettings, StepErrors,
 };
 pub use scatter::calibration::{Calibration, CalibrationPhase};
+pub use scatter::watched::Watched;
 pub use steps::channel_steps::{ChannelObservation, ChannelSteps, rigid_object};
 pub use steps::contact_gap::ContactGap;
 pub use steps::excluded::{Excluded, ExclusionReason};

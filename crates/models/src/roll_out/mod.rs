@@ -10,6 +10,7 @@ mod particle;
 mod push_state;
 pub(crate) mod settle;
 mod touch;
+pub(crate) mod tracker;
 
 use std::sync::Arc;
 

@@ -9,4 +9,5 @@ pub(crate) mod push_errors;
 pub(crate) mod push_scatter;
 
 pub(crate) mod given_draw;
+pub(crate) mod watched;
 mod whitened;

@@ -12,4 +12,5 @@ mod per_push;
 mod schema;
 mod several_shapes;
 mod true_outline;
+mod watched;
 mod without_particles;

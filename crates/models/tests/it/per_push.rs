@@ -13,14 +13,14 @@ use models::{
 use nalgebra::{Matrix3, Vector2, Vector3};
 use planar::{Pose, Shape, Twist, perpendicular};
 
-const TABLE: SupportSpec = SupportSpec { friction: 0.25, gravity: 9.81 };
+pub(crate) const TABLE: SupportSpec = SupportSpec { friction: 0.25, gravity: 9.81 };
 const RADIUS: f64 = 0.005;
 const FACE: f64 = -0.045 - RADIUS;
 
 /// An effect with values, of which some differ from push to push.
-type Varied<'a> = (&'a str, &'a [f64], &'a [(&'a str, Spread)]);
+pub(crate) type Varied<'a> = (&'a str, &'a [f64], &'a [(&'a str, Spread)]);
 
-fn description(effects: &[Varied<'_>], scatter: f64) -> Description {
+pub(crate) fn description(effects: &[Varied<'_>], scatter: f64) -> Description {
     let scatter = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 1100.0)) * scatter;
     let friction = Estimate::exact(0.25, "");
     let base = Analytical::new(friction, CharacteristicLength::UniformPressure, scatter).unwrap();
@@ -265,7 +265,7 @@ fn recorded(model: &dyn PushModel, seed: u64) -> RecordedPush {
 }
 
 /// Pushes that each draw a center of friction.
-fn drawing_pushes(sd: f64, n: u64) -> Vec<RecordedPush> {
+pub(crate) fn drawing_pushes(sd: f64, n: u64) -> Vec<RecordedPush> {
     let places = normal_places(n as usize);
     let push = |k: u64| {
         let dy = sd * places[(k * 37 % n) as usize];
