@@ -21,6 +21,7 @@ mod report;
 mod run;
 mod simulate;
 mod suggest;
+mod track;
 mod train;
 
 use anyhow::Result;
@@ -51,6 +52,7 @@ pub(crate) enum Command {
     Suggest(suggest::Args),
     Train(train::Args),
     Simulate(simulate::Args),
+    Track(track::Args),
     Report(report::Args),
     Completions(completions::Args),
     Man(man::Args),
@@ -82,6 +84,7 @@ impl Command {
             Self::Suggest(args) => suggest::run(args, terminal),
             Self::Train(args) => train::run(args, terminal),
             Self::Simulate(args) => simulate::run(args, terminal),
+            Self::Track(args) => track::run(args, terminal),
             Self::Report(args) => report::run(args, terminal),
             Self::Completions(args) => completions::run(args, terminal),
             Self::Man(args) => man::run(args, terminal),

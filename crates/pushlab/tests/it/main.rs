@@ -27,6 +27,7 @@ mod simulated;
 mod small_set;
 mod standard_output;
 mod suggested;
+mod tracked;
 mod trained;
 mod usage;
 mod whole_pushes;

@@ -30,6 +30,7 @@ fn help_lists_every_command() {
   suggest      Tell which pushes to do next: those that decide between rivals, or measure a name
   train        Train a model on a part of the pushes, alone or on what physics leaves over
   simulate     Roll pushes out by a model: where the object goes, and how sure that is
+  track        Watch pushes, and foresee their ends by what their beginnings tell
   report       Show how models do on recordings: one HTML page, to be read without a network
   completions  Print a completion script for a shell
   man          Write a manual page for each command
@@ -67,6 +68,7 @@ fn wrong_usage_names_what_is_allowed() {
         (&["effects", "explain", "table-tlit"], "'table-tilt'"),
         (&["simulate", "set"], "--output <DIR>"),
         (&["simulate", "set", "-o", "out", "--particles", "0"], "1..=1000000"),
+        (&["track", "set", "-o", "out", "--after", "1"], "a number between 0 and 1"),
         (&["simulate", "p.csv", "-o", "out", "--object", "1,2"], "such as 0,-20,45"),
         (&["generate"], "--output <DIR>"),
         (&["generate", "-o", "new", "--pushes", "0"], "1..=1000000"),
