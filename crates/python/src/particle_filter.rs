@@ -5,7 +5,6 @@ use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArr
 use pyo3::types::PyAnyMethods;
 use pyo3::{Bound, Py, PyAny, PyErr, PyResult, Python, pyclass, pymethods};
 use rand::Rng;
-use rand_chacha::ChaCha8Rng;
 
 use crate::array::shaped;
 use crate::failure::{PushlabError, refused};
@@ -13,7 +12,7 @@ use crate::failure::{PushlabError, refused};
 /// Weighted particles, each a vector of D numbers.
 #[pyclass(module = "pushlab._native")]
 pub(crate) struct ParticleFilter {
-    filter: filter::ParticleFilter<Vec<f64>>,
+    filter: filter::ParticleFilter<'static, Vec<f64>>,
     dimension: usize,
 }
 
@@ -94,7 +93,7 @@ impl MotionModel for PythonMotion {
     type State = Vec<f64>;
     type Error = PyErr;
 
-    fn advance(&self, states: &mut [Vec<f64>], random: &mut ChaCha8Rng) -> Result<(), PyErr> {
+    fn advance(&self, states: &mut [Vec<f64>], random: &mut dyn Rng) -> Result<(), PyErr> {
         Python::attach(|py| {
             let before = array(py, states, self.dimension)?;
             let after = self.motion.bind(py).call1((before, random.next_u64()))?;
