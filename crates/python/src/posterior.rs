@@ -25,7 +25,7 @@ pub(crate) struct Posterior(Arc<Process>);
 
 enum Process {
     Exact(Gp),
-    Sparse(SparseGp),
+    Sparse(Box<SparseGp>),
     Features(RffGp),
 }
 
@@ -33,7 +33,7 @@ impl Process {
     fn posterior(&self) -> &dyn gp_core::Posterior {
         match self {
             Self::Exact(gp) => gp,
-            Self::Sparse(gp) => gp,
+            Self::Sparse(gp) => gp.as_ref(),
             Self::Features(gp) => gp,
         }
     }
@@ -111,7 +111,7 @@ impl Posterior {
             ..SparseOptions::default()
         };
         learnt(py, (x, y), move |x, y| {
-            Ok(Process::Sparse(SparseGp::learn(kernel, x.matrix(), y, &options)?.0))
+            Ok(Process::Sparse(Box::new(SparseGp::learn(kernel, x.matrix(), y, &options)?.0)))
         })
     }
 

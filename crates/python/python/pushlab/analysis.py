@@ -358,9 +358,12 @@ def generate(
     return RecordingSet(output)
 
 
-def command(*typed: object, progress: Progress = True) -> Result:
-    """Any command, as its words stand behind ``pushlab``: ``command("describe", "steps.csv")``."""
-    return Result(*call(words(*typed), progress))
+def command(*typed: object, progress: Progress = True, **options: Any) -> Result:
+    """Any command, as its words stand behind ``pushlab``: ``command("describe", "steps.csv")``.
+
+    - ``options``: those of the command by name: ``part="3/8"``, ``force=True``, ``from_="diagnosis.json"``.
+    """
+    return Result(*call(words(*typed, **options), progress))
 
 
 def _file(model: Optional[ModelLike]) -> Optional[PathLike]:
