@@ -1,15 +1,14 @@
 //! `cargo xtask ci`: every check that a change has to pass, in order of cost.
 
-use std::process::Command;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
 use clap::builder::PossibleValuesParser;
 use clap::{Arg, ArgAction, ArgMatches, Command as Task};
 
-use crate::cargo::{cargo, output, run as run_command};
+use crate::cargo::{cargo, run as run_command};
 use crate::packages::packages;
-use crate::{fmt, starters, test, tidy};
+use crate::{dependencies, fmt, starters, test, tidy};
 
 /// Time for each reader of files, in s.
 const FUZZ_SECONDS: &str = "10";
@@ -57,8 +56,8 @@ const STAGES: [Stage; 10] = [
     Stage { name: "tidy", run: tidy::run },
     Stage { name: "clippy", run: clippy },
     Stage { name: "doc", run: doc },
-    // Licenses and versions of dependencies, where cargo-deny is installed.
-    Stage { name: "deny", run: check_dependencies },
+    // Licenses and versions of dependencies.
+    Stage { name: "dependencies", run: dependencies::run },
     // Each library packs, and builds without the features that others turn on.
     Stage { name: "package", run: package_libraries },
     // Committed recordings are what the task that makes them writes.
@@ -80,14 +79,6 @@ fn doc() -> Result<()> {
 
 fn start(task: &str, arguments: &[&str]) -> Result<()> {
     run_command(&mut starters::command(task, arguments)?)
-}
-
-fn check_dependencies() -> Result<()> {
-    if output(Command::new("cargo-deny").arg("--version")).is_err() {
-        println!("left out: cargo-deny is not installed");
-        return Ok(());
-    }
-    run_command(&mut cargo(&["deny", "check", "licenses", "bans"]))
 }
 
 fn package_libraries() -> Result<()> {

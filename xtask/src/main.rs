@@ -2,6 +2,7 @@
 
 mod cargo;
 mod ci;
+mod dependencies;
 mod fmt;
 mod packages;
 mod starters;

@@ -2,7 +2,7 @@
 
     python ingest.py my-pushes -o steps.parquet --parts 100 --scheduler tcp://head-node:8786
 
-writes the bytes of one ``pushlab ingest /home/me/my-pushes --step 200ms -o steps.parquet``: a table names the
+writes the bytes of one ``pushlab ingest "$PWD/my-pushes" --step 200ms -o steps.parquet``: a table names the
 arguments that made it. Workers see the same folders as this program. What was done stays:
 after an interruption, or a worker that died, only what is missing is made.
 """
