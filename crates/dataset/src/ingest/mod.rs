@@ -65,7 +65,7 @@ pub fn ingest(
 /// Recordings are read in parallel, a few at a time: memory does not grow with their number, and
 /// rows and report do not depend on the number of threads. A recording or push that cannot be used
 /// is excluded with its reason in the report. Of a [part](RecordingSet::in_part) the recordings of that part
-/// are read; [`merge_each`] puts parts together.
+/// are read; [`merge_each`](crate::merge_each) puts parts together.
 ///
 /// # Errors
 /// `Setting` for a setting out of range; `NothingUsable` if no push of a whole set gave rows; what the sink
