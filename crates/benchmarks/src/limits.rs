@@ -3,7 +3,6 @@
 mod data;
 mod methods;
 
-use std::fmt::Write as _;
 use std::fs;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -52,7 +51,9 @@ pub(crate) struct Limit {
     /// As it was asked for.
     #[serde(default)]
     pub(crate) asked: String,
-    /// To learn, in s; none if it was stopped after the budget.
+    /// How long it might take, in s.
+    pub(crate) budget_seconds: u64,
+    /// To learn, in s; none if it was stopped after that.
     pub(crate) learn_seconds: Option<f64>,
     /// To predict the test rows with variance, in s.
     pub(crate) predict_seconds: Option<f64>,
@@ -165,6 +166,7 @@ fn measure(
         size: task.n_training,
         method: method.name.to_owned(),
         asked: method.name.to_owned(),
+        budget_seconds: budget,
         learn_seconds: None,
         predict_seconds: None,
         peak_memory_mb: None,
@@ -199,7 +201,7 @@ fn within(mut program: Command, budget: Duration) -> Result<Option<Result<String
     for library in ["RAYON", "OMP", "OPENBLAS", "MKL", "TF"] {
         program.env(format!("{library}_NUM_THREADS"), "1");
     }
-    program.env("RAYON_NUM_THREADS", "1").stdout(Stdio::piped()).stderr(Stdio::piped());
+    program.stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = program.spawn().with_context(|| format!("cannot run {program:?}"))?;
     let mut pipes =
         (child.stdout.take().context("no output")?, child.stderr.take().context("none")?);
@@ -228,26 +230,29 @@ fn within(mut program: Command, budget: Duration) -> Result<Option<Result<String
     Ok(Some(if status.success() { Ok(last(&said)) } else { Err(last(&complained)) }))
 }
 
+impl Limit {
+    /// Learning, predicting, memory, log density and error, as people read them.
+    pub(super) fn cells(&self) -> [String; 5] {
+        let number = |value: Option<f64>, digits: usize| {
+            value.map_or("–".to_owned(), |value| format!("{value:.digits$}").replace('-', "−"))
+        };
+        let learn = self.learn_seconds;
+        [
+            learn.map_or(format!("> {} s", self.budget_seconds), duration),
+            self.predict_seconds.map_or("–".to_owned(), duration),
+            self.peak_memory_mb.map_or("–".to_owned(), |mb| format!("{mb:.0} MB")),
+            number(self.nlpd, 3),
+            number(self.rmse, 5),
+        ]
+    }
+}
+
 fn line(limit: &Limit) -> String {
-    let seconds = |value: Option<f64>| value.map_or("stopped".to_owned(), duration);
-    let number = |value: Option<f64>, digits: usize| {
-        value.map_or(String::new(), |value| format!("{value:.digits$}"))
-    };
-    let mut text = String::new();
-    writeln!(
-        text,
-        "{:8} {:>8} {:34} learn {:>10} predict {:>10} {:>6} MB NLPD {:>7} error {}",
-        limit.task,
-        limit.size,
-        limit.method,
-        seconds(limit.learn_seconds),
-        seconds(limit.predict_seconds),
-        number(limit.peak_memory_mb, 0),
-        number(limit.nlpd, 3),
-        number(limit.rmse, 5)
+    let [learn, predict, memory, nlpd, error] = limit.cells();
+    format!(
+        "{:8} {:>8} {:34} learn {learn:>10} predict {predict:>10} {memory:>9} NLPD {nlpd:>7} error {error}\n",
+        limit.task, limit.size, limit.method
     )
-    .expect("a String takes any text");
-    text
 }
 
 #[cfg(test)]
@@ -270,6 +275,7 @@ mod tests {
             size,
             method: format!("{asked} of today"),
             asked: asked.into(),
+            budget_seconds: 300,
             learn_seconds: Some(seconds),
             predict_seconds: None,
             peak_memory_mb: None,
