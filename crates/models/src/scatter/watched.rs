@@ -24,6 +24,8 @@ pub struct Watched {
     /// So many times as large are the covariances of ends, foreseen with what was learnt and without, that nine in
     /// ten regions of 90 % hold them.
     pub scale: [f64; 2],
+    /// Pushes that the model could go along, of which these factors are.
+    pub n_ends: usize,
     /// Log density of every measured pose given those before it, in nats.
     pub log_evidence: f64,
 }
@@ -47,7 +49,8 @@ impl Description {
     /// of all these pushes are foreseen after a share of the way, which tells how far off they are.
     ///
     /// # Errors
-    /// `TooFewPushes` for fewer than eight; what the model refuses.
+    /// `TooFewPushes` for fewer than eight, or fewer than eight that the model can go along; what the model
+    /// refuses.
     pub fn watched(
         &self,
         setup: &Setup,
@@ -70,7 +73,7 @@ impl Description {
             let one = |push: &&RecordedPush| evidence(model.as_ref(), push, wander);
             let evidences: Vec<Result<f64, ModelError>> = chosen.par_iter().map(one).collect();
             let log_evidence = evidences.into_iter().sum::<Result<f64, ModelError>>()?;
-            Ok(Watched { n_pushes, widened, wander, scale: [1.0; 2], log_evidence })
+            Ok(Watched { n_pushes, widened, wander, scale: [1.0; 2], n_ends: 0, log_evidence })
         };
         let (mut at, mut best) = (BEGIN, of(&BEGIN)?);
         for factor in FACTORS {
@@ -99,12 +102,16 @@ impl Description {
         let one = |push: &RecordedPush| push.foreseen(model.as_ref(), best.wander, after);
         let ends: Vec<Result<[PlanarSummary; 2], ModelError>> =
             pushes.par_iter().map(one).collect();
-        // As in the search, what some push cannot be watched with tells nothing.
+        // A push that the model refuses tells nothing: it is counted out.
         let known = pushes.iter().zip(ends).filter_map(|(push, ends)| Some((push, ends.ok()?)));
         let known: Vec<(&RecordedPush, [PlanarSummary; 2])> = known.collect();
+        let n_ends = known.len();
+        if n_ends < FEWEST {
+            return Err(ModelError::TooFewPushes { n_pushes: n_ends, needed: FEWEST });
+        }
         let scale =
             [0, 1].map(|k| nine_in_ten(known.iter().map(|(push, ends)| push.off(&ends[k]))));
-        Ok(Watched { scale, ..best })
+        Ok(Watched { scale, n_ends, ..best })
     }
 }
 
