@@ -99,7 +99,8 @@ impl Steps {
             let row = usize::try_from(*index).ok().and_then(|index| self.table.rows.get(index));
             row.cloned().ok_or_else(|| {
                 let n = self.table.len();
-                PushlabError::new_err(format!("there is no row {index}; rows are 0 to {}", n - 1))
+                let text = format!("there is no row {index}: the table has {n}, numbered from 0");
+                PushlabError::new_err(text)
             })
         };
         let rows = rows.as_array().iter().map(row).collect::<PyResult<_>>()?;

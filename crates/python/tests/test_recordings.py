@@ -62,6 +62,12 @@ def test_rows_are_selected_by_masks_and_numbers(steps):
         steps.select([100000])
     with pytest.raises(pushlab.PushlabError, match="a mask has one value a row"):
         steps.select([True, False])
+    with pytest.raises(pushlab.PushlabError, match="whole numbers, got float64"):
+        steps.select([0.5])
+    none = steps.select([])
+    assert none.n_rows == 0 and none["dx_m"].shape == (0,)
+    with pytest.raises(pushlab.PushlabError, match="there is no row 0: the table has 0"):
+        none.select([0])
 
 
 def test_a_step_has_the_length_that_was_asked_for(pushes):

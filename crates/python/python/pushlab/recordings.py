@@ -202,6 +202,8 @@ class Steps(Mapping[str, np.ndarray]):
                     f"a mask has one value a row: expected shape ({self.n_rows},), got {chosen.shape}"
                 )
             chosen = np.flatnonzero(chosen)
+        if chosen.size > 0 and chosen.dtype.kind not in "iu":
+            raise _native.PushlabError(f"rows are a mask or whole numbers, got {chosen.dtype}")
         chosen = np.ascontiguousarray(chosen, dtype=np.int64)
         return Steps._of(self._table.select(chosen), self._about, self.report)
 
