@@ -131,11 +131,9 @@ impl GridGp {
         if self.grid.stencil(x, stencil) {
             return true;
         }
-        let x = MatRef::from_row_major_slice(x, 1, x.len());
         let m = self.z.nrows();
         let mut known = vec![0.0; m];
-        let row: Vec<f64> = x.row(0).iter().copied().collect();
-        self.kernel.column(self.z.as_ref(), &row, &mut known);
+        self.kernel.column(self.z.as_ref(), x, &mut known);
         let whitened: Vec<f64> =
             (0..m).map(|i| (0..=i).map(|j| self.factor_inverse[(i, j)] * known[j]).sum()).collect();
         stencil.nodes = (0..m as u32).collect();
