@@ -6,6 +6,7 @@
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
+use rayon::prelude::{IndexedParallelIterator, ParallelIterator};
 
 use crate::kernel::column_mut;
 use crate::tile::{TILE, factorize_tile, invert_tile, solve_tile};
@@ -23,12 +24,16 @@ pub fn factorize(mut matrix: MatMut<'_, f64>) -> Result<(), usize> {
         return factorize_tile(matrix);
     }
     let width = panel_width(n);
+    // A product reads its second factor many times: the columns of that one are to be close together.
+    let mut coefficients = Mat::zeros(n, width);
     for start in (0..n).step_by(width) {
         let end = n.min(start + width);
         let rows = matrix.as_mut().get_mut(start.., ..end);
         let (known, mut panel) = rows.split_at_col_mut(start);
         let (known, width) = (known.as_ref(), end - start);
-        increase(panel.as_mut(), known, known.subrows(0, width).transpose(), -1.0);
+        let mut coefficients = coefficients.as_mut().get_mut(..start, ..width);
+        coefficients.copy_from(known.subrows(0, width).transpose());
+        increase(panel.as_mut(), known, coefficients.as_ref(), -1.0);
         let (mut pivots, below) = panel.split_at_row_mut(width);
         factorize(pivots.as_mut()).map_err(|pivot| start + pivot)?;
         solve_rows(pivots.as_ref(), below);
@@ -38,7 +43,13 @@ pub fn factorize(mut matrix: MatMut<'_, f64>) -> Result<(), usize> {
 
 /// Replaces X by X L⁻ᵀ, each of whose rows solves L x' = x; n² operations a row.
 pub fn solve_rows(factor: MatRef<'_, f64>, mut x: MatMut<'_, f64>) {
-    let n = factor.nrows();
+    let (n, n_rows) = (factor.nrows(), x.nrows());
+    if n_rows > TILE && n_rows * n * n > 2 * LEAF {
+        let half = (n_rows / 2).next_multiple_of(TILE);
+        let (top, bottom) = x.split_at_row_mut(half);
+        rayon::join(|| solve_rows(factor, top), || solve_rows(factor, bottom));
+        return;
+    }
     if n <= TILE {
         return solve_tile(factor, x);
     }
@@ -97,12 +108,13 @@ pub fn invert(mut factor: MatMut<'_, f64>, mut scratch: MatMut<'_, f64>) {
         invert(pivots.as_mut(), scratch.as_mut());
         clear_above(pivots.as_mut());
         let mut product = scratch.as_mut().get_mut(..end - start, ..start);
-        for first in (0..start).step_by(width) {
-            let last = first + width;
-            let (a, b) = (left.as_ref().subcols(first, start - first), done.as_ref());
-            let product = product.as_mut().get_mut(.., first..last);
-            multiply(product, Accum::Replace, a, b.get(first..start, first..last), -1.0);
-        }
+        let (rows, done) = (left.as_ref(), done.as_ref());
+        let blocks = product.as_mut().par_col_chunks_mut(width).enumerate();
+        blocks.for_each(|(block, product)| {
+            let (first, last) = (block * width, (block + 1) * width);
+            let (a, b) = (rows.get(.., first..), done.get(first..start, first..last));
+            multiply(product, Accum::Replace, a, b, -1.0);
+        });
         multiply(left.as_mut(), Accum::Replace, pivots.as_ref(), product.as_ref(), 1.0);
     }
 }
@@ -193,7 +205,7 @@ pub fn scratch_rows(n: usize) -> usize {
 /// Columns that one matrix product finishes: wide enough for its speed, narrow enough for little
 /// work above the diagonal.
 fn panel_width(n: usize) -> usize {
-    if n > 16 * TILE { 2 * TILE } else { TILE }
+    if n > 16 * TILE { 3 * TILE } else { TILE }
 }
 
 /// Columns of a triangle that a product with many rows takes at once: as many as the matrix product
@@ -202,7 +214,7 @@ const NARROW: usize = 8;
 const WIDE: usize = 128;
 
 /// Multiplications of a product that one thread does at once.
-const LEAF: usize = 1 << 23;
+const LEAF: usize = 1 << 22;
 
 /// sum ← factor·A B, or is increased by it; halves of large products run in parallel.
 fn multiply(
