@@ -25,7 +25,7 @@ fn panics_crashes_hangs_memory_and_forbidden_values_are_found_and_made_small() {
     let kept = tempfile::tempdir().unwrap();
     let keep = kept.path().to_str().unwrap();
     let output =
-        fuzzing(&["--reader", "self-test", "--cases", "600", "--time-limit", "2", "--keep", keep]);
+        fuzzing(&["--reader", "self-test", "--cases", "600", "--time-limit", "1", "--keep", keep]);
     let said = text(&output);
     assert_eq!(output.status.code(), Some(1), "{said}");
     for kind in ["panic: ", "crash: ", "hang: ", "wrong: number is NaN", "memory allocation of"] {
