@@ -27,11 +27,11 @@ use crate::{GpError, JointGaussian, LinearStatistics, Posterior};
 /// 3.1 to 3.10.
 #[derive(Clone, Debug)]
 pub struct BayesianLinear {
-    prior_factor: Mat<f64>,
-    cholesky: Cholesky,
-    weights: Vec<f64>,
-    noise_variance: f64,
-    log_evidence: f64,
+    pub(crate) prior_factor: Mat<f64>,
+    pub(crate) cholesky: Cholesky,
+    pub(crate) weights: Vec<f64>,
+    pub(crate) noise_variance: f64,
+    pub(crate) log_evidence: f64,
 }
 
 impl BayesianLinear {

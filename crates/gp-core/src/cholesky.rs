@@ -3,6 +3,7 @@
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Mat, MatMut, MatRef, Par};
 
+use crate::checks::{check_count, check_finite, check_positive};
 use crate::kernel::{column, column_mut};
 use crate::{GpError, triangle};
 
@@ -20,6 +21,19 @@ impl Cholesky {
     pub fn new(what: &'static str, mut matrix: Mat<f64>) -> Result<Self, GpError> {
         factorize(what, matrix.as_mut())?;
         Ok(Self { factor: matrix })
+    }
+
+    /// From L itself, as it was saved; of it the lower triangle is read.
+    ///
+    /// # Errors
+    /// `ShapeMismatch` if it is not square; `NotFinite`; `NotPositive` for an entry of its diagonal.
+    pub fn from_factor(factor: Mat<f64>) -> Result<Self, GpError> {
+        check_count("columns of the factor", factor.nrows(), factor.ncols())?;
+        check_finite("factor", factor.as_ref())?;
+        for i in 0..factor.nrows() {
+            check_positive("diagonal of the factor", factor[(i, i)])?;
+        }
+        Ok(Self { factor })
     }
 
     /// L; only its lower triangle has a meaning.

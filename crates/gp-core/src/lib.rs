@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod bayesian_linear;
+mod bayesian_linear_model;
 pub mod bfgs;
 pub mod blocks;
 mod builder;
@@ -51,6 +52,7 @@ mod with_mean;
 mod workspace;
 
 pub use bayesian_linear::BayesianLinear;
+pub use bayesian_linear_model::BayesianLinearModel;
 pub use bfgs::StopReason;
 pub use builder::GpBuilder;
 pub use cholesky::Cholesky;

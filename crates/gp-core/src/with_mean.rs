@@ -3,6 +3,7 @@
 use std::fmt;
 
 use faer::MatRef;
+use serde::{Deserialize, Serialize};
 
 use crate::checks::{check_inputs, check_outputs};
 use crate::kernel::copy_row;
@@ -24,6 +25,11 @@ impl<F: Fn(&[f64]) -> f64 + Send + Sync> MeanFunction for F {
 ///
 /// With a process for g this is the process with the mean m: where data are far, predictions return
 /// to m and variances to the prior's.
+///
+/// It is saved and read with its function where that is a type of plain data; of a closure save the
+/// `residual`, and put both together again by [`WithMean::about`].
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct WithMean<M, P> {
     function: M,
     residual: P,
@@ -48,6 +54,11 @@ impl<M: MeanFunction, P: Posterior> WithMean<M, P> {
         let values = values(&function, x)?;
         let residuals: Vec<f64> = y.iter().zip(&values).map(|(y, value)| y - value).collect();
         Ok(Self { residual: fit(&residuals)?, function })
+    }
+
+    /// A known function, and the posterior of what it leaves over.
+    pub fn about(function: M, residual: P) -> Self {
+        Self { function, residual }
     }
 
     /// The mean function m.

@@ -2,8 +2,8 @@
 
 use faer::Mat;
 use gp_core::{
-    BayesianLinear, Gp, GpError, Kernel, LinearStatistics, Mean, Mergeable, Parameter, Parts,
-    Posterior,
+    BayesianLinear, BayesianLinearModel, Gp, GpError, Kernel, LinearStatistics, Mean, Mergeable,
+    Parameter, Parts, Posterior,
 };
 use proptest::collection::vec;
 use proptest::prelude::{Just, ProptestConfig, Strategy, prop_assert, proptest};
@@ -189,4 +189,58 @@ fn merged_parts_have_the_same_bits_whatever_came_first() {
     let what = "numbers of features of the statistics";
     assert_eq!(part(0).merge(&other), Err(GpError::Incompatible { what }));
     assert_eq!(LinearStatistics::new(0), Err(GpError::Empty { what: "features" }));
+}
+
+fn regression() -> (BayesianLinear, Mat<f64>) {
+    let features = Mat::from_fn(20, 3, |i, j| (1.3 * (i * (j + 1)) as f64 + 0.2).sin());
+    let y: Vec<f64> = (0..20).map(|i| (0.7 * i as f64).cos()).collect();
+    let prior = Mat::from_fn(3, 3, |i, j| if i == j { 1.7 } else { 0.3 });
+    (BayesianLinear::fit(features.as_ref(), &y, prior.as_ref(), 0.1).unwrap(), features)
+}
+
+#[test]
+fn a_regression_is_saved_and_read_as_it_was() {
+    let (linear, features) = regression();
+    let text = serde_json::to_string(&linear).unwrap();
+    let read: BayesianLinear = serde_json::from_str(&text).unwrap();
+    let at = features.subrows(3, 5);
+    assert_eq!(read.predict(at).unwrap(), linear.predict(at).unwrap());
+    let [a, b] = [&read, &linear].map(|one| one.predict_joint(at).unwrap());
+    assert_eq!(a.covariance(), b.covariance());
+    assert_eq!(read.log_evidence(), linear.log_evidence());
+    assert_eq!(read.weight_covariance(), linear.weight_covariance());
+    assert_eq!(serde_json::to_string(&read).unwrap(), text);
+}
+
+#[test]
+fn a_damaged_regression_is_an_error_that_says_why() {
+    let (linear, _) = regression();
+    let model = linear.to_model();
+    let refused = |change: &dyn Fn(&mut BayesianLinearModel)| {
+        let mut model = model.clone();
+        change(&mut model);
+        BayesianLinear::from_model(&model).unwrap_err()
+    };
+    let version = refused(&|model| model.version = 7);
+    assert_eq!(version, GpError::UnsupportedVersion { found: 7, supported: 1 });
+    assert_eq!(refused(&|model| model.weights.clear()), GpError::Empty { what: "weights" });
+    let short = refused(&|model| model.weights.truncate(2));
+    assert_eq!(short, GpError::ShapeMismatch { what: "prior factor", expected: 3, actual: 6 });
+    let infinite = refused(&|model| model.precision_factor[1] = f64::INFINITY);
+    assert!(matches!(infinite, GpError::NotFinite { what: "precision factor", .. }), "{infinite}");
+    for zero in [0, 1] {
+        let flat = refused(&|model| match zero {
+            0 => model.prior_factor[2] = 0.0,
+            _ => model.precision_factor[5] = -1.0,
+        });
+        assert!(matches!(flat, GpError::NotPositive { .. }), "{flat}");
+    }
+    assert!(matches!(refused(&|m| m.noise_variance = 0.0), GpError::NotPositive { .. }));
+    let text = serde_json::to_string(&linear).unwrap();
+    let cut = text.replace("\"noise_variance\":0.1", "\"noise_variance\":-0.1");
+    let error = serde_json::from_str::<BayesianLinear>(&cut).unwrap_err().to_string();
+    assert!(error.contains("noise variance must be positive"), "{error}");
+    for end in [1, text.len() / 2, text.len() - 1] {
+        assert!(serde_json::from_str::<BayesianLinear>(&text[..end]).is_err());
+    }
 }

@@ -2,9 +2,10 @@
 
 use faer::Mat;
 use gp_core::{
-    Gp, GpError, GpModel, HeteroscedasticGp, LearnOptions, Mean, Polynomial, Posterior,
-    SquaredExponential, WithMean,
+    Gp, GpError, GpModel, HeteroscedasticGp, LearnOptions, Mean, MeanFunction, Polynomial,
+    Posterior, SquaredExponential, WithMean,
 };
+use serde::{Deserialize, Serialize};
 
 const NOISE_VARIANCE: f64 = 0.02;
 
@@ -150,6 +151,40 @@ fn a_constant_mean_function_is_a_fixed_mean() {
     assert!(close(&mean, &expected_mean) && close(&variance, &expected_variance));
     let joint = about.predict_joint(x_star.as_ref()).unwrap();
     assert!(close(joint.mean(), &expected_mean));
+}
+
+/// A mean function of plain data.
+#[derive(Serialize, Deserialize)]
+struct Plane {
+    slopes: Vec<f64>,
+}
+
+impl MeanFunction for Plane {
+    fn value(&self, x: &[f64]) -> f64 {
+        x.iter().zip(&self.slopes).map(|(x, slope)| x * slope).sum()
+    }
+}
+
+#[test]
+fn a_process_about_a_function_is_saved_and_read_with_it() {
+    let (x, x_star) = (inputs(15, 0.0), inputs(6, 0.4));
+    let y = outputs(&x);
+    let builder = Gp::builder(kernel(1.0)).noise_variance(NOISE_VARIANCE);
+    let plane = Plane { slopes: vec![0.3, -0.7] };
+    let about = WithMean::fit(plane, x.as_ref(), &y, |y| builder.condition(x.as_ref(), y)).unwrap();
+    let expected = about.predict(x_star.as_ref()).unwrap();
+    let text = serde_json::to_string(&about).unwrap();
+    let read: WithMean<Plane, Gp> = serde_json::from_str(&text).unwrap();
+    assert_eq!(read.predict(x_star.as_ref()).unwrap(), expected);
+    for (from, to) in [("\"residual\"", "\"remains\""), ("[0.3", "[\"0.3\""), ("}", "")] {
+        let damaged = text.replacen(from, to, 1);
+        assert!(damaged != text && serde_json::from_str::<WithMean<Plane, Gp>>(&damaged).is_err());
+    }
+    // Of a closure the rest is saved, and put together with it again.
+    let residual: Gp =
+        serde_json::from_str(&serde_json::to_string(about.residual()).unwrap()).unwrap();
+    let again = WithMean::about(|x: &[f64]| about.function().value(x), residual);
+    assert_eq!(again.predict(x_star.as_ref()).unwrap(), expected);
 }
 
 #[test]
