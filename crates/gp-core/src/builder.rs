@@ -1,12 +1,14 @@
 //! Putting an exact Gaussian process together.
 
-use std::ops::RangeBounds;
 use std::sync::Arc;
 
 use crate::checks::check_row_noise;
-use crate::learn::{Asked, NOISE_VARIANCE, names};
+use crate::constraints::{NOISE_VARIANCE, hyperparameter_names};
+use crate::learn::Asked;
 use crate::noise::Noise;
-use crate::{Constraints, Gp, GpError, Inputs, Kernel, LearnOptions, Mean, Prior};
+use crate::{
+    Constraints, Gp, GpError, Inputs, Kernel, LearnOptions, Mean, hyperparameters_by_name,
+};
 
 impl Gp {
     /// Begins a process with a kernel, a learnt constant mean, and nothing asked of its
@@ -63,33 +65,9 @@ impl GpBuilder {
         self
     }
 
-    /// Holds a hyperparameter at a value.
-    pub fn fix(mut self, name: &str, value: f64) -> Self {
-        self.constraints.fix(name, value);
-        self
-    }
-
-    /// Begins the first start of `fit` at a value, which `condition` takes as it is.
-    pub fn start(mut self, name: &str, value: f64) -> Self {
-        self.constraints.start(name, value);
-        self
-    }
-
-    /// Keeps a hyperparameter in a range, which may be open at an end.
-    pub fn bound(mut self, name: &str, range: impl RangeBounds<f64>) -> Self {
-        self.constraints.bound(name, range);
-        self
-    }
-
-    /// Keeps two hyperparameters equal; with the same name twice, all that have an index behind it.
-    pub fn tie(mut self, first: &str, second: &str) -> Self {
-        self.constraints.tie(first, second);
-        self
-    }
-
-    /// Adds what is known of a hyperparameter before the data, in place of [`LearnOptions::prior`].
-    pub fn prior(mut self, name: &str, prior: impl Prior + 'static) -> Self {
-        self.constraints.prior(name, prior);
+    /// All that is asked by name, in place of what was asked before.
+    pub fn constraints(mut self, constraints: Constraints) -> Self {
+        self.constraints = constraints;
         self
     }
 
@@ -146,7 +124,7 @@ impl GpBuilder {
         let mut best: Option<(f64, usize, Gp)> = None;
         for (place, one) in settings.iter().enumerate() {
             let gp = one.fit(x, y)?;
-            let n_free = one.constraints.n_free(&names(&*one.kernel))?;
+            let n_free = one.constraints.n_free(&hyperparameter_names(&*one.kernel))?;
             let penalty = 0.5 * n_free as f64 * (y.len() as f64).ln();
             let score = gp.log_marginal_likelihood() - penalty;
             if best.as_ref().is_none_or(|(most, ..)| score > *most) {
@@ -168,14 +146,11 @@ impl GpBuilder {
     /// for equal inputs without noise; `NotPositiveDefinite` if the covariance is singular to working
     /// precision.
     pub fn condition<'a>(&self, x: impl Into<Inputs<'a>>, y: &[f64]) -> Result<Gp, GpError> {
-        let names = names(&*self.kernel);
-        let of_kernel = self.kernel.parameters().into_iter().map(|p| Some(p.value));
-        let values: Vec<_> = of_kernel.chain([self.noise_variance]).collect();
-        let mut values = self.constraints.apply(&names, &values)?;
-        let common = values.pop().ok_or(GpError::NoNoiseVariance)?;
+        let (kernel, common) = self.constraints.apply(&*self.kernel, self.noise_variance)?;
         check_row_noise(&self.row_noise, y.len())?;
         let noise = Noise { common, of_rows: &self.row_noise };
-        let kernel = Arc::from(self.kernel.with_parameters(&values)?);
-        Gp::condition(kernel, x.into().matrix(), y, noise, self.options.mean)
+        Gp::condition(Arc::from(kernel), x.into().matrix(), y, noise, self.options.mean)
     }
 }
+
+hyperparameters_by_name!(GpBuilder);

@@ -4,7 +4,7 @@ use std::ops::{Bound, RangeBounds};
 use std::sync::Arc;
 
 use crate::checks::{check_count, check_positive, check_range};
-use crate::{GpError, Prior};
+use crate::{GpError, Kernel, Prior};
 
 /// Wishes about hyperparameters, by name; a name without an index stands for all that have one.
 #[derive(Clone, Debug, Default)]
@@ -103,18 +103,22 @@ impl Constraints {
         Ok(all.iter().filter(|one| one.fixed.is_none() && one.leader.is_none()).count())
     }
 
-    /// The values as they are, but for those that are fixed, given or tied.
+    /// A kernel and a noise variance as they are, but for values that are fixed, given or tied.
     ///
     /// # Errors
-    /// As `resolve`; `OutOfRange` for a value outside its bounds; `NoNoiseVariance` where a value is
-    /// missing, as only the noise variance can be.
-    pub(crate) fn apply(
+    /// `UnknownParameter`; `NotPositive` or `OutOfRange` for values and ranges that are none, or that do
+    /// not agree; `ShapeMismatch` for ties of different numbers; `Incompatible` for tied values that
+    /// differ; `NoNoiseVariance` where there is none.
+    pub fn apply(
         &self,
-        names: &[String],
-        values: &[Option<f64>],
-    ) -> Result<Vec<f64>, GpError> {
+        kernel: &dyn Kernel,
+        noise_variance: Option<f64>,
+    ) -> Result<(Box<dyn Kernel>, f64), GpError> {
+        let names = hyperparameter_names(kernel);
+        let of_kernel = kernel.parameters().into_iter().map(|parameter| Some(parameter.value));
+        let values: Vec<Option<f64>> = of_kernel.chain([noise_variance]).collect();
         let mut applied: Vec<f64> = Vec::new();
-        for (i, constraint) in self.resolve(names)?.iter().enumerate() {
+        for (i, constraint) in self.resolve(&names)?.iter().enumerate() {
             let own = constraint.fixed.or(constraint.start).or(values[i]);
             let value = constraint.leader.map(|leader| applied[leader]).or(own);
             let value = value.ok_or(GpError::NoNoiseVariance)?;
@@ -123,9 +127,19 @@ impl Constraints {
             }
             applied.push(value);
         }
-        Ok(applied)
+        let noise_variance = applied.pop().ok_or(GpError::NoNoiseVariance)?;
+        Ok((kernel.with_parameters(&applied)?, noise_variance))
     }
 }
+
+/// Names of all hyperparameters: those of the kernel, and `noise_variance`, which comes last.
+pub fn hyperparameter_names(kernel: &dyn Kernel) -> Vec<String> {
+    let of_kernel = kernel.parameters().into_iter().map(|parameter| parameter.name);
+    of_kernel.chain([NOISE_VARIANCE.to_owned()]).collect()
+}
+
+/// The name of the noise variance among the hyperparameters.
+pub(crate) const NOISE_VARIANCE: &str = "noise_variance";
 
 /// The places of a name, or of all that have an index behind it.
 fn matching(name: &str, names: &[String]) -> Result<Vec<usize>, GpError> {

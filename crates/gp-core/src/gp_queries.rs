@@ -3,7 +3,7 @@
 use faer::MatRef;
 
 use crate::cholesky::solve_with;
-use crate::learn::names;
+use crate::constraints::hyperparameter_names;
 use crate::vector::{add_multiple, dot};
 use crate::{Gp, GpError, Inputs, Posterior};
 
@@ -22,7 +22,10 @@ impl Gp {
     /// The hyperparameters by name, the noise variance last.
     pub fn hyperparameters(&self) -> Vec<(String, f64)> {
         let values = self.kernel().parameters().into_iter().map(|p| p.value);
-        names(self.kernel()).into_iter().zip(values.chain([self.noise_variance()])).collect()
+        hyperparameter_names(self.kernel())
+            .into_iter()
+            .zip(values.chain([self.noise_variance()]))
+            .collect()
     }
 
     /// The condition number of the covariance of the observations, from below: largest over smallest

@@ -7,6 +7,7 @@ use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 
 use crate::bfgs::{Limits, Minimum, best_of, minimize};
 use crate::checks::{check_outputs, check_positive, check_row_noise};
+use crate::constraints::hyperparameter_names;
 use crate::kernel::check_kernel_and_inputs;
 use crate::likelihood::Likelihood;
 use crate::noise::Noise;
@@ -64,7 +65,7 @@ impl Asked<'_> {
         check_learnable(kernel, x, y, options)?;
         check_row_noise(row_noise, y.len())?;
         let x = x.to_owned();
-        let names = names(kernel);
+        let names = hyperparameter_names(kernel);
         let space = SearchSpace::new(kernel, x.as_ref(), y, options.prior);
         let space = space.constrained(&names, constraints)?;
         let search = Search { kernel, x: x.as_ref(), y, row_noise, space: &space, options };
@@ -87,15 +88,6 @@ impl Asked<'_> {
         Ok(gp)
     }
 }
-
-/// Names of all hyperparameters; the noise variance last.
-pub(crate) fn names(kernel: &dyn Kernel) -> Vec<String> {
-    let of_kernel = kernel.parameters().into_iter().map(|parameter| parameter.name);
-    of_kernel.chain([NOISE_VARIANCE.to_owned()]).collect()
-}
-
-/// The name of the noise variance among the hyperparameters.
-pub(crate) const NOISE_VARIANCE: &str = "noise_variance";
 
 /// One optimisation problem, shared by all starts.
 struct Search<'a> {

@@ -23,10 +23,7 @@ pub struct LearnReport {
 impl fmt::Display for LearnReport {
     /// The hyperparameters, each start, and what to look at twice.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (name, value) in self.names.iter().zip(&self.best.parameters) {
-            let note = if self.at_bound.contains(name) { "  (at its bound)" } else { "" };
-            writeln!(f, "{name} = {value:.6}{note}")?;
-        }
+        write_hyperparameters(f, &self.names, &self.best.parameters, &self.at_bound)?;
         for (i, start) in self.starts.iter().enumerate() {
             match start {
                 Ok(start) => writeln!(
@@ -42,6 +39,23 @@ impl fmt::Display for LearnReport {
         }
         Ok(())
     }
+}
+
+/// Writes a hyperparameter a line, and which of them ended at a bound.
+///
+/// # Errors
+/// The writer's.
+pub fn write_hyperparameters(
+    f: &mut fmt::Formatter<'_>,
+    names: &[String],
+    values: &[f64],
+    at_bound: &[String],
+) -> fmt::Result {
+    for (name, value) in names.iter().zip(values) {
+        let note = if at_bound.contains(name) { "  (at its bound)" } else { "" };
+        writeln!(f, "{name} = {value:.6}{note}")?;
+    }
+    Ok(())
 }
 
 /// One start of the optimiser; parameters in the user's units, the noise variance last.

@@ -5,12 +5,14 @@ mod bayesian_linear_model;
 pub mod bfgs;
 pub mod blocks;
 mod builder;
+mod by_name;
 pub mod checks;
 pub mod cholesky;
 mod constraints;
 mod error;
 mod expansion;
 mod gaussian_input;
+mod generalized_least_squares;
 mod gp;
 mod gp_gradients;
 mod gp_queries;
@@ -56,13 +58,14 @@ pub use bayesian_linear_model::BayesianLinearModel;
 pub use bfgs::StopReason;
 pub use builder::GpBuilder;
 pub use cholesky::Cholesky;
-pub use constraints::Constraints;
+pub use constraints::{Constraints, hyperparameter_names};
 pub use error::GpError;
 pub use expansion::{
     AveragedSquaredExponentialBasis, Averages, Basis, Expansion, SquaredExponentialBasis,
     UncertainOutputs,
 };
 pub use gaussian_input::GaussianInput;
+pub use generalized_least_squares::GeneralizedLeastSquares;
 pub use gp::Gp;
 pub use heteroscedastic::{HeteroscedasticGp, HeteroscedasticGpModel};
 pub use hyper_prior::HyperPrior;
@@ -76,7 +79,7 @@ pub use kernel::{
 };
 pub use learn::{LearnOptions, check_learnable};
 pub use learn_noise::HeteroscedasticReport;
-pub use learn_report::{LearnReport, StartReport};
+pub use learn_report::{LearnReport, StartReport, write_hyperparameters};
 pub use learn_student_t::StudentTReport;
 pub use leave_one_out::LeaveOneOut;
 pub use likelihood::Evaluator;

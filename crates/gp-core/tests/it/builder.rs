@@ -2,8 +2,9 @@
 
 use faer::{Mat, Side};
 use gp_core::{
-    Constant, Gamma, Gp, GpBuilder, GpError, InverseGamma, Kernel, LogNormal, Matern52, Mean,
-    Parameter, Periodic, Prior, SquaredExponential, gram,
+    Constant, Constraints, Gamma, Gp, GpBuilder, GpError, HyperPrior, InverseGamma, Kernel,
+    LogNormal, Matern52, Mean, Parameter, Periodic, Prior, SearchSpace, SquaredExponential, gram,
+    hyperparameter_names,
 };
 
 /// A wave of two inputs with a little disturbance that looks like noise.
@@ -252,5 +253,45 @@ fn the_condition_number_is_that_of_the_covariance() {
         let exact = eigenvalues[39] / eigenvalues[0];
         let ratio = gp.condition_number() / exact;
         assert!(ratio > 0.5 && ratio < 1.0 + 1e-9, "{ratio} of {exact}");
+    }
+}
+
+#[test]
+fn what_is_asked_enters_objectives_with_the_slopes_of_differences() {
+    let (x, y) = data();
+    let kernel = SquaredExponential::unit(2).unwrap();
+    let names = hyperparameter_names(&kernel);
+    let mut asked = Constraints::default();
+    asked.bound(FIRST, 0.3..4.0);
+    asked.prior(FIRST, Gamma::new(4.0, 2.0).unwrap());
+    asked.prior("noise_variance", LogNormal::new(-4.0, 0.3).unwrap());
+    asked.tie(FIRST, SECOND);
+    asked.fix(SIGNAL, 1.5);
+    let prior = HyperPrior::LogNormal { lengthscale_sd: 0.7, scale_sd: 0.5 };
+    let space = SearchSpace::new(&kernel, x.as_ref(), &y, prior);
+    let space = space.constrained(&names, &asked).unwrap();
+    assert_eq!(space.n_coordinates(), 2);
+    // ln θ of all, weighed, stands for a likelihood.
+    let weights = [0.3, -1.2, 0.7, 2.0];
+    let objective = |point: &[f64], gradient: &mut [f64]| {
+        space.by_coordinates(point, &weights, gradient);
+        let values = space.parameters(point);
+        assert!(values[0] == values[1] && values[2] == 1.5, "{values:?}");
+        let sum: f64 = weights.iter().zip(&values).map(|(w, value)| w * value.ln()).sum();
+        space.penalty(point, gradient) + sum
+    };
+    for point in [[0.3, -1.0], [-2.0, 0.4], [1.7, -30.0]] {
+        let mut gradient = [0.0; 2];
+        objective(&point, &mut gradient);
+        for c in 0..2 {
+            let at = |step: f64| {
+                let mut moved = point;
+                moved[c] += step;
+                objective(&moved, &mut [0.0; 2])
+            };
+            let numeric = (at(1e-5) - at(-1e-5)) / 2e-5;
+            let close = (gradient[c] - numeric).abs() < 1e-6 * (1.0 + numeric.abs());
+            assert!(close, "{point:?} {c}: {} {numeric}", gradient[c]);
+        }
     }
 }
