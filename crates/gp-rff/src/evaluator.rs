@@ -2,7 +2,7 @@
 
 use faer::MatRef;
 use gp_core::GpError;
-use gp_core::checks::{check_inputs, check_outputs};
+use gp_core::checks::{check_inputs, check_outputs, check_row_noise};
 
 use crate::likelihood::Likelihood;
 use crate::{RandomFeatures, RffGp};
@@ -38,13 +38,27 @@ impl RffGp {
     /// # Errors
     /// `Empty`, `ShapeMismatch`, `NotFinite` for data that are not finite or do not fit together.
     pub fn evaluator(&self, x: MatRef<'_, f64>, y: &[f64]) -> Result<Evaluator, GpError> {
+        self.evaluator_with_row_noise(x, y, &[])
+    }
+
+    /// As `evaluator`, with known noise variances of the rows, N, or none.
+    ///
+    /// # Errors
+    /// As `evaluator`; `Negative` for a noise that is.
+    pub fn evaluator_with_row_noise(
+        &self,
+        x: MatRef<'_, f64>,
+        y: &[f64],
+        row_noise: &[f64],
+    ) -> Result<Evaluator, GpError> {
         check_inputs("inputs", x, self.features.n_inputs())?;
         check_outputs("outputs", y, x.nrows())?;
+        check_row_noise(row_noise, y.len())?;
         Ok(Evaluator {
             features: self.features.clone(),
             signal_variance: self.signal_variance,
             noise_variance: self.noise_variance,
-            likelihood: Likelihood::new(&self.features, x, y, self.mean)?,
+            likelihood: Likelihood::new(&self.features, (x, y, row_noise), self.mean)?,
             gradient: vec![0.0; self.features.n_inputs() + 2],
         })
     }

@@ -1,17 +1,22 @@
 //! All that Bayesian linear regression needs of the data, in a form that merges.
 
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::{Accum, Mat, MatRef, Par};
-use gp_core::checks::{check_count, check_inputs, check_outputs};
-use gp_core::kernel::{column, column_mut};
+use faer::{Mat, MatRef};
+use gp_core::checks::{check_count, check_inputs, check_outputs, check_positive, check_row_noise};
+use gp_core::kernel::column;
 use gp_core::vector::add_compensated;
-use gp_core::{GpError, Mergeable};
+use gp_core::{GpError, Mean, Mergeable, Monomials};
 use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSlice};
 use serde::{Deserialize, Serialize};
 
-use crate::{Form, RandomFeatures};
+use crate::RandomFeatures;
+use crate::feature_rows::{BLOCK, FeatureRows, GROUP, rows_of_part};
+use crate::layout::Layout;
 
-/// ΦᵀΦ, Φᵀ1, Φᵀy, yᵀy, 1ᵀy and N of the rows seen so far, y less a fixed origin.
+/// ΦᵀWΦ, ΦᵀWH, ΦᵀWy, yᵀWy, HᵀWy and N of the rows seen so far, y less a fixed origin.
+///
+/// H is what a mean is a sum of: 1, and with [`Self::with_mean`] products of inputs. W are weights of the
+/// rows: 1, and with [`Self::with_row_noise`] σₙ²/(σₙ² + r) of those with known noise r beside the common
+/// one.
 ///
 /// Rows are taken in groups of at most 960, each by matrix products, and groups are added with
 /// compensated sums. However the rows were split over calls, files or machines, every entry is the
@@ -25,10 +30,24 @@ pub struct SufficientStatistics {
     n_features: usize,
     n_rows: u64,
     origin: f64,
-    /// ΦᵀΦ, the lower triangle by columns, then Φᵀ1, Φᵀy, yᵀy and 1ᵀy.
+    /// By their [`Layout`].
     sums: Vec<f64>,
     /// What rounding left over of each sum.
     remainders: Vec<f64>,
+    /// What the mean is a sum of, if not of 1 alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    trend: Option<Trend>,
+    /// The common noise variance beside which rows with noise of their own were weighed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    weighed_beside: Option<f64>,
+}
+
+/// Products of inputs up to a degree, less a center.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Trend {
+    degree: u32,
+    center: Vec<f64>,
 }
 
 impl SufficientStatistics {
@@ -43,17 +62,62 @@ impl SufficientStatistics {
     /// `NotFinite` for an origin that is not.
     pub fn new(features: &RandomFeatures, origin: f64) -> Result<Self, GpError> {
         check_outputs("origin of the outputs", &[origin], 1)?;
-        let m = features.n_features();
-        let n = length(m);
-        Ok(Self {
+        let mut statistics = Self {
             version: Self::VERSION,
             features: features.fingerprint(),
-            n_features: m,
+            n_features: features.n_features(),
             n_rows: 0,
             origin,
-            sums: vec![0.0; n],
-            remainders: vec![0.0; n],
-        })
+            sums: Vec::new(),
+            remainders: Vec::new(),
+            trend: None,
+            weighed_beside: None,
+        };
+        statistics.empty();
+        Ok(statistics)
+    }
+
+    /// No rows yet, for a mean that may be a learnt polynomial.
+    ///
+    /// - `center`: subtracted from inputs in its products; near their mean it saves digits. Statistics that
+    ///   are to merge need the same.
+    ///
+    /// # Errors
+    /// `ShapeMismatch` or `NotFinite` if the center is not one finite number an input; as [`Mean::check`];
+    /// `Incompatible` where rows are there already.
+    pub fn with_mean(
+        mut self,
+        features: &RandomFeatures,
+        mean: Mean,
+        center: &[f64],
+    ) -> Result<Self, GpError> {
+        mean.check()?;
+        check_outputs("center of the inputs", center, features.n_inputs())?;
+        if self.n_rows > 0 {
+            return Err(GpError::Incompatible { what: "mean and that of rows that are there" });
+        }
+        let degree = mean.degree().unwrap_or(0);
+        self.trend = (degree > 0).then(|| Trend { degree, center: center.to_vec() });
+        self.empty();
+        Ok(self)
+    }
+
+    /// The same, for rows with known noise of their own beside a common one of this variance.
+    ///
+    /// # Errors
+    /// `NotPositive`; `Incompatible` where rows were weighed beside another one.
+    pub fn with_row_noise(mut self, noise_variance: f64) -> Result<Self, GpError> {
+        check_positive("noise variance", noise_variance)?;
+        match self.weighed_beside {
+            Some(other) if other != noise_variance && self.n_rows > 0 => {
+                let what = "noise variances beside which rows were weighed";
+                return Err(GpError::Incompatible { what });
+            }
+            None if self.trend.is_none() => self = self.extended(),
+            _ => {}
+        }
+        self.weighed_beside = Some(noise_variance);
+        Ok(self)
     }
 
     /// Takes in rows; O(N M²), in parallel, with the same bits for any number of threads.
@@ -68,35 +132,60 @@ impl SufficientStatistics {
         x: MatRef<'_, f64>,
         y: &[f64],
     ) -> Result<(), GpError> {
+        self.update_with_row_noise(features, x, y, &[])
+    }
+
+    /// As `update`, with known noise variances of the rows, N, or none.
+    ///
+    /// # Errors
+    /// As `update`; `Negative` for a noise that is; `Incompatible` for noise without
+    /// [`Self::with_row_noise`].
+    pub fn update_with_row_noise(
+        &mut self,
+        features: &RandomFeatures,
+        x: MatRef<'_, f64>,
+        y: &[f64],
+        row_noise: &[f64],
+    ) -> Result<(), GpError> {
         check_inputs("inputs", x, features.n_inputs())?;
         check_outputs("outputs", y, x.nrows())?;
+        check_row_noise(row_noise, y.len())?;
         self.check_features(features)?;
+        if self.weighed_beside.is_none() && !row_noise.is_empty() {
+            return Err(GpError::Incompatible { what: "noise of rows and weights of statistics" });
+        }
+        let monomials = self.monomials(features.n_inputs());
         let per_part = rows_of_part(y.len());
         let part = |memory: &mut FeatureRows, (part, y): (usize, &[f64])| {
-            let mut statistics = Self::new(features, self.origin)?;
-            statistics.add_rows(features, x.subrows(part * per_part, y.len()), y, memory);
-            Ok(statistics)
+            let mut statistics = self.without_rows();
+            let start = part * per_part;
+            let row_noise = row_noise.get(start..start + y.len()).unwrap_or(&[]);
+            let data = (x.subrows(start, y.len()), y, row_noise);
+            statistics.add_rows(features, data, memory);
+            statistics
         };
-        let memory = || FeatureRows::new(features, false);
-        let parts: Vec<Result<Self, GpError>> =
-            y.par_chunks(per_part).enumerate().map_init(memory, part).collect();
-        for part in parts {
-            self.merge(&part?)?;
-        }
-        Ok(())
+        let memory = || FeatureRows::new(features, monomials.clone(), false);
+        let parts: Vec<Self> = y.par_chunks(per_part).enumerate().map_init(memory, part).collect();
+        parts.iter().try_for_each(|part| self.merge(part))
     }
 
     /// Takes in what others have seen. Of many parts, [`gp_core::Parts`] have the same bits in any order.
     ///
     /// # Errors
-    /// `Incompatible` if the features, the origin or the version differ.
+    /// `Incompatible` if the features, the origin, the mean, the weights or the version differ.
     pub fn merge(&mut self, other: &Self) -> Result<(), GpError> {
         let same = self.features == other.features && self.version == other.version;
-        if !same || self.sums.len() != other.sums.len() {
+        if !same || self.n_features != other.n_features {
             return Err(GpError::Incompatible { what: "features of the statistics" });
         }
         if self.origin != other.origin {
             return Err(GpError::Incompatible { what: "output origins of the statistics" });
+        }
+        if self.trend != other.trend {
+            return Err(GpError::Incompatible { what: "means of the statistics" });
+        }
+        if self.weighed_beside != other.weighed_beside || self.sums.len() != other.sums.len() {
+            return Err(GpError::Incompatible { what: "weights of the statistics" });
         }
         self.n_rows += other.n_rows;
         self.add(0, &other.sums);
@@ -114,6 +203,11 @@ impl SufficientStatistics {
         self.origin
     }
 
+    /// The common noise variance beside which rows were weighed, if they were.
+    pub(crate) fn weighed_beside(&self) -> Option<f64> {
+        self.weighed_beside
+    }
+
     /// # Errors
     /// `Incompatible` unless these are sums of the given features; `ShapeMismatch` or `NotFinite`
     /// where a file was edited.
@@ -126,93 +220,110 @@ impl SufficientStatistics {
             return Err(GpError::Incompatible { what: "features and those of the statistics" });
         }
         check_count("features of the statistics", features.n_features(), self.n_features)?;
-        check_outputs("sums of the statistics", &self.sums, length(self.n_features))?;
+        if let Some(Trend { degree, center }) = &self.trend {
+            check_outputs("center of the inputs", center, features.n_inputs())?;
+            Mean::Polynomial(*degree).check()?;
+        }
+        if let Some(noise_variance) = self.weighed_beside {
+            check_positive("noise variance of the statistics", noise_variance)?;
+        }
+        check_outputs("sums of the statistics", &self.sums, self.layout().length())?;
         check_outputs("remainders of the statistics", &self.remainders, self.sums.len())
     }
 
-    /// ΦᵀΦ, the lower triangle.
-    pub(crate) fn square(&self) -> Mat<f64> {
-        let m = self.n_features;
-        let mut square = Mat::zeros(m, m);
-        let mut start = 0;
-        for j in 0..m {
-            for (i, entry) in column_mut(&mut square, j).iter_mut().enumerate().skip(j) {
-                *entry = self.total(start + i - j);
-            }
-            start += m - j;
+    /// H.
+    pub(crate) fn monomials(&self, n_inputs: usize) -> Monomials {
+        match &self.trend {
+            Some(Trend { degree, center }) => Monomials::new(*degree, center),
+            None => Monomials::new(0, &vec![0.0; n_inputs]),
         }
-        square
     }
 
-    /// Φᵀ1.
-    pub(crate) fn of_one(&self) -> Vec<f64> {
-        self.totals(0)
-    }
-
-    /// Φᵀy.
-    pub(crate) fn of_y(&self) -> Vec<f64> {
-        self.totals(self.n_features)
-    }
-
-    /// yᵀy.
-    pub(crate) fn y_y(&self) -> f64 {
-        self.total(self.sums.len() - 2)
-    }
-
-    /// 1ᵀy.
-    pub(crate) fn one_y(&self) -> f64 {
-        self.total(self.sums.len() - 1)
-    }
-
-    fn total(&self, index: usize) -> f64 {
+    /// The sum at a place of the layout.
+    pub(crate) fn total(&self, index: usize) -> f64 {
         self.sums[index] + self.remainders[index]
     }
 
-    fn totals(&self, offset: usize) -> Vec<f64> {
-        let start = self.n_features * (self.n_features + 1) / 2 + offset;
-        (start..start + self.n_features).map(|index| self.total(index)).collect()
-    }
-
-    /// No rows of other features of as many columns.
-    pub(crate) fn clear(&mut self, features: &RandomFeatures) {
+    /// No rows of other features of as many columns, weighed beside another noise if they are weighed.
+    pub(crate) fn clear(&mut self, features: &RandomFeatures, noise_variance: f64) {
         self.features = features.fingerprint();
+        self.weighed_beside = self.weighed_beside.map(|_| noise_variance);
         self.n_rows = 0;
         self.sums.fill(0.0);
         self.remainders.fill(0.0);
     }
 
+    fn without_rows(&self) -> Self {
+        let (sums, remainders) = (Vec::new(), Vec::new());
+        let mut other = Self { n_rows: 0, sums, remainders, trend: self.trend.clone(), ..*self };
+        other.empty();
+        other
+    }
+
+    /// All sums 0.
+    fn empty(&mut self) {
+        let n = self.layout().length();
+        (self.sums, self.remainders) = (vec![0.0; n], vec![0.0; n]);
+    }
+
     /// Takes in rows that have been checked, on the calling thread.
+    ///
+    /// - `row_noise`: one a row, or none.
     pub(crate) fn add_rows(
         &mut self,
         features: &RandomFeatures,
-        x: MatRef<'_, f64>,
-        y: &[f64],
+        (x, y, row_noise): (MatRef<'_, f64>, &[f64], &[f64]),
         rows: &mut FeatureRows,
     ) {
+        let is_extended = self.layout().is_extended;
         for (group, y) in y.chunks(GROUP).enumerate() {
-            rows.square.fill(0.0);
+            rows.clear();
+            let mut log_weights = 0.0;
             for (block, y) in y.chunks(BLOCK).enumerate() {
                 let start = group * GROUP + block * BLOCK;
                 rows.fill(features, x.subrows(start, y.len()), y, self.origin);
+                if is_extended {
+                    rows.add_spread();
+                }
+                if let (Some(common), Some(own)) =
+                    (self.weighed_beside, row_noise.get(start..start + y.len()))
+                {
+                    log_weights += rows.weigh(common, own);
+                }
                 rows.add_square();
             }
             self.add_square(&rows.square);
+            if is_extended {
+                self.add_spread(&rows.spread, log_weights);
+            }
             self.n_rows += y.len() as u64;
         }
     }
 
-    /// Adds (Φ, y, 1)ᵀ(Φ, y, 1), of which the lower triangle is given.
+    /// Adds (Φ, y, H)ᵀ(Φ, y, H), of which the lower triangle is given.
     fn add_square(&mut self, square: &Mat<f64>) {
-        let m = self.n_features;
-        let mut start = 0;
+        let (m, layout) = (self.n_features, self.layout());
+        if layout.is_extended {
+            for j in 0..square.ncols() {
+                self.add(layout.product(j, j), &column(square, j)[j..]);
+            }
+            return;
+        }
         for j in 0..m {
-            self.add(start, &column(square, j)[j..m]);
-            start += m - j;
+            self.add(layout.product(j, j), &column(square, j)[j..m]);
         }
         let row = |i: usize| (0..m).map(|j| square[(i, j)]).collect::<Vec<f64>>();
-        self.add(start, &row(m + 1));
-        self.add(start + m, &row(m));
-        self.add(start + 2 * m, &[square[(m, m)], square[(m + 1, m)]]);
+        self.add(layout.product(m + 1, 0), &row(m + 1));
+        self.add(layout.product(m, 0), &row(m));
+        self.add(layout.product(m, m), &[square[(m, m)], square[(m + 1, m)]]);
+    }
+
+    fn add_spread(&mut self, spread: &Mat<f64>, log_weights: f64) {
+        let layout = self.layout();
+        for k in 0..spread.ncols() {
+            self.add(layout.spread(k, k), &column(spread, k)[k..]);
+        }
+        self.add(layout.log_weights(), &[log_weights]);
     }
 
     /// Compensated: what the rounding of a sum loses is kept in its remainder.
@@ -220,91 +331,36 @@ impl SufficientStatistics {
         let range = start..start + terms.len();
         add_compensated(&mut self.sums[range.clone()], &mut self.remainders[range], terms);
     }
+
+    /// The same sums with places for those of weighed rows.
+    fn extended(self) -> Self {
+        let mut other = Self { weighed_beside: Some(1.0), ..self.clone() };
+        other.empty();
+        let (m, plain, extended) = (self.n_features, self.layout(), other.layout());
+        for i in 0..=m + 1 {
+            for j in 0..=i.min(m) {
+                let (from, to) = (plain.product(i, j), extended.product(i, j));
+                (other.sums[to], other.remainders[to]) = (self.sums[from], self.remainders[from]);
+            }
+        }
+        for one_one in [extended.product(m + 1, m + 1), extended.spread(0, 0)] {
+            other.sums[one_one] = self.n_rows as f64;
+        }
+        other
+    }
+
+    pub(crate) fn layout(&self) -> Layout {
+        let of_trend = |one: &Trend| Mean::Polynomial(one.degree).n_coefficients(one.center.len());
+        Layout {
+            n_features: self.n_features,
+            n_basis: self.trend.as_ref().map_or(1, of_trend),
+            is_extended: self.trend.is_some() || self.weighed_beside.is_some(),
+        }
+    }
 }
 
 impl Mergeable for SufficientStatistics {
     fn merge(&mut self, other: &Self) -> Result<(), GpError> {
         Self::merge(self, other)
     }
-}
-
-/// A block of rows (Φ, y, 1), and memory for their products.
-pub(crate) struct FeatureRows {
-    n: usize,
-    values: Mat<f64>,
-    /// The sine beside each cosine, where features and their slopes do not have it anyway.
-    sines: Mat<f64>,
-    /// The sum of (Φ, y, 1)ᵀ(Φ, y, 1) over blocks, the lower triangle.
-    square: Mat<f64>,
-}
-
-impl FeatureRows {
-    pub(crate) fn new(features: &RandomFeatures, with_sines: bool) -> Self {
-        let width = features.n_features() + 2;
-        let has_sines = with_sines && features.form == Form::Cosines;
-        let n_sines = if has_sines { features.phases.len() } else { 0 };
-        Self {
-            n: 0,
-            values: Mat::zeros(BLOCK, width),
-            sines: Mat::zeros(BLOCK, n_sines),
-            square: Mat::zeros(width, width),
-        }
-    }
-
-    /// Writes at most [`BLOCK`] rows.
-    pub(crate) fn fill(
-        &mut self,
-        features: &RandomFeatures,
-        x: MatRef<'_, f64>,
-        y: &[f64],
-        origin: f64,
-    ) {
-        let (n, m) = (y.len(), features.n_features());
-        self.n = n;
-        let sines = (self.sines.ncols() > 0).then(|| self.sines.as_mut().subrows_mut(0, n));
-        features.fill(x, self.values.as_mut().subrows_mut(0, n), sines);
-        for (value, y) in column_mut(&mut self.values, m).iter_mut().zip(y) {
-            *value = y - origin;
-        }
-        column_mut(&mut self.values, m + 1)[..n].fill(1.0);
-    }
-
-    /// (Φ, y, 1).
-    pub(crate) fn values(&self) -> MatRef<'_, f64> {
-        self.values.as_ref().subrows(0, self.n)
-    }
-
-    /// Cosine number `j` of the rows, and the sine beside it.
-    pub(crate) fn pair(&self, j: usize, n_frequencies: usize) -> (&[f64], &[f64]) {
-        let sine = match self.sines.ncols() {
-            0 => column(&self.values, n_frequencies + j),
-            _ => column(&self.sines, j),
-        };
-        (&column(&self.values, j)[..self.n], &sine[..self.n])
-    }
-
-    fn add_square(&mut self) {
-        let values = self.values.as_ref().subrows(0, self.n);
-        let (lower, whole) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
-        let square = self.square.as_mut();
-        matmul(square, lower, Accum::Add, values.transpose(), whole, values, whole, 1.0, Par::Seq);
-    }
-}
-
-/// Rows of a part: parts run in parallel, and what they are follows from the number of rows alone.
-pub(crate) fn rows_of_part(n_rows: usize) -> usize {
-    n_rows.div_ceil(MOST_PARTS).next_multiple_of(4 * GROUP)
-}
-
-/// Rows that one matrix product takes: with two hundred features they stay in the second cache. No
-/// power of two, so that the columns do not compete for the same places in it.
-pub(crate) const BLOCK: usize = 240;
-/// Rows that are summed before a compensated sum takes them.
-const GROUP: usize = 4 * BLOCK;
-/// Parts that run in parallel.
-const MOST_PARTS: usize = 16;
-
-/// Sums of M features.
-fn length(m: usize) -> usize {
-    m * (m + 1) / 2 + 2 * m + 2
 }

@@ -3,6 +3,7 @@
 use faer::Mat;
 use gp_core::{Averages, Basis, Expansion, GaussianInput, GpError};
 
+use crate::rff_gp::Function;
 use crate::{Form, RandomFeatures, RffGp};
 
 /// φᵢ(x) = a cos(ωᵢᵀx + bᵢ).
@@ -110,18 +111,24 @@ impl RffGp {
     /// The belief about f as a sum of waves: what it says of uncertain inputs; O(M³).
     ///
     /// # Errors
-    /// None that a process can have.
+    /// `PolynomialMean`.
     pub fn expansion(&self) -> Result<Expansion<Waves>, GpError> {
+        if self.monomials.degree() > 1 {
+            return Err(GpError::PolynomialMean);
+        }
         let signal_sd = self.signal_variance.sqrt();
-        let scaled = |weights: &[f64]| weights.iter().map(|weight| signal_sd * weight).collect();
+        let scaled = |one: &Function| one.weights.iter().map(|t| signal_sd * t).collect();
+        let constant = |one: &Function| {
+            let pairs = one.coefficients.iter().zip(self.monomials.center());
+            one.constant - pairs.map(|(g, c)| g * c).sum::<f64>()
+        };
         let root =
             faer::Scale((self.noise_variance * self.signal_variance).sqrt()) * &self.root_inverse;
-        let roots = vec![(1.0, root)];
-        let (basis, weights) = (Waves::new(&self.features), scaled(&self.weights));
-        let whole = Expansion::new(basis, (self.mean(), &[]), weights, 0.0, roots)?;
-        match &self.deviation {
-            Some((constant, weights)) => whole.with_deviation((*constant, &[]), scaled(weights)),
-            None => Ok(whole),
-        }
+        let (basis, own) = (Waves::new(&self.features), &self.function);
+        let trend = (constant(own), &*own.coefficients);
+        let whole = Expansion::new(basis, trend, scaled(own), 0.0, vec![(1.0, root)])?;
+        self.deviations.iter().try_fold(whole, |whole, one| {
+            whole.with_deviation((constant(one), &one.coefficients), scaled(one))
+        })
     }
 }

@@ -89,7 +89,8 @@ fn statistics_that_do_not_fit_together() {
     assert_eq!(empty.unwrap_err(), GpError::TooFewRows { needed: 1, actual: 0 });
     assert!(matches!(SufficientStatistics::new(&one, f64::NAN), Err(GpError::NotFinite { .. })));
     let linear = RffGp::from_statistics(one.clone(), sums.clone(), 1.0, 0.1, Mean::Linear);
-    assert_eq!(linear.unwrap_err(), GpError::LinearMean);
+    let what = "degrees of the mean and of the statistics";
+    assert_eq!(linear.unwrap_err(), GpError::Incompatible { what });
     let fixed = Mean::Fixed(f64::INFINITY);
     assert!(matches!(
         RffGp::from_statistics(one, sums, 1.0, 0.1, fixed),
