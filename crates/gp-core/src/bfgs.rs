@@ -32,6 +32,8 @@ pub struct Minimum {
     pub evaluations: usize,
     /// Why it stopped.
     pub stop: StopReason,
+    /// The function at the start, and after each step that was taken.
+    pub history: Vec<f64>,
 }
 
 /// Why a minimisation stopped.
@@ -123,7 +125,7 @@ fn minimize_from<E>(
     };
     let gradient_norm = here.gradient_norm();
     let Point { position: point, value, .. } = here;
-    Ok(Minimum { point, value, gradient_norm, iterations, evaluations, stop })
+    Ok(Minimum { point, value, gradient_norm, iterations, evaluations, stop, history })
 }
 
 /// The converged start with the smallest objective, the first of equals.

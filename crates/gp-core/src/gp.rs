@@ -7,11 +7,11 @@ use faer::{Accum, Mat, MatRef, Par};
 
 use crate::blocks::{PredictBlock, mean_in_blocks, predict_blocks_into, predict_in_blocks};
 use crate::checks::{check_distinct_rows, check_inputs, check_outputs, check_positive};
-use crate::cholesky::Cholesky;
+use crate::factor::Factor;
 use crate::kernel::{
     check_kernel_and_inputs, column_mut, column_of, fill_cross, fill_lower_gram, mirror_lower,
 };
-use crate::likelihood::{COVARIANCE, Evaluator, Likelihood};
+use crate::likelihood::{Evaluator, Likelihood};
 use crate::mean::{Deviation, Residual, Trend};
 use crate::noise::Noise;
 use crate::triangle::add_outer;
@@ -42,7 +42,8 @@ pub struct Gp {
     mean: Mean,
     pub(crate) trend: Trend,
     pub(crate) deviations: Vec<Deviation>,
-    pub(crate) cholesky: Arc<Cholesky>,
+    /// Of the covariance of the observations.
+    pub(crate) factor: Arc<Factor>,
     pub(crate) weights: Vec<f64>,
     log_marginal_likelihood: f64,
     pub(crate) report: Option<Arc<LearnReport>>,
@@ -64,14 +65,9 @@ impl Gp {
             check_distinct_rows(x)?;
         }
         let x = x.to_owned();
-        let mut matrix = Mat::zeros(y.len(), y.len());
-        fill_lower_gram(&*kernel, x.as_ref(), &mut matrix);
-        for i in 0..y.len() {
-            matrix[(i, i)] += noise.of_row(i);
-        }
-        let cholesky = Cholesky::new(COVARIANCE, matrix)?;
+        let factor = Factor::new(&*kernel, x.as_ref(), noise)?;
         let Residual { trend, deviations, weights, log_likelihood } =
-            Residual::solve(cholesky.factor(), x.as_ref(), y, mean)?;
+            Residual::solve(&factor, x.as_ref(), y, mean)?;
         Ok(Self {
             kernel,
             x: Arc::new(x),
@@ -81,7 +77,7 @@ impl Gp {
             mean,
             trend,
             deviations,
-            cholesky: Arc::new(cholesky),
+            factor: Arc::new(factor),
             weights,
             log_marginal_likelihood: log_likelihood,
             report: None,
@@ -104,7 +100,7 @@ impl Gp {
 
     /// Solves for mean and weights again after outputs or the factor have changed; O(N²).
     pub(crate) fn solve(&mut self) -> Result<(), GpError> {
-        let residual = Residual::solve(self.cholesky.factor(), self.inputs(), &self.y, self.mean)?;
+        let residual = Residual::solve(&*self.factor, self.inputs(), &self.y, self.mean)?;
         self.trend = residual.trend;
         self.deviations = residual.deviations;
         self.weights = residual.weights;
@@ -188,7 +184,7 @@ impl Gp {
     /// # Errors
     /// `UndeterminedWithout` where a learnt mean is not determined without some row.
     pub fn leave_one_out(&self) -> Result<LeaveOneOut, GpError> {
-        let whole = self.cholesky.inverse_diagonal();
+        let whole = self.factor.inverse_diagonal();
         let mut diagonal = whole.clone();
         for deviation in &self.deviations {
             diagonal
@@ -242,7 +238,7 @@ impl Posterior for Gp {
         let mean = self.predict_mean(x_star)?;
         let mut cross = Mat::zeros(self.y.len(), x_star.nrows());
         fill_cross(&*self.kernel, self.inputs(), x_star, cross.as_mut());
-        self.cholesky.solve_lower(cross.as_mut());
+        self.factor.solve_columns(cross.as_mut());
         let mut covariance = Mat::zeros(x_star.nrows(), x_star.nrows());
         fill_lower_gram(&*self.kernel, x_star, &mut covariance);
         matmul(covariance.as_mut(), Accum::Add, cross.transpose(), &cross, -1.0, Par::Seq);
@@ -288,7 +284,7 @@ impl PredictBlock for Gp {
                 add_multiple(moved, *weight, column_of(cross.as_mut(), j));
             }
         }
-        self.cholesky.solve_rows(cross.as_mut());
+        self.factor.solve_rows(cross.as_mut());
         self.kernel.diagonal(x_star, variance);
         for j in 0..n {
             add_square(variance, -1.0, column_of(cross.as_mut(), j));

@@ -3,9 +3,9 @@
 use faer::{Mat, MatRef};
 
 use crate::checks::check_inputs;
-use crate::cholesky::solve_with;
 use crate::kernel::copy_row;
 use crate::mean::{Deviation, Trend};
+use crate::root::Root;
 use crate::{Gp, GpError, Posterior};
 
 impl Gp {
@@ -58,7 +58,7 @@ impl Gp {
             copy_row(x_star, i, &mut a);
             self.kernel().column(self.inputs(), &a, &mut values);
             let mut weights = values.clone();
-            solve_with(self.cholesky.factor(), &mut weights);
+            self.factor.solve_whole(&mut weights);
             self.kernel().input_gradient(&a, &a, &mut slope);
             let mut explained = vec![0.0; n_inputs];
             let of_input = &mut explained;

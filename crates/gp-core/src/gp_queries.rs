@@ -1,10 +1,8 @@
 //! What an exact process is asked most: predictions, hyperparameters, and how far to trust them.
 
-use faer::MatRef;
-
-use crate::cholesky::solve_with;
 use crate::constraints::hyperparameter_names;
-use crate::vector::{add_multiple, dot};
+use crate::root::Root;
+use crate::vector::dot;
 use crate::{Gp, GpError, Inputs, Posterior};
 
 impl Gp {
@@ -33,20 +31,9 @@ impl Gp {
     ///
     /// About 16 less its decimal logarithm digits of the weights are right.
     pub fn condition_number(&self) -> f64 {
-        let factor = self.cholesky.factor();
-        let n = factor.nrows();
-        let multiply = |v: &mut Vec<f64>| {
-            let across: Vec<f64> = (0..n).map(|j| dot(lower(factor, j), &v[j..])).collect();
-            v.fill(0.0);
-            (0..n).for_each(|j| add_multiple(&mut v[j..], across[j], lower(factor, j)));
-        };
-        largest(n, multiply) * largest(n, |v| solve_with(factor, v))
+        let n = self.y.len();
+        largest(n, |v| self.factor.multiply(v)) * largest(n, |v| self.factor.solve_whole(v))
     }
-}
-
-/// Column `j` of a lower triangle.
-fn lower<'a>(factor: MatRef<'a, f64>, j: usize) -> &'a [f64] {
-    &factor.col(j).try_as_col_major().expect("owned matrices are column-major").as_slice()[j..]
 }
 
 /// The largest eigenvalue of a symmetric map, from below.

@@ -1,15 +1,18 @@
 //! Adding rows to an exact Gaussian process and removing them, in O(N²).
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use faer::{Mat, MatRef};
 
 use crate::checks::{check_inputs, check_not_negative, check_outputs, check_range};
-use crate::likelihood::COVARIANCE;
-use crate::{Gp, GpError};
+use crate::factor::{COVARIANCE, Factor, whole};
+use crate::noise::Noise;
+use crate::{Cholesky, Gp, GpError};
 
 impl Gp {
-    /// Takes in one more row with the hyperparameters as they are; O(N²).
+    /// Takes in one more row with the hyperparameters as they are; O(N²), but for the first one beside
+    /// several outputs at the same inputs, which then are no longer at the same ones: O(N³).
     ///
     /// - `x`: its inputs, D; `y`: its output.
     /// - `row_noise`: its known noise variance beside the common one, usually 0.
@@ -25,7 +28,8 @@ impl Gp {
         let mut covariance = vec![0.0; n];
         self.kernel().column(self.inputs(), x, &mut covariance);
         covariance.push(self.kernel().value(x, x) + self.noise_variance() + row_noise);
-        self.cholesky = Arc::new(self.cholesky.with_row(COVARIANCE, covariance)?);
+        let known = self.whole_factor()?;
+        self.factor = Arc::new(Factor::Whole(known.with_row(COVARIANCE, covariance)?));
         if row_noise > 0.0 || !self.row_noise.is_empty() {
             self.row_noise.resize(n, 0.0);
             self.row_noise.push(row_noise);
@@ -49,7 +53,7 @@ impl Gp {
             return Err(GpError::TooFewRows { needed: 2, actual: 1 });
         }
         let mut rest = self.clone();
-        rest.cholesky = Arc::new(self.cholesky.without_row(index));
+        rest.factor = Arc::new(Factor::Whole(self.whole_factor()?.without_row(index)));
         let entry = |i: usize, j: usize| self.x[(i + usize::from(i >= index), j)];
         rest.x = Arc::new(Mat::from_fn(n - 1, self.x.ncols(), entry));
         rest.y.remove(index);
@@ -59,5 +63,16 @@ impl Gp {
         rest.solve()?;
         *self = rest;
         Ok(())
+    }
+
+    /// The factor of all rows together.
+    pub(crate) fn whole_factor(&self) -> Result<Cow<'_, Cholesky>, GpError> {
+        Ok(match &*self.factor {
+            Factor::Whole(cholesky) => Cow::Borrowed(cholesky),
+            Factor::Shared(_) => {
+                let noise = Noise { common: self.noise_variance(), of_rows: &self.row_noise };
+                Cow::Owned(whole(self.kernel(), self.inputs(), noise)?)
+            }
+        })
     }
 }

@@ -134,6 +134,7 @@ impl Search<'_> {
             iterations: minimum.iterations,
             evaluations: minimum.evaluations,
             stop: minimum.stop,
+            history: minimum.history.iter().map(|value| -value).collect(),
         }
     }
 }

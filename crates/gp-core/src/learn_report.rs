@@ -75,4 +75,7 @@ pub struct StartReport {
     pub evaluations: usize,
     /// Why it stopped.
     pub stop: StopReason,
+    /// What was maximised, at the start and after each iteration: ln p(y | X) and the prior's log density,
+    /// in nats.
+    pub history: Vec<f64>,
 }

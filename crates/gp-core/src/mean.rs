@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use crate::checks::{check_outputs, check_range};
 use crate::cholesky::{factorize, log_determinant, solve_with};
 use crate::kernel::{column, column_mut};
-use crate::triangle::{inverse, solve_lower, solve_upper};
+use crate::root::Root;
+use crate::triangle::inverse;
 use crate::vector::{add_multiple, dot};
 use crate::{GpError, Monomials};
 
@@ -197,7 +198,7 @@ impl Residual {
     /// Rasmussen & Williams (2006), eq. 2.45; with ½ ln |HᵀH|: Harville, Bayesian inference for
     /// variance components using only error contrasts (1974).
     pub(crate) fn solve(
-        factor: MatRef<'_, f64>,
+        root: &impl Root,
         x: MatRef<'_, f64>,
         y: &[f64],
         mean: Mean,
@@ -214,7 +215,7 @@ impl Residual {
         let columns = basis.iter_mut().map(Vec::as_mut_slice);
         let mut vectors: Vec<&mut [f64]> =
             std::iter::once(weights.as_mut_slice()).chain(columns).collect();
-        solve_lower(factor, &mut vectors);
+        root.solve(&mut vectors);
         let mut precision = products(&basis);
         factorize("precision of the mean's coefficients", precision.as_mut())?;
         let mut coefficients: Vec<f64> = basis.iter().map(|column| dot(column, &weights)).collect();
@@ -223,19 +224,19 @@ impl Residual {
             add_multiple(&mut weights, -coefficient, column);
         }
         let quadratic = dot(&weights, &weights);
-        solve_upper(factor, &mut weights);
+        root.solve_transposed(&mut weights);
         let normalization = (y.len() - basis.len()) as f64 * (2.0 * PI).ln();
         let of_mean = log_determinant(precision.as_ref()) - spread;
-        let log_likelihood = -0.5 * (quadratic + log_determinant(factor) + of_mean + normalization);
+        let log_likelihood = -0.5 * (quadratic + root.log_determinant() + of_mean + normalization);
         let trend = Trend::new(origin, &coefficients, monomials.as_ref());
-        let deviations = deviations(factor, monomials.as_ref(), &basis, precision.as_ref());
+        let deviations = deviations(root, monomials.as_ref(), &basis, precision.as_ref());
         Ok(Self { trend, deviations, weights, log_likelihood })
     }
 }
 
-/// From L⁻¹H and the Cholesky factor C of HᵀK⁻¹H: e = C⁻¹h.
+/// From T⁻¹H and the Cholesky factor C of HᵀK⁻¹H: e = C⁻¹h.
 fn deviations(
-    factor: MatRef<'_, f64>,
+    root: &impl Root,
     monomials: Option<&Monomials>,
     basis: &[Vec<f64>],
     precision: MatRef<'_, f64>,
@@ -246,11 +247,11 @@ fn deviations(
     let turned = inverse(precision).transpose().to_owned();
     let deviation = |c: usize| {
         let coefficients = column(&turned, c);
-        let mut weights = vec![0.0; factor.nrows()];
+        let mut weights = vec![0.0; root.n_rows()];
         for (coefficient, column) in coefficients.iter().zip(basis) {
             add_multiple(&mut weights, -coefficient, column);
         }
-        solve_upper(factor, &mut weights);
+        root.solve_transposed(&mut weights);
         Deviation { trend: Trend::new(0.0, coefficients, monomials), weights }
     };
     (0..basis.len()).map(deviation).collect()

@@ -4,8 +4,8 @@ use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, MatRef, Par};
 
 use crate::cholesky::{factorize, invert, log_determinant};
+use crate::factor::COVARIANCE;
 use crate::kernel::{column, column_mut, copy_row, fill_lower_gram, mirror_lower};
-use crate::likelihood::COVARIANCE;
 use crate::mean::{Deviation, Residual};
 use crate::triangle::scratch_rows;
 use crate::vector::dot;
@@ -104,7 +104,7 @@ impl<'a> NoiseBound<'a> {
             self.factor[(i, i)] += self.noise[i];
         }
         factorize(COVARIANCE, self.factor.as_mut())?;
-        let residual = Residual::solve(self.factor.as_ref(), self.x, self.y, self.mean)?;
+        let residual = Residual::solve(&self.factor.as_ref(), self.x, self.y, self.mean)?;
         (self.weights, self.deviations) = (residual.weights, residual.deviations);
         Ok(residual.log_likelihood - 0.25 * trace - divergence)
     }

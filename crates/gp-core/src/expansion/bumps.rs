@@ -212,7 +212,7 @@ impl Gp {
         }
         let basis = SquaredExponentialBasis::new(self.kernel(), self.inputs())?;
         let prior = basis.signal_variance();
-        let roots = vec![(-1.0, inverse(self.cholesky.factor()))];
+        let roots = vec![(-1.0, inverse(self.whole_factor()?.factor()))];
         let trend = (self.mean(), self.mean_slopes());
         let whole = Expansion::new(basis, trend, self.weights.clone(), prior, roots)?;
         self.deviations.iter().try_fold(whole, |whole, deviation| {

@@ -15,5 +15,6 @@ mod outputs;
 mod reference;
 mod rows_and_outputs;
 mod scores;
+mod shared_inputs;
 mod student_t;
 mod uncertain_inputs;

@@ -276,7 +276,9 @@ fn the_rank_of_outputs_is_learnt() {
         let setting = |rank: usize| {
             let smooth = SquaredExponential::isotropic(1.0).active(&[0]);
             let kernel = smooth * Coregionalization::with_rank(4, rank).active(&[1]);
-            let options = LearnOptions { n_starts: 1, ..LearnOptions::default() };
+            // More functions than there are lie in a flat valley.
+            let options =
+                LearnOptions { n_starts: 1, max_iterations: 500, ..LearnOptions::default() };
             Gp::builder(kernel)
                 .fix("squared_exponential.signal_variance", 1.0)
                 .options(LearnOptions { mean: Mean::Fixed(0.0), ..options })
