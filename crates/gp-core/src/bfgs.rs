@@ -47,6 +47,8 @@ pub enum StopReason {
     DecreaseBelowRounding,
     /// The last iterations gained less than asked for: converged.
     ProgressBelowTolerance,
+    /// All steps of a stochastic search are done, which knows no better sign of convergence.
+    StepsTaken,
     /// Too many iterations: not converged.
     IterationLimit,
     /// No acceptable step along the steepest descent: not converged.

@@ -2,11 +2,11 @@
 
 use faer::{Mat, MatRef};
 use gp_core::checks::check_row_noise;
-use gp_core::{GpError, Kernel, Posterior};
+use gp_core::{Constraints, GpError, Kernel, Posterior};
 
-use crate::learn::rows_at;
 use crate::placement::shuffled_rows;
 use crate::sparse_gp::check_data;
+use crate::warm_start::rows_at;
 use crate::{PseudoInputs, SparseGp, SparseOptions};
 
 /// How well one number of pseudo-inputs predicts rows that it has not seen.
@@ -54,7 +54,8 @@ impl SparseGp {
                 row_noise: rows_at(&options.row_noise, training),
                 ..options.clone()
             };
-            let (gp, _) = Self::learn_dyn(&kernel, x_train.as_ref(), &y_train, &options)?;
+            let (data, nothing) = ((x_train.as_ref(), &*y_train), Constraints::default());
+            let (gp, _) = Self::learn_asked(&kernel, data, &options, &nothing)?;
             let (mean, mut variance) = gp.predict_observation(x_test.as_ref())?;
             let own = rows_at(&options.row_noise, held_out);
             variance.iter_mut().zip(&own).for_each(|(variance, own)| *variance += own);

@@ -14,6 +14,7 @@ use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut
 use crate::grid::{Grid, Stencil};
 use crate::grid_objective::{GridObjective, in_panels};
 use crate::grid_options::{GridOptions, summed};
+use crate::grid_report::GridReport;
 use crate::grid_sums::GridSums;
 use crate::row_sums::Solved;
 use crate::sparse_gp::check_data;
@@ -49,6 +50,7 @@ pub struct GridGp {
     posterior: Mat<f64>,
     factor_inverse: Mat<f64>,
     log_likelihood: f64,
+    pub(crate) report: Option<Arc<GridReport>>,
 }
 
 /// c + Σ g h(x) + w(x)ᵀv.
@@ -98,6 +100,7 @@ impl GridGp {
             posterior,
             factor_inverse,
             log_likelihood,
+            report: None,
         })
     }
 

@@ -5,42 +5,17 @@ use std::sync::Arc;
 use faer::MatRef;
 use gp_core::bfgs::{Limits, Minimum, minimize};
 use gp_core::checks::{check_outputs, check_positive};
-use gp_core::{GpError, Kernel, LearnOptions, SearchSpace, StopReason, check_learnable};
+use gp_core::{
+    Constraints, GpError, Kernel, LearnOptions, SearchSpace, check_learnable, hyperparameter_names,
+};
 
 use crate::grid::Grid;
 use crate::grid_objective::GridObjective;
 use crate::grid_options::{lengthscales, summed};
+use crate::grid_report::GridReport;
 use crate::grid_sums::GridSums;
-use crate::learn::{WarmStart, split};
+use crate::warm_start::{WarmStart, split};
 use crate::{GridGp, GridOptions};
-
-/// What the optimiser did; hyperparameters in the user's units, the noise variance last.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GridReport {
-    /// Names of the hyperparameters.
-    pub names: Vec<String>,
-    /// Where it started: those of the exact process on a few rows.
-    pub start: Vec<f64>,
-    /// Where it ended.
-    pub parameters: Vec<f64>,
-    /// ln p(y | X) there, in nats.
-    pub log_marginal_likelihood: f64,
-    /// Largest component of the gradient there.
-    pub gradient_norm: f64,
-    /// Quasi-Newton iterations.
-    pub iterations: usize,
-    /// Evaluations of the likelihood with its gradient.
-    pub evaluations: usize,
-    /// Why it stopped.
-    pub stop: StopReason,
-    /// Names of the parameters that ended at a wall.
-    pub at_bound: Vec<String>,
-    /// Nodes in use.
-    pub n_nodes: usize,
-    /// Spacing of the nodes over the learnt lengthscale, in the input where it is widest: above about a
-    /// half the interpolation shows.
-    pub widest_spacing: f64,
-}
 
 impl GridGp {
     /// Learns kernel parameters and noise by maximising the marginal likelihood of all rows.
@@ -56,30 +31,46 @@ impl GridGp {
         y: &[f64],
         options: &GridOptions,
     ) -> Result<(Self, GridReport), GpError> {
+        let (gp, report) = Self::learn_asked(&kernel, (x, y), options, &Constraints::default())?;
+        Ok((gp, report.as_ref().clone()))
+    }
+
+    /// What the optimiser did; nothing where the hyperparameters were given.
+    pub fn report(&self) -> Option<&GridReport> {
+        self.report.as_deref()
+    }
+
+    pub(crate) fn learn_asked(
+        kernel: &dyn Kernel,
+        (x, y): (MatRef<'_, f64>, &[f64]),
+        options: &GridOptions,
+        constraints: &Constraints,
+    ) -> Result<(Self, Arc<GridReport>), GpError> {
         let learning =
             LearnOptions { mean: options.mean, prior: options.prior, ..LearnOptions::default() };
-        check_learnable(&kernel, x, y, &learning)?;
+        check_learnable(kernel, x, y, &learning)?;
         check_positive("gradient_tolerance", options.gradient_tolerance)?;
         let warm = WarmStart {
             rows: options.warm_start_rows,
             seed: options.seed,
             mean: options.mean,
             prior: options.prior,
+            constraints,
         };
-        let start = warm.parameters(&kernel, x, y, &[])?;
-        let (warm, _) = split(&kernel, &start)?;
+        let names = hyperparameter_names(kernel);
+        let space = SearchSpace::new(kernel, x, y, options.prior);
+        let space = space.constrained(&names, constraints)?;
+        let start = warm.parameters(kernel, x, y, &[], &space)?;
+        let (warm, _) = split(kernel, &start)?;
         let (grid, sums) = summed(&*warm, x, y, options)?;
-        let space = SearchSpace::new(&kernel, x, y, options.prior);
-        let minimum = maximize(&kernel, &space, (&grid, &sums), &start, options)?;
+        let minimum = maximize(kernel, &space, (&grid, &sums), &start, options)?;
         let parameters = space.parameters(&minimum.point);
-        let (learnt, noise_variance) = split(&kernel, &parameters)?;
+        let (learnt, noise_variance) = split(kernel, &parameters)?;
         let learnt: Arc<dyn Kernel> = Arc::from(learnt);
         let widest_spacing = widest(&grid.spacing, &lengthscales(&*learnt, x));
         let n_nodes = grid.n_nodes();
-        let gp =
+        let mut gp =
             Self::condition(learnt, noise_variance, (grid, sums), options.mean, options.jitter)?;
-        let mut names: Vec<String> = kernel.parameters().into_iter().map(|p| p.name).collect();
-        names.push("noise_variance".to_owned());
         let at_bound = space.at_bound(&minimum.point).into_iter().map(|i| names[i].clone());
         let at_bound = at_bound.collect();
         let report = GridReport {
@@ -95,6 +86,8 @@ impl GridGp {
             n_nodes,
             widest_spacing,
         };
+        let report = Arc::new(report);
+        gp.report = Some(report.clone());
         Ok((gp, report))
     }
 }

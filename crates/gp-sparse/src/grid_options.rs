@@ -6,7 +6,7 @@ use gp_core::{GpError, HyperPrior, Kernel, Mean, Role};
 
 use crate::grid::Grid;
 use crate::grid_sums::GridSums;
-use crate::learn::spread;
+use crate::placement::spread;
 
 /// How the nodes are placed, and how parameters are learnt on them.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,39 +1,51 @@
 #![doc = include_str!("../README.md")]
 
 mod approximation;
+mod batches;
 mod block;
+mod builder;
 mod choose_size;
 mod deviation;
 mod expansion;
 mod grid;
+mod grid_builder;
 mod grid_gp;
 mod grid_learn;
 mod grid_model;
 mod grid_objective;
 mod grid_options;
+mod grid_report;
 mod grid_sums;
 mod learn;
 mod model;
 mod objective;
+mod options;
 #[cfg(doctest)]
 mod pages;
 mod part;
 mod placement;
 mod reduction;
+mod report;
 mod row_sums;
 mod rows;
 mod saved_rows;
+mod search;
 mod sparse_gp;
+mod warm_start;
 
 pub use approximation::{Approximation, SparseSettings};
+pub use batches::{Batches, Optimizer};
+pub use builder::SparseGpBuilder;
 pub use choose_size::SizeScore;
 pub use deviation::Deviation;
+pub use grid_builder::GridGpBuilder;
 pub use grid_gp::GridGp;
-pub use grid_learn::GridReport;
 pub use grid_model::GridGpModel;
 pub use grid_options::GridOptions;
-pub use learn::{SparseOptions, SparseReport, SparseStart};
+pub use grid_report::GridReport;
 pub use model::SparseGpModel;
+pub use options::SparseOptions;
 pub use placement::{Placement, PseudoInputs};
+pub use report::{SparseReport, SparseStart};
 pub use saved_rows::SparseRows;
 pub use sparse_gp::{Evaluator, SparseGp};

@@ -184,6 +184,7 @@ impl SparseGp {
             root_inverse,
             root,
             objective: model.objective,
+            report: None,
         })
     }
 }

@@ -6,6 +6,7 @@
 
 use faer::{Mat, MatRef};
 use gp_core::Monomials;
+use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 
 use crate::block::{BLOCK, Block, Scratch, Shared, Slopes, Solution, Sums};
 
@@ -28,16 +29,11 @@ impl Part {
         m: usize,
         n_parameters: usize,
     ) -> Vec<Self> {
-        let per_part = y.len().div_ceil(BLOCK).div_ceil(MOST_PARTS) * BLOCK;
-        let block = |start: usize, y: &[f64]| {
-            let y: Vec<f64> = y.iter().map(|y| y - origin).collect();
-            let noise = |i: usize| row_noise.get(i).copied().unwrap_or(0.0);
-            let row_noise = (start..start + y.len()).map(noise).collect();
-            Block::new(x.subrows(start, y.len()), (y, row_noise), monomials, m)
-        };
+        let rows = Rows { x, y, row_noise, origin, monomials, m };
+        let per_part = rows_of_part(y.len());
         let part = |(p, y): (usize, &[f64])| Self {
             blocks: (y.chunks(BLOCK).enumerate())
-                .map(|(b, y)| block(p * per_part + b * BLOCK, y))
+                .map(|(b, y)| rows.block(p * per_part + b * BLOCK, y.len()))
                 .collect(),
             scratch: Scratch::new(m, 1 + monomials.count()),
             sums: Sums::new(m + 1 + monomials.count()),
@@ -49,6 +45,27 @@ impl Part {
             },
         };
         y.chunks(per_part).enumerate().map(part).collect()
+    }
+
+    /// The first pass over all rows with the blocks one after the other in memory; the same bits.
+    pub(crate) fn sums(
+        (x, y, row_noise): (MatRef<'_, f64>, &[f64], &[f64]),
+        origin: f64,
+        monomials: &Monomials,
+        m: usize,
+        shared: &Shared<'_>,
+    ) -> Vec<Sums> {
+        let rows = Rows { x, y, row_noise, origin, monomials, m };
+        let per_part = rows_of_part(y.len());
+        let part = |p: usize| {
+            let mut sums = Sums::new(m + 1 + monomials.count());
+            let end = ((p + 1) * per_part).min(y.len());
+            for start in (p * per_part..end).step_by(BLOCK) {
+                rows.block(start, BLOCK.min(end - start)).sum(shared, &mut sums);
+            }
+            sums
+        };
+        (0..y.len().div_ceil(per_part)).into_par_iter().map(part).collect()
     }
 
     /// The first pass over all blocks.
@@ -74,3 +91,27 @@ impl Part {
 
 /// Parts that run in parallel.
 const MOST_PARTS: usize = 16;
+
+/// Rows that one part has.
+fn rows_of_part(n_rows: usize) -> usize {
+    n_rows.div_ceil(BLOCK).div_ceil(MOST_PARTS) * BLOCK
+}
+
+/// All rows, and what they are looked at as.
+struct Rows<'a> {
+    x: MatRef<'a, f64>,
+    y: &'a [f64],
+    row_noise: &'a [f64],
+    origin: f64,
+    monomials: &'a Monomials,
+    m: usize,
+}
+
+impl Rows<'_> {
+    fn block(&self, start: usize, n: usize) -> Block {
+        let y = self.y[start..start + n].iter().map(|y| y - self.origin).collect();
+        let noise = |i: usize| self.row_noise.get(i).copied().unwrap_or(0.0);
+        let row_noise = (start..start + n).map(noise).collect();
+        Block::new(self.x.subrows(start, n), (y, row_noise), self.monomials, self.m)
+    }
+}

@@ -1,6 +1,7 @@
 //! Where pseudo-inputs stand, or start.
 
 use faer::{Mat, MatRef};
+use gp_core::checks::check_inputs;
 use gp_core::kernel::{column, copy_row};
 use gp_core::vector::dot;
 use gp_core::{GpError, Kernel};
@@ -59,7 +60,7 @@ impl PseudoInputs {
     /// The pseudo-inputs by rows.
     ///
     /// # Errors
-    /// `OutOfRange` if more are asked for than there are rows, or none.
+    /// `Empty`, `ShapeMismatch`, `NotFinite` of given ones; `OutOfRange` if more are asked for than there are rows, or none.
     pub(crate) fn place(
         &self,
         kernel: &dyn Kernel,
@@ -70,7 +71,10 @@ impl PseudoInputs {
             Self::Learnt { count, placement } | Self::Placed { count, placement } => {
                 (*count, *placement)
             }
-            Self::Given(z) => return Ok(crate::sparse_gp::rows_of(z.as_ref())),
+            Self::Given(z) => {
+                check_inputs("pseudo-inputs", z.as_ref(), x.ncols())?;
+                return Ok(crate::sparse_gp::rows_of(z.as_ref()));
+            }
         };
         if count == 0 || count > x.nrows() {
             return Err(GpError::OutOfRange {
@@ -200,6 +204,14 @@ fn inverse_spread(values: &[f64]) -> f64 {
     let mean = values.iter().sum::<f64>() / n;
     let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n;
     if variance > 0.0 { variance.sqrt().recip() } else { 0.0 }
+}
+
+/// The standard deviation of an input; 1 for equal values.
+pub(crate) fn spread(x: MatRef<'_, f64>, d: usize) -> f64 {
+    let n = x.nrows() as f64;
+    let mean = x.col(d).iter().sum::<f64>() / n;
+    let variance = x.col(d).iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;
+    if variance > 0.0 { variance.sqrt() } else { 1.0 }
 }
 
 #[cfg(test)]

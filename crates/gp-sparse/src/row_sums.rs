@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use faer::{Mat, MatRef};
-use gp_core::cholesky::{factorize, log_determinant, solve_with};
+use gp_core::cholesky::{factorize, log_determinant};
 use gp_core::kernel::{column, column_mut};
-use gp_core::triangle::{inverse, solve_lower};
+use gp_core::triangle::solve_lower;
 use gp_core::vector::dot;
-use gp_core::{GpError, Mean, Monomials};
+use gp_core::{GeneralizedLeastSquares, GpError, Mean, Monomials};
 
 use crate::SparseSettings;
 use crate::block::{Response, Sums};
@@ -54,6 +54,35 @@ impl RowSums {
         merge_lower(&mut self.square, parts.clone().map(|part| &part.square));
         self.log_determinant = parts.clone().map(|part| part.log_determinant).sum();
         self.penalty = parts.map(|part| part.penalty).sum();
+    }
+
+    /// Moves the products by a share of the way to `scale` times those of parts.
+    pub(crate) fn move_to<'a>(
+        &mut self,
+        parts: impl Iterator<Item = &'a Sums> + Clone,
+        scale: f64,
+        share: f64,
+    ) {
+        let mut square = Mat::zeros(self.square.nrows(), self.square.ncols());
+        merge_lower(&mut square, parts.map(|part| &part.square));
+        for j in 0..square.ncols() {
+            for (old, new) in column_mut(&mut self.square, j).iter_mut().zip(column(&square, j)) {
+                *old += share * (scale * new - *old);
+            }
+        }
+    }
+
+    /// (y, H)ᵀC(y, H) with C the inverse of the covariance of the observations, the lower triangle.
+    ///
+    /// - `of_y`, `of_basis`: R⁻¹VᵀD⁻¹(y, H).
+    fn unexplained(&self, of_y: &[f64], of_basis: &[Vec<f64>]) -> Mat<f64> {
+        let (m, n) = (of_y.len(), of_basis.len());
+        let explained = |i: usize| if i == 0 { of_y } else { of_basis[i - 1].as_slice() };
+        let entry = |i: usize, j: usize| match i < j {
+            true => 0.0,
+            false => self.square[(m + i, m + j)] - dot(explained(i), explained(j)),
+        };
+        Mat::from_fn(1 + n, 1 + n, entry)
     }
 
     /// Adds `sign` times the sums of other rows.
@@ -125,21 +154,25 @@ impl Solved {
         let mut vectors = vec![of_y.as_mut_slice()];
         vectors.extend(of_basis.iter_mut().map(Vec::as_mut_slice));
         solve_lower(self.root.as_ref(), &mut vectors);
-        let told = Told::new(sums, &of_y, &of_basis)?;
+        let products = sums.unexplained(&of_y, &of_basis);
+        let (monomials, n_rows) = (&sums.monomials, sums.n_rows);
+        let told = GeneralizedLeastSquares::new(products.as_ref(), 1.0, monomials, n_rows)?;
         let (known, factors) = ((&*of_y, &*of_basis), [self.root.as_ref(), factor]);
         let coefficients = match settings.mean {
             Mean::Fixed(value) => vec![value - sums.origin],
-            _ => told.best.clone(),
+            _ => told.best().to_vec(),
         };
         let quadratic = told.quadratic(&coefficients);
         self.responses = vec![Response::solve((1.0, coefficients), known, factors)];
         let mut determinant = log_determinant(self.root.as_ref()) + sums.log_determinant;
         let mut n_told = sums.n_rows;
         if settings.mean.degree().is_some() {
-            let deviations = told.deviations(m, sums)?.into_iter();
+            let whole: Vec<f64> =
+                (m + 1..sums.square.nrows()).map(|k| sums.square[(k, k)]).collect();
+            let deviations = told.deviations(&whole, m)?.into_iter();
             let respond = |coefficients| Response::solve((0.0, coefficients), known, factors);
             self.responses.extend(deviations.map(respond));
-            determinant += told.log_determinant(sums)?;
+            determinant += told.log_determinant(sums.spread.as_ref())?;
             n_told -= of_basis.len();
         }
         let normalization = n_told as f64 * (2.0 * PI).ln();
@@ -165,89 +198,4 @@ fn function(response: &Response) -> Deviation {
     let Response { coefficients, weights, .. } = response;
     let (constant, coefficients) = coefficients.split_first().expect("1 is in every basis");
     Deviation { constant: *constant, coefficients: coefficients.to_vec(), weights: weights.clone() }
-}
-
-/// What is told of the mean, with C the inverse of the covariance of the observations.
-struct Told {
-    /// yᵀCy.
-    y_y: f64,
-    /// HᵀCy.
-    basis_y: Vec<f64>,
-    /// HᵀCH.
-    precision: Mat<f64>,
-    /// Its Cholesky factor.
-    factor: Mat<f64>,
-    /// (HᵀCH)⁻¹HᵀCy.
-    best: Vec<f64>,
-}
-
-impl Told {
-    /// - `of_y`, `of_basis`: R⁻¹VᵀD⁻¹(y, H).
-    fn new(sums: &RowSums, of_y: &[f64], of_basis: &[Vec<f64>]) -> Result<Self, GpError> {
-        let (m, n) = (of_y.len(), of_basis.len());
-        let entry = |i: usize, j: usize| sums.square[(m + 1 + i.max(j), m + 1 + i.min(j))];
-        let precision = Mat::from_fn(n, n, |i, j| entry(i, j) - dot(&of_basis[i], &of_basis[j]));
-        let with_y =
-            |(i, basis): (usize, &Vec<f64>)| sums.square[(m + 1 + i, m)] - dot(basis, of_y);
-        let basis_y: Vec<f64> = of_basis.iter().enumerate().map(with_y).collect();
-        let y_y = sums.square[(m, m)] - dot(of_y, of_y);
-        let (mut factor, mut best) = (precision.clone(), basis_y.clone());
-        if n == 1 {
-            best[0] = basis_y[0] / precision[(0, 0)];
-            factor[(0, 0)] = precision[(0, 0)].sqrt();
-        } else {
-            factorize("precision of the mean", factor.as_mut())
-                .map_err(|e| undetermined(e, sums))?;
-            solve_with(factor.as_ref(), &mut best);
-        }
-        Ok(Self { y_y, basis_y, precision, factor, best })
-    }
-
-    /// rᵀCr of r = y − H c.
-    fn quadratic(&self, c: &[f64]) -> f64 {
-        let linear: f64 = c.iter().zip(&self.basis_y).map(|(c, by)| 2.0 * c * by).sum();
-        let term = |i: usize| -> f64 {
-            c.iter().enumerate().map(|(j, other)| c[i] * other * self.precision[(i, j)]).sum()
-        };
-        self.y_y - linear + (0..c.len()).map(term).sum::<f64>()
-    }
-
-    /// Coefficients of independent directions of variance 1 in which the mean is uncertain.
-    fn deviations(&self, m: usize, sums: &RowSums) -> Result<Vec<Vec<f64>>, GpError> {
-        for k in 0..self.best.len() {
-            let whole = sums.square[(m + 1 + k, m + 1 + k)];
-            if self.factor[(k, k)].powi(2).is_nan()
-                || self.factor[(k, k)].powi(2) <= m as f64 * f64::EPSILON * whole
-            {
-                let what = "precision of the mean";
-                return Err(GpError::NotPositiveDefinite { what, size: k + 1, pivot: k });
-            }
-        }
-        if let [_] = self.best[..] {
-            return Ok(vec![vec![self.precision[(0, 0)].sqrt().recip()]]);
-        }
-        let turned = inverse(self.factor.as_ref()).transpose().to_owned();
-        Ok((0..self.best.len()).map(|c| column(&turned, c).to_vec()).collect())
-    }
-
-    /// ln |HᵀCH| − ln |HᵀH|.
-    fn log_determinant(&self, sums: &RowSums) -> Result<f64, GpError> {
-        if self.best.len() == 1 {
-            return Ok((self.precision[(0, 0)] / sums.n_rows as f64).ln());
-        }
-        let mut spread = sums.spread.clone();
-        factorize("basis of the mean", spread.as_mut()).map_err(|e| undetermined(e, sums))?;
-        Ok(log_determinant(self.factor.as_ref()) - log_determinant(spread.as_ref()))
-    }
-}
-
-/// Which slope the rows do not tell, where a matrix of the mean has no factor.
-fn undetermined(error: GpError, sums: &RowSums) -> GpError {
-    match error {
-        GpError::NotPositiveDefinite { pivot, .. } => match sums.monomials.input(pivot) {
-            Some(input) => GpError::UndeterminedSlope { input, n_rows: sums.n_rows },
-            None => error,
-        },
-        _ => error,
-    }
 }

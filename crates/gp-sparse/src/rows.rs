@@ -83,9 +83,6 @@ impl SparseGp {
     /// The sums of other rows, about the origin and center of `like`.
     fn sums_of(&self, x: MatRef<'_, f64>, y: &[f64], row_noise: &[f64], like: &RowSums) -> RowSums {
         let (m, z) = (self.z.nrows(), rows_of(self.z.as_ref()));
-        let n_parameters = self.kernel.parameters().len();
-        let mut parts =
-            Part::split((x, y, row_noise), like.origin, &like.monomials, m, n_parameters);
         let shared = Shared {
             kernel: &*self.kernel,
             z: &z,
@@ -93,10 +90,10 @@ impl SparseGp {
             noise_variance: self.noise_variance,
             factor_inverse: self.factor_inverse.as_ref(),
         };
-        parts.iter_mut().for_each(|part| part.sum(&shared));
+        let parts = Part::sums((x, y, row_noise), like.origin, &like.monomials, m, &shared);
         let mut sums =
             RowSums { n_rows: y.len(), spread: spread(&like.monomials, x), ..like.clone() };
-        sums.merge(parts.iter().map(|part| &part.sums));
+        sums.merge(parts.iter());
         sums
     }
 

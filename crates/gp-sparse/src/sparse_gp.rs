@@ -17,6 +17,7 @@ use crate::SparseSettings;
 use crate::deviation::Deviation;
 use crate::objective::Objective;
 use crate::reduction::reduction;
+use crate::report::SparseReport;
 use crate::row_sums::RowSums;
 
 /// A Gaussian process seen through its values u at M pseudo-inputs Z; of the data it keeps
@@ -54,6 +55,7 @@ pub struct SparseGp {
     /// T with TᵀT = K_uu⁻¹ − Σ, and zeros above the diagonal.
     pub(crate) reduction: Mat<f64>,
     pub(crate) objective: f64,
+    pub(crate) report: Option<Arc<SparseReport>>,
 }
 
 /// The objective and its gradient at the parameters of a process, on data of its own.
@@ -136,9 +138,9 @@ impl SparseGp {
     ) -> Result<Self, GpError> {
         let d = x.ncols();
         let m = z.len() / d;
-        let n_parameters = kernel.parameters().len();
-        let mut objective = Objective::new(x, y, row_noise, m, n_parameters, settings);
-        let value = objective.value(&*kernel, noise_variance, z)?;
+        // Of all rows no more than a block is in memory.
+        let mut objective = Objective::empty((x, y), m, settings);
+        let value = objective.value_of((x, y, row_noise), &*kernel, noise_variance, z)?;
         check_outputs("objective", &[value], 1)?;
         let root_inverse = inverse(objective.solved.root.as_ref());
         Ok(Self {
@@ -155,6 +157,7 @@ impl SparseGp {
             root: objective.solved.root,
             sums: Some(objective.sums),
             objective: value,
+            report: None,
         })
     }
 
