@@ -1,8 +1,8 @@
 //! Ways to learn a sparse process from many rows of five inputs, where no grid goes: seconds, error of the
 //! mean, density of new rows and bound.
 //!
-//! `cargo run --release -p pushlab-gp-sparse --example many_rows -- ROWS PSEUDO_INPUTS [all]`; with `all` on
-//! all rows at once as well.
+//! `cargo run --profile test -p pushlab-gp-sparse --example many_rows -- FUNCTION ROWS PSEUDO_INPUTS [all]`, of
+//! `waves` or `friedman`; with `all` on all rows at once as well.
 
 use std::time::Instant;
 
@@ -14,15 +14,22 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-/// Waves of five inputs in [0, 1], the outputs with a noise of standard deviation 1, and without.
-fn data(n: usize, seed: u64) -> (Mat<f64>, Vec<f64>, Vec<f64>) {
+type Function = fn([f64; 5]) -> f64;
+
+fn waves([a, b, c, d, e]: [f64; 5]) -> f64 {
+    2.0 * (6.0 * a + 2.0 * b).sin() * (4.0 * c).cos() + 3.0 * (5.0 * d * e + a).sin()
+}
+
+/// Friedman, Multivariate adaptive regression splines (1991).
+fn friedman([a, b, c, d, e]: [f64; 5]) -> f64 {
+    10.0 * (std::f64::consts::PI * a * b).sin() + 20.0 * (c - 0.5).powi(2) + 10.0 * d + 5.0 * e
+}
+
+/// Inputs in [0, 1], outputs with a noise of standard deviation 1, and without.
+fn data(function: Function, n: usize, seed: u64) -> (Mat<f64>, Vec<f64>, Vec<f64>) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let x: Mat<f64> = Mat::from_fn(n, 5, |_, _| rng.random_range(0.0..1.0));
-    let truth = |i: usize| {
-        let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|k| x[(i, k)]);
-        2.0 * (6.0 * a + 2.0 * b).sin() * (4.0 * c).cos() + 3.0 * (5.0 * d * e + a).sin()
-    };
-    let truth: Vec<f64> = (0..n).map(truth).collect();
+    let truth: Vec<f64> = (0..n).map(|i| function([0, 1, 2, 3, 4].map(|d| x[(i, d)]))).collect();
     let y = truth.iter().map(|f| f + rng.sample::<f64, _>(StandardNormal)).collect();
     (x, y, truth)
 }
@@ -49,9 +56,11 @@ fn main() -> Result<(), GpError> {
     let number = |i: usize, usual: usize| {
         arguments.get(i).and_then(|text| text.parse().ok()).unwrap_or(usual)
     };
-    let (n, count) = (number(0, 100_000), number(1, 100));
-    let (x, y, _) = data(n, 1);
-    let (x_test, y_test, truth) = data(10_000, 2);
+    let is_friedman = arguments.first().is_some_and(|one| one == "friedman");
+    let function: Function = if is_friedman { friedman } else { waves };
+    let (n, count) = (number(1, 100_000), number(2, 100));
+    let (x, y, _) = data(function, n, 1);
+    let (x_test, y_test, truth) = data(function, 10_000, 2);
     let pseudo_inputs = PseudoInputs::Learnt { count, placement: Placement::KMeans };
     let options = SparseOptions { pseudo_inputs, ..SparseOptions::default() };
     let tell = |name: &str, make: &dyn Fn() -> Result<SparseGp, GpError>| {
@@ -75,7 +84,7 @@ fn main() -> Result<(), GpError> {
         let learn = || Ok(SparseGp::learn(kernel()?, x.as_ref(), &y, &options)?.0);
         tell(&format!("{steps} batches of 960 rows"), &learn)?;
     }
-    if arguments.get(2).is_some_and(|one| one == "all") {
+    if arguments.get(3).is_some_and(|one| one == "all") {
         tell("all rows", &|| Ok(SparseGp::learn(kernel()?, x.as_ref(), &y, &options)?.0))?;
     }
     Ok(())
