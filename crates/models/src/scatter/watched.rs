@@ -13,7 +13,7 @@ use crate::{
 
 /// How what differs from push to push shows while a push is watched, as recorded ones showed it
 /// ([`Description::watched`]).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Watched {
     /// Pushes that it was measured on.
     pub n_pushes: usize,
@@ -24,6 +24,10 @@ pub struct Watched {
     /// So many times as large are the covariances of ends, foreseen with what was learnt and without, that nine in
     /// ten regions of 90 % hold them.
     pub scale: [f64; 2],
+    /// The factors with which the region of 90 % would just hold each end, sorted, with what was learnt and
+    /// without: ends are not normal, most are near and a few far off.
+    #[serde(skip)]
+    pub factors: [Vec<f64>; 2],
     /// Pushes that the model could go along, of which these factors are.
     pub n_ends: usize,
     /// Log density of every measured pose given those before it, in nats.
@@ -73,7 +77,8 @@ impl Description {
             let one = |push: &&RecordedPush| evidence(model.as_ref(), push, wander);
             let evidences: Vec<Result<f64, ModelError>> = chosen.par_iter().map(one).collect();
             let log_evidence = evidences.into_iter().sum::<Result<f64, ModelError>>()?;
-            Ok(Watched { n_pushes, widened, wander, scale: [1.0; 2], n_ends: 0, log_evidence })
+            let (scale, factors) = ([1.0; 2], [Vec::new(), Vec::new()]);
+            Ok(Watched { n_pushes, widened, wander, scale, factors, n_ends: 0, log_evidence })
         };
         let (mut at, mut best) = (BEGIN, of(&BEGIN)?);
         for factor in FACTORS {
@@ -109,9 +114,14 @@ impl Description {
         if n_ends < FEWEST {
             return Err(ModelError::TooFewPushes { n_pushes: n_ends, needed: FEWEST });
         }
-        let scale =
-            [0, 1].map(|k| nine_in_ten(known.iter().map(|(push, ends)| push.off(&ends[k]))));
-        Ok(Watched { scale, n_ends, ..best })
+        let factors = [0, 1].map(|k| {
+            let mut all: Vec<f64> =
+                known.iter().map(|(push, ends)| push.widening(&ends[k])).collect();
+            all.sort_by(f64::total_cmp);
+            all
+        });
+        let scale = [0, 1].map(|k| nine_in_ten(&factors[k]));
+        Ok(Watched { scale, factors, n_ends, ..best })
     }
 }
 
@@ -120,19 +130,33 @@ impl Watched {
     pub fn calibration(&self) -> Calibration {
         Calibration { widened: Some(self.widened), ..Calibration::default() }
     }
+
+    /// The levels of the regions that just do not hold the measured end of a push, foreseen as by
+    /// [`RecordedPush::foreseen`]: the shares of the other pushes that such regions would hold. An end is
+    /// within the region of a larger level; beyond what any other push needed the level is 1.
+    pub fn levels(&self, push: &RecordedPush, foreseen: &[PlanarSummary; 2]) -> [f64; 2] {
+        [0, 1].map(|k| {
+            let (factors, own) = (&self.factors[k], push.widening(&foreseen[k]));
+            let n_nearer = factors.partition_point(|factor| *factor < own);
+            if n_nearer == factors.len() {
+                1.0
+            } else {
+                n_nearer as f64 / (factors.len() + 1) as f64
+            }
+        })
+    }
 }
 
 /// χ² of three degrees of freedom is below it in nine cases of ten.
 const NINE_IN_TEN: f64 = 6.251_388_631_170_325;
+/// No region is made wider or narrower by a larger factor.
+const MOST_WIDENED: f64 = 1e9;
 
-/// The factor on the variances with which nine in ten of one more than these squared distances would be
-/// within the region of 90 %: the distance that so many are below, as in conformal prediction.
-fn nine_in_ten(distances: impl Iterator<Item = f64>) -> f64 {
-    let mut sorted: Vec<f64> = distances.collect();
-    sorted.sort_by(f64::total_cmp);
+/// The factor that suffices for nine in ten of one more than these pushes, as in conformal prediction.
+fn nine_in_ten(sorted: &[f64]) -> f64 {
     let place = (0.9 * (sorted.len() + 1) as f64).ceil() as usize;
     let reached = sorted.get(place.min(sorted.len()).saturating_sub(1));
-    reached.map_or(1.0, |distance| distance / NINE_IN_TEN)
+    reached.copied().unwrap_or(1.0)
 }
 
 /// The log density of a push's measured poses, each given those before it.
@@ -192,16 +216,26 @@ impl RecordedPush {
         (n_seen, gone / way)
     }
 
-    /// The squared distance of Mahalanobis of the measured end from a foreseen one.
-    fn off(&self, foreseen: &PlanarSummary) -> f64 {
+    /// The factor on a foreseen covariance with which the measured end is on the border of the region of
+    /// 90 %: the end's own noise stays as it is.
+    fn widening(&self, foreseen: &PlanarSummary) -> f64 {
         let end = &self.poses_wb[self.poses_wb.len() - 1];
         let turn = wrap_angle(end.angle - foreseen.mean.z);
         let off =
             Vector3::new(end.position.x - foreseen.mean.x, end.position.y - foreseen.mean.y, turn);
         let [place_sd, angle_sd] = self.pose_sd[1];
         let own = Vector3::new(place_sd, place_sd, angle_sd).map(|sd| sd * sd);
-        let covariance = foreseen.covariance + Matrix3::from_diagonal(&own);
-        covariance.cholesky().map_or(f64::INFINITY, |root| off.dot(&root.solve(&off)))
+        let is_within = |factor: f64| {
+            let covariance = factor * foreseen.covariance + Matrix3::from_diagonal(&own);
+            let square = covariance.cholesky().map(|root| off.dot(&root.solve(&off)));
+            square.is_some_and(|square| square <= NINE_IN_TEN)
+        };
+        let (mut low, mut high) = (-MOST_WIDENED.ln(), MOST_WIDENED.ln());
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if is_within(middle.exp()) { high = middle } else { low = middle }
+        }
+        high.exp()
     }
 
     /// Settings with which a push of recorded steps is watched from its start, with its steps as they are.

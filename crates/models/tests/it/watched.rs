@@ -104,6 +104,17 @@ fn recorded_pushes_tell_how_widely_they_differ() {
         }
     }
     assert!(held == [16; 2], "{held:?} {found:?}");
+    // Of the pushes themselves every level is there once.
+    let mut levels: Vec<[f64; 2]> = Vec::new();
+    for push in &pushes {
+        let ends = push.foreseen(model.as_ref(), found.wander, 0.333).unwrap();
+        levels.push(found.levels(push, &ends));
+    }
+    for k in 0..2 {
+        levels.sort_by(|a, b| a[k].total_cmp(&b[k]));
+        let is_it = |(place, level): (usize, &[f64; 2])| level[k] == place as f64 / 17.0;
+        assert!(levels.iter().enumerate().all(is_it), "{levels:?}");
+    }
     let few = varied(SD).watched(&setup, &pushes[..7], 0.333).unwrap_err();
     assert!(matches!(few, ModelError::TooFewPushes { n_pushes: 7, .. }), "{few}");
 }

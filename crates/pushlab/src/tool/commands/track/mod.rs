@@ -134,7 +134,7 @@ fn all_watched(
     terminal: &Terminal,
 ) -> Result<Vec<WatchedPush>> {
     let model = description.with(&found.calibration())?.build_in(setup.support, &setup.own)?;
-    let watching = Watching { model: model.as_ref(), others: *found, after: args.after };
+    let watching = Watching { model: model.as_ref(), others: found, after: args.after };
     let n_films = (args.films as usize).min(chosen.len());
     let is_drawn = |k: usize| (0..n_films).any(|film| film * chosen.len() / n_films == k);
     let (mut watched, mut left_out) = (Vec::new(), Vec::new());

@@ -24,7 +24,7 @@ pub(super) fn film(push: &WatchedPush) -> Result<Vec<Drawing>> {
         });
         let caption = format!(
             "After {:.0} % of the steps: the end is foreseen to {with} with what was learnt, to \
-             {without} without (standard deviations).",
+             {without} without (standard deviations of normal numbers with these regions of 90 %).",
             100.0 * k as f64 / last
         );
         Ok(Drawing::new(&picture(push, k), &caption)?)

@@ -127,7 +127,7 @@ impl Ends {
             (squares / n_ends as f64).sqrt()
         };
         let within = |level: f64| {
-            let n_within = ends.clone().filter(|end| end.level <= level).count();
+            let n_within = ends.clone().filter(|end| end.level < level).count();
             Coverage { level, n_within, n_ends }
         };
         Self { rms_error: [rms(0), rms(1)], coverage: LEVELS.map(within).into() }
@@ -142,7 +142,7 @@ impl fmt::Display for Coverage {
 
 impl fmt::Display for Tracked {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Watched { n_pushes, widened, wander, .. } = self.others;
+        let Watched { n_pushes, widened, wander, .. } = &self.others;
         let n = self.pushes.len();
         writeln!(f, "{}: {n} pushes watched", self.model)?;
         writeln!(

@@ -13,7 +13,7 @@ use serde::Serialize;
 pub(super) struct Watching<'a> {
     pub(super) model: &'a dyn PushModel,
     /// What other pushes told.
-    pub(super) others: Watched,
+    pub(super) others: &'a Watched,
     /// The share of the way after which the end is foreseen.
     pub(super) after: f64,
 }
@@ -47,7 +47,8 @@ pub(super) struct Foreseen {
     pub(super) pose_wb: PlanarSummary,
     /// Distance of the measured place from the mean one, in m, and turn beyond the mean one, in rad.
     pub(super) error: [f64; 2],
-    /// Level of the region on whose border the measured end is, from 0 to 1.
+    /// Level of the region on whose border the measured end is, from 0 to 1: the share of other pushes
+    /// that end further in.
     pub(super) level: f64,
 }
 
@@ -67,17 +68,12 @@ impl Watching<'_> {
         let seen = |k: usize| PoseSeen { pose_wb: push.poses_wb[k], sd: push.pose_sd[0] };
         let foresee = |tracker: &PushTracker<'_>, k: usize| -> Result<[PlanarSummary; 2]> {
             let without = tracker.forgetful(&seen(k))?;
-            let [scale, scale_without] = self.others.scale;
-            let [mut with, mut without] =
-                [tracker.ahead(&steps[k..])?, without.ahead(&steps[k..])?];
-            with.covariance *= scale;
-            without.covariance *= scale_without;
-            Ok([with, without])
+            Ok([tracker.ahead(&steps[k..])?, without.ahead(&steps[k..])?])
         };
         let (mut frames, mut durations, mut ends) = (Vec::new(), Vec::new(), None);
         for (k, step) in steps.iter().enumerate() {
             if is_drawn {
-                frames.push(foresee(&tracker, k)?);
+                frames.push(self.scaled(foresee(&tracker, k)?));
             }
             if k == n_seen {
                 ends = Some(foresee(&tracker, k)?);
@@ -90,10 +86,12 @@ impl Watching<'_> {
             tracker.update(&seen(k + 1))?;
             durations.push(begin.elapsed());
         }
-        let [with, without] = match ends {
+        let ends = match ends {
             Some(ends) => ends,
             None => foresee(&tracker, steps.len())?,
         };
+        let [level, level_without] = self.others.levels(push, &ends);
+        let [with, without] = self.scaled(ends);
         let centers = steps.iter().map(|step| step.end_w);
         Ok(WatchedPush {
             name: push.name.clone(),
@@ -103,21 +101,26 @@ impl Watching<'_> {
             centers_w: std::iter::once(push.path.start_w()).chain(centers).collect(),
             n_seen,
             share,
-            with: Foreseen::of(with, push),
-            without: Foreseen::of(without, push),
+            with: Foreseen::of(with, push, level),
+            without: Foreseen::of(without, push, level_without),
             frames,
             durations,
         })
     }
+
+    /// With covariances such that nine in ten of the others' ends are within regions of 90 %.
+    fn scaled(&self, mut ends: [PlanarSummary; 2]) -> [PlanarSummary; 2] {
+        let scales = self.others.scale;
+        ends.iter_mut().zip(scales).for_each(|(end, scale)| end.covariance *= scale);
+        ends
+    }
 }
 
 impl Foreseen {
-    fn of(pose_wb: PlanarSummary, push: &RecordedPush) -> Self {
+    fn of(pose_wb: PlanarSummary, push: &RecordedPush, level: f64) -> Self {
         let end = &push.poses_wb[push.poses_wb.len() - 1];
-        let measured = [end.position.x, end.position.y, end.angle];
         let off = (end.position - pose_wb.mean.xy()).norm();
         let turn = planar::wrap_angle(end.angle - pose_wb.mean.z);
-        let level = pose_wb.gaussian_level(measured, push.pose_sd[1]);
         Self { pose_wb, error: [off, turn], level }
     }
 }
