@@ -18,6 +18,9 @@ pub type MotionOverPushes = (Vector3<f64>, Matrix3<f64>);
 /// The expected motion of a step, and deviations of pushes from it: the sum of their squares is the covariance.
 pub type MotionsOfPushes = (Vector3<f64>, Vec<Vector3<f64>>);
 
+/// Draws that are not worth another thread.
+const FEW: usize = 2;
+
 /// An analytical model with its effects on a table: motion, contact force and contact gap.
 ///
 /// The limit surface is that of the base model; a given characteristic length acts as the effect
@@ -105,11 +108,21 @@ impl ChannelModel {
         &self,
         steps: impl IntoIterator<Item = (&'a StepInput, &'a [f64])>,
     ) -> Result<Vec<Channels>, ModelError> {
-        let (steps, draws): (Vec<_>, Vec<_>) = steps.into_iter().unzip();
-        let mut draws = draws.into_iter();
-        self.of_each(steps, |physics, step| {
-            physics.drawn(draws.next().unwrap_or_default(), step).predict(step)
-        })
+        let (steps, draws): (Vec<&StepInput>, Vec<&[f64]>) = steps.into_iter().unzip();
+        let mut known: Vec<(&Arc<Object>, PushPhysics)> = Vec::new();
+        for step in &steps {
+            if !known.iter().any(|(object, _)| Arc::ptr_eq(object, &step.object)) {
+                known.push((&step.object, self.physics(&step.object)?));
+            }
+        }
+        // Each draw has mechanics of its own, which take long where masses are accelerated.
+        let one = |(step, draw): (&&StepInput, &&[f64])| {
+            let mut own = known.iter().filter(|(object, _)| Arc::ptr_eq(object, &step.object));
+            let physics = own.next().map(|(_, physics)| physics.drawn(draw, step));
+            physics.map(|physics| physics.predict(step))
+        };
+        let all: Vec<_> = steps.par_iter().zip(&draws).with_min_len(FEW).map(one).collect();
+        all.into_iter().flatten().map(|channels| Ok(channels?)).collect()
     }
 
     /// The motion of each step, (Δx, Δy, Δθ) in m, m and rad: expected, and its covariance by the
