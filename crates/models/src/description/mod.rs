@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Analytical, ModelEffect, ModelError, OrthogonalDiscrepancy, Outline, ProcessKind, ProcessModel,
-    SeenSteps, StepFeatures,
+    ProcessReport, SeenSteps, StepFeatures,
 };
 
 /// A model as plain data.
@@ -49,6 +49,9 @@ pub struct Weights {
     /// What the training steps span; older weights do not tell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seen: Option<SeenSteps>,
+    /// How each process was learnt; older weights do not tell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub learning: Option<[ProcessReport; 3]>,
     /// Of a hybrid.
     #[serde(default, alias = "beside_physics", skip_serializing_if = "Option::is_none")]
     pub orthogonal_discrepancy: Option<OrthogonalDiscrepancy>,
@@ -56,10 +59,11 @@ pub struct Weights {
 
 impl Weights {
     /// The format that this release writes.
-    pub const SCHEMA: &str = "pushlab.weights/3";
+    pub const SCHEMA: &str = "pushlab.weights/4";
 
-    /// The formats that it reads: before 3, `orthogonal_discrepancy` was `beside_physics`.
-    pub(crate) const READABLE: [&str; 2] = ["pushlab.weights/2", Self::SCHEMA];
+    /// The formats that it reads: before 3, `orthogonal_discrepancy` was `beside_physics`; before 4, there was
+    /// no `learning`.
+    pub(crate) const READABLE: [&str; 3] = ["pushlab.weights/2", "pushlab.weights/3", Self::SCHEMA];
 
     /// The inputs as a choice.
     ///

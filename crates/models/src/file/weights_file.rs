@@ -47,7 +47,7 @@ pub(super) fn read(
     let weights: Weights = serde_json::from_str(&text)
         .map_err(|error| damaged(format!("is not readable: {error}")))?;
     if !Weights::READABLE.contains(&weights.schema.as_str()) {
-        let readable = Weights::READABLE.join(" and ");
+        let readable = Weights::READABLE.join(", ");
         let problem = format!("has schema {}, this release reads {readable}", weights.schema);
         return Err(damaged(problem));
     }

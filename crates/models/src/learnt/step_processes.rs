@@ -27,6 +27,8 @@ pub(crate) struct StepProcesses {
     features: StepFeatures,
     outlines: Vec<Outline>,
     seen: Option<SeenSteps>,
+    /// How each was learnt, where that is known.
+    learning: Option<[ProcessReport; 3]>,
     /// What is read instead of the processes, where it reaches.
     table: Option<Arc<StepTable>>,
     /// Worked out when it is asked for.
@@ -64,8 +66,11 @@ impl StepProcesses {
         let seen = SeenSteps::of(training.features, steps)?;
         let features = training.features;
         let closed_form = OnceLock::new();
-        let processes = Self { outputs, features, outlines, seen, table: None, closed_form };
-        Ok((processes, [report_x, report_y, report_theta]))
+        let reports = [report_x, report_y, report_theta];
+        let learning = Some(reports.clone());
+        let processes =
+            Self { outputs, features, outlines, seen, learning, table: None, closed_form };
+        Ok((processes, reports))
     }
 
     /// The kind of the processes.
@@ -203,6 +208,7 @@ impl StepProcesses {
             outlines: self.outlines.clone(),
             outputs: [model(0)?, model(1)?, model(2)?],
             seen: self.seen.clone(),
+            learning: self.learning.clone(),
             orthogonal_discrepancy: None,
         })
     }
@@ -224,9 +230,9 @@ impl StepProcesses {
         if seen.as_ref().is_some_and(|seen| !seen.is_sound(features.names().len())) {
             return Err(ModelError::UnsoundWeights { what: "seen" });
         }
-        let outlines = weights.outlines.clone();
+        let (outlines, learning) = (weights.outlines.clone(), weights.learning.clone());
         let closed_form = OnceLock::new();
-        Ok(Self { outputs, features, outlines, seen, table: None, closed_form })
+        Ok(Self { outputs, features, outlines, seen, learning, table: None, closed_form })
     }
 
     /// Refuses steps of objects that nothing was learnt about, unless the inputs are what outlines

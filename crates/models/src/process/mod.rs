@@ -7,7 +7,7 @@ pub(crate) mod training;
 use faer::MatRef;
 use gp_core::{
     Gp, GpError, GpModel, HeteroscedasticGp, HeteroscedasticGpModel, LearnOptions, Posterior,
-    SquaredExponential,
+    SquaredExponential, StartReport,
 };
 use gp_rff::{FeatureOptions, RffGp, RffGpModel, RffOptions};
 use gp_sparse::{
@@ -27,12 +27,16 @@ pub(crate) enum Process {
 }
 
 /// How learning went.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ProcessReport {
     /// Quasi-Newton iterations of the start that was taken.
     pub iterations: usize,
     /// Hyperparameters that ended at a wall, such as the lengthscale of an input without influence.
     pub at_bound: Vec<String>,
+    /// Every start of the optimiser that could begin, in order; of [`ProcessKind::Gp`] alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub starts: Vec<StartReport>,
 }
 
 /// A learnt process as plain data.
@@ -59,13 +63,15 @@ impl Process {
     ) -> Result<(Self, ProcessReport), GpError> {
         let options = &training.options;
         let kernel = || SquaredExponential::new(&vec![1.0; x.ncols()], 1.0);
-        let report = |iterations, at_bound| ProcessReport { iterations, at_bound };
+        let report =
+            |iterations, at_bound| ProcessReport { iterations, at_bound, starts: Vec::new() };
         Ok(match training.process {
             ProcessKind::Gp => {
                 let process = Gp::builder(kernel()?).options(options.clone()).fit(x, y)?;
-                let found = process
-                    .report()
-                    .map(|found| report(found.best.iterations, found.at_bound.clone()));
+                let found = process.report().map(|found| ProcessReport {
+                    starts: found.starts.iter().flatten().cloned().collect(),
+                    ..report(found.best.iterations, found.at_bound.clone())
+                });
                 (Self::Gp(process), found.expect("it was fitted"))
             }
             ProcessKind::Spgp => {

@@ -130,5 +130,8 @@ fn weights_of_schema_2_are_read_and_of_others_refused() {
         [&hybrid as &dyn PushModel, &*back].map(|m| m.predict(&asked, Noise::Included).unwrap());
     assert_eq!(one, two);
     let refused = read_as("pushlab.weights/1", "beside_physics").err().unwrap().to_string();
-    assert!(refused.contains("reads pushlab.weights/2 and pushlab.weights/3"), "{refused}");
+    assert!(
+        refused.contains("reads pushlab.weights/2, pushlab.weights/3, pushlab.weights/4"),
+        "{refused}"
+    );
 }

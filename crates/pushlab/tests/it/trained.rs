@@ -2,6 +2,7 @@
 
 use pushlab::dataset::{RecordingSet, ingest};
 use pushlab::diagnosis::{NoiseFloor, Observations, steady_ingest};
+use pushlab::gp_core::{Gp, GpModel};
 use pushlab::models::ModelFile;
 use serde_json::Value;
 
@@ -142,4 +143,30 @@ fn what_cannot_be_trained_or_read_is_refused_with_the_reason() {
     assert!(set.error(&["models", "show", "m.toml"]).contains("SHA-256"));
     std::fs::remove_file(set.path(&weights)).unwrap();
     assert!(set.error(&["compare", "sim", "--model", "m.toml"]).contains(&weights));
+}
+
+#[test]
+fn a_report_shows_how_processes_were_learnt_and_what_they_say_of_left_out_rows() {
+    let set = simulated();
+    set.done(&["train", "sim", "--kind", "gp", "-n", "60", "-o", "gp.toml"]);
+    set.done(&["report", "sim", "--model", "gp.toml", "-o", "gp.html"]);
+    let page = set.read("gp.html");
+    assert_eq!(page.matches("id=\"learning\"").count(), 1);
+    for told in ["condition number", "starts that found it", "<td>60</td>", "Δθ: residuals are"] {
+        assert!(page.contains(told), "{told}");
+    }
+    // What the table says is what the process says.
+    let weights: Value = serde_json::from_str(&set.read(&weights(&set, "gp.toml"))).unwrap();
+    let gp: GpModel = serde_json::from_value(weights["outputs"][2]["gp"].clone()).unwrap();
+    let gp = Gp::from_model(&gp).unwrap();
+    let evidence = format!("{:.1}", gp.log_marginal_likelihood()).replace('-', "−");
+    let evidence = format!("<td>{evidence}</td>");
+    assert!(page.contains(&evidence), "{evidence}");
+    let starts = weights["learning"][2]["starts"].as_array().unwrap();
+    let history = starts[0]["history"].as_array().unwrap();
+    assert!(history.len() > 3 && history[0].as_f64() < history[history.len() - 1].as_f64());
+    // Weights of before do not tell, and physics have no processes.
+    set.done(&["train", "sim", "--kind", "rff", "-n", "60", "-o", "rff.toml"]);
+    set.done(&["report", "sim", "--model", "rff.toml", "-o", "rff.html"]);
+    assert!(!set.read("rff.html").contains("id=\"learning\""));
 }

@@ -5,6 +5,7 @@ mod errors;
 mod friction;
 mod groups;
 mod headline;
+mod learning;
 mod maps;
 mod measure;
 mod outlines;
@@ -209,7 +210,11 @@ impl Report {
         if let Some(friction) = friction::section(self)? {
             html = html.with(friction);
         }
-        let html = html.with(maps::section(self)?).with(parameters::section(self)).single_file()?;
+        html = html.with(maps::section(self)?).with(parameters::section(self));
+        if let Some(learning) = learning::section(self)? {
+            html = html.with(learning);
+        }
+        let html = html.single_file()?;
         let written = Written {
             page: page.to_owned(),
             bytes: html.len(),
