@@ -45,7 +45,9 @@ pub use physics::channel_model::{ChannelModel, MotionOverPushes, MotionsOfPushes
 pub use process::kind::ProcessKind;
 pub use process::training::{Training, learn_options};
 pub use process::{ProcessModel, ProcessReport};
+pub use roll_out::carried::CarriedMotion;
 pub use roll_out::measurements::{ForceSeen, PoseSeen};
+pub use roll_out::push_vector::PushVector;
 pub use roll_out::step_correlation::{EndCheck, StepCorrelation};
 pub use roll_out::tracker::{PushTracker, Wander};
 pub use roll_out::{

@@ -111,7 +111,11 @@ impl RollOut<'_> {
         Mixture::new(held.into_iter().map(part).collect::<Result<_, FilterError>>()?)
     }
 
-    fn start_gaussian(&self, start_wb: &Pose, held_variance: f64) -> Result<Gaussian, FilterError> {
+    pub(super) fn start_gaussian(
+        &self,
+        start_wb: &Pose,
+        held_variance: f64,
+    ) -> Result<Gaussian, FilterError> {
         let [place_sd, angle_sd] = self.settings.start_sd;
         let gap_sd = self.settings.gap.sd;
         let Pose { position, angle } = start_wb;
@@ -201,7 +205,7 @@ impl PushMotion<'_> {
     }
 
     /// What becomes of one point of a rule.
-    fn ways_of_point(
+    pub(super) fn ways_of_point(
         &self,
         first: &PushParticle,
         point: &DVector<f64>,

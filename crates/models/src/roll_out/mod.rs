@@ -1,6 +1,8 @@
 //! A model of steps and the pusher's path go in, the whole push comes out, with its uncertainty.
 
+pub(crate) mod carried;
 pub(crate) mod measurements;
+pub(crate) mod push_vector;
 pub(crate) mod step_correlation;
 
 mod exact;

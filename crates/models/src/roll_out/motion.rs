@@ -3,7 +3,7 @@
 use effects::{Track, TrueOutline};
 use filter::{DrawnMotion, MotionModel};
 use nalgebra::{Matrix3, Rotation2, Vector2, Vector3};
-use planar::{Contact, Feature, Pose, Twist};
+use planar::{Contact, Feature, Pose, Twist, perpendicular};
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 
@@ -64,6 +64,23 @@ impl MotionModel for PushMotion<'_> {
     }
 }
 
+/// What a particle has drawn in a step.
+pub(super) struct Draw {
+    /// Before contact is made to hold.
+    log_density: f64,
+    /// How it went in the end less the model's mean: along the pusher's motion, its left normal, the turn.
+    off: Vector3<f64>,
+    /// Of the model's covariance.
+    root: Matrix3<f64>,
+}
+
+impl Draw {
+    /// A step's error in units of the model's root.
+    pub(super) fn whitened(&self) -> Vector3<f64> {
+        self.root.solve_lower_triangular(&self.off).unwrap_or_default()
+    }
+}
+
 impl DrawnMotion for PushMotion<'_> {
     /// The density of the draw from the model's Gaussian, before contact is made to hold; 0 where the
     /// object is still, and without variance.
@@ -74,16 +91,17 @@ impl DrawnMotion for PushMotion<'_> {
         random: &mut dyn Rng,
     ) -> Result<(), ModelError> {
         log_densities.fill(0.0);
-        self.advance_each(states, random, |index, density| log_densities[index] = density)
+        self.advance_each(states, random, |index, draw| log_densities[index] = draw.log_density)
     }
 }
 
 impl PushMotion<'_> {
-    fn advance_each(
+    /// - `drawn`: is told the place of each particle that was pushed, and its draw.
+    pub(super) fn advance_each(
         &self,
         states: &mut [PushParticle],
         random: &mut dyn Rng,
-        mut density: impl FnMut(usize, f64),
+        mut drawn: impl FnMut(usize, Draw),
     ) -> Result<(), ModelError> {
         let room = TOGETHER.min(states.len());
         let mut asked = Asked {
@@ -93,8 +111,8 @@ impl PushMotion<'_> {
         };
         for (block, states) in states.chunks_mut(TOGETHER).enumerate() {
             let first = block * TOGETHER;
-            let density = |index, value| density(first + index, value);
-            self.advance_block(states, random, &mut asked, density)?;
+            let drawn = |index, draw| drawn(first + index, draw);
+            self.advance_block(states, random, &mut asked, drawn)?;
         }
         Ok(())
     }
@@ -104,7 +122,7 @@ impl PushMotion<'_> {
         states: &mut [PushParticle],
         random: &mut dyn Rng,
         Asked { who, inputs, begun }: &mut Asked,
-        mut density: impl FnMut(usize, f64),
+        mut drawn: impl FnMut(usize, Draw),
     ) -> Result<(), ModelError> {
         who.clear();
         inputs.clear();
@@ -131,7 +149,9 @@ impl PushMotion<'_> {
             let normal = Vector3::from_fn(|_, _| random.sample(StandardNormal));
             match pushes.next_if(|(((pushed, _), _), _)| **pushed == index) {
                 Some((((_, begin), said), is_seen)) => {
-                    density(index, self.push(state, begin, &said, normal));
+                    if let Some(draw) = self.push(state, begin, &said, normal) {
+                        drawn(index, draw);
+                    }
                     state.events.unseen = usize::from(!is_seen);
                 }
                 None => self.pass(state),
@@ -247,16 +267,17 @@ impl PushMotion<'_> {
         StepInput::of(whole, shape.clone()).map(Some)
     }
 
-    /// Moves a particle by a draw; returns the draw's log density.
+    /// Moves a particle by a draw, which it returns.
     fn push(
         &self,
         state: &mut PushParticle,
         begin: &Begun,
         said: &StepPrediction,
         normal: Vector3<f64>,
-    ) -> f64 {
-        let Some(along_w) = self.direction_w() else { return 0.0 };
-        let (error, log_density) = self.error(state, said, normal);
+    ) -> Option<Draw> {
+        let along_w = self.direction_w()?;
+        let root: Matrix3<f64> = root(&said.covariance);
+        let (error, log_density) = self.error(state, &root, normal);
         let drawn_wb = moved_by(&state.pose_wb, &along_w, (said.mean + error).into());
         let held = Holding {
             outline: self.outline_of(state),
@@ -274,6 +295,12 @@ impl PushMotion<'_> {
         let was_free = !state.touches() || begin.free > 0.0;
         let pushed_for = self.step.duration * (1.0 - begin.free / self.step.distance());
         state.since_contact = if was_free { 0.0 } else { state.since_contact } + pushed_for;
+        let went = end_wb.position - state.pose_wb.position;
+        let went = Vector3::new(
+            went.dot(&along_w),
+            went.dot(&perpendicular(&along_w)),
+            end_wb.angle - state.pose_wb.angle,
+        );
         self.arrive(state, end_wb);
         state.contact_gap = (!is_lost).then_some(begin.gap);
         state.events = PushEvents {
@@ -283,23 +310,22 @@ impl PushMotion<'_> {
             lost: usize::from(is_lost),
             unseen: 0,
         };
-        log_density
+        Some(Draw { log_density, off: went - said.mean, root })
     }
 
     /// The error of a draw, along the pusher's motion, its left normal, and of the turn.
     fn error(
         &self,
         state: &PushParticle,
-        said: &StepPrediction,
+        root: &Matrix3<f64>,
         normal: Vector3<f64>,
     ) -> (Vector3<f64>, f64) {
-        let root: Matrix3<f64> = root(&said.covariance);
         let (drawn, log_density) = match &self.settings.errors {
             StepErrors::None => (Vector3::zeros(), 0.0),
-            StepErrors::Independent => (normal, log_density(&root, &normal)),
+            StepErrors::Independent => (normal, log_density(root, &normal)),
             StepErrors::Held(correlation) => {
                 let drawn = state.size * correlation.drawn(&state.held, &normal);
-                (drawn, log_density(&root, &drawn))
+                (drawn, log_density(root, &drawn))
             }
         };
         (root * drawn, log_density)
