@@ -62,6 +62,11 @@ impl CubicSpline {
         &self.t
     }
 
+    /// The values at the knots.
+    pub(crate) fn values(&self) -> &[f64] {
+        &self.y
+    }
+
     /// y(t); none outside the knots.
     #[must_use]
     pub fn value(&self, t: f64) -> Option<f64> {
@@ -86,19 +91,20 @@ impl CubicSpline {
         let i = interval(&self.t, t)?;
         let h = self.t[i + 1] - self.t[i];
         let b = (t - self.t[i]) / h;
-        Some(Place { i, a: 1.0 - b, b, h })
+        let a = 1.0 - b;
+        Some(Place { i, a, b, h, bends: [a * a * a - a, b * b * b - b] })
     }
 
     /// y at a place.
     pub(crate) fn value_at(&self, place: &Place) -> f64 {
-        let Place { i, a, b, h } = *place;
-        let bend = (a * a * a - a) * self.curvature[i] + (b * b * b - b) * self.curvature[i + 1];
+        let Place { i, a, b, h, bends } = *place;
+        let bend = bends[0] * self.curvature[i] + bends[1] * self.curvature[i + 1];
         a * self.y[i] + b * self.y[i + 1] + bend * h * h / 6.0
     }
 
     /// dy/dt at a place.
     pub(crate) fn derivative_at(&self, place: &Place) -> f64 {
-        let Place { i, a, b, h } = *place;
+        let Place { i, a, b, h, .. } = *place;
         let m = [self.curvature[i], self.curvature[i + 1]];
         let bend = (3.0 * b * b - 1.0) * m[1] - (3.0 * a * a - 1.0) * m[0];
         (self.y[i + 1] - self.y[i]) / h + bend * h / 6.0
@@ -112,6 +118,8 @@ pub(crate) struct Place {
     a: f64,
     b: f64,
     h: f64,
+    /// a³ − a and b³ − b, which values of several splines share.
+    bends: [f64; 2],
 }
 
 /// The last knot at or before t that has one after it; none outside the knots.

@@ -65,6 +65,15 @@ impl RawStream {
         }
     }
 
+    /// Makes room for rows that a log says it has, as far as that is no matter if it is wrong.
+    pub(crate) fn expect(&mut self, n_rows: u64) {
+        const MOST: u64 = 1 << 13;
+        let n_rows = n_rows.min(MOST) as usize;
+        self.stamps.reserve(n_rows);
+        self.rows.reserve(n_rows);
+        self.places.reserve(n_rows);
+    }
+
     /// Appends a row with the log's own numbers.
     pub(crate) fn push(&mut self, stamp: i64, values: &[f64; N_VALUES], place: u64) {
         self.stamps.push(stamp);
@@ -75,12 +84,13 @@ impl RawStream {
     /// Whether a row can be used; those that cannot are counted with their place.
     fn is_usable(&self, i: usize, losses: &mut RowLosses) -> bool {
         let values = || self.rows[i].iter().zip(&self.has).filter(|(_, has)| **has);
+        if values().all(|(value, _)| value.abs() <= LARGEST) {
+            return true;
+        }
         if let Some((value, _)) = values().find(|(value, _)| !value.is_finite()) {
             losses.not_finite.add(self.places[i], *value);
         } else if let Some((value, _)) = values().find(|(value, _)| value.abs() > LARGEST) {
             losses.too_large.add(self.places[i], *value);
-        } else {
-            return true;
         }
         false
     }
@@ -143,6 +153,9 @@ impl Assembly<'_> {
         }
         let mut stream = PoseStream { source: raw.source.clone(), ..PoseStream::default() };
         let mut stamps = Vec::with_capacity(raw.rows.len());
+        for column in [&mut stream.x, &mut stream.y, &mut stream.theta] {
+            column.reserve_exact(raw.rows.len());
+        }
         let mut losses = RowLosses::default();
         let mut tilted = 0;
         for (i, row) in raw.rows.iter().enumerate() {
@@ -356,7 +369,10 @@ fn yaw(rotation: &UnitQuaternion<f64>) -> f64 {
 
 /// Angle between the body's z axis and the world's, in rad: 2 asin √(qx² + qy²).
 fn tilt(rotation: &UnitQuaternion<f64>) -> f64 {
-    2.0 * rotation.i.hypot(rotation.j).min(1.0).asin()
+    match (rotation.i, rotation.j) {
+        (0.0, 0.0) => 0.0,
+        (i, j) => 2.0 * i.hypot(j).min(1.0).asin(),
+    }
 }
 
 fn seconds_since(epoch_ns: i64, stamps: &[i64]) -> Vec<f64> {

@@ -54,8 +54,14 @@ pub(crate) fn read_log(
         .chain(frame_readers.keys())
         .copied()
         .collect();
+    let of_channel = |id: &u32| {
+        (0..takers.len()).filter(|k| takers[*k].decoders.contains_key(id)).collect::<Vec<_>>()
+    };
+    let takers_of: BTreeMap<u32, Vec<usize>> =
+        wanted.iter().map(|id| (*id, of_channel(id))).collect();
     let damage = container.visit(&|id| wanted.contains(&id), &mut |message| {
-        for taker in &mut takers {
+        for taker in takers_of.get(&message.channel).into_iter().flatten() {
+            let taker = &mut takers[*taker];
             taker.take(message, limits);
             taker.check(path, limits)?;
         }
@@ -241,6 +247,7 @@ impl<'a> Taker<'a> {
             taker.is_list = layout.is_list;
             let stamped = layout.stamped && settings.time == TimeSource::Stamp;
             taker.decoders.insert(channel.info.id, (decoder, stamped));
+            taker.raw.expect(channel.info.count);
         }
         Ok(taker)
     }

@@ -9,6 +9,7 @@ use std::{
 use mcap::{MAGIC, records::op};
 
 use super::{
+    mcap_ahead::Ahead,
     mcap_damage::Damage,
     mcap_record::{ChannelRecord, Chunk, PREFIX, Record, Schema, Summary, record_at},
 };
@@ -19,7 +20,7 @@ use crate::formats::log::{inspect_log, nothing_to_read, read_log};
 use crate::input::caught::caught;
 use crate::input::limits::ReadLimits;
 use crate::input::map::FileBytes;
-use crate::input::unpack::{Compression, UnpackError, Unpacker};
+use crate::input::unpack::{Budget, UnpackError};
 use crate::recording::Recording;
 use crate::recording::settings::Streams;
 use crate::{
@@ -47,8 +48,12 @@ impl LogFormat for McapFormat {
     ) -> Result<Recording, DatasetError> {
         caught(path, || {
             let file = FileBytes::open(path, limits)?;
-            let log = McapLog::open(path, file.bytes(), limits)?;
-            read_log(path, file.sha256(), &log, streams, limits)
+            let read = || {
+                let log = McapLog::open(path, file.bytes(), limits)?;
+                read_log(path, String::new(), &log, streams, limits)
+            };
+            let (recording, sha256) = rayon::join(read, || file.sha256());
+            Ok(Recording { sha256, ..recording? })
         })
     }
 
@@ -124,18 +129,20 @@ impl<'a> McapLog<'a> {
         let told = summary.counts.filter(|(all, counts)| {
             *all > 0 && counts.iter().try_fold(0, |sum: u64, n| sum.checked_add(n.1)) == Some(*all)
         });
-        let mut counts = counts();
-        match told {
-            Some((_, told)) => told.iter().for_each(|(id, n)| counts[usize::from(*id)] = *n),
-            None => {
-                self.walk(&|_| true, &mut |record, _| {
-                    if let Record::Message { channel, .. } = record {
-                        counts[usize::from(channel)] += 1;
-                    }
-                    Ok(ControlFlow::Continue(()))
-                })?;
+        if let Some((_, told)) = told {
+            for channel in &mut self.channels {
+                let own = told.iter().rfind(|(id, _)| u32::from(*id) == channel.id);
+                channel.count = own.map_or(0, |(_, n)| *n);
             }
+            return Ok(true);
         }
+        let mut counts = counts();
+        self.walk(&|_| true, &mut |record, _| {
+            if let Record::Message { channel, .. } = record {
+                counts[usize::from(channel)] += 1;
+            }
+            Ok(ControlFlow::Continue(()))
+        })?;
         for channel in &mut self.channels {
             channel.count = counts[channel.id as usize];
         }
@@ -179,7 +186,7 @@ impl<'a> McapLog<'a> {
     /// Walks the records of the file; `wants` spares chunks without a wanted channel.
     fn walk(&self, wants: &dyn Fn(u16) -> bool, take: &mut Take<'_>) -> Walked<Vec<Remark>> {
         let mut damage = Damage::default();
-        let mut unpacker = Unpacker::new(self.path, self.limits);
+        let mut ahead = Ahead::new(self.bytes, Budget::new(self.path, self.limits));
         let mut at = MAGIC.len();
         while at < self.bytes.len() {
             let Some((opcode, body)) = record_at(self.bytes, at) else {
@@ -195,7 +202,10 @@ impl<'a> McapLog<'a> {
             };
             let flow = match opcode {
                 op::CHUNK if self.holds_none(at, wants) => ControlFlow::Continue(()),
-                op::CHUNK => self.walk_chunk(body, at, &mut unpacker, &mut damage, take)?,
+                op::CHUNK => {
+                    let wants = |at| !self.holds_none(at, wants);
+                    walk_chunk((body, at), (&mut ahead, &wants), &mut damage, take)?
+                }
                 op::MESSAGE_INDEX => {
                     damage.count_lost(body, wants);
                     ControlFlow::Continue(())
@@ -217,50 +227,6 @@ impl<'a> McapLog<'a> {
         }
         damage.truncated(at, self.bytes.len());
         Ok(damage.finish())
-    }
-
-    /// Hands over the records of one chunk after checking its check sum.
-    fn walk_chunk(
-        &self,
-        body: &[u8],
-        at: usize,
-        unpacker: &mut Unpacker<'_>,
-        damage: &mut Damage,
-        take: &mut Take<'_>,
-    ) -> Walked<ControlFlow<()>> {
-        let Some(chunk) = Chunk::parse(body) else {
-            damage.chunk(at, NO_RECORD);
-            return Ok(ControlFlow::Continue(()));
-        };
-        damage.note_checksum(chunk.crc);
-        let records = match unpacked(&chunk, at, unpacker) {
-            Ok(records) => records,
-            Err(UnpackError::OverLimit(error)) => return Err(error),
-            Err(UnpackError::Damaged(what)) => {
-                damage.chunk(at, &what);
-                return Ok(ControlFlow::Continue(()));
-            }
-        };
-        let mut inner = 0;
-        while inner < records.len() {
-            let record = record_at(records, inner);
-            let Some((opcode, body)) = record else {
-                damage.part(at, &format!("its records end at byte {inner} of {}", records.len()));
-                break;
-            };
-            if matches!(opcode, op::MESSAGE | op::SCHEMA | op::CHANNEL) {
-                match Record::parse(opcode, body) {
-                    Some(record) => {
-                        if take(record, at)?.is_break() {
-                            return Ok(ControlFlow::Break(()));
-                        }
-                    }
-                    None => damage.part(at, NO_RECORD),
-                }
-            }
-            inner += PREFIX + body.len();
-        }
-        Ok(ControlFlow::Continue(()))
     }
 
     fn holds_none(&self, chunk_start: usize, wants: &dyn Fn(u16) -> bool) -> bool {
@@ -304,6 +270,48 @@ type Walked<T> = Result<T, DatasetError>;
 /// Takes records, with the byte of the file where they or their chunk begin, until it breaks.
 type Take<'t> = dyn FnMut(Record<'_>, usize) -> Walked<ControlFlow<()>> + 't;
 
+/// Hands over the records of one chunk after checking its check sum.
+fn walk_chunk<'a>(
+    (body, at): (&'a [u8], usize),
+    (ahead, wants): (&mut Ahead<'a>, &dyn Fn(usize) -> bool),
+    damage: &mut Damage,
+    take: &mut Take<'_>,
+) -> Walked<ControlFlow<()>> {
+    let Some(chunk) = Chunk::parse(body) else {
+        damage.chunk(at, NO_RECORD);
+        return Ok(ControlFlow::Continue(()));
+    };
+    damage.note_checksum(chunk.crc);
+    let records = match ahead.records(&chunk, at, wants) {
+        Ok(records) => records,
+        Err(UnpackError::OverLimit(error)) => return Err(error),
+        Err(UnpackError::Damaged(what)) => {
+            damage.chunk(at, &what);
+            return Ok(ControlFlow::Continue(()));
+        }
+    };
+    let mut inner = 0;
+    while inner < records.len() {
+        let record = record_at(records, inner);
+        let Some((opcode, body)) = record else {
+            damage.part(at, &format!("its records end at byte {inner} of {}", records.len()));
+            break;
+        };
+        if matches!(opcode, op::MESSAGE | op::SCHEMA | op::CHANNEL) {
+            match Record::parse(opcode, body) {
+                Some(record) => {
+                    if take(record, at)?.is_break() {
+                        return Ok(ControlFlow::Break(()));
+                    }
+                }
+                None => damage.part(at, NO_RECORD),
+            }
+        }
+        inner += PREFIX + body.len();
+    }
+    Ok(ControlFlow::Continue(()))
+}
+
 /// A count of messages for each number of a channel.
 fn counts() -> Vec<u64> {
     vec![0; N_CHANNELS]
@@ -325,34 +333,6 @@ impl Channel {
         self.schema_encoding = schema.encoding.into();
         self.schema = schema.data.into();
     }
-}
-
-/// The records of a chunk, whose check sum holds if it has one.
-fn unpacked<'c>(
-    chunk: &Chunk<'c>,
-    at: usize,
-    unpacker: &'c mut Unpacker<'_>,
-) -> Result<&'c [u8], UnpackError> {
-    let compression = match chunk.compression {
-        "" => None,
-        "lz4" => Some(Compression::Lz4),
-        "zstd" => Some(Compression::Zstd),
-        other => {
-            let what = format!("compression `{other}` is none of none, lz4 and zstd");
-            return Err(UnpackError::Damaged(what));
-        }
-    };
-    let records = match compression {
-        None => chunk.data,
-        Some(compression) => {
-            unpacker.unpack(compression, chunk.data, chunk.unpacked_size, at as u64)?
-        }
-    };
-    let crc = if chunk.crc == 0 { 0 } else { crc32fast::hash(records) };
-    if crc == chunk.crc {
-        return Ok(records);
-    }
-    Err(UnpackError::Damaged(format!("its check sum is {crc:08x}, not {:08x}", chunk.crc)))
 }
 
 #[cfg(test)]

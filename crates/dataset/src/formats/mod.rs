@@ -18,6 +18,7 @@ mod bag;
 mod bag_record;
 mod csv_folder;
 mod find;
+mod mcap_ahead;
 mod mcap_damage;
 mod mcap_log;
 mod mcap_record;

@@ -148,19 +148,22 @@ fn repaired(t: &[f64], channels: [&[f64]; 3], settings: &IngestSettings) -> Clea
     let mut clean = ordered(t, &channels, Some(2));
     drop_repeats(&mut clean, settings.rest.position);
     let (t, channels) = (&clean.t, &clean.channels);
-    let steps: Vec<_> = (1..t.len())
-        .map(|i| {
-            let step = |channel: usize| channels[channel][i] - channels[channel][i - 1];
-            (t[i] - t[i - 1], step(0).hypot(step(1)), step(2).abs())
-        })
-        .collect();
+    let change = |channel: usize, i: usize| channels[channel][i + 1] - channels[channel][i];
+    let n = t.len().saturating_sub(1);
+    let step = |i: usize| (t[i + 1] - t[i], change(0, i).hypot(change(1, i)), change(2, i).abs());
     let mut found = Vec::new();
-    for (i, &(dt, way, turn)) in steps.iter().enumerate() {
+    for i in 0..n {
+        // No way is longer than along both axes; roots take time.
+        let longest = change(0, i).abs() + change(1, i).abs();
+        if longest <= 0.5 * settings.jump_position && change(2, i).abs() <= settings.jump_angle {
+            continue;
+        }
+        let (dt, way, turn) = step(i);
         if way <= settings.jump_position && turn <= settings.jump_angle {
             continue;
         }
         let fast = way > settings.fastest_speed * dt || turn > settings.fastest_turn * dt;
-        let explained = expected_step(&steps, i);
+        let explained = expected_step(&step, n, i);
         let kind = if fast {
             RepairKind::Teleport
         } else if dt > settings.longest_gap
@@ -183,14 +186,14 @@ fn repaired(t: &[f64], channels: [&[f64]; 3], settings: &IngestSettings) -> Clea
     clean
 }
 
-/// Way and turn of step i at the median rates of the steps around it.
-fn expected_step(steps: &[(f64, f64, f64)], i: usize) -> (f64, f64) {
+/// Way and turn of step i of n at the median rates of the steps around it.
+fn expected_step(step: &impl Fn(usize) -> (f64, f64, f64), n: usize, i: usize) -> (f64, f64) {
     const EACH_SIDE: usize = 3;
-    let around = i.saturating_sub(EACH_SIDE)..(i + EACH_SIDE + 1).min(steps.len());
-    let others = || around.clone().filter(|&k| k != i).map(|k| steps[k]);
+    let around = i.saturating_sub(EACH_SIDE)..(i + EACH_SIDE + 1).min(n);
+    let others = || around.clone().filter(|&k| k != i).map(step);
     let ways: Vec<_> = others().map(|(dt, way, _)| way / dt).collect();
     let turns: Vec<_> = others().map(|(dt, _, turn)| turn / dt).collect();
-    let expected = |rates: &[f64]| steps[i].0 * median(rates).unwrap_or_default();
+    let expected = |rates: &[f64]| step(i).0 * median(rates).unwrap_or_default();
     (expected(&ways), expected(&turns))
 }
 
@@ -206,12 +209,15 @@ pub(crate) fn repair_forces(stream: &WrenchStream, settings: &IngestSettings) ->
 fn drop_repeats(clean: &mut CleanStream, rest: f64) {
     let [x, y, angle] = [0, 1, 2].map(|k| &clean.channels[k]);
     let way = |i: usize| (x[i] - x[i - 1]).hypot(y[i] - y[i - 1]);
-    let is_still = |i: usize| way(i) == 0.0 && angle[i] == angle[i - 1];
+    let is_still = |i: usize| x[i] == x[i - 1] && y[i] == y[i - 1] && angle[i] == angle[i - 1];
     let repeats = |&i: &usize| {
         let lone = is_still(i) && !is_still(i - 1) && !is_still(i + 1);
         lone && way(i - 1).max(way(i + 1)) > rest
     };
     let repeated: Vec<_> = (2..x.len().saturating_sub(1)).filter(repeats).collect();
+    if repeated.is_empty() {
+        return;
+    }
     for &i in repeated.iter().rev() {
         clean.repairs.push(Repair { kind: RepairKind::Repeated, t: clean.t[i], amount: 0.0 });
     }
@@ -278,7 +284,7 @@ fn ordered(t: &[f64], channels: &[&[f64]], yaw: Option<usize>) -> CleanStream {
     if let Some(yaw) = yaw {
         unwrap(&stamps, &mut columns[yaw], &mut repairs);
     }
-    let (stamps, columns) = merge_crowded(&stamps, &columns, &mut repairs);
+    let (stamps, columns) = merge_crowded(stamps, columns, &mut repairs);
     CleanStream {
         t: stamps,
         channels: columns,
@@ -341,11 +347,15 @@ fn median_spacing(t: &[f64]) -> Option<f64> {
 }
 
 fn merge_crowded(
-    t: &[f64],
-    columns: &[Vec<f64>],
+    t: Vec<f64>,
+    columns: Vec<Vec<f64>>,
     repairs: &mut Vec<Repair>,
 ) -> (Vec<f64>, Vec<Vec<f64>>) {
-    let closest = CROWDED_SHARE * median_spacing(t).unwrap_or(0.0);
+    let closest = CROWDED_SHARE * median_spacing(&t).unwrap_or(0.0);
+    let is_crowded = |pair: &[f64]| pair[1] - pair[0] < closest || pair[1] == pair[0];
+    if !t.windows(2).any(is_crowded) {
+        return (t, columns);
+    }
     let mut merged = Vec::with_capacity(t.len());
     let mut out = vec![Vec::with_capacity(t.len()); columns.len()];
     let mut start = 0;
@@ -367,8 +377,8 @@ fn merge_crowded(
                         / (end - start) as f64
             }
         };
-        merged.push(mean(t));
-        for (out, column) in out.iter_mut().zip(columns) {
+        merged.push(mean(&t));
+        for (out, column) in out.iter_mut().zip(&columns) {
             out.push(mean(column));
         }
         start = end;

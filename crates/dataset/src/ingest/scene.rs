@@ -66,13 +66,11 @@ impl<'a> Scene<'a> {
 
     /// The gap at every robot stamp at which it is defined.
     pub(crate) fn gaps(&self) -> Vec<GapSample> {
-        self.robot
-            .t
-            .iter()
-            .filter_map(|&t| {
-                self.contact_at(t).map(|(contact, _)| GapSample { t, gap: contact.gap })
-            })
-            .collect()
+        let gap = |(t, place): (f64, Vector2<f64>)| {
+            let contact = self.outline.contact_of(&place, &self.object_track.pose(t)?);
+            Some(GapSample { t, gap: contact.gap })
+        };
+        self.robot_track.knots().filter_map(gap).collect()
     }
 
     /// Times of `shortest` (s) to a day without a sample of either body, between their first and last; over
@@ -124,8 +122,12 @@ impl Outline<'_> {
         t: f64,
     ) -> Option<(Contact, Pose)> {
         let pose = object.pose(t)?;
-        let center_b = pose.inverse_transform_point(&robot.position(t)?);
-        Some((self.shape.contact(&center_b, self.pusher_radius), pose))
+        Some((self.contact_of(&robot.position(t)?, &pose), pose))
+    }
+
+    /// The same of a pusher and an object whose places are known.
+    fn contact_of(&self, pusher: &Vector2<f64>, pose: &Pose) -> Contact {
+        self.shape.contact(&pose.inverse_transform_point(pusher), self.pusher_radius)
     }
 
     /// Way along the outline from edge 0, p 0 to the contact, in m.

@@ -86,6 +86,15 @@ impl PoseTrack {
         Some(Vector2::new(x.value_at(&place), y.value_at(&place)))
     }
 
+    /// Times of the knots at which there is a curve, and the positions there.
+    pub(crate) fn knots(&self) -> impl Iterator<Item = (f64, Vector2<f64>)> {
+        self.pieces.iter().flat_map(|Piece { curves: [x, y, _], .. }| {
+            // As of the curve, which never gives a negative zero.
+            let place = |(x, y): (&f64, &f64)| Vector2::new(*x + 0.0, *y + 0.0);
+            x.knots().iter().copied().zip(x.values().iter().zip(y.values()).map(place))
+        })
+    }
+
     /// Velocity and yaw rate in the world at a time.
     pub(crate) fn twist(&self, t: f64) -> Option<Twist> {
         let curves = &self.piece(t)?.curves;

@@ -1,6 +1,6 @@
 //! Compressed parts of logs, unpacked within limits whatever their headers claim.
 
-use std::{io::Read, path::Path};
+use std::{cell::RefCell, io::Read, path::Path};
 
 use crate::error::DatasetError;
 use crate::input::limits::{Limit, ReadLimits};
@@ -23,18 +23,16 @@ pub(crate) enum UnpackError {
 }
 
 /// Unpacks the compressed parts of one log, one after the other; the memory is used again.
+#[cfg(any(feature = "bag", test))]
 pub(crate) struct Unpacker<'a> {
-    path: &'a Path,
-    limits: &'a ReadLimits,
-    context: Option<zstd::zstd_safe::DCtx<'static>>,
-    buffer: Vec<u8>,
-    /// Bytes unpacked so far.
-    total: u64,
+    budget: Budget<'a>,
+    part: Unpacked,
 }
 
+#[cfg(any(feature = "bag", test))]
 impl<'a> Unpacker<'a> {
     pub(crate) fn new(path: &'a Path, limits: &'a ReadLimits) -> Self {
-        Self { path, limits, context: None, buffer: Vec::new(), total: 0 }
+        Self { budget: Budget::new(path, limits), part: Unpacked::default() }
     }
 
     /// Unpacks one part that should grow to `claimed` bytes.
@@ -47,13 +45,40 @@ impl<'a> Unpacker<'a> {
         claimed: u64,
         byte: u64,
     ) -> Result<&[u8], UnpackError> {
-        self.buffer.clear();
+        self.part.unpack(compression, data, claimed.min(self.budget.allowed()));
+        self.budget.admit(&self.part, claimed, byte)
+    }
+}
+
+/// How many bytes the parts of one log may still grow to.
+pub(crate) struct Budget<'a> {
+    path: &'a Path,
+    limits: &'a ReadLimits,
+    /// Bytes unpacked so far.
+    total: u64,
+}
+
+impl<'a> Budget<'a> {
+    pub(crate) fn new(path: &'a Path, limits: &'a ReadLimits) -> Self {
+        Self { path, limits, total: 0 }
+    }
+
+    /// Bytes that the next part may grow to.
+    pub(crate) fn allowed(&self) -> u64 {
         let left = self.limits.of(Limit::UnpackedBytes).saturating_sub(self.total);
-        let allowed = self.limits.of(Limit::ChunkBytes).min(left);
-        // One byte more than there should be shows that there is more.
-        let most = claimed.min(allowed).saturating_add(1);
-        let outcome = self.fill(compression, data, most);
-        let length = self.buffer.len() as u64;
+        self.limits.of(Limit::ChunkBytes).min(left)
+    }
+
+    /// The bytes of the next part, which was unpacked to as many bytes as it claims to have, or as were allowed
+    /// then; of several parts in the order of the log.
+    pub(crate) fn admit<'p>(
+        &mut self,
+        part: &'p Unpacked,
+        claimed: u64,
+        byte: u64,
+    ) -> Result<&'p [u8], UnpackError> {
+        let allowed = self.allowed();
+        let length = (part.buffer.len() as u64).min(allowed.saturating_add(1));
         self.total += length;
         if length > allowed {
             let what = || format!("bytes in the unpacked chunk at byte {byte}");
@@ -66,7 +91,7 @@ impl<'a> Unpacker<'a> {
                 .map_err(UnpackError::OverLimit)?;
         }
         let damaged = |what| Err(UnpackError::Damaged(what));
-        match outcome {
+        match &part.outcome {
             Err(error) => damaged(format!("it does not unpack: {error}")),
             Ok(()) if length < claimed => {
                 damaged(format!("it unpacks to {length} bytes, not {claimed}"))
@@ -74,8 +99,34 @@ impl<'a> Unpacker<'a> {
             Ok(()) if length > claimed => {
                 damaged(format!("it unpacks to more than its {claimed} bytes"))
             }
-            Ok(()) => Ok(&self.buffer),
+            Ok(()) => Ok(&part.buffer),
         }
+    }
+}
+
+/// A compressed part of a log, unpacked apart from the others; the memory is used again.
+pub(crate) struct Unpacked {
+    context: Option<zstd::zstd_safe::DCtx<'static>>,
+    buffer: Vec<u8>,
+    outcome: std::io::Result<()>,
+}
+
+impl Default for Unpacked {
+    fn default() -> Self {
+        Self { context: None, buffer: Vec::new(), outcome: Ok(()) }
+    }
+}
+
+impl Unpacked {
+    /// Unpacks at most one byte more than there should be: it shows that there is more.
+    pub(crate) fn unpack(&mut self, compression: Compression, data: &[u8], most: u64) {
+        self.buffer.clear();
+        self.outcome = self.fill(compression, data, most.saturating_add(1));
+    }
+
+    /// What was unpacked, whether it may be or not.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.buffer
     }
 
     /// Unpacks at most so many bytes into the buffer.
@@ -94,7 +145,9 @@ impl<'a> Unpacker<'a> {
                     rest = frame.into_inner().finish().0;
                 }
             }
+            Compression::Zstd if unpack_at_once(data, most, buffer) => {}
             Compression::Zstd => {
+                buffer.clear();
                 let context = self.context.get_or_insert_default();
                 // A context is not ready again after an error.
                 let _ = context.reset(zstd::zstd_safe::ResetDirective::SessionOnly);
@@ -104,6 +157,25 @@ impl<'a> Unpacker<'a> {
         }
         Ok(())
     }
+}
+
+thread_local! {
+    /// Its tables take longer to make than a small part takes to unpack.
+    static AT_ONCE: RefCell<zstd::zstd_safe::DCtx<'static>> = RefCell::default();
+}
+
+/// Largest part that is unpacked at once: so much memory may be taken for what a header claims.
+const MOST_AT_ONCE: u64 = 1 << 22;
+
+/// Unpacks a part into one piece of memory, without the copies of a stream; whether it came to what was claimed,
+/// one byte less than `most`. What did not is for a stream, which tells how far it came.
+fn unpack_at_once(data: &[u8], most: u64, buffer: &mut Vec<u8>) -> bool {
+    if most > MOST_AT_ONCE {
+        return false;
+    }
+    buffer.reserve_exact(most as usize);
+    let unpacked = AT_ONCE.with_borrow_mut(|context| context.decompress(buffer, data));
+    unpacked.is_ok_and(|length| length as u64 + 1 == most)
 }
 
 #[cfg(test)]
@@ -191,7 +263,11 @@ mod tests {
                  100000 allowed; if the file is sound, raise chunk_bytes in [limits] of \
                  dataset.toml"
             );
-            assert!(unpacker.buffer.capacity() < 1 << 18, "{}", unpacker.buffer.capacity());
+            assert!(
+                unpacker.part.buffer.capacity() < 1 << 18,
+                "{}",
+                unpacker.part.buffer.capacity()
+            );
         }
     }
 

@@ -25,6 +25,8 @@ enum Step {
     Skip { align: usize, size: usize },
     /// Takes a number.
     Number { kind: NumberKind, slot: Slot },
+    /// Takes numbers of 64 bits that follow each other.
+    Numbers64(Vec<Slot>),
     /// Takes a string, or passes over it.
     Text { slot: Option<Slot> },
     /// Passes over a string of 16-bit units, as Cyclone DDS and Fast CDR 2 write it.
@@ -73,7 +75,7 @@ impl Step {
     /// Whether the step takes something and does not only pass over bytes.
     fn yields(&self) -> bool {
         match self {
-            Self::Number { .. } => true,
+            Self::Number { .. } | Self::Numbers64(_) => true,
             Self::Text { slot } => slot.is_some(),
             Self::Each { emits, .. } => *emits,
             Self::Skip { .. } | Self::WideText | Self::SkipList { .. } | Self::Pass(_) => false,
@@ -167,7 +169,7 @@ impl Compiler<'_> {
         match kind {
             FieldKind::Number(number) => match wishes {
                 [] => push_skip(steps, alignment(self.schema, *number), number.size()),
-                [(_, slot)] => steps.push(Step::Number { kind: *number, slot: *slot }),
+                [(_, slot)] => push_number(steps, *number, *slot),
                 _ => return Err("one field cannot serve as two quantities".into()),
             },
             FieldKind::Text => steps.push(Step::Text { slot: wishes.first().map(|wish| wish.1) }),
@@ -227,6 +229,15 @@ fn alignment(schema: &RosSchema, number: NumberKind) -> usize {
     if schema.cdr { number.size() } else { 1 }
 }
 
+/// Appends a number, joined with those before it.
+fn push_number(steps: &mut Vec<Step>, kind: NumberKind, slot: Slot) {
+    match (kind, steps.last_mut()) {
+        (NumberKind::F64, Some(Step::Numbers64(slots))) => slots.push(slot),
+        (NumberKind::F64, _) => steps.push(Step::Numbers64(vec![slot])),
+        _ => steps.push(Step::Number { kind, slot }),
+    }
+}
+
 /// Appends bytes to pass over, joined with the step before where the alignment allows.
 fn push_skip(steps: &mut Vec<Step>, align: usize, size: usize) {
     if let Some(Step::Skip { align: last_align, size: last }) = steps.last_mut()
@@ -283,6 +294,22 @@ impl<'m> Cursor<'m> {
                 Step::Number { kind, slot } => {
                     let number = self.number(*kind)?;
                     row.set_number(*slot, number);
+                }
+                Step::Numbers64(slots) => {
+                    self.align(8);
+                    let rest = self.bytes.get(self.at..).unwrap_or_default();
+                    for (slot, number) in slots.iter().zip(rest.as_chunks::<8>().0) {
+                        let number = match self.big_endian {
+                            true => f64::from_be_bytes(*number),
+                            false => f64::from_le_bytes(*number),
+                        };
+                        row.set_number(*slot, number);
+                    }
+                    let n_there = (rest.len() / 8).min(slots.len());
+                    self.at += 8 * n_there;
+                    if n_there < slots.len() {
+                        return Err(self.too_short());
+                    }
                 }
                 Step::Text { slot } => {
                     let length = self.count()?;

@@ -2,13 +2,17 @@
 
 use std::{collections::BTreeMap, fs, io::Cursor, path::PathBuf};
 
-use mcap::{Compression, Summary, WriteOptions, records::MessageHeader};
+use mcap::{
+    Compression, Summary, WriteOptions,
+    records::{MessageHeader, op},
+};
 use proptest::prelude::{ProptestConfig, any, prop_assert, proptest};
 use tempfile::TempDir;
 
 use super::McapFormat;
 use crate::formats::format::LogFormat;
-use crate::input::limits::ReadLimits;
+use crate::formats::mcap_record::{PREFIX, record_at};
+use crate::input::limits::{Limit, ReadLimits};
 use crate::recording::Recording;
 use crate::recording::settings::{Streams, TimeSource};
 use crate::{
@@ -99,6 +103,53 @@ fn every_compression_gives_the_same_recording() {
         let other = read(&file_with(options, |_| true)).unwrap();
         assert_eq!((other.robot, other.object), (plain.robot.clone(), plain.object.clone()));
         assert_eq!(other.remarks, []);
+    }
+}
+
+/// The chunks of a file in another order, each of which then overlaps others in time.
+fn shuffled(bytes: &[u8]) -> Vec<u8> {
+    let (mut chunks, mut at) = (Vec::new(), mcap::MAGIC.len());
+    while let Some((opcode, body)) = record_at(bytes, at)
+        && opcode != op::DATA_END
+    {
+        let end = at + PREFIX + body.len();
+        chunks.extend((opcode == op::CHUNK).then(|| &bytes[at..end]));
+        at = end;
+    }
+    let (even, odd): (Vec<_>, Vec<_>) = (0..chunks.len()).partition(|k| k % 2 == 0);
+    let order = odd.iter().rev().chain(&even);
+    let records: Vec<u8> = order.flat_map(|k| chunks[*k].iter().copied()).collect();
+    [mcap::MAGIC, &records].concat()
+}
+
+#[test]
+fn chunks_that_threads_share_give_the_recording_of_one_thread() {
+    let with = |n: usize, bytes: &[u8], limits: &ReadLimits| {
+        let (_dir, path) = saved(bytes);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+        let read = pool.install(|| McapFormat.read(&path, &Streams::default(), limits));
+        // The file is in another folder each time.
+        let name = path.display().to_string();
+        format!("{read:?}").replace(&name, "log").replace(path.to_str().unwrap(), "log")
+    };
+    let zstd = file_with(options().compression(Some(Compression::Zstd)), |_| true);
+    let mut damaged = shuffled(&zstd);
+    // Within the data of the chunk that stands last.
+    let place = damaged.len() - 20;
+    damaged[place] ^= 0x55;
+    let tight = ReadLimits::default().with(Limit::UnpackedBytes, 9000);
+    for (bytes, limits, says) in [
+        (&zstd, &ReadLimits::default(), "robot: PoseStream"),
+        (&shuffled(&zstd), &ReadLimits::default(), "NoIndex"),
+        (&shuffled(&file()), &ReadLimits::default(), "NoIndex"),
+        (&damaged, &ReadLimits::default(), "ChunkSkipped"),
+        (&zstd, &tight, "OverLimit"),
+    ] {
+        let one = with(1, bytes, limits);
+        assert!(one.contains(says), "{one}");
+        for n in [2, 8] {
+            assert!(with(n, bytes, limits) == one, "{n} threads: {says}");
+        }
     }
 }
 
