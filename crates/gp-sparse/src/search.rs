@@ -78,7 +78,9 @@ impl Search<'_> {
         let (iterations, evaluations) = (batches.steps, batches.steps);
         let (value, stop) = (penalty - value, StopReason::StepsTaken);
         check_outputs("objective", &[value], 1)?;
-        Ok(Minimum { point, value, gradient_norm, iterations, evaluations, stop })
+        // Between its steps the whole objective is not known.
+        let history = Vec::new();
+        Ok(Minimum { point, value, gradient_norm, iterations, evaluations, stop, history })
     }
 
     /// From slopes by hyperparameters and pseudo-inputs those by the coordinates of a point.
