@@ -11,6 +11,8 @@ use crate::{GpError, Inputs};
 /// Times a kernel of the other inputs it makes several outputs one function (the intrinsic model of
 /// coregionalisation, ICM), and sums of such products the linear one (LMC). Rows may lack outputs: a row
 /// of the data is one output at one input (see `stack`). An input between two numbers is the nearest.
+/// Where all outputs are at the same inputs, as `stack` puts them without gaps, P factors of N rows stand for
+/// one of P·N: of one such product, plus white kernels times covariances of outputs, and common noise.
 ///
 /// B_ij = √(v_i v_j) C_ij. The correlations are C = L Lᵀ with rows of unit length from partial
 /// correlations ρ, L_ij = ρ_ij Π_k<j √(1 − ρ_ik²), so that any odds make a covariance; outputs that

@@ -167,4 +167,5 @@ pub(crate) const ALL: &[Entry] = &[
     entry("M.8", Chapter::Motion, "pushes without particles", motion::without_particles::draw),
     entry("M.9", Chapter::Motion, "repeats of a push at a vertex", motion::repeats::draw),
     entry("M.10", Chapter::Diagnosis, "a diagnosis at a glance", missing::at_a_glance::draw),
+    entry("M.11", Chapter::Motion, "pushes followed by filters", motion::estimation::draw),
 ];

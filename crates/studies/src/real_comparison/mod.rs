@@ -6,6 +6,7 @@ mod learned;
 mod page;
 mod plain_fit;
 mod shapes;
+mod shared_outputs;
 mod source;
 mod supports;
 
@@ -35,6 +36,8 @@ enum Part {
     Table,
     /// Every model that learns, on the same
     Learned,
+    /// Three outputs of the same, each alone and together
+    SharedOutputs,
     /// Physics alone on the same: feet, caught tips, scatter
     Supports,
     /// The analytical model on the raw pushes
@@ -80,6 +83,7 @@ impl Part {
                 page::one_step_text(&table, &corner)
             }
             Self::Learned => learned::Learned::of(&table)?.text(),
+            Self::SharedOutputs => shared_outputs::SharedOutputs::of(&table)?.text(),
             Self::Supports => {
                 let found = supports::Supports::of(&table)?;
                 write(&args.output.join("real-data-error.svg"), &found.falling()?)?;

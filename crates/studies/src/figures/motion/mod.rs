@@ -6,6 +6,7 @@ pub(crate) mod clouds;
 mod divergence;
 mod ends;
 pub(crate) mod errors;
+pub(crate) mod estimation;
 mod neighbors;
 pub(crate) mod new_paths;
 mod pushes;
