@@ -1,4 +1,6 @@
-//! Steps of particles beside what their arithmetic costs at least.
+//! Steps of particles beside what their arithmetic costs at least, and steps of other filters.
+
+mod follow;
 
 use std::path::Path;
 use std::process::Command;
@@ -26,7 +28,8 @@ pub(super) const BENCHMARK: Benchmark = Benchmark {
     about: "one step of 10⁴ particles, three outputs with variance, beside its floor: for a kernel its \
             exponentials at the rate of a cross matrix, and the M² products a particle and output at \
             the rate of faer's matrix product, beside the full variance and a table of it; the \
-            analytical model beside its mean alone, on one thread; NumPy in \
+            analytical model beside its mean alone, on one thread; a step and a measured pose by filters \
+            of each kind beside 500 particles, on the same table; NumPy in \
             crates/benchmarks/peers/filter.py, where there is Python, as a reference by itself",
     rows: |_| rows(),
 };
@@ -61,6 +64,8 @@ fn rows() -> Result<Vec<Row>> {
             Ok(())
         })?;
     }
+    let pool = ThreadPoolBuilder::new().num_threads(1).build().context("cannot start a thread")?;
+    rows.extend(pool.install(|| follow::rows(&pushed, &steps))?);
     rows.extend(peer()?);
     Ok(rows)
 }

@@ -1,7 +1,8 @@
 //! The exact Gaussian process beside matrix products of as many operations.
 
 use anyhow::{Context, Result};
-use gp_core::{Gp, SquaredExponential};
+use faer::Mat;
+use gp_core::{Coregionalization, Gp, SquaredExponential};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 
@@ -13,13 +14,16 @@ use fixtures::surface::{NOISE_SD, surface};
 pub(super) const BENCHMARK: Benchmark = Benchmark {
     name: "gp",
     about: "exact GP of N rows and 2 inputs beside faer's matrix product with as many operations: \
-            N³ for the likelihood with gradient, N² for a prediction with variance",
+            N³ for the likelihood with gradient, N² for a prediction with variance; the likelihood of \
+            three outputs at N inputs beside that of the same rows in another order",
     rows: |_| rows(),
 };
 
 /// Sizes and rounds: enough of them where one is short.
 const LIKELIHOODS: [(usize, usize); 3] = [(500, 51), (2000, 9), (5000, 3)];
 const FIT_SIZE: usize = 500;
+const OUTPUTS_SIZE: usize = 500;
+const N_OUTPUTS: usize = 3;
 const PREDICTION_SIZES: [usize; 2] = [500, 2000];
 const N_PREDICTIONS: usize = 10_000;
 const SEED: u64 = 7;
@@ -33,6 +37,7 @@ fn rows() -> Result<Vec<Row>> {
             rows.push(likelihood(&pool, n, rounds)?);
         }
         rows.push(fit(&pool)?);
+        rows.push(outputs(&pool)?);
         for n in PREDICTION_SIZES {
             rows.push(predictions(&pool, n)?);
         }
@@ -65,6 +70,33 @@ fn fit(pool: &ThreadPool) -> Result<Row> {
     let case = Case { name: "fit from 4 starts", size: FIT_SIZE, threads, rounds: 3, calls: 1 };
     let mut floor = Floor::new((FIT_SIZE as f64).powi(3), threads);
     Ok(pool.install(|| case.compare(learn, || floor.multiply(n_evaluations))))
+}
+
+/// The likelihood of outputs at the same inputs, in two factors; those of an input together have none.
+fn outputs(pool: &ThreadPool) -> Result<Row> {
+    let (x, y) = surface(OUTPUTS_SIZE, SEED);
+    let rows = |is_together: bool| -> Result<Gp> {
+        let row = |k: usize| match is_together {
+            true => (k / N_OUTPUTS, k % N_OUTPUTS),
+            false => (k % OUTPUTS_SIZE, k / OUTPUTS_SIZE),
+        };
+        let n = N_OUTPUTS * OUTPUTS_SIZE;
+        let entry = |k: usize, d: usize| if d == 2 { row(k).1 as f64 } else { x[(row(k).0, d)] };
+        let value = |k: usize| y[row(k).0] * (1.0 + row(k).1 as f64);
+        let values: Vec<f64> = (0..n).map(value).collect();
+        let smooth = SquaredExponential::new(&[0.5, 0.7], 0.2)?.active(&[0, 1]);
+        let kernel = smooth * Coregionalization::new(N_OUTPUTS).active(&[2]);
+        let gp = Gp::builder(kernel).noise_variance(NOISE_SD * NOISE_SD);
+        Ok(gp.condition(&Mat::from_fn(n, 3, entry), &values)?)
+    };
+    let (apart, together) = (rows(false)?, rows(true)?);
+    let (mut candidate, mut reference) = (apart.evaluator()?, together.evaluator()?);
+    candidate.evaluate()?;
+    reference.evaluate()?;
+    let threads = pool.current_num_threads();
+    let name = format!("likelihood with gradient, {N_OUTPUTS} outputs");
+    let case = Case { name: &name, size: OUTPUTS_SIZE, threads, rounds: 5, calls: 1 };
+    Ok(pool.install(|| case.compare(|| candidate.evaluate(), || reference.evaluate())))
 }
 
 fn predictions(pool: &ThreadPool, n: usize) -> Result<Row> {
