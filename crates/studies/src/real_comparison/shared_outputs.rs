@@ -149,13 +149,18 @@ impl SharedOutputs {
             let told = COUNTS.iter().enumerate().map(|(place, (n, _))| {
                 let (error, n_error, of) = gain(kind, place, |score| score.nmse);
                 let (density, n_density, _) = gain(kind, place, |score| score.nlpd);
-                let error = 100.0 * error / quantile(
-                    self.scores[0][place].iter().map(|score| score.nmse).collect(), 0.5);
+                let alone = self.scores[0][place].iter().map(|score| score.nmse).collect();
+                let error = 100.0 * error / quantile(alone, 0.5);
+                let word = |gain: f64, words: [&'static str; 2]| words[usize::from(gain < 0.0)];
+                let [is_error, is_density] =
+                    [word(error, ["smaller", "larger"]), word(density, ["larger", "smaller"])];
                 format!(
-                    "with {n} steps the error is smaller by {error:.1} % (in {n_error} of {of} splits) and the \
-                     density larger by {density:.3} nats a step ({n_density} of {of})"
+                    "with {n} steps the error is {is_error} by {:.1} % (smaller in {n_error} of {of} \
+                     splits) and the density {is_density} by {:.3} nats a step (larger in \
+                     {n_density} of {of})",
+                    error.abs(),
+                    density.abs()
                 )
-                .replace("by -", "by −")
             });
             let _ = writeln!(text, "- {name}: {}.", told.collect::<Vec<_>>().join("; "));
         }
