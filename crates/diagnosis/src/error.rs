@@ -111,6 +111,12 @@ pub enum DiagnosisError {
         /// Why, and what to do.
         why: &'static str,
     },
+    /// Parts of a set do not go together, or an effect is not for them.
+    #[error("{what}")]
+    Parts {
+        /// What is wrong, and what to do.
+        what: String,
+    },
     /// A search did not end.
     #[error(
         "{what} did not converge: after {iterations} iterations the likelihood still rises by \

@@ -35,6 +35,7 @@ pub use compare::change::{ChannelChange, change};
 pub use compare::comparison::{Comparison, compare};
 pub use compare::concentration::Concentration;
 pub use compare::condition::Condition;
+pub use compare::error_sums::{ErrorGrid, ErrorMap, ErrorSums, ErrorTable};
 pub use compare::errors::ChannelError;
 pub use compare::finding::Finding;
 pub use compare::outline::{OutlineCell, OutlineMap, outline_maps};
@@ -60,9 +61,9 @@ pub use decide::{
 };
 pub use error::DiagnosisError;
 pub use fit::{
-    EffectFit, FieldRegion, Fit, FitSettings, FrictionFieldFit, Interval, MotionErrors,
-    NuisanceFit, ParameterFit, Resemblance, SpreadFit, SupportPointsFit, fit, fit_per_push,
-    fit_with_noise,
+    EffectFit, FieldRegion, Fit, FitPlace, FitSettings, FrictionFieldFit, Interval, MotionErrors,
+    NormalEquations, NuisanceFit, ParameterFit, PartedEffect, PartedEstimate, PartedFit,
+    Resemblance, SpreadFit, SupportPointsFit, fit, fit_per_push, fit_with_noise,
 };
 pub use noise::noise_floor::{Floor, FloorSource, NoiseFloor, noise_floor};
 pub use noise::noise_model::{ErrorSource, NoiseModel};

@@ -37,6 +37,29 @@ pub struct Covered {
 
 const LEVELS: [f64; 3] = [0.5, 0.9, 0.95];
 
+impl IntervalCalibration {
+    /// From numbers of steps within each interval, in the order of `coverage` and `curve`, Σ NLPD and Σ CRPS.
+    pub(crate) fn of_sums(number: usize, n: f64, sums: &[f64]) -> Option<Self> {
+        let (within, [nlpd, crps]) = sums.split_last_chunk()?;
+        let (three, fine) = within.split_first_chunk::<3>()?;
+        let covered = |(level, within): (f64, &f64)| Covered { level, share: within / n };
+        Some(Self {
+            name: Channels::NAMES[number],
+            unit: UNITS[number],
+            n_steps: n as usize,
+            coverage: std::array::from_fn(|k| covered((LEVELS[k], &three[k]))),
+            nlpd: nlpd / n,
+            crps: crps / n,
+            curve: fine_levels().zip(fine).map(covered).collect(),
+        })
+    }
+}
+
+/// Levels of a curve of calibration.
+fn fine_levels() -> impl Iterator<Item = f64> {
+    (1..20).map(|k| 0.05 * f64::from(k))
+}
+
 /// The calibration of each number that the model predicts with a variance.
 pub(crate) fn calibrations(
     observations: &Observations,
@@ -66,7 +89,7 @@ fn of_number(
     if y.is_empty() {
         return Ok(None);
     }
-    let fine: Vec<f64> = (1..20).map(|k| 0.05 * f64::from(k)).collect();
+    let fine: Vec<f64> = fine_levels().collect();
     let shares = |levels: &[f64]| coverage(&y, &mean, &variance, levels);
     let covered = |(level, share): (&f64, &f64)| Covered { level: *level, share: *share };
     let three = shares(&LEVELS)?;

@@ -41,16 +41,33 @@ impl Reading {
 
     /// What each residual is to be multiplied by; 0 leaves a step out.
     pub(crate) fn signs(&self, predictions: &Predictions, observations: &Observations) -> Vec<f64> {
-        let values = || predictions.values.iter().map(|values| values[self.number]);
+        self.signs_above(self.senseless(predictions), predictions, observations)
+    }
+
+    /// The same where predictions of this size and below have no sense.
+    pub(crate) fn signs_above(
+        &self,
+        least: f64,
+        predictions: &Predictions,
+        observations: &Observations,
+    ) -> Vec<f64> {
         if !self.in_sense {
             return vec![1.0; observations.n_steps()];
         }
-        let squares = values().flatten().map(|value| value * value).sum::<f64>();
-        let least = SENSELESS * (squares / observations.n_steps() as f64).sqrt();
         let sign = |value: Option<f64>| match value {
             Some(value) if value.abs() > least => value.signum(),
             _ => 0.0,
         };
-        values().map(sign).collect()
+        self.predicted(predictions).map(sign).collect()
+    }
+
+    /// The largest size of a prediction that has no sense.
+    pub(crate) fn senseless(&self, predictions: &Predictions) -> f64 {
+        let squares = self.predicted(predictions).flatten().map(|value| value * value).sum::<f64>();
+        SENSELESS * (squares / predictions.values.len() as f64).sqrt()
+    }
+
+    fn predicted(&self, predictions: &Predictions) -> impl Iterator<Item = Option<f64>> {
+        predictions.values.iter().map(|values| values[self.number])
     }
 }

@@ -1,9 +1,9 @@
 //! What a residual may depend on, and its bins.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Something that a residual may depend on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Covariate {
     /// Place of the contact along its edge, 0 to 1.
@@ -27,7 +27,8 @@ pub enum Covariate {
 }
 
 /// Cells of a covariate: the lower ends, and the upper end of the last.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Vec<f64>", into = "Vec<f64>")]
 pub(crate) struct Bins(Vec<f64>);
 
 impl Covariate {
@@ -99,6 +100,23 @@ impl Covariate {
             Self::Speed => Bins::levels(values).unwrap_or_else(|| Bins::quantiles(values, 6)),
             Self::TableX | Self::TableY => Bins::quantiles(values, 6),
         }
+    }
+}
+
+impl TryFrom<Vec<f64>> for Bins {
+    type Error = &'static str;
+
+    fn try_from(bounds: Vec<f64>) -> Result<Self, Self::Error> {
+        match bounds.is_empty() || bounds.windows(2).any(|pair| pair[0] >= pair[1]) {
+            true => Err("bounds of cells have to increase"),
+            false => Ok(Self(bounds)),
+        }
+    }
+}
+
+impl From<Bins> for Vec<f64> {
+    fn from(bins: Bins) -> Self {
+        bins.0
     }
 }
 

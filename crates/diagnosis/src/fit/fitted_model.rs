@@ -1,8 +1,28 @@
 //! A model with what was fitted in its place.
 
+use effects::Setting;
 use models::{Analytical, Base, CharacteristicLength, Description, ModelEffect};
 
+use super::member::Part;
+use super::space::Space;
 use crate::DiagnosisError;
+
+/// A model with the effects of a place, with nuisances or without.
+pub(super) fn described(
+    space: &Space<'_>,
+    model: &Description,
+    x: &[f64],
+    has_nuisances: bool,
+) -> Result<Description, DiagnosisError> {
+    let mut model = model.clone();
+    for (member, own) in space.shares(x) {
+        if has_nuisances || member.part != Part::Nuisance {
+            let setting = Setting::new(member.effect.info(), &member.values(own));
+            put(&mut model, ModelEffect::from(setting))?;
+        }
+    }
+    Ok(model)
+}
 
 /// Puts an effect in the place of the one with its id, of the base's own number, or at the end.
 pub(super) fn put(model: &mut Description, effect: ModelEffect) -> Result<(), DiagnosisError> {

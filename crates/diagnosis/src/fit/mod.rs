@@ -3,13 +3,16 @@
 
 mod borne;
 mod descent;
+mod equations;
 mod estimates;
 mod field;
 mod fitted_model;
 mod free_spread;
+mod gathered;
 mod left_out;
 mod member;
 mod motion_errors;
+mod parted;
 mod per_push;
 mod problem;
 mod pulls;
@@ -31,8 +34,11 @@ use models::{Cluster, Description};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
+pub use self::equations::NormalEquations;
 pub use self::field::{FieldRegion, FrictionFieldFit};
+pub use self::gathered::{PartedEffect, PartedEstimate, PartedFit};
 pub use self::motion_errors::MotionErrors;
+pub use self::parted::FitPlace;
 pub use self::per_push::{SpreadFit, fit_per_push};
 pub(crate) use self::pulls::Pulls;
 pub(crate) use self::refit::Refit;

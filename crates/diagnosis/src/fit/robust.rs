@@ -29,6 +29,11 @@ impl Robust {
         Self { rows: rows.to_vec(), threshold: HUBER * spread(rows, z) }
     }
 
+    /// With the threshold at three times a typical residual that is known.
+    pub(super) fn of_scale(rows: &[Range<usize>], scale: f64) -> Self {
+        Self { rows: rows.to_vec(), threshold: HUBER * scale }
+    }
+
     /// The typical residual in standard deviations of the noise.
     pub(crate) fn scale(&self) -> f64 {
         self.threshold / HUBER
@@ -76,12 +81,15 @@ impl Robust {
 
 /// The median of the pushes' root mean squares, at least 1.
 fn spread(rows: &[Range<usize>], z: &DVector<f64>) -> f64 {
-    let rms = |rows: &Range<usize>| {
+    quantile(rms_of_pushes(rows, z).collect(), 0.5).unwrap_or_default().max(1.0)
+}
+
+/// The root mean square of each push that has numbers.
+pub(super) fn rms_of_pushes(rows: &[Range<usize>], z: &DVector<f64>) -> impl Iterator<Item = f64> {
+    rows.iter().filter(|rows| !rows.is_empty()).map(|rows| {
         let sum: f64 = rows.clone().map(|row| z[row] * z[row]).sum();
         (sum / rows.len() as f64).sqrt()
-    };
-    let all = rows.iter().filter(|rows| !rows.is_empty()).map(rms).collect();
-    quantile(all, 0.5).unwrap_or_default().max(1.0)
+    })
 }
 
 #[cfg(test)]

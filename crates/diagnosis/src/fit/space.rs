@@ -126,6 +126,10 @@ impl<'a> Space<'a> {
         Ok(other)
     }
 
+    pub(super) fn n_steps(&self) -> usize {
+        self.observations.n_steps()
+    }
+
     /// The numbers of an effect, if it is moved.
     pub(super) fn numbers_of(&self, id: &str) -> Option<Range<usize>> {
         let index = self.members.iter().position(|member| member.id() == id)?;

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use planar::wrap_angle;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::data::repeats::{FEWEST_REPEATS, cells};
 use crate::noise::floor_growth::{Deviation, Growth};
@@ -38,7 +38,8 @@ pub enum FloorSource {
 }
 
 /// The standard deviation of one number about what any model could predict, in its SI unit.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Floor {
     /// The estimate.
     pub rms: f64,

@@ -163,6 +163,15 @@ impl NoiseModel {
         }
     }
 
+    /// With known standard deviations, in the order of its sources; none for another number of them.
+    pub(crate) fn of_sds(sds: &[f64]) -> Option<Self> {
+        let mut noise = Self::usual();
+        for (source, sd) in noise.sources.iter_mut().zip(sds) {
+            (source.sd, source.low95, source.high95) = (*sd, *sd, *sd);
+        }
+        (noise.sources.len() == sds.len()).then_some(noise)
+    }
+
     /// The covariance of every push, linearised about a model.
     ///
     /// # Errors
