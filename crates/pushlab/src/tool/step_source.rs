@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use dataset::{IngestSettings, MANIFEST_NAME, Manifest, RecordingSet, Suspicion, Table};
+use dataset::{IngestSettings, MANIFEST_NAME, Manifest, Part, RecordingSet, Suspicion, Table};
 use diagnosis::{Observations, steady_ingest, step_suspicions};
 
 use crate::tool::destination::Inputs;
@@ -82,9 +82,25 @@ impl StepSource {
     /// If it cannot be read, a table lacks what says what was pushed, or recordings for tests and
     /// fits contradict the mechanics; of others a warning tells that.
     pub(crate) fn read(&self, reading: Reading, terminal: &Terminal) -> Result<Steps> {
-        match self.open()? {
-            Opened::Recordings(set) => recorded(&set, reading, terminal),
-            Opened::Table(opened) => tabled(*opened, reading, terminal),
+        self.read_part(reading, None, terminal)
+    }
+
+    /// Reads a part of a set, or a table that is one.
+    ///
+    /// # Errors
+    /// As [`StepSource::read`].
+    pub(crate) fn read_part(
+        &self,
+        reading: Reading,
+        part: Option<Part>,
+        terminal: &Terminal,
+    ) -> Result<Steps> {
+        match (self.open()?, part) {
+            (Opened::Recordings(set), Some(part)) => {
+                recorded(&set.in_part(part), reading, terminal)
+            }
+            (Opened::Recordings(set), None) => recorded(&set, reading, terminal),
+            (Opened::Table(opened), _) => tabled(*opened, reading, terminal),
         }
     }
 

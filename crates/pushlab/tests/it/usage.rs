@@ -16,13 +16,14 @@ fn help_lists_every_command() {
   init         Write a commented dataset.toml from what a folder of recordings holds
   inspect      Tell what raw recordings contain: topics, types, columns, samples, rates, frames
   ingest       Turn recordings into a step table, with a report of every repair [alias: table]
-  merge        Put the parts of a set together that were ingested apart
+  merge        Put the parts of a set together that were ingested, or summed up, apart
   describe     Tell what a step table holds: rows, shapes, flags, coverage, and what made it
   models       Write, show and list models
   effects      List and explain effects: what models can carry, and what `generate` can hide
   generate     Simulate pushes and write them as a recording set that can hide an effect
   check        Tell what a set can and cannot show, before any model is fitted to it
   compare      Tell how wrong a model is on recordings, where, and how wrong it may be at best
+  statistics   Sum up what a part of a set says of a model, for sets too large for one machine
   diagnose     Name the physical effect that a model lacks, or say that these recordings cannot tell
   fit          Fit nominal parameters, or effects that a model carries, to recordings
   add          Add effects to a model: what a diagnosis names, or one with values by hand or fitted

@@ -20,6 +20,7 @@ mod models;
 mod report;
 mod run;
 mod simulate;
+mod statistics;
 mod suggest;
 mod track;
 mod train;
@@ -45,6 +46,7 @@ pub(crate) enum Command {
     Generate(generate::Args),
     Check(check::Args),
     Compare(compare::Args),
+    Statistics(statistics::Args),
     Diagnose(diagnose::Args),
     Fit(fit::Args),
     Add(add::Args),
@@ -77,6 +79,7 @@ impl Command {
             Self::Generate(args) => generate::run(args, terminal),
             Self::Check(args) => check::run(args, terminal),
             Self::Compare(args) => compare::run(args, terminal),
+            Self::Statistics(args) => statistics::run(args, terminal),
             Self::Diagnose(args) => diagnose::run(args, terminal),
             Self::Fit(args) => fit::run(args, terminal),
             Self::Add(args) => add::run(args, terminal),

@@ -16,7 +16,7 @@ use models::{Base, Description, ModelFile, Unexplained};
 use serde::Serialize;
 
 pub(super) use self::part::{Part, floor_about};
-pub(super) use self::text::widened;
+pub(super) use self::text::{widened, write_calibration, write_error};
 use crate::tool::destination::Force;
 use crate::tool::document::document;
 use crate::tool::file_ending;

@@ -75,7 +75,11 @@ impl fmt::Display for Compared {
     }
 }
 
-fn write_error(f: &mut fmt::Formatter<'_>, error: &ChannelError) -> fmt::Result {
+/// The error of a number in one line.
+pub(in crate::tool::commands) fn write_error(
+    f: &mut fmt::Formatter<'_>,
+    error: &ChannelError,
+) -> fmt::Result {
     let ChannelError { name, rms, rms_se, nmse, floor, .. } = error;
     let (per, unit) = readable_unit(error.unit);
     write!(f, "  {name:16} {:7.3} ± {:.3} {unit:2}", per * rms, per * rms_se)?;
@@ -142,7 +146,11 @@ fn write_ends(f: &mut fmt::Formatter<'_>, ends: Option<&PushEnds>) -> fmt::Resul
     Ok(())
 }
 
-fn write_calibration(f: &mut fmt::Formatter<'_>, found: &[IntervalCalibration]) -> fmt::Result {
+/// What intervals hold, if there are any.
+pub(in crate::tool::commands) fn write_calibration(
+    f: &mut fmt::Formatter<'_>,
+    found: &[IntervalCalibration],
+) -> fmt::Result {
     if found.is_empty() {
         return Ok(());
     }

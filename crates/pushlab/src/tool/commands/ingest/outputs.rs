@@ -39,6 +39,14 @@ pub(in crate::tool::commands) struct Taken<'a> {
 }
 
 impl Outputs {
+    pub(in crate::tool::commands) fn new(
+        output: Option<PathBuf>,
+        report: Option<PathBuf>,
+        force: Force,
+    ) -> Self {
+        Self { output, report, force }
+    }
+
     /// Those of a part, whose report lies beside its table.
     ///
     /// # Errors

@@ -1,45 +1,97 @@
-//! `pushlab merge`: parts of a set that were ingested apart become one table and report.
+//! `pushlab merge`: parts of a set become one: tables with their reports, or statistics.
 
 mod part_file;
+mod statistics;
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use dataset::{DatasetError, Provenance, Table, merge_each};
 
 use self::part_file::PartFile;
 use super::ingest::{Ingested, Outputs, PART};
-use crate::tool::destination::Inputs;
+use crate::tool::destination::{Force, Inputs};
 use crate::tool::file_ending;
 use crate::tool::origin::{Input, Origin, TOOL};
 use crate::tool::recorded_steps::SET_FILES;
 use crate::tool::terminal::Terminal;
+use crate::tool::wrong_usage::WrongUsage;
 
-/// Put the parts of a set together that were ingested apart
+/// Put the parts of a set together that were ingested, or summed up, apart
 ///
 /// Takes the tables that `pushlab ingest --part` wrote, in any order, with their reports beside them. What
-/// comes out is, byte for byte, what one `pushlab ingest` of the whole set writes.
+/// comes out is, byte for byte, what one `pushlab ingest` of the whole set writes. Or takes what `pushlab
+/// statistics --part` wrote, in any order, and tells how wrong the model is on the whole set and where, and of a
+/// fit where it stands; what comes out does not depend on the order to the last bit.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// Tables of all parts
-    #[arg(required = true, value_name = "PART", value_parser = file_ending::table)]
+    /// Tables of all parts (.csv, .parquet), or their statistics (.json)
+    #[arg(required = true, value_name = "PART", value_parser = file_ending::json_or_table)]
     parts: Vec<PathBuf>,
+    /// Where to write the step table: .csv or .parquet; or of statistics what they say, .json, from which the
+    /// next round begins; `-` is standard output
+    #[arg(short, long, value_name = "FILE",
+          value_parser = file_ending::or_standard(file_ending::json_or_table))]
+    output: Option<PathBuf>,
+    /// Of tables: where to write the full report: .txt for people, .json for programs; `-` is standard output
+    #[arg(long, value_name = "REPORT",
+          value_parser = file_ending::or_standard(file_ending::report))]
+    report: Option<PathBuf>,
+    /// Of statistics with a fit: where to write the model as fitted so far
+    #[arg(long, value_name = "FILE",
+          value_parser = file_ending::or_standard(file_ending::model))]
+    fitted: Option<PathBuf>,
     #[command(flatten)]
-    outputs: Outputs,
+    force: Force,
 }
 
 const EXAMPLES: &str = "\
 Examples:
   pushlab merge part-1.parquet part-2.parquet part-3.parquet -o steps.parquet
-  pushlab merge parts/*.parquet -o steps.parquet --report report.txt";
+  pushlab merge parts/*.parquet -o steps.parquet --report report.txt
+  pushlab merge parts/*.json -o round-1.json
+  pushlab merge parts/*.json --fitted fitted.toml";
 
 pub(crate) fn run(args: &Args, terminal: &Terminal) -> Result<()> {
-    let terminal = &terminal.beside(args.outputs.paths())?;
+    let is_json = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "json");
+    let n_json = args.parts.iter().filter(|path| is_json(path)).count();
+    if n_json > 0 && n_json < args.parts.len() {
+        bail!(WrongUsage("tables and statistics do not go together; merge each kind alone"));
+    }
+    let is_of_kind =
+        |path: &PathBuf| file_ending::is_standard(path) || is_json(path) == (n_json > 0);
+    if !args.output.as_ref().is_none_or(is_of_kind) {
+        bail!(WrongUsage(
+            "tables become a table (.csv, .parquet), statistics what they say (.json)"
+        ));
+    }
+    match n_json {
+        0 if args.fitted.is_some() => bail!(WrongUsage("--fitted is for statistics with a fit")),
+        0 => tables(args, terminal),
+        _ if args.report.is_some() => {
+            bail!(WrongUsage("--report is for tables; -o has all of statistics"))
+        }
+        _ => {
+            let terminal =
+                &terminal.beside(args.output.iter().chain(&args.fitted).map(PathBuf::as_path))?;
+            let inputs = Inputs::default().with(&args.parts);
+            let take = |path: &Option<PathBuf>| {
+                path.as_ref().map(|path| args.force.file(path, &inputs)).transpose()
+            };
+            statistics::run(&args.parts, [take(&args.output)?, take(&args.fitted)?], terminal)
+        }
+    }
+}
+
+fn tables(args: &Args, terminal: &Terminal) -> Result<()> {
+    let Args { output, report, force, .. } = args;
+    let outputs = Outputs::new(output.clone(), report.clone(), force.clone());
+    let terminal = &terminal.beside(outputs.paths())?;
     let parts: Vec<_> =
         args.parts.iter().map(|path| PartFile::read(path)).collect::<Result<_>>()?;
     let files = parts.iter().flat_map(PartFile::paths);
-    let mut taken = args.outputs.take(&Inputs::default().with(files))?;
+    let mut taken = outputs.take(&Inputs::default().with(files))?;
     taken.begin()?;
     let mut whole = Whole::default();
     let reports = parts.iter().map(|part| part.report.clone()).collect();
