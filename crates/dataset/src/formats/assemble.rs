@@ -5,6 +5,7 @@ use std::path::Path;
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
 use crate::formats::decode::N_VALUES;
+use crate::formats::row_losses::{Losses, RowLosses};
 use crate::recording::name::{ENDINGS, recording_name};
 use crate::recording::settings::{ColumnMap, Quantity, StreamSettings, WrenchFrame};
 use crate::recording::transform::unit_quaternion;
@@ -333,31 +334,6 @@ impl Assembly<'_> {
 
     fn remark(&mut self, kind: RemarkKind, stream: StreamRole, count: u64, text: String) {
         self.remarks.push(Remark { kind, stream: Some(stream), count, text });
-    }
-}
-
-/// Rows of one stream excluded, by their reasons.
-#[derive(Default)]
-struct RowLosses {
-    not_finite: Losses,
-    too_large: Losses,
-    not_unit: Losses,
-}
-
-/// Rows excluded for one reason.
-#[derive(Default)]
-struct Losses {
-    count: u64,
-    place: u64,
-    example: f64,
-}
-
-impl Losses {
-    fn add(&mut self, place: u64, example: f64) {
-        if self.count == 0 {
-            (self.place, self.example) = (place, example);
-        }
-        self.count += 1;
     }
 }
 

@@ -26,6 +26,7 @@ mod mcap_record;
 mod mit_hdf5;
 mod mit_json;
 mod mit_rows;
+mod row_losses;
 mod timed_rows;
 
 #[cfg(feature = "bag")]

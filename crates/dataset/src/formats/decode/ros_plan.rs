@@ -299,11 +299,9 @@ impl<'m> Cursor<'m> {
                     self.align(8);
                     let rest = self.bytes.get(self.at..).unwrap_or_default();
                     for (slot, number) in slots.iter().zip(rest.as_chunks::<8>().0) {
-                        let number = match self.big_endian {
-                            true => f64::from_be_bytes(*number),
-                            false => f64::from_le_bytes(*number),
-                        };
-                        row.set_number(*slot, number);
+                        let bits = u64::from_le_bytes(*number);
+                        let bits = if self.big_endian { bits.swap_bytes() } else { bits };
+                        row.set_number(*slot, f64::from_bits(bits));
                     }
                     let n_there = (rest.len() / 8).min(slots.len());
                     self.at += 8 * n_there;
