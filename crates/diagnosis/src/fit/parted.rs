@@ -17,9 +17,9 @@ use crate::{DiagnosisError, NoiseModel, Observations};
 
 /// Where a fit over parts stands, which every part has to know.
 ///
-/// The noise is that of a sample of the set, and so is the place at first: that of [`crate::fit_with_noise`] on the sample. From
-/// there steps of Levenberg and Marquardt's method lead to the minimum over all parts, once more about it when
-/// the covariance of the noise is linearised there.
+/// The noise is that of a sample of the set, linearised about a first fit to the sample, and the place at first is
+/// that of [`crate::fit_with_noise`] on the sample. From there steps of Levenberg and Marquardt's method lead to the
+/// minimum over all parts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FitPlace {
@@ -40,21 +40,10 @@ pub struct FitPlace {
     last: Option<Last>,
     /// Whether no step led down from here.
     is_stuck: bool,
-    stage: Stage,
+    is_converged: bool,
     /// How often weights were renewed.
     rescaled: usize,
     rounds: usize,
-}
-
-/// How far a fit is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Stage {
-    /// Noise about the fit to the sample.
-    OfSample,
-    /// Noise about the fit to all.
-    OfAll,
-    Converged,
 }
 
 /// As a fit to a whole set.
@@ -85,24 +74,31 @@ impl FitPlace {
         settings: &FitSettings,
     ) -> Result<Self, DiagnosisError> {
         let noise = NoiseModel::learn(model, &settings.own, sample)?;
-        let whitening = noise.whitening(model, &settings.own, sample)?;
         let space = Space::new(sample, model, free, settings, None)?;
         check(model, &space)?;
         let start = space.place(|member| member.start.clone());
-        let robust = Robust::at(&whitening.rows(), &whitening.whiten(&space.residuals(&start)?));
-        let mut problem = Problem::new(space, &whitening, robust);
-        let x = problem.search()?.after.at.x;
+        let residuals = space.residuals(&start)?;
+        // As a fit to a whole set: twice from the same start, the second time with noise about the first fit.
+        let search = |about: &Description| {
+            let whitening = noise.whitening(about, &settings.own, sample)?;
+            let robust = Robust::at(&whitening.rows(), &whitening.whiten(&residuals));
+            let mut problem = Problem::new(space.clone(), &whitening, robust);
+            let x = problem.search()?.after.at.x;
+            Ok::<_, DiagnosisError>((x, problem.robust.scale(), problem.secants.clone()))
+        };
+        let (about, ..) = search(model)?;
+        let (x, scale, widths) = search(&described(&space, model, &about, true)?)?;
         Ok(Self {
             free: free.iter().map(|id| (*id).to_owned()).collect(),
             noise: noise.sources.iter().map(|source| source.sd).collect(),
-            about: x.clone(),
             x,
-            widths: problem.secants.clone(),
-            scale: problem.robust.scale(),
+            about,
+            widths,
+            scale,
             damping: DAMPING,
             last: None,
             is_stuck: false,
-            stage: Stage::OfSample,
+            is_converged: false,
             rescaled: 0,
             rounds: 0,
         })
@@ -110,7 +106,7 @@ impl FitPlace {
 
     /// Whether it is the minimum over all parts.
     pub fn is_converged(&self) -> bool {
-        self.stage == Stage::Converged
+        self.is_converged
     }
 
     /// The model at this place, without its nuisances.
@@ -202,22 +198,16 @@ impl FitPlace {
         Ok((next, found))
     }
 
-    /// What comes next at the end of a descent: another scale, other noise, or nothing.
+    /// What comes next at the end of a descent: other weights, or nothing.
     fn settle(&mut self, scale: f64) {
         (self.damping, self.last, self.is_stuck) = (DAMPING, None, false);
         let is_settled = (scale / self.scale - 1.0).abs() < SETTLED;
         if !is_settled && self.rescaled < MOST_RESCALED {
             self.scale = scale;
             self.rescaled += 1;
-            return;
+        } else {
+            self.is_converged = true;
         }
-        self.stage = match self.stage {
-            Stage::OfSample => {
-                self.about.clone_from(&self.x);
-                Stage::OfAll
-            }
-            Stage::OfAll | Stage::Converged => Stage::Converged,
-        };
     }
 
     /// A damped step from a place.
@@ -320,15 +310,11 @@ mod tests {
         sums.finish().unwrap()
     }
 
-    /// The end of the loop from a sample, whose noise is given.
-    fn looped(
-        all: &Observations,
-        model: &Description,
-        noise: &NoiseModel,
-    ) -> (FitPlace, PartedFit) {
+    /// The end of the loop with the noise of the whole, from the place of a sample.
+    fn looped(all: &Observations, model: &Description) -> (FitPlace, PartedFit) {
         let parts = parts(all, 4);
-        let mut place = FitPlace::of_sample(&parts[0], model, &FREE, &settings()).unwrap();
-        place.noise = noise.sources.iter().map(|source| source.sd).collect();
+        let of = |sample| FitPlace::of_sample(sample, model, &FREE, &settings()).unwrap();
+        let mut place = FitPlace { x: of(&parts[0]).x, ..of(all) };
         for _ in 0..40 {
             let (next, found) = place.step(&merged(&place, &parts, model, &[2, 0, 3, 1])).unwrap();
             place = serde_json::from_str(&serde_json::to_string(&next).unwrap()).unwrap();
@@ -344,7 +330,7 @@ mod tests {
         let (all, model, _) = pushed_with(("table-tilt", &[0.2, -0.1]), 5);
         let noise = NoiseModel::learn(&model, &[], &all).unwrap();
         let whole: Fit = fit_with_noise(&all, &model, &FREE, &noise, &settings()).unwrap();
-        let (place, found) = looped(&all, &model, &noise);
+        let (place, found) = looped(&all, &model);
         assert!(place.is_converged() && found.decrement < 1e-3, "{found:?}");
         assert_eq!(
             (found.n_pushes as usize, found.n_steps as usize),
