@@ -20,8 +20,8 @@ EXAMPLES = Path(__file__).resolve().parents[1] / "examples" / "dask"
 class DiesOnce(WorkerPlugin):
     """Writes down every command with a part, and dies in the midst of one, the first time."""
 
-    def __init__(self, part, folder):
-        self.part, self.folder = part, folder
+    def __init__(self, part, folder, sign=".*.part"):
+        self.part, self.folder, self.sign = part, folder, sign
 
     def setup(self, worker):
         command = pushlab.command
@@ -38,8 +38,7 @@ class DiesOnce(WorkerPlugin):
         pushlab.command = noted
 
     def die(self, *_):
-        half_written = list(self.folder.rglob(".*.part"))
-        if half_written:
+        if list(self.folder.rglob(self.sign)):
             (self.folder / "died").touch()
             os.kill(os.getpid(), signal.SIGKILL)
 
@@ -76,6 +75,36 @@ def test_parts_survive_a_worker_and_are_the_bytes_of_one_run(cluster, pushes, tm
     assert first != second
     assert merged.read_bytes() == one.read_bytes()
     assert not kept.exists()
+
+
+def test_a_fit_survives_a_worker_and_is_that_of_one_process(cluster, tmp_path):
+    pushes, model, fitted = tmp_path / "pushes", tmp_path / "model.toml", tmp_path / "fitted.toml"
+    pushlab.generate(pushes, rig="quiet", pushes=12, format="csv", progress=False)
+    pushlab.command("models", "init", pushes, output=model)
+    with Client(cluster) as client:
+        client.register_plugin(DiesOnce("2/3", tmp_path, ".*.lock"), name="dies in a fit")
+        words = ["--model", model, "--free", "pusher-friction", "-o", fitted, "--parts", 3]
+        printed = run(cluster, "fit.py", pushes, *words)
+    assert (tmp_path / "died").exists()
+    begun = [line.split() for line in (tmp_path / "begun").read_text().splitlines()]
+    rounds = printed.count("standard errors²")
+    # The sample, every part in every round, and the one that was lost once more.
+    assert len(begun) == 1 + 3 * rounds + 1
+
+    def part(number, **options):
+        file = tmp_path / f"{number}.json"
+        pushlab.command("statistics", pushes, part=f"{number}/3", output=file, force=True, **options)
+        return file
+
+    last, plain = part(1, model=model, free="pusher-friction"), tmp_path / "plain.toml"
+    last = last.rename(tmp_path / "round-0.json")
+    for number in range(1, rounds + 1):
+        files = [part(number, round=last) for number in (2, 3, 1)]
+        last = tmp_path / f"round-{number}.json"
+        found = pushlab.command("merge", *files, output=last, fitted=plain, force=True).document
+    assert plain.read_bytes() == fitted.read_bytes()
+    assert found["fit"]["is_converged"]
+    assert found["errors"]["channels"][0]["name"] == "dx"
 
 
 def test_sets_are_diagnosed_once_and_those_that_cannot_be_say_why(cluster, tmp_path):
