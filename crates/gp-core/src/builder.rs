@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::checks::check_row_noise;
-use crate::constraints::{NOISE_VARIANCE, hyperparameter_names};
+use crate::constraints::hyperparameter_names;
 use crate::learn::Asked;
 use crate::noise::Noise;
 use crate::{
@@ -94,10 +94,7 @@ impl GpBuilder {
     /// Rasmussen & Williams, Gaussian Processes for Machine Learning (2006), ch. 5; the thesis,
     /// eq. 3.18.
     pub fn fit<'a>(&self, x: impl Into<Inputs<'a>>, y: &[f64]) -> Result<Gp, GpError> {
-        let mut constraints = self.constraints.clone();
-        if let Some(value) = self.noise_variance {
-            constraints.start(NOISE_VARIANCE, value);
-        }
+        let constraints = self.constraints.starting_at(self.noise_variance);
         let (kernel, row_noise, options) = (&*self.kernel, &*self.row_noise, &self.options);
         let asked = Asked { kernel, row_noise, options, constraints: &constraints };
         asked.learn(x.into().matrix(), y)

@@ -44,6 +44,15 @@ impl Constraints {
         self.wishes.push((name.to_owned(), Wish::Start(value)));
     }
 
+    /// The same, with a noise variance at which the first start begins, if it is given.
+    pub fn starting_at(&self, noise_variance: Option<f64>) -> Self {
+        let mut constraints = self.clone();
+        if let Some(value) = noise_variance {
+            constraints.start(NOISE_VARIANCE, value);
+        }
+        constraints
+    }
+
     /// Keeps a hyperparameter in a range.
     pub fn bound(&mut self, name: &str, range: impl RangeBounds<f64>) {
         let end = |bound: Bound<&f64>, open: f64| match bound {

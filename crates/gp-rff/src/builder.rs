@@ -78,10 +78,7 @@ impl RffGpBuilder {
     /// As [`RffGp::learn`]; what is wrong with names, ranges and ties: `UnknownParameter`,
     /// `NotPositive`, `OutOfRange`, `ShapeMismatch`, `Incompatible`.
     pub fn fit<'a>(&self, x: impl Into<Inputs<'a>>, y: &[f64]) -> Result<RffGp, GpError> {
-        let mut constraints = self.constraints.clone();
-        if let Some(value) = self.noise_variance {
-            constraints.start("noise_variance", value);
-        }
+        let constraints = self.constraints.starting_at(self.noise_variance);
         let (options, features) = (&self.options, self.features.as_ref());
         let asked = Asked { options, constraints: &constraints, features };
         Ok(asked.learn(x.into().matrix(), y)?.0)

@@ -81,10 +81,7 @@ impl SparseGpBuilder {
     /// As [`SparseGp::learn`]; what is wrong with names, ranges and ties: `UnknownParameter`,
     /// `NotPositive`, `OutOfRange`, `ShapeMismatch`, `Incompatible`.
     pub fn fit<'a>(&self, x: impl Into<Inputs<'a>>, y: &[f64]) -> Result<SparseGp, GpError> {
-        let mut constraints = self.constraints.clone();
-        if let Some(value) = self.noise_variance {
-            constraints.start("noise_variance", value);
-        }
+        let constraints = self.constraints.starting_at(self.noise_variance);
         let data = (x.into().matrix(), y);
         Ok(SparseGp::learn_asked(&*self.kernel, data, &self.options, &constraints)?.0)
     }

@@ -50,10 +50,11 @@ impl<'a> Ahead<'a> {
     ) -> Result<&[u8], UnpackError> {
         let known =
             |ahead: &Self| ahead.slots[..ahead.n_taken].iter().position(|slot| slot.at == at);
-        if known(self).is_none() {
+        let place = known(self).unwrap_or_else(|| {
             self.unpack_from(at, wants);
-        }
-        let slot = &self.slots[known(self).unwrap_or_default()];
+            0
+        });
+        let slot = &self.slots[place];
         let records = match compression(chunk)? {
             None => chunk.data,
             Some(_) => self.budget.admit(&slot.records, chunk.unpacked_size, at as u64)?,

@@ -130,9 +130,10 @@ impl<'a> McapLog<'a> {
             *all > 0 && counts.iter().try_fold(0, |sum: u64, n| sum.checked_add(n.1)) == Some(*all)
         });
         if let Some((_, told)) = told {
+            let told: BTreeMap<u32, u64> =
+                told.into_iter().map(|(id, n)| (u32::from(id), n)).collect();
             for channel in &mut self.channels {
-                let own = told.iter().rfind(|(id, _)| u32::from(*id) == channel.id);
-                channel.count = own.map_or(0, |(_, n)| *n);
+                channel.count = told.get(&channel.id).copied().unwrap_or(0);
             }
             return Ok(true);
         }

@@ -94,7 +94,8 @@ fn a_way_keeps_the_points_that_bend_it_through_both_kinds_of_table() {
     assert_eq!(row.t, 0.5);
     assert_eq!(row.pusher_way, [(1.0, Vector2::new(0.058, 0.0))]);
     let dir = tempfile::tempdir().unwrap();
-    for name in ["steps.csv", "steps.parquet"] {
+    let names = ["steps.csv", "steps.parquet"];
+    for name in &names[..if cfg!(feature = "parquet") { 2 } else { 1 }] {
         let path = dir.path().join(name);
         table.write(&path).unwrap();
         assert_eq!(Table::read(&path).unwrap(), table, "{name}");

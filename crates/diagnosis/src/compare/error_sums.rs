@@ -9,7 +9,7 @@ use planar::Shape;
 use serde::{Deserialize, Serialize};
 
 use crate::compare::calibration::{Covered, IntervalCalibration, calibrations};
-use crate::compare::errors::{UNITS, of_number};
+use crate::compare::errors::of_number;
 use crate::compare::reading::Reading;
 use crate::compare::residual_map::Cell;
 use crate::compare::sums::Sums;
@@ -182,8 +182,9 @@ impl ErrorSums {
         let number = |number: usize| OfNumber::of(&residuals, observations, number);
         let mut numbers: Vec<OfNumber> = (0..Channels::NAMES.len()).map(number).collect();
         for found in calibrations(observations, predictions)? {
-            let number = Channels::NAMES.iter().position(|name| *name == found.name);
-            numbers[number.unwrap_or_default()].intervals = sums_of(&found);
+            let own =
+                Channels::NAMES.iter().zip(&mut numbers).filter(|(name, _)| **name == found.name);
+            own.for_each(|(_, number)| number.intervals = sums_of(&found));
         }
         Ok(Self {
             n_pushes: observations.pushes.len() as u64,
@@ -270,23 +271,10 @@ impl OfNumber {
     }
 
     fn error(&self, number: usize, floor: Option<Floor>) -> Option<ChannelError> {
-        let (bias, square) = (self.errors.mean()?, self.squares.mean()?);
-        let rms = square.mean.sqrt();
-        let mean = self.observed.sum() / bias.n_steps as f64;
+        let means = [self.errors.mean()?, self.squares.mean()?];
+        let mean = self.observed.sum() / means[0].n_steps as f64;
         let spread = self.observed.mean_square() - mean * mean;
-        Some(ChannelError {
-            name: Channels::NAMES[number],
-            channel: Channels::KINDS[number],
-            unit: UNITS[number],
-            n_steps: bias.n_steps,
-            rms,
-            rms_se: if rms > 0.0 { 0.5 * square.se / rms } else { 0.0 },
-            bias: bias.mean,
-            bias_se: bias.se,
-            nmse: (spread > 0.0).then(|| square.mean / spread),
-            floor,
-            over_floor: floor.filter(|floor| floor.rms > 0.0).map(|floor| rms / floor.rms),
-        })
+        Some(ChannelError::of(number, means, spread, floor))
     }
 
     fn calibration(&self, number: usize) -> Option<IntervalCalibration> {

@@ -37,6 +37,32 @@ pub struct ChannelError {
 /// SI unit of each number of a step.
 pub(crate) const UNITS: [&str; 7] = ["m", "m", "rad", "N", "N", "m", "m"];
 
+impl ChannelError {
+    /// - `number`: which; `bias` and `square`: means of its residuals and of their squares.
+    /// - `spread`: variance of what was observed.
+    pub(crate) fn of(
+        number: usize,
+        [bias, square]: [ClusterMean; 2],
+        spread: f64,
+        floor: Option<Floor>,
+    ) -> Self {
+        let rms = square.mean.sqrt();
+        Self {
+            name: Channels::NAMES[number],
+            channel: Channels::KINDS[number],
+            unit: UNITS[number],
+            n_steps: bias.n_steps,
+            rms,
+            rms_se: if rms > 0.0 { 0.5 * square.se / rms } else { 0.0 },
+            bias: bias.mean,
+            bias_se: bias.se,
+            nmse: (spread > 0.0).then(|| square.mean / spread),
+            floor,
+            over_floor: floor.filter(|floor| floor.rms > 0.0).map(|floor| rms / floor.rms),
+        }
+    }
+}
+
 /// The residuals of one number, with an index of each step, as of its cluster.
 pub(crate) fn of_number(
     residuals: &[[Option<f64>; 7]],
@@ -58,22 +84,8 @@ pub(crate) fn channel_errors(
         let bias = ClusterMean::of(&values)?;
         let squares: Vec<_> = values.iter().map(|(push, value)| (*push, value * value)).collect();
         let square = ClusterMean::of(&squares)?;
-        let rms = square.mean.sqrt();
-        let floor = floor.numbers[number];
         let spread = spread(residuals, observations, number);
-        Some(ChannelError {
-            name: Channels::NAMES[number],
-            channel: Channels::KINDS[number],
-            unit: UNITS[number],
-            n_steps: bias.n_steps,
-            rms,
-            rms_se: if rms > 0.0 { 0.5 * square.se / rms } else { 0.0 },
-            bias: bias.mean,
-            bias_se: bias.se,
-            nmse: (spread > 0.0).then(|| square.mean / spread),
-            floor,
-            over_floor: floor.filter(|floor| floor.rms > 0.0).map(|floor| rms / floor.rms),
-        })
+        Some(ChannelError::of(number, [bias, square], spread, floor.numbers[number]))
     };
     (0..Channels::NAMES.len()).filter_map(error).collect()
 }

@@ -154,8 +154,13 @@ impl FitPlace {
         let space = Space::new(part, model, &free, settings, None)?;
         check(model, &space)?;
         let n = space.members.iter().map(Member::len).sum::<usize>();
-        let fits = [&self.x, &self.about, &self.widths].iter().all(|own| own.len() == n);
-        if fits { Ok(space) } else { Err(other_model()) }
+        if self.is_sound(n) { Ok(space) } else { Err(other_model()) }
+    }
+
+    /// Whether it is a place of so many numbers.
+    fn is_sound(&self, n: usize) -> bool {
+        [&self.x, &self.about, &self.widths].iter().all(|own| own.len() == n)
+            && self.last.as_ref().is_none_or(|last| last.is_sound(n))
     }
 
     /// Where the sum of all parts leads, and what it says here.
@@ -166,7 +171,7 @@ impl FitPlace {
     pub fn step(&self, sums: &NormalEquations) -> Result<(Self, PartedFit), DiagnosisError> {
         let n = self.x.len();
         let fits = sums.is_sound() && sums.numbers.iter().all(|number| number.index < n);
-        if !(fits && self.last.as_ref().is_none_or(|last| last.is_sound(n))) {
+        if !(fits && self.is_sound(n)) {
             return Err(other_model());
         }
         let here = Here::of((&self.x, self.scale), sums)?;
@@ -387,6 +392,10 @@ mod tests {
         let refused = other.add(1, more.clone()).unwrap_err().to_string();
         assert!(refused.starts_with("numbers that are fitted"), "{refused}");
         assert!(matches!(place.step(&more), Err(DiagnosisError::Parts { .. })));
+        // A file that lost a number.
+        let mut damaged = place.clone();
+        damaged.widths.pop();
+        assert!(matches!(damaged.step(&one), Err(DiagnosisError::Parts { .. })));
     }
 
     #[test]

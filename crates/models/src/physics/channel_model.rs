@@ -109,20 +109,13 @@ impl ChannelModel {
         steps: impl IntoIterator<Item = (&'a StepInput, &'a [f64])>,
     ) -> Result<Vec<Channels>, ModelError> {
         let (steps, draws): (Vec<&StepInput>, Vec<&[f64]>) = steps.into_iter().unzip();
-        let mut known: Vec<(&Arc<Object>, PushPhysics)> = Vec::new();
-        for step in &steps {
-            if !known.iter().any(|(object, _)| Arc::ptr_eq(object, &step.object)) {
-                known.push((&step.object, self.physics(&step.object)?));
-            }
-        }
+        let mut draws = draws.into_iter();
         // Each draw has mechanics of its own, which take long where masses are accelerated.
-        let one = |(step, draw): (&&StepInput, &&[f64])| {
-            let mut own = known.iter().filter(|(object, _)| Arc::ptr_eq(object, &step.object));
-            let physics = own.next().map(|(_, physics)| physics.drawn(draw, step));
-            physics.map(|physics| physics.predict(step))
-        };
-        let all: Vec<_> = steps.par_iter().zip(&draws).with_min_len(FEW).map(one).collect();
-        all.into_iter().flatten().map(|channels| Ok(channels?)).collect()
+        let physics = self.of_each(steps.iter().copied(), |physics, step| {
+            Ok(physics.drawn(draws.next().unwrap_or_default(), step))
+        })?;
+        let one = |(physics, step): (&PushPhysics, &&StepInput)| Ok(physics.predict(step)?);
+        physics.par_iter().zip(&steps).with_min_len(FEW).map(one).collect()
     }
 
     /// The motion of each step, (Δx, Δy, Δθ) in m, m and rad: expected, and its covariance by the

@@ -75,7 +75,7 @@ pub(super) struct Draw {
 }
 
 impl Draw {
-    /// A step's error in units of the model's root.
+    /// A step's error in units of the model's root; 0 of a model without variance, which draws nothing.
     pub(super) fn whitened(&self) -> Vector3<f64> {
         self.root.solve_lower_triangular(&self.off).unwrap_or_default()
     }

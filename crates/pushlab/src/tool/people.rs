@@ -35,6 +35,11 @@ pub(crate) fn four_digits(value: f64) -> String {
     }
 }
 
+/// Digits behind the point with which a standard error, and what it is of, has two.
+pub(crate) fn digits_of_error(se: f64) -> usize {
+    if se > 0.0 { (1.0 - se.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 }
+}
+
 /// A text with the first twelve of the digits of each SHA-256 in it.
 pub(crate) fn short_digests(text: &str) -> String {
     const DIGITS: usize = 64;

@@ -10,7 +10,7 @@ use effects::Spread;
 use models::{Calibration, Cluster};
 use serde::Serialize;
 
-use crate::tool::people::{behind_number, four_digits};
+use crate::tool::people::{behind_number, digits_of_error, four_digits};
 use crate::tool::terminal::TITLE;
 use crate::tool::whole_pushes::Told;
 
@@ -179,9 +179,7 @@ fn write_parameter(f: &mut fmt::Formatter<'_>, parameter: &ParameterFit) -> fmt:
     if *se == 0.0 && off.is_none() {
         return writeln!(f, "  {name}: {}{}, not moved", four_digits(*value), behind_number(unit));
     }
-    // Two digits of the standard error.
-    let digits = if *se > 0.0 { (1.0 - se.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
-    let unit = behind_number(unit);
+    let (digits, unit) = (digits_of_error(*se), behind_number(unit));
     write!(f, "  {name}: {value:.digits$} ± {se:.digits$}{unit}")?;
     match interval {
         Some(Interval { low95, high95 }) => {

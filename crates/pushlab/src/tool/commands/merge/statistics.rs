@@ -14,7 +14,7 @@ use crate::tool::commands::compare::{write_calibration, write_error};
 use crate::tool::commands::statistics::{OfPart, Round, Statistics};
 use crate::tool::document::document;
 use crate::tool::origin::{Input, Origin};
-use crate::tool::people::{behind_number, four_digits};
+use crate::tool::people::{behind_number, digits_of_error};
 use crate::tool::terminal::{TITLE, Terminal};
 
 /// What all parts say together.
@@ -117,7 +117,10 @@ impl fmt::Display for Merged {
             "{TITLE}{model}{TITLE:#} on {n_steps} steps of {n_pushes} pushes, in {n_parts} parts"
         )?;
         writeln!(f, "; {n_excluded} rows are excluded")?;
-        writeln!(f, "{TITLE}error of a step, RMS{TITLE:#} (± takes whole pushes for independent)")?;
+        writeln!(
+            f,
+            "{TITLE}error of a step, RMS{TITLE:#} (± takes whole pushes for independent, floors are the sample's)"
+        )?;
         channels.iter().try_for_each(|error| write_error(f, error))?;
         write_calibration(f, calibration)?;
         writeln!(f, "  {} maps of mean residuals: --json or -o has them", maps.len())?;
@@ -140,8 +143,8 @@ impl fmt::Display for Merged {
 
 fn write_effect(f: &mut fmt::Formatter<'_>, effect: &PartedEffect) -> fmt::Result {
     for PartedEstimate { name, unit, value, se } in &effect.parameters {
-        let (value, se, unit) = (four_digits(*value), four_digits(*se), behind_number(unit));
-        writeln!(f, "  {} {name}: {value} ± {se}{unit}", effect.id)?;
+        let (digits, unit) = (digits_of_error(*se), behind_number(unit));
+        writeln!(f, "  {} {name}: {value:.digits$} ± {se:.digits$}{unit}", effect.id)?;
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use dataset::{Part, read_text};
 use diagnosis::{ErrorGrid, ErrorSums, FitPlace, NormalEquations};
 use gp_core::{GpError, Mergeable};
@@ -116,12 +116,12 @@ impl OfPart {
         let differs =
             of.then_some("number of parts").or_else(|| self.round.difference(&other.round));
         let (own, path) = (own.display(), path.display());
-        let what = differs.unwrap_or_default();
-        ensure!(
-            differs.is_none(),
-            "{path} does not go with {own}: the {what} differs; make all parts alike"
-        );
-        Ok(())
+        match differs {
+            Some(what) => {
+                bail!("{path} does not go with {own}: the {what} differs; make all parts alike")
+            }
+            None => Ok(()),
+        }
     }
 }
 
