@@ -24,15 +24,22 @@ const MODELS: [&str; 2] = ["analytical", "gp"];
 
 pub(crate) fn draw(inputs: &Inputs) -> Result<Sketch> {
     let found = found(inputs, &MODELS, &FILTERS.iter().collect::<Vec<_>>())?;
-    let figure = Found::panels(&found)
-        .into_iter()
-        .fold(Figure::new(2, 2).panel_size(420.0, 260.0).one_legend(), Figure::with);
+    let panels = Found::panels(&found);
+    let figure = Figure::new(panels.len().div_ceil(2), 2).panel_size(420.0, 260.0).one_legend();
+    let figure = panels.into_iter().fold(figure, Figure::with);
     let told: Vec<String> = found.iter().map(Found::in_words).collect();
-    let n = found.first().map_or(0, |found| found.n_pushes);
+    let n_of = |task: Task| {
+        found.iter().find(|found| found.name.1 == task).map_or(0, |found| found.n_pushes)
+    };
+    let (n, n_felt) = (n_of(Task::Capture), n_of(Task::Force));
+    let unfelt = match n - n_felt {
+        0 => String::new(),
+        n => format!(" ({n} of the pushes have no force whose zero is known and are left out)"),
+    };
     let caption = format!(
         "{n} held-out pushes, followed step by step. Above: a pose after every third step, as motion capture \
          that is a hundred times as noisy as the recordings' would report it (2 mm and 2.3°). Below: no \
-         camera, the contact force alone, of an object that was laid down turned by 5.7°. Each filter has \
+         camera, the contact force alone, of an object that was laid down turned by 5.7°{unfelt}. Each filter has \
          the process learnt from other pushes as its motion, or the fitted mechanics, whose steps share errors \
          as other pushes showed. Left: root mean square error over all steps; right: steps whose measured \
          pose is within the filter's 90 % region. Place in mm, angle in degrees, share within, and with motion \
@@ -61,6 +68,9 @@ fn found(inputs: &Inputs, models: &[&str], filters: &[&Filter]) -> Result<Vec<Fo
             for task in Task::ALL {
                 let own = of_turn(model, &correlation, (&tasks, task), filters, &turn.test)?;
                 for (filter, followed) in filters.iter().zip(own) {
+                    if followed.is_empty() {
+                        continue;
+                    }
                     let name = (trained.name, task, filter.name);
                     let known = all.iter_mut().find(|found| found.name == name);
                     match known {
@@ -92,8 +102,8 @@ fn of_turn(
     let by_push: Vec<Vec<Followed>> = pushes
         .par_iter()
         .enumerate()
-        .map(|(number, push)| {
-            let seen = tasks.seen(task, push, number)?;
+        .filter_map(|(number, push)| Some((push, tasks.seen(task, push, number)?)))
+        .map(|(push, seen)| {
             let follow = |filter: &&Filter| {
                 let followed = filter.follow(model, &settings, push, &seen);
                 followed.with_context(|| format!("{} on {}", filter.name, push.name))
@@ -109,10 +119,13 @@ fn of_turn(
 mod tests {
     use std::fs;
 
+    use dataset::{Flags, Table};
+    use fixtures::workspace_root;
+
     use super::found;
     use super::found::Found;
+    use super::task::{Task, Tasks};
     use crate::figures::inputs::Inputs;
-    use fixtures::workspace_root;
 
     /// Of numbers on the page: the arithmetic of other machines, and the last digit that is written.
     const WITHIN: f64 = 0.05;
@@ -162,6 +175,27 @@ mod tests {
         // What comes later tells of what was before.
         let [one, later] = ["unscented", "unscented, smoothed"].map(|filter| of("capture", filter));
         assert!(later.place_mm() < one.place_mm() && later.angle_deg() < one.angle_deg());
+    }
+
+    #[test]
+    fn a_push_whose_force_has_no_known_zero_is_followed_by_motion_capture_alone() {
+        let inputs = Inputs::fixtures(true).unwrap();
+        let pushes = inputs.whole_pushes().unwrap();
+        let friction = inputs.setting().unwrap().friction;
+        let table = inputs.table().unwrap();
+        let untared = |name: &str| {
+            let rows = table.rows.iter().cloned().map(|mut row| {
+                if format!("{}#{}", row.recording, row.push) == name {
+                    row.flags |= Flags::UNTARED;
+                }
+                row
+            });
+            Table { rows: rows.collect(), provenance: table.provenance.clone() }
+        };
+        let tasks = Tasks::of(&untared(&pushes[1].name), friction);
+        let is_seen = |task: Task, k: usize| tasks.seen(task, &pushes[k], k).is_some();
+        assert_eq!([0, 1, 2].map(|k| is_seen(Task::Force, k)), [true, false, true]);
+        assert!(is_seen(Task::Capture, 1));
     }
 
     /// The numbers in the cells of a row.

@@ -66,7 +66,7 @@ impl Found {
         (task == Task::Capture && filter != "none").then_some(self.log_evidence)
     }
 
-    /// The four panels: error and coverage, with motion capture and with force.
+    /// Error and coverage, with motion capture and, of pushes that have it, with force.
     pub(super) fn panels(all: &[Self]) -> Vec<Panel> {
         let names: Vec<(f64, &str)> =
             SHORT.iter().enumerate().map(|(k, name)| (k as f64, *name)).collect();
@@ -95,7 +95,9 @@ impl Found {
             let y = Axis::new("share within 90 % regions").range(0.0, 1.0);
             points(Panel::new(axis(), y).with(Guide::horizontal(LEVEL)), task, &Self::share)
         };
-        Task::ALL.into_iter().flat_map(|task| [error(task), coverage(task)]).collect()
+        let is_met = |task: &Task| all.iter().any(|one| one.name.1 == *task);
+        let met = Task::ALL.into_iter().filter(is_met);
+        met.flat_map(|task| [error(task), coverage(task)]).collect()
     }
 
     pub(super) fn in_words(&self) -> String {

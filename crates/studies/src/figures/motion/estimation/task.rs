@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use dataset::{Flags, Table};
 use effects::TrueOutline;
 use filter::{
@@ -93,22 +93,22 @@ impl Tasks {
         Self { forces, friction }
     }
 
-    /// What is seen of a push, which is the so many-th.
+    /// What is seen of a push, which is the so many-th; nothing where no force was measured, or none whose
+    /// zero is known.
     pub(super) fn seen<'a>(
         &self,
         task: Task,
         push: &'a RecordedPush,
         number: usize,
-    ) -> Result<Seen<'a>> {
+    ) -> Option<Seen<'a>> {
         match task {
-            Task::Capture => Ok(captured(push, number)),
+            Task::Capture => Some(captured(push, number)),
             Task::Force => self.felt(push, number),
         }
     }
 
-    fn felt<'a>(&self, push: &'a RecordedPush, number: usize) -> Result<Seen<'a>> {
-        let none = || format!("{} has no forces", push.name);
-        let forces = self.forces.get(&push.name).with_context(none)?;
+    fn felt<'a>(&self, push: &'a RecordedPush, number: usize) -> Option<Seen<'a>> {
+        let forces = self.forces.get(&push.name)?;
         let mut start_wb = push.poses_wb[0];
         start_wb.angle += if number.is_multiple_of(2) { TURNED } else { -TURNED };
         let points = push.path.points();
@@ -124,7 +124,7 @@ impl Tasks {
                 threshold: LEAST_FORCE,
             }))
         });
-        Ok(Seen { start_wb, measured: measured.collect() })
+        Some(Seen { start_wb, measured: measured.collect() })
     }
 }
 
