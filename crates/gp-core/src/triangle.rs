@@ -44,7 +44,7 @@ pub fn factorize(mut matrix: MatMut<'_, f64>) -> Result<(), usize> {
 /// Replaces X by X L⁻ᵀ, each of whose rows solves L x' = x; n² operations a row.
 pub fn solve_rows(factor: MatRef<'_, f64>, mut x: MatMut<'_, f64>) {
     let (n, n_rows) = (factor.nrows(), x.nrows());
-    if n_rows > TILE && n_rows * n * n > 2 * LEAF {
+    if n_rows > FEW_ROWS && n_rows * n * n > 2 * LEAF {
         let half = (n_rows / 2).next_multiple_of(TILE);
         let (top, bottom) = x.split_at_row_mut(half);
         rayon::join(|| solve_rows(factor, top), || solve_rows(factor, bottom));
@@ -57,8 +57,8 @@ pub fn solve_rows(factor: MatRef<'_, f64>, mut x: MatMut<'_, f64>) {
     for start in (0..n).step_by(width) {
         let end = n.min(start + width);
         let (known, mut panel) = x.as_mut().get_mut(.., ..end).split_at_col_mut(start);
-        let coefficients = factor.get(start..end, ..start);
-        increase(panel.as_mut(), known.as_ref(), coefficients.transpose(), -1.0);
+        let coefficients = factor.get(start..end, ..start).transpose();
+        matmul(panel.as_mut(), Accum::Add, known.as_ref(), coefficients, -1.0, Par::Seq);
         solve_rows(factor.get(start..end, start..end), panel);
     }
 }
@@ -212,6 +212,9 @@ fn panel_width(n: usize) -> usize {
 /// keeps in registers, for the least work above the diagonal; and beside a wide rectangle.
 const NARROW: usize = 8;
 const WIDE: usize = 128;
+
+/// Fewer rows are solved at once, for each part of them reads the whole triangle.
+const FEW_ROWS: usize = 128;
 
 /// Multiplications of a product that one thread does at once.
 const LEAF: usize = 1 << 22;
