@@ -11,7 +11,7 @@ use crate::packages::packages;
 use crate::{dependencies, fmt, starters, test, tidy};
 
 /// Time for each reader of files, in s.
-const FUZZ_SECONDS: &str = "2";
+const FUZZ_SECONDS: &str = "5";
 
 /// The task's name, help and options.
 pub(crate) fn task() -> Task {

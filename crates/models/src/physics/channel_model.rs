@@ -108,13 +108,13 @@ impl ChannelModel {
         &self,
         steps: impl IntoIterator<Item = (&'a StepInput, &'a [f64])>,
     ) -> Result<Vec<Channels>, ModelError> {
-        let (steps, draws): (Vec<&StepInput>, Vec<&[f64]>) = steps.into_iter().unzip();
-        let mut draws = draws.into_iter();
+        let steps: Vec<_> = steps.into_iter().collect();
+        let physics =
+            self.of_each(steps.iter().map(|(step, _)| *step), |physics, _| Ok(physics.clone()))?;
         // Each draw has mechanics of its own, which take long where masses are accelerated.
-        let physics = self.of_each(steps.iter().copied(), |physics, step| {
-            Ok(physics.drawn(draws.next().unwrap_or_default(), step))
-        })?;
-        let one = |(physics, step): (&PushPhysics, &&StepInput)| Ok(physics.predict(step)?);
+        let one = |(physics, (step, draw)): (&PushPhysics, &(&StepInput, &[f64]))| {
+            Ok(physics.drawn(draw, step).predict(step)?)
+        };
         physics.par_iter().zip(&steps).with_min_len(FEW).map(one).collect()
     }
 
