@@ -36,6 +36,7 @@ pub use object::sliding::{LocalFriction, Sliding, SlidingPoints};
 pub use object::spots::Spot;
 pub use object::support_summary::SupportSummary;
 pub use predict::Predicted;
+pub use predict::parts::PredictedParts;
 pub use predict::push_physics::PushPhysics;
 pub use step::channels::{Channel, Channels};
 pub use step::input::StepInput;

@@ -26,7 +26,7 @@ impl Linearised {
     ) -> Result<Self, DiagnosisError> {
         observer(DiagnosePhase::Noise);
         let tangent = Tangent::of(about, &settings.own, fitted)?;
-        let usual = NoiseModel::usual();
+        let usual = NoiseModel::usual_beside(about)?;
         let noise = noise_beside(&tangent, fitted, &settings.remain(), &usual)?;
         let whitening = noise.whitening_at(fitted, &tangent.linearisation)?;
         let usual = usual.whitening_at(fitted, &tangent.linearisation)?;

@@ -51,7 +51,7 @@ pub(super) fn push_scatter(
         noise_beside(tangent, observations, &settings.remain(), expected)
     };
     let tangent = Tangent::of(model, &settings.own, observations)?;
-    let mut noise = learn(&tangent, &NoiseModel::usual())?;
+    let mut noise = learn(&tangent, &NoiseModel::usual_beside(model)?)?;
     for _ in 0..N_ROUNDS {
         let about = (model, settings.own.as_slice(), observations);
         let sds = noise.sources.iter().map(|source| source.sd);

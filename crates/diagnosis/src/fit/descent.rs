@@ -47,6 +47,18 @@ pub(super) enum Exactness {
     Estimates,
 }
 
+impl Exactness {
+    /// What may be left to fall after a fall, in squared standard errors.
+    pub(super) fn near(self, fall: f64) -> f64 {
+        match self {
+            Self::Rough => SETTLED.max(BRIEFLY * fall),
+            Self::Mixture => NEAR_BY.max(ROUGHLY * fall),
+            Self::Sum => SETTLED,
+            Self::Estimates => CONVERGED,
+        }
+    }
+}
+
 /// The quadratic at a place.
 struct Quadratic {
     moved: Vec<usize>,
@@ -115,12 +127,7 @@ impl Problem<'_> {
             let decrement = quadratic.decrement;
             is_enough |= is_fresh && decrement < NEAR_BY;
             let fall = (first - at.value) / self.robust.scale().powi(2);
-            let near = match exactness {
-                Exactness::Rough => SETTLED.max(BRIEFLY * fall),
-                Exactness::Mixture => NEAR_BY.max(ROUGHLY * fall),
-                Exactness::Sum => SETTLED,
-                Exactness::Estimates => CONVERGED,
-            };
+            let near = exactness.near(fall);
             let next = match decrement < near {
                 true => None,
                 false => self.step_down(&at, &quadratic, &mut damping),

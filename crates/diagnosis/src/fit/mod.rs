@@ -12,6 +12,7 @@ mod gathered;
 mod left_out;
 mod member;
 mod motion_errors;
+mod nearby;
 mod parted;
 mod per_push;
 mod problem;

@@ -88,21 +88,35 @@ impl Problem<'_> {
         let rows = self.whitening.rows();
         let is_final = exactness == Exactness::Estimates;
         let on_the_way = if is_final { Exactness::Sum } else { exactness };
+        self.space.stay_near(&x, &self.whitening.sd())?;
         let mut start = Start { at: self.stand(x)?, slopes, exactness: on_the_way };
         let mut rounds = 1;
         loop {
             self.robust = Robust::at(&rows, &start.at.z);
             start.at.value = self.robust.value(&start.at.z);
-            let found = self.descend(start)?;
+            let first = start.at.value;
+            let mut found = self.descend(start)?;
+            let (fall, lowest) = (first - found.at.value, found.at.value);
+            found.at = self.renewed(found.at)?;
+            let square = self.robust.scale().powi(2);
+            let is_near = (found.at.value - lowest).abs() < on_the_way.near(fall / square) * square;
             let next = Robust::at(&rows, &found.at.z);
             start = Start { at: found.at.clone(), slopes: Some(found.whole.clone()), exactness };
-            let is_settled = (next.scale() / self.robust.scale() - 1.0).abs() < SETTLED;
+            let is_settled = is_near && (next.scale() / self.robust.scale() - 1.0).abs() < SETTLED;
             // Weights that go back and forth between two minima stay as they are.
             if is_settled || rounds == MOST_ROUNDS {
                 return if is_final { self.descend(start) } else { Ok(found) };
             }
             start.exactness = on_the_way;
             rounds += 1;
+        }
+    }
+
+    /// The same place, with what is expected of pushes that differ as it is there.
+    fn renewed(&mut self, at: Evaluation) -> Result<Evaluation, DiagnosisError> {
+        match self.space.stay_near(&at.x, &self.whitening.sd())? {
+            true => self.stand(at.x),
+            false => Ok(at),
         }
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use effects::{
     Channel, Effect, EffectInfo, Nuisance, Object, PressureRadius, PushPhysics, PusherFriction,
-    Setting, Stage, all, by_id_with,
+    Setting, Stage, StepInput, all, by_id_with,
 };
 use models::{
     Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelEffect,
@@ -14,6 +14,7 @@ use rayon::prelude::{IndexedParallelIterator, IntoParallelRefIterator, ParallelI
 
 use super::free_spread::FreeSpread;
 use super::member::{Member, Part};
+use super::nearby::Nearby;
 use super::{FitSettings, SupportPointsFit, field, supports};
 use crate::{DiagnosisError, Observations};
 
@@ -28,6 +29,9 @@ pub(super) struct Space<'a> {
     pub(super) members: Vec<Member>,
     /// By how much a parameter differs, as one more number at the end of a place.
     pub(super) spread: Option<FreeSpread>,
+    /// Where pushes differ, what is known of expectations from a place nearby; none: they are worked out anew at
+    /// each place.
+    nearby: Option<Nearby>,
 }
 
 impl<'a> Space<'a> {
@@ -102,7 +106,7 @@ impl<'a> Space<'a> {
         let order = physics[0].effects().iter().map(|(effect, _)| effect.info().id);
         let order: Vec<_> = order.collect();
         members.sort_by_key(|member| order.iter().position(|id| *id == member.id()));
-        Ok(Self { observations, physics, object_of, members, spread: None })
+        Ok(Self { observations, physics, object_of, members, spread: None, nearby: None })
     }
 
     /// The same with one more effect, at "off"; one that is a nuisance loses its prior.
@@ -193,11 +197,62 @@ impl<'a> Space<'a> {
             .collect()
     }
 
+    /// Where pushes differ, keeps what that changes of each step at a place: beside it, only what bends the motion of a
+    /// step is asked for anew. False, and nothing done, where all pushes are the same or by how much they differ
+    /// is moved itself.
+    ///
+    /// - `sd`: standard deviations of the noise of each step's numbers.
+    ///
+    /// # Errors
+    /// What a prediction refuses.
+    pub(super) fn stay_near(
+        &mut self,
+        x: &[f64],
+        sd: &[(usize, usize, f64)],
+    ) -> Result<bool, DiagnosisError> {
+        let is_free = self.spread.is_some();
+        if is_free || self.physics.iter().all(|physics| physics.of_typical_push().is_none()) {
+            return Ok(false);
+        }
+        let physics = self.physics_at(x)?;
+        let steps = self.observations.steps.par_iter().zip(&self.object_of);
+        let parts =
+            steps.map(|(step, object)| physics[*object].predict_parts(&step.input, |_| true));
+        let parts: Result<Vec<_>, effects::EffectError> = parts.collect();
+        self.nearby = Some(Nearby::new(&parts.map_err(models::ModelError::from)?, sd));
+        Ok(true)
+    }
+
     /// Observed less predicted at a place; 0 for what is not observed.
     ///
     /// # Errors
     /// What a prediction refuses.
     pub(super) fn residuals(&self, x: &[f64]) -> Result<Vec<[f64; 7]>, DiagnosisError> {
+        let physics = self.physics_at(x)?;
+        let predict = |(index, step): (usize, &StepInput)| {
+            let physics = &physics[self.object_of[index]];
+            match &self.nearby {
+                Some(nearby) => nearby.predict(physics, index, step),
+                None => Ok(physics.predict(step)?.to_array()),
+            }
+        };
+        let steps = self.observations.steps.par_iter().enumerate();
+        let residuals = steps.map(|(index, step)| {
+            let predicted = predict((index, &step.input))?;
+            let observed = step.observed.iter().zip(predicted);
+            let mut residuals = [0.0; 7];
+            for (residual, (observed, predicted)) in residuals.iter_mut().zip(observed) {
+                *residual = observed.map_or(0.0, |observed| observed - predicted);
+            }
+            Ok(residuals)
+        });
+        Ok(residuals
+            .collect::<Result<_, effects::EffectError>>()
+            .map_err(models::ModelError::from)?)
+    }
+
+    /// The physics of each object at a place.
+    fn physics_at(&self, x: &[f64]) -> Result<Vec<PushPhysics>, DiagnosisError> {
         let mut physics = self.physics.clone();
         for (member, own) in self.shares(x) {
             let values = member.values(own);
@@ -210,19 +265,7 @@ impl<'a> Space<'a> {
             let differing = physics.into_iter().map(with).collect::<Result<_, _>>();
             physics = differing.map_err(models::ModelError::from)?;
         }
-        let steps = self.observations.steps.par_iter().zip(&self.object_of);
-        let residuals = steps.map(|(step, object)| {
-            let predicted = physics[*object].predict(&step.input)?.to_array();
-            let observed = step.observed.iter().zip(predicted);
-            let mut residuals = [0.0; 7];
-            for (residual, (observed, predicted)) in residuals.iter_mut().zip(observed) {
-                *residual = observed.map_or(0.0, |observed| observed - predicted);
-            }
-            Ok(residuals)
-        });
-        Ok(residuals
-            .collect::<Result<_, effects::EffectError>>()
-            .map_err(models::ModelError::from)?)
+        Ok(physics)
     }
 }
 

@@ -11,7 +11,9 @@ use serde::Serialize;
 
 use crate::data::repeats::{FEWEST_REPEATS, cells};
 use crate::noise::noise_floor::{distance, features};
-use crate::predict::error_shapes::{ErrorShapes, Kind, SOURCES, Source, push_directions};
+use crate::predict::error_shapes::{
+    ErrorShapes, Kind, SOURCES, Source, push_directions, stated_sds,
+};
 use crate::predict::secants::Linearisation;
 use crate::predict::tangent::Tangent;
 use crate::statistics::blocks::Block;
@@ -92,7 +94,7 @@ impl NoiseModel {
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
         let tangent = Tangent::of(model, own, observations)?;
-        Self::learn_at(&tangent, observations, None, &Self::usual())
+        Self::learn_at(&tangent, observations, None, &Self::usual_beside(model)?)
     }
 
     /// The same with slopes that are known, and also from what a flexible fit leaves of pushes, if that is given;
@@ -147,15 +149,28 @@ impl NoiseModel {
 
     /// Every source as large as is usual, before anything is learnt of it.
     pub(crate) fn usual() -> Self {
-        let of = |source: &Source| {
-            let LogNormal { median, log_sd } = source.prior(source.usual_sd);
+        Self::usual_or([0.0; SOURCES.len()])
+    }
+
+    /// The same beside a model, which may state that parameters differ by more from push to push.
+    ///
+    /// # Errors
+    /// `Model` if the catalogue does not know a source.
+    pub(crate) fn usual_beside(model: &Description) -> Result<Self, DiagnosisError> {
+        Ok(Self::usual_or(stated_sds(model)?))
+    }
+
+    /// As large as is usual, or as these standard deviations where they are larger.
+    fn usual_or(stated: impl IntoIterator<Item = f64>) -> Self {
+        let of = |(source, stated): (&Source, f64)| {
+            let LogNormal { median, log_sd } = source.prior(source.usual_sd.max(stated));
             ErrorSource::new(source, median, log_sd)
         };
         Self {
             source: FloorSource::Neighbours,
             n_cells: 0,
             n_pushes: 0,
-            sources: SOURCES.iter().map(of).collect(),
+            sources: SOURCES.iter().zip(stated).map(of).collect(),
             dropped: Vec::new(),
             n_unused: 0,
             iterations: 0,
@@ -182,7 +197,7 @@ impl NoiseModel {
         own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Whitening, DiagnosisError> {
-        let linearisation = Linearisation::of(model, own, observations, &push_directions()?)?;
+        let linearisation = Linearisation::of(model, own, observations, &push_directions(model)?)?;
         self.whitening_at(observations, &linearisation)
     }
 

@@ -94,7 +94,7 @@ fn predicted(
     if noise.source != FloorSource::Repeats {
         return Ok([None; 7]);
     }
-    let linearisation = Linearisation::of(model, own, observations, &push_directions()?)?;
+    let linearisation = Linearisation::of(model, own, observations, &push_directions(model)?)?;
     let mut n = [0_usize; 7];
     let mut sums = vec![[0.0; 7]; noise.sources.len()];
     for numbers in observations.own_numbers() {

@@ -1,6 +1,7 @@
 //! Sources of error of a push, and how each shows in the numbers of the push.
 
-use effects::by_id;
+use effects::{Parameter, Spread, by_id};
+use models::Description;
 use nalgebra::{DMatrix, DVector, Vector2};
 use planar::perpendicular;
 
@@ -91,12 +92,39 @@ impl Source {
     }
 }
 
-/// The coordinates that differ from push to push, with secants for what is usual.
+/// The standard deviation of each source in [`SOURCES`] from push to push, of one session and between sessions, that
+/// a model states; 0 where it states none.
 ///
 /// # Errors
 /// `Model` if the catalogue does not know one.
-pub(crate) fn push_directions() -> Result<Vec<Direction>, DiagnosisError> {
-    push_directions_over([0.0; SOURCES.len()])
+pub(crate) fn stated_sds(model: &Description) -> Result<Vec<f64>, DiagnosisError> {
+    let stated = |source: &Source| -> Result<f64, DiagnosisError> {
+        let Kind::Push { coordinates: [first, ..] } = source.kind else { return Ok(0.0) };
+        let carried = model.effects.iter().find(|effect| effect.id == source.name);
+        let Some(carried) = carried else { return Ok(0.0) };
+        let about = by_id(source.name).map_err(models::ModelError::from)?.info();
+        let values = carried.setting().values(about).map_err(models::ModelError::from)?;
+        let Parameter { name, range, .. } = &about.parameters[*first];
+        let square = |spread: &Spread| {
+            let [low, high] = [-1.0, 1.0].map(|deviations| {
+                let mut moved = values.clone();
+                moved[*first] = spread.at(values[*first], deviations, *range);
+                about.to_coordinates(&moved)[*first]
+            });
+            (0.5 * (high - low)).powi(2)
+        };
+        let spreads = [&carried.per_push, &carried.per_session].map(|spreads| spreads.get(*name));
+        Ok(spreads.into_iter().flatten().map(square).sum::<f64>().sqrt())
+    };
+    SOURCES.iter().map(stated).collect()
+}
+
+/// The coordinates that differ from push to push, with secants for what is usual, or for what a model states.
+///
+/// # Errors
+/// `Model` if the catalogue does not know one.
+pub(crate) fn push_directions(model: &Description) -> Result<Vec<Direction>, DiagnosisError> {
+    push_directions_over(stated_sds(model)?)
 }
 
 /// The same with secants for the standard deviation of each source in [`SOURCES`], where that is more.
@@ -318,6 +346,47 @@ impl AtEnds {
             2 => (zero, sign, pusher),
             5 | 6 if number == 5 + end => (normal, lever, -normal),
             _ => (zero, 0.0, pusher),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use effects::{Rig, Setting, Spread, Surface, by_id};
+    use models::{Analytical, PushModel};
+
+    use super::{SOURCES, push_directions, stated_sds};
+
+    #[test]
+    fn what_a_model_states_is_expected_in_the_coordinates_of_its_sources() {
+        let rig = Rig::new(Surface::Ellipsoid, 0.25, 0.3).unwrap();
+        let mut model = Analytical::nominal(0.25).unwrap().describe().unwrap();
+        let usual = push_directions(&model).unwrap();
+        assert!(stated_sds(&model).unwrap().iter().all(|sd| *sd == 0.0));
+        let mut state = |id: &str, name: &str, [push, session]: [Spread; 2]| {
+            let about = by_id(id).unwrap().info();
+            let mut effect = models::ModelEffect::from(Setting::new(about, &about.off(&rig)));
+            effect.per_push.insert(name.to_owned(), push);
+            effect.per_session.insert(name.to_owned(), session);
+            model.effects.push(effect);
+        };
+        let none = Spread::Sd(0.0);
+        // A friction of 0.25 whose logarithm differs.
+        state("pusher-friction", "friction", [0.3, 0.4].map(Spread::RelativeSd));
+        state("friction-center-offset", "dx", [Spread::Sd(0.007), none]);
+        state("contact-bias", "shift", [Spread::Sd(1e-6), none]);
+        let found = stated_sds(&model).unwrap();
+        let of = |name: &str| SOURCES.iter().position(|source| source.name == name).unwrap();
+        let friction = 0.25 * 0.3_f64.sinh().hypot(0.4_f64.sinh());
+        assert!((found[of("pusher-friction")] - friction).abs() < 1e-9, "{found:?}");
+        assert!((found[of("friction-center-offset")] - 0.007).abs() < 1e-12, "{found:?}");
+        // Slopes reach as far, and never less far than to what is usual.
+        let reaching = push_directions(&model).unwrap();
+        for (one, usual) in reaching.iter().zip(&usual) {
+            let is_far = ["pusher-friction", "friction-center-offset"];
+            let is_farther = is_far.contains(&one.effect.info().id);
+            assert_eq!(one.size > usual.size, is_farther, "{}", one.effect.info().id);
+            assert!(one.size >= usual.size);
         }
     }
 }

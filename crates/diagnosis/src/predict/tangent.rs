@@ -41,7 +41,7 @@ impl Tangent {
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
         let candidates = Candidates::among(some, model, own, observations)?;
-        let of_push = push_directions()?;
+        let of_push = push_directions(model)?;
         let directions: Vec<Direction> =
             of_push.iter().chain(&candidates.directions).cloned().collect();
         let linearisation = Linearisation::of(model, own, observations, &directions)?;

@@ -101,7 +101,7 @@ impl Standpoint {
         observations: &Observations,
         noise: &NoiseModel,
     ) -> Result<View, DiagnosisError> {
-        let of_push = push_directions()?;
+        let of_push = push_directions(&self.description)?;
         let directions: Vec<Direction> =
             of_push.iter().chain(self.free.iter().map(|free| &free.direction)).cloned().collect();
         let linearisation =

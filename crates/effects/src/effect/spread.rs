@@ -50,7 +50,7 @@ impl Spread {
     }
 
     /// The parameter so many standard deviations from its value, within a range.
-    pub(crate) fn at(self, value: f64, deviations: f64, (low, high): (f64, f64)) -> f64 {
+    pub fn at(self, value: f64, deviations: f64, (low, high): (f64, f64)) -> f64 {
         let moved = match self {
             Self::Sd(sd) => value + sd * deviations,
             Self::RelativeSd(sd) => value * (sd * deviations).exp(),

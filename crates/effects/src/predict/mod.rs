@@ -12,6 +12,7 @@ pub(crate) mod inertia;
 pub(crate) mod instant;
 pub(crate) mod lean;
 pub(crate) mod moved;
+pub(crate) mod parts;
 pub(crate) mod path;
 pub(crate) mod push_physics;
 pub(crate) mod substep_end;

@@ -111,3 +111,28 @@ fn spreads_of_pushes_and_places_are_in_one_unit() {
     assert_eq!(other.with_spread(id, name, Spread::Sd(0.05)).unwrap_err(), refused);
     assert!(matches!(refused, EffectError::TwoSpreads { .. }), "{refused}");
 }
+
+#[test]
+fn parts_are_together_what_is_expected_and_no_others_are_asked_for() {
+    let step = &square(0.005);
+    let (id, names) = ("friction-center-offset", ["dx", "dy"]);
+    let mut physics = PushPhysics::new(rig()).with(by_id(id).unwrap(), &[0.001, 0.002]).unwrap();
+    for n in 1..=2 {
+        physics = physics.with_spread(id, names[n - 1], Spread::Sd(0.004)).unwrap();
+        let expected = physics.predict(step).unwrap().to_array();
+        let all = physics.predict_parts(step, |_| true).unwrap();
+        assert_eq!(all.added.len(), n);
+        for (sum, expected) in all.sum().into_iter().zip(expected) {
+            assert!((sum - expected).abs() < 1e-12, "{sum} {expected}");
+        }
+        let none = physics.predict_parts(step, |_| false).unwrap();
+        assert_eq!(
+            none.sum(),
+            physics.of_typical_push().unwrap().predict(step).unwrap().to_array()
+        );
+        assert_ne!(none.sum(), all.sum());
+        let one = physics.predict_parts(step, |parameter| parameter == n - 1).unwrap();
+        assert_eq!(one.added[n - 1], all.added[n - 1]);
+        assert!(one.added[..n - 1].iter().all(|added| *added == [0.0; 7]));
+    }
+}
