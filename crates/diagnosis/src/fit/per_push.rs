@@ -215,8 +215,11 @@ impl Fitting<'_> {
     /// The values, and the size of the whole spread, by the expected motions under errors that are known.
     fn values(&self, under: &Tried) -> Result<(Fit, f64), DiagnosisError> {
         let Self { observations, about, settings, .. } = *self;
-        let noise = NoiseModel::learn(&under.model, &settings.own, observations)?;
-        let noise = noise.whitening(&under.model, &settings.own, observations)?;
+        // What is being fitted is not known beforehand.
+        let mut typical = under.model.clone();
+        self.spread(&mut typical, [sized(self.unit, 0.0); 2]);
+        let noise = NoiseModel::learn(&typical, &settings.own, observations)?;
+        let noise = noise.whitening(&typical, &settings.own, observations)?;
         let whitening =
             under.errors.whitening(&noise, observations, &under.model, &settings.own)?;
         let asked = if self.follows(&under.model) { vec![] } else { vec![about.id] };
