@@ -93,28 +93,31 @@ impl Source {
 }
 
 /// The standard deviation of each source in [`SOURCES`] from push to push, of one session and between sessions, that
-/// a model states; 0 where it states none.
+/// a model states, of a vector the larger one; 0 where it states none.
 ///
 /// # Errors
-/// `Model` if the catalogue does not know one.
+/// `Model` if the catalogue does not know one, or refuses the model's values.
 pub(crate) fn stated_sds(model: &Description) -> Result<Vec<f64>, DiagnosisError> {
     let stated = |source: &Source| -> Result<f64, DiagnosisError> {
-        let Kind::Push { coordinates: [first, ..] } = source.kind else { return Ok(0.0) };
+        let Kind::Push { coordinates } = source.kind else { return Ok(0.0) };
         let carried = model.effects.iter().find(|effect| effect.id == source.name);
         let Some(carried) = carried else { return Ok(0.0) };
         let about = by_id(source.name).map_err(models::ModelError::from)?.info();
         let values = carried.setting().values(about).map_err(models::ModelError::from)?;
-        let Parameter { name, range, .. } = &about.parameters[*first];
-        let square = |spread: &Spread| {
-            let [low, high] = [-1.0, 1.0].map(|deviations| {
-                let mut moved = values.clone();
-                moved[*first] = spread.at(values[*first], deviations, *range);
-                about.to_coordinates(&moved)[*first]
-            });
-            (0.5 * (high - low)).powi(2)
+        let of = |k: usize| {
+            let Parameter { name, range, .. } = &about.parameters[k];
+            let square = |spread: &Spread| {
+                let [low, high] = [-1.0, 1.0].map(|deviations| {
+                    let mut moved = values.clone();
+                    moved[k] = spread.at(values[k], deviations, *range);
+                    about.to_coordinates(&moved)[k]
+                });
+                (0.5 * (high - low)).powi(2)
+            };
+            let spreads = [&carried.per_push, &carried.per_session].map(|of| of.get(*name));
+            spreads.into_iter().flatten().map(square).sum::<f64>().sqrt()
         };
-        let spreads = [&carried.per_push, &carried.per_session].map(|spreads| spreads.get(*name));
-        Ok(spreads.into_iter().flatten().map(square).sum::<f64>().sqrt())
+        Ok(coordinates.iter().map(|k| of(*k)).fold(0.0, f64::max))
     };
     SOURCES.iter().map(stated).collect()
 }
@@ -373,7 +376,7 @@ mod tests {
         let none = Spread::Sd(0.0);
         // A friction of 0.25 whose logarithm differs.
         state("pusher-friction", "friction", [0.3, 0.4].map(Spread::RelativeSd));
-        state("friction-center-offset", "dx", [Spread::Sd(0.007), none]);
+        state("friction-center-offset", "dy", [Spread::Sd(0.007), none]);
         state("contact-bias", "shift", [Spread::Sd(1e-6), none]);
         let found = stated_sds(&model).unwrap();
         let of = |name: &str| SOURCES.iter().position(|source| source.name == name).unwrap();

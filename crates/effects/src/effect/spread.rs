@@ -49,7 +49,7 @@ impl Spread {
         (part / whole).powi(2)
     }
 
-    /// The parameter so many standard deviations from its value, within a range.
+    /// The parameter so many standard deviations from its value, within a range; all in its unit.
     pub fn at(self, value: f64, deviations: f64, (low, high): (f64, f64)) -> f64 {
         let moved = match self {
             Self::Sd(sd) => value + sd * deviations,
