@@ -1,9 +1,9 @@
 //! Effects that no screen shows: where an object rests, in the place of single numbers that follow from it, and
-//! a tip that is caught at vertices.
+//! what few steps show, as a tip that is caught at vertices.
 
 use std::f64::consts::SQRT_2;
 
-use effects::{Channel, Effect, Stage, SupportPoints, VertexContact};
+use effects::{Channel, Effect, PusherStiction, Role, Stage, SupportPoints, VertexContact};
 
 use super::found::{Choice, Progress, Refused};
 use super::phase::DiagnosePhase;
@@ -18,6 +18,8 @@ use crate::{DiagnosisError, Gain, Screen, Whitening};
 const N_NUMBERS: usize = 11;
 /// Covariances under which points are asked for.
 const N_NOISES: usize = 2;
+/// Effects that few steps show.
+const N_FEW_STEPS: usize = 2;
 
 impl Search<'_> {
     /// The model on points instead of single numbers that follow from them, if pushes that are left out
@@ -63,36 +65,51 @@ impl Search<'_> {
         sure((SupportPoints.info().id, N_NUMBERS), found, p, progress)
     }
 
-    /// The model with a tip that is caught at vertices, if pushes that are left out of the fit are predicted
-    /// better for sure: no slope and no screen shows a limit that few steps are within.
-    pub(super) fn on_vertices<'a>(
+    /// The model with an effect that few steps show and no slope, if pushes that are left out of the fit are predicted
+    /// better for sure: a tip that is caught at vertices, for a limit has none, and one that sticks harder than it
+    /// slides, for at "off" only pushes at the edge of sliding would change.
+    pub(super) fn on_few_steps<'a>(
         &self,
         here: &Refit<'a>,
         screen: &Screen,
         progress: &mut Progress,
     ) -> Result<Option<Refit<'a>>, DiagnosisError> {
-        let id = VertexContact.info().id;
-        let is_known = self.model.effects.iter().any(|carried| carried.id == id)
-            || progress.chosen.iter().any(|one| one.id == id)
-            || progress.was_superfluous(id);
-        if is_known || !self.fitted.channels().contains(&Channel::Motion) {
-            return Ok(None);
+        for about in [VertexContact.info(), PusherStiction.info()] {
+            let id = about.id;
+            let is_known = self.model.effects.iter().any(|carried| carried.id == id)
+                || progress.chosen.iter().any(|one| one.id == id)
+                || progress.was_superfluous(id);
+            if is_known || !self.fitted.channels().contains(&Channel::Motion) {
+                continue;
+            }
+            let found = self.with_limit_or_far(here, id);
+            let p = |gain: &Gain, _: &Progress| p_of(gain, N_FEW_STEPS + n_tested(screen));
+            let n_numbers = about.parameters.len();
+            let Some((there, p_adjusted)) = sure((id, n_numbers), found, p, progress) else {
+                continue;
+            };
+            let off = about.off(&there.rig());
+            let is_small = there.size_against(id, &off)? < SIZE;
+            let choice = Choice { id, p_adjusted, rivals: Vec::new(), is_small };
+            return Ok(Some(self.with_choice(choice, there, progress)?));
         }
-        let found = self.caught_at_vertices(here);
-        let p = |gain: &Gain, _: &Progress| p_of(gain, 1 + n_tested(screen));
-        let Some((there, p_adjusted)) = sure((id, 1), found, p, progress) else { return Ok(None) };
-        let is_small = there.size_against(id, &[0.0])? < SIZE;
-        let choice = Choice { id, p_adjusted, rivals: Vec::new(), is_small };
-        Ok(Some(self.with_choice(choice, there, progress)?))
+        Ok(None)
     }
 
-    fn caught_at_vertices<'a>(
+    /// The model with an effect from its best limit, or from the best of its typical sizes.
+    fn with_limit_or_far<'a>(
         &self,
         here: &Refit<'a>,
+        id: &'static str,
     ) -> Result<Option<(Refit<'a>, Gain)>, Objection> {
-        let Some(effect) = self.effect(VertexContact.info().id) else { return Ok(None) };
-        self.tell(DiagnosePhase::Refitting { effect: effect.info().id });
-        let Some(there) = here.limited_by(effect)? else { return Ok(None) };
+        let Some(effect) = self.effect(id) else { return Ok(None) };
+        self.tell(DiagnosePhase::Refitting { effect: id });
+        let has_limit = effect.info().parameters.iter().any(|one| one.role == Role::Threshold);
+        let found = match has_limit {
+            true => here.limited_by(effect)?,
+            false => here.far_from_off(effect)?,
+        };
+        let Some(there) = found else { return Ok(None) };
         let gains = self.left_out(here, &there)?;
         Ok(Some((there, Gain::of(&gains))))
     }
@@ -176,7 +193,7 @@ fn p_of(gain: &Gain, n_tests: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use effects::{Effect, VertexContact};
+    use effects::{Effect, PusherStiction, VertexContact};
 
     use crate::synthetic::pushed_with;
     use crate::{DiagnoseSettings, diagnose};
@@ -193,6 +210,18 @@ mod tests {
         let limit = &effect.parameters[0];
         let ends = limit.low95.zip(limit.high95);
         assert!(ends.is_some_and(|(low, high)| low < DISTANCE && DISTANCE < high), "{limit:?}");
+        assert!(found.description.effects.iter().any(|effect| effect.id == id));
+    }
+    #[test]
+    fn a_tip_that_sticks_harder_than_it_slides_is_claimed_with_its_size() {
+        let id = PusherStiction.info().id;
+        let (observations, model, _) = pushed_with((id, &[1.6, 1e-3]), 2);
+        let found = diagnose(&observations, &model, &DiagnoseSettings::default()).unwrap();
+        let effect = found.diagnosis.effects.iter().find(|effect| effect.id == id).unwrap();
+        assert!(effect.log_density_gain.is_some_and(|gain| gain.is_sure()), "{effect:?}");
+        let ratio = &effect.parameters[0];
+        let ends = ratio.low95.zip(ratio.high95);
+        assert!(ends.is_some_and(|(low, high)| low < 1.6 && 1.6 < high), "{ratio:?}");
         assert!(found.description.effects.iter().any(|effect| effect.id == id));
     }
 }

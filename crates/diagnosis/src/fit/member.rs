@@ -237,6 +237,14 @@ impl Member {
         self.parameters().iter().map(|parameter| parameter.role == Role::Share).collect()
     }
 
+    /// Which numbers are sizes that mean nothing where the effect is off.
+    pub(super) fn scales(&self) -> Vec<usize> {
+        let is = |parameter: &Parameter| {
+            parameter.off == effects::Off::Undefined && parameter.role == Role::Even
+        };
+        (0..self.len()).filter(|k| is(&self.parameters()[*k])).collect()
+    }
+
     /// Which numbers are 0 or 1.
     pub(super) fn switches(&self) -> Vec<bool> {
         self.parameters().iter().map(|parameter| parameter.role == Role::Switch).collect()

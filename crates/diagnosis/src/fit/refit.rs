@@ -228,6 +228,11 @@ impl<'a> Refit<'a> {
         rms.fold(0.0, f64::max)
     }
 
+    /// The nominal set-up.
+    pub(crate) fn rig(&self) -> effects::Rig {
+        self.problem.space.rig()
+    }
+
     /// Where an effect stands, if it is moved.
     pub(crate) fn values_of(&self, id: &str) -> Option<Vec<f64>> {
         let mut members = self.problem.space.shares(&self.minimum.at.x);

@@ -19,6 +19,8 @@ pub(super) struct Found {
 
 /// Rounds of weights by the typical residual, each from the minimum of the last.
 const MOST_ROUNDS: usize = 6;
+/// Values that are tried of what means nothing at "off", in its own.
+const SCALES: [f64; 3] = [0.25, 0.5, 2.0];
 /// Change of the typical residual that changes no weight to speak of.
 const SETTLED: f64 = 0.01;
 
@@ -144,13 +146,26 @@ impl Problem<'_> {
         Ok(best.x)
     }
 
-    /// The best of a place and of some numbers' typical sizes to either side of it, one of them at a time.
+    /// The best of a place and of an effect's typical sizes to either side of it, one number at a time; with each of
+    /// them what means nothing at "off", as the speed over which something fades, is tried at several values.
     pub(super) fn farther(&self, mut best: Evaluation, numbers: Range<usize>) -> Evaluation {
         let from = best.x.clone();
+        let scales = self.space.scales(numbers.start);
         for k in numbers.filter(|k| !self.frozen[*k]) {
             for x in self.typical_sizes(&from, k) {
+                let others = scales.iter().filter(|scale| **scale != k && !self.frozen[**scale]);
+                let scaled = others.flat_map(|&scale| {
+                    let (low, high) = self.ranges[scale];
+                    SCALES.map(|factor| {
+                        let mut x = x.clone();
+                        x[scale] = (factor * x[scale]).clamp(low, high);
+                        x
+                    })
+                });
                 // A size that the mechanics refuse is no start.
-                best = self.stand(x).ok().filter(|to| to.value < best.value).unwrap_or(best);
+                let found = std::iter::once(x.clone()).chain(scaled);
+                let found = found.filter_map(|x| self.stand(x).ok());
+                best = found.fold(best, |best, to| if to.value < best.value { to } else { best });
             }
         }
         best

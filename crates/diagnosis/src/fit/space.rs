@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use effects::{
     Channel, Effect, EffectInfo, Nuisance, Object, PressureRadius, PushPhysics, PusherFriction,
-    Setting, Stage, StepInput, all, by_id_with,
+    Rig, Setting, Stage, StepInput, all, by_id_with,
 };
 use models::{
     Analytical, Base, ChannelModel, CharacteristicLength, Description, Estimate, ModelEffect,
@@ -130,6 +130,11 @@ impl<'a> Space<'a> {
         Ok(other)
     }
 
+    /// The nominal set-up of the first object.
+    pub(super) fn rig(&self) -> Rig {
+        self.physics[0].rig().clone()
+    }
+
     pub(super) fn n_steps(&self) -> usize {
         self.observations.n_steps()
     }
@@ -164,6 +169,14 @@ impl<'a> Space<'a> {
     /// The place at which every member has the values that `of` tells.
     pub(super) fn place(&self, of: impl Fn(&Member) -> Vec<f64>) -> Vec<f64> {
         self.members.iter().flat_map(|member| member.place(&of(member))).collect()
+    }
+
+    /// The numbers, of the member whose first one is given, that are sizes which mean nothing where it is off.
+    pub(super) fn scales(&self, first: usize) -> Vec<usize> {
+        let mut members = (0..self.members.len()).filter(|index| self.first(*index) == first);
+        let member = members.find(|index| self.members[*index].len() > 0);
+        let own = member.map_or_else(Vec::new, |index| self.members[index].scales());
+        own.into_iter().map(|k| first + k).collect()
     }
 
     /// A number of every coordinate, in their order.

@@ -86,6 +86,21 @@ impl<'a> Refit<'a> {
         Ok(Trial { effect: effect.clone(), freedom, problem, minimum })
     }
 
+    /// The minimum with one more effect from the best of its typical sizes; none where "off" is better than all.
+    ///
+    /// # Errors
+    /// What a prediction refuses; as a descent.
+    pub(crate) fn far_from_off(
+        &self,
+        effect: &Arc<dyn Effect>,
+    ) -> Result<Option<Self>, DiagnosisError> {
+        let trial = self.trial(effect)?;
+        match trial.objective() < self.objective() {
+            true => Ok(Some(self.with(&trial)?)),
+            false => Ok(None),
+        }
+    }
+
     /// The minimum with the effect of a trial.
     ///
     /// # Errors

@@ -157,7 +157,7 @@ impl Balance<'_> {
         let edge = Edge::new(touch, law, guess.mode);
         if is_sliding(guess.mode)
             && !law.holds(edge.side)
-            && let Some(answer) = self.slide_by_newton(touch, &edge, guess)?
+            && let Some(answer) = self.slide_on(touch, &edge, guess)?
             && answer.mode == guess.mode
             && edge.side * touch.slip(&answer.motion) > 0.0
         {
@@ -225,7 +225,28 @@ impl Balance<'_> {
         Err(EffectError::NotConverged { what: "the sticking push", iterations: MAX_ITERATIONS })
     }
 
-    /// The turn and the slip for which the force is on the cone's edge; none where steps grow.
+    /// The sliding that goes on, near a guess; where friction falls with the slip, also below the one that the least
+    /// friction would leave.
+    fn slide_on(
+        &self,
+        touch: &ContactKinematics,
+        edge: &Edge<'_>,
+        guess: &ContactSolution,
+    ) -> Result<Option<ContactSolution>, EffectError> {
+        let near = self.slide_by_newton(touch, edge, guess)?;
+        if near.is_some() || edge.law.static_ratio == 1.0 {
+            return Ok(near);
+        }
+        let least = ContactLaw { static_ratio: 1.0, ..*edge.law };
+        let fastest = self.slide_by_newton(touch, &Edge::new(touch, &least, edge.mode), guess)?;
+        match fastest {
+            Some(fastest) => self.slide_by_newton(touch, edge, &fastest),
+            None => Ok(None),
+        }
+    }
+
+    /// The turn and the slip for which the force is on the cone's edge; none where steps grow, and where friction
+    /// falls with the slip by more than the load does: no contact slides so for long.
     fn slide_by_newton(
         &self,
         touch: &ContactKinematics,
@@ -258,6 +279,9 @@ impl Balance<'_> {
             let Some(inverse) = jacobian.try_inverse() else { return Ok(None) };
             let step = inverse * residual;
             if step.norm() <= SHORT * speed {
+                if more != 0.0 && jacobian.determinant() * jacobian.m11 >= 0.0 {
+                    return Ok(None);
+                }
                 let end = at - step;
                 let end = touch.motion(end.x / self.length, end.y);
                 let load = load + slope * (end - motion);

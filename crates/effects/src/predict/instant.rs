@@ -273,7 +273,10 @@ impl<'a> ForceBalance<'a> {
         if law.static_ratio == 1.0 || self.slides_already(touch, &answer) {
             return Ok(answer);
         }
-        closed_form(&ellipsoid, touch, law)
+        // What does not slide is asked first whether it is held.
+        let held = closed_form(&ellipsoid, touch, law)?;
+        let mode = if is_sliding(held.mode) { ContactMode::Sticking } else { held.mode };
+        Ok(ContactSolution { mode, ..held })
     }
 
     /// Whether a contact slides at the start of a step: one that just came about, and one whose

@@ -136,3 +136,53 @@ fn parts_are_together_what_is_expected_and_no_others_are_asked_for() {
         assert!(one.added[..n - 1].iter().all(|added| *added == [0.0; 7]));
     }
 }
+
+/// A push of 4 mm at 20 mm/s at the left of a square, turned by `angle`, with the object moving with `twist_wb`.
+fn oblique(angle: f64, twist_wb: Twist) -> StepInput {
+    let start = square(0.005);
+    let (from, _) = start.track.at(0.0);
+    let way = 4e-3 * Vector2::new(angle.cos(), angle.sin());
+    StepInput { track: Track::straight(from, from + way, 0.2), twist_wb, ..start }
+}
+
+#[test]
+fn a_tip_that_sticks_harder_does_what_it_did_and_never_slides_where_friction_falls_too_fast() {
+    let coulomb = |friction: f64, step: &StepInput| {
+        let physics = PushPhysics::new(Rig::new(Surface::UniformPatch, friction, 0.25).unwrap());
+        let found = physics.predict(step).unwrap();
+        (found, found.force_tangential / found.force_normal)
+    };
+    let (mut n, mut n_fast) = (0, 0);
+    for angle in (-60..60).map(|k| 0.02 * f64::from(k)) {
+        let rest = oblique(angle, Twist::default());
+        let ((held, _), (sliding, _)) = (coulomb(0.375, &rest), coulomb(0.25, &rest));
+        let never = coulomb(5.0, &rest).0;
+        if (never.dy - held.dy).abs() > 1e-9 || (never.dy - sliding.dy).abs() < 2e-5 {
+            continue;
+        }
+        n += 1;
+        // As both have it by the end, the object moves already.
+        let twist = |found: &effects::Channels| {
+            let [along, across] = [found.dx, found.dy].map(|way| way / 0.2);
+            let (sin, cos) = angle.sin_cos();
+            let linear = Vector2::new(cos * along - sin * across, sin * along + cos * across);
+            Twist { linear, angular: found.dtheta / 0.2 }
+        };
+        for speed in [1e-4, 1e-3] {
+            let rig = Rig::new(Surface::UniformPatch, 0.25, 0.25).unwrap();
+            let stiction = by_id("pusher-stiction").unwrap();
+            let physics = PushPhysics::new(rig).with(stiction, &[1.5, speed]).unwrap();
+            let stuck = physics.predict(&oblique(angle, twist(&held))).unwrap();
+            assert!((stuck.dy - held.dy).abs() < 1e-9, "{angle} {speed}: {stuck:?} {held:?}");
+            let moving = physics.predict(&oblique(angle, twist(&sliding))).unwrap();
+            let friction = (moving.force_tangential / moving.force_normal).abs();
+            // It slides as fast as it may, or is held: not between, where a little more slip means less friction.
+            let is_fast = (moving.dy - held.dy).abs() > 0.5 * (sliding.dy - held.dy).abs();
+            let is_stuck = (moving.dy - held.dy).abs() < 1e-9;
+            assert!(is_fast || is_stuck, "{angle} {speed}: {friction} {moving:?}");
+            assert!(speed > 1e-4 || is_stuck || friction < 0.26, "{angle}: {friction}");
+            n_fast += usize::from(is_fast);
+        }
+    }
+    assert!(n >= 3 && n_fast >= n, "{n} {n_fast}");
+}
