@@ -71,6 +71,8 @@ pub(crate) const MISSES: f64 = 1.15;
 pub(crate) const LEFT_SHARE: f64 = 0.2;
 /// Whitened error that no noise has. Trial.
 pub(crate) const FAR_OFF: f64 = 1.5;
+/// Cook's distance from which pushes are influential. Convention (Cook & Weisberg, 1982).
+pub(crate) const INFLUENTIAL: f64 = 1.0;
 /// Standard deviations that no noise misses a push by. Convention.
 pub(crate) const FAR: f64 = 8.0;
 /// Fewest pushes missed by as much that share something. Convention: two always do.

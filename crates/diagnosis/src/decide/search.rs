@@ -87,7 +87,10 @@ impl Search<'_> {
                 {
                     return self.forward_step(&there, progress);
                 }
-                if !is_full && let Some(there) = self.on_few_steps(&here, &screen, &mut progress)? {
+                if !is_full
+                    && let Some(there) =
+                        self.on_few_steps((&here, &usual), &screen, &mut progress)?
+                {
                     return self.forward_step(&there, progress);
                 }
                 let there = self.with_small(here, (tried, which), &screen, &mut progress)?;

@@ -39,8 +39,7 @@ impl Search<'_> {
         let follow = self.following_from_points();
         let mut found = self.sure_points(here, &follow, screen, progress);
         if found.is_none()
-            && let Ok(plain) = here.roughly_rewhitened(usual)
-            && plain.scale() >= FAR_OFF
+            && let Some(plain) = misses_far(here, usual)
         {
             found = self.sure_points(&plain, &follow, screen, progress);
         }
@@ -67,10 +66,11 @@ impl Search<'_> {
 
     /// The model with an effect that few steps show and no slope, if pushes that are left out of the fit are predicted
     /// better for sure: a tip that is caught at vertices, for a limit has none, and one that sticks harder than it
-    /// slides, for at "off" only pushes at the edge of sliding would change.
+    /// slides, for at "off" only pushes at the edge of sliding would change. The noise that is `usual` is asked as
+    /// for points.
     pub(super) fn on_few_steps<'a>(
         &self,
-        here: &Refit<'a>,
+        (here, usual): (&Refit<'a>, &'a Whitening),
         screen: &Screen,
         progress: &mut Progress,
     ) -> Result<Option<Refit<'a>>, DiagnosisError> {
@@ -82,12 +82,15 @@ impl Search<'_> {
             if is_known || !self.fitted.channels().contains(&Channel::Motion) {
                 continue;
             }
-            let found = self.with_limit_or_far(here, id);
-            let p = |gain: &Gain, _: &Progress| p_of(gain, N_FEW_STEPS + n_tested(screen));
-            let n_numbers = about.parameters.len();
-            let Some((there, p_adjusted)) = sure((id, n_numbers), found, p, progress) else {
-                continue;
+            let n_tests = N_NOISES * N_FEW_STEPS + n_tested(screen);
+            let p = |gain: &Gain, _: &Progress| p_of(gain, n_tests);
+            let mut ask = |here: &Refit<'a>| {
+                let found = self.with_limit_or_far(here, id);
+                sure((id, about.parameters.len()), found, p, progress)
             };
+            let plain = misses_far(here, usual);
+            let found = plain.and_then(|plain| ask(&plain)).or_else(|| ask(here));
+            let Some((there, p_adjusted)) = found else { continue };
             let off = about.off(&there.rig());
             let is_small = there.size_against(id, &off)? < SIZE;
             let choice = Choice { id, p_adjusted, rivals: Vec::new(), is_small };
@@ -149,6 +152,11 @@ impl Search<'_> {
         let gains = self.left_out(here, &there)?;
         Ok(Some((there, Gain::of(&gains))))
     }
+}
+
+/// The model under the noise that is usual, if it misses a push by far more than that.
+fn misses_far<'a>(here: &Refit<'a>, usual: &'a Whitening) -> Option<Refit<'a>> {
+    here.roughly_rewhitened(usual).ok().filter(|plain| plain.scale() >= FAR_OFF)
 }
 
 /// The model with an effect of so many numbers that no screen shows, and its probability, if both are sure;

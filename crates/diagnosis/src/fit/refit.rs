@@ -279,10 +279,15 @@ impl<'a> Refit<'a> {
         let mut z = at.z.clone();
         for (cluster, pushes) in self.observations.pushes_of_clusters().iter().enumerate() {
             let rows: Vec<usize> = pushes.iter().flat_map(|push| rows[*push].clone()).collect();
-            let shift = self.minimum.shift_without(&rows);
-            let shift = shift.ok_or_else(|| self.observations.alone_determines(cluster))?;
-            let change = slopes.select_rows(&rows) * shift;
-            rows.iter().zip(change.iter()).for_each(|(row, change)| z[*row] += change);
+            let without = self.problem.without(&self.minimum, pushes);
+            let without = without.ok_or_else(|| self.observations.alone_determines(cluster))?;
+            match without.z {
+                Some(there) => rows.iter().for_each(|row| z[*row] = there[*row]),
+                None => {
+                    let change = slopes.select_rows(&rows) * without.shift;
+                    rows.iter().zip(change.iter()).for_each(|(row, change)| z[*row] += change);
+                }
+            }
         }
         Ok(other.problem.robust.of_pushes(&z))
     }

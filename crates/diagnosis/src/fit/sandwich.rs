@@ -7,7 +7,7 @@ use super::problem::Problem;
 use crate::cut_offs::MODEL_TOLERANCE;
 use crate::{DiagnosisError, Observations};
 
-/// The jackknife over clusters, in one Newton step each.
+/// The jackknife over clusters, in one Newton step each, no longer than the others gain by.
 ///
 /// With A the curvature and δ what leaving a cluster out moves the estimate by,
 /// V = (G−1)/G Σ δδᵀ + A⁻¹PA⁻¹, with P the priors' share of A, for each prior stands for one
@@ -26,14 +26,13 @@ pub(super) fn sandwich(
     observations: &Observations,
 ) -> Result<DMatrix<f64>, DiagnosisError> {
     let Minimum { at, slopes, curvature, moved, .. } = minimum;
-    let (all_rows, n) = (problem.whitening.rows(), moved.len());
+    let n = moved.len();
     let inverse = curvature.clone().cholesky().ok_or(DiagnosisError::Flat)?.inverse();
     let mut sum = DMatrix::zeros(n, n);
     let clusters = observations.pushes_of_clusters();
     for (cluster, pushes) in clusters.iter().enumerate() {
-        let rows: Vec<usize> = pushes.iter().flat_map(|push| all_rows[*push].clone()).collect();
-        let shift = minimum.shift_without(&rows);
-        let shift = shift.ok_or_else(|| observations.alone_determines(cluster))?;
+        let without = problem.without(minimum, pushes);
+        let shift = without.ok_or_else(|| observations.alone_determines(cluster))?.shift;
         sum.ger(1.0, &shift, &shift, 1.0);
     }
     let n_clusters = clusters.len() as f64;

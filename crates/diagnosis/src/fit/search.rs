@@ -133,15 +133,29 @@ impl Problem<'_> {
         self.space.shares(x).flat_map(on).collect()
     }
 
-    /// The best of the typical sizes on either side of "off", effect after effect.
+    /// The best of the typical sizes on either side of "off", of the effect that lowers the sum most first.
     fn far_start(&self, plain: Vec<f64>) -> Result<Vec<f64>, DiagnosisError> {
         let mut best = self.stand(plain)?;
-        for (index, member) in self.space.members.iter().enumerate() {
-            let first = self.space.first(index);
+        let is_asked = |member: &Member| {
             let has_many = member.is_mixture() || is_field(member.effect.info());
-            let is_asked = member.part == Part::Asked && !has_many;
-            let own = if is_asked { first..first + member.len() } else { 0..0 };
-            best = self.farther(best, own);
+            member.part == Part::Asked && !has_many
+        };
+        let members = self.space.members.iter().enumerate();
+        let mut left: Vec<_> = members
+            .filter(|(_, member)| is_asked(member))
+            .map(|(index, member)| (self.space.first(index), member.len()))
+            .map(|(first, len)| first..first + len)
+            .collect();
+        while !left.is_empty() {
+            let there = left.iter().map(|numbers| self.farther(best.clone(), numbers.clone()));
+            let lowest = there.enumerate().min_by(|(_, a), (_, b)| a.value.total_cmp(&b.value));
+            match lowest {
+                Some((k, there)) if there.value < best.value => {
+                    best = there;
+                    left.remove(k);
+                }
+                _ => break,
+            }
         }
         Ok(best.x)
     }

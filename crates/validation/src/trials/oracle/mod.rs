@@ -82,6 +82,10 @@ const VISIBLE: f64 = 0.3;
 /// Share of the typical size of first differences.
 const FIRST_SHARE: f64 = 0.2;
 const SHARES: (f64, f64) = (0.02, 1.0);
+/// A size tells of one that is at most so many times smaller.
+const AS_LARGE: f64 = 1.3;
+/// Sizes that are tried between one that may be named and one that may not.
+const HALVINGS: usize = 8;
 /// Three quarters of the pushes are fitted.
 const FITTED: f64 = 0.75;
 const SEED: u64 = 2_026;
@@ -235,12 +239,51 @@ impl Bench {
         Ok(Signature(pairs.map(|(view, (off, on))| view.difference(off, on, share)).collect()))
     }
 
+    /// What is seen of an effect about the smallest size that may be named.
+    ///
+    /// Secants over the size itself, for sticking and sliding have an edge between them, and a corner whose
+    /// rounding ends before anything is read shows nothing: how large a size has to be follows from one as large.
+    fn smallest(&self, asked: &Asked, share: f64) -> Result<Seen> {
+        let mut seen = self.seen(asked, share)?;
+        let mut too_small = 0.0_f64;
+        for _ in 0..HALVINGS {
+            let told = seen.sizes.nameable().max(too_small).max(SHARES.0);
+            if seen.share <= AS_LARGE * told {
+                break;
+            }
+            let smaller = self.seen(asked, (told * seen.share).sqrt())?;
+            match smaller.sizes.nameable() <= smaller.share {
+                true => seen = smaller,
+                false => too_small = smaller.share,
+            }
+        }
+        seen.sizes.detectable = seen.sizes.detectable.max(too_small);
+        Ok(seen)
+    }
+
+    fn seen(&self, asked: &Asked, share: f64) -> Result<Seen> {
+        let information = Information::of(self, &self.signature(asked, share)?, asked.id);
+        let sizes = Sizes {
+            detectable: information.detectable(asked.id),
+            visible: VISIBLE / information.visibility(self),
+            tolerated: tolerated(asked.id),
+        };
+        Ok(Seen { share, sizes, information })
+    }
+
     /// What is seen of an effect in each of its directions alone.
     fn in_each_direction(&self, id: &'static str, share: f64) -> Result<Vec<Information>> {
         let directions = Asked::in_each_direction(id, share)?.into_iter();
         let seen = |effect| Ok(Information::of(self, &self.signature_of(effect, share)?, id));
         directions.map(seen).collect()
     }
+}
+
+/// What is seen of an effect at a share of its typical size.
+struct Seen {
+    share: f64,
+    sizes: Sizes,
+    information: Information,
 }
 
 /// Whether one of two effects is documented to look like the other.
@@ -269,16 +312,10 @@ impl SetupSizes {
             let asked = Asked::typical(kind.id);
             let first = Information::of(&bench, &bench.signature(&asked, FIRST_SHARE)?, kind.id);
             let share = first.detectable(kind.id).clamp(SHARES.0, SHARES.1);
-            // Secants over the size itself, for sticking and sliding have an edge between them.
-            let Ok(signature) = bench.signature(&asked, share) else { continue };
-            let found = Information::of(&bench, &signature, kind.id);
-            let own = Sizes {
-                detectable: found.detectable(kind.id),
-                visible: VISIBLE / found.visibility(&bench),
-                tolerated: tolerated(kind.id),
-            };
+            let Ok(found) = bench.smallest(&asked, share) else { continue };
+            let Seen { share, sizes: own, information } = found;
             sizes.insert(kind.id.to_owned(), own);
-            signatures.push((kind.id.to_owned(), found));
+            signatures.push((kind.id.to_owned(), information));
             if by_id(kind.id).is_ok() {
                 directions.insert(kind.id, bench.in_each_direction(kind.id, share)?);
             }
@@ -320,7 +357,16 @@ fn tolerated(id: &str) -> f64 {
 mod tests {
     use super::super::case::{Asked, Sessions, Setup};
     use super::information::Information;
-    use super::{Bench, Sizes};
+    use super::{AS_LARGE, Bench, Sizes};
+
+    #[test]
+    fn a_corner_whose_rounding_ends_before_anything_is_read_is_not_nameable() {
+        let bench = Bench::of(&Setup { n_pushes: 48, ..Setup::RICH }).unwrap();
+        let seen = bench.smallest(&Asked::typical("edge-rounding"), 1.0).unwrap();
+        // Of 3 mm, and within 1.5 mm of a vertex nothing is read.
+        let radius = 3.0 * seen.sizes.nameable();
+        assert!((1.5 / AS_LARGE..=3.0).contains(&radius), "{radius} mm");
+    }
 
     #[test]
     fn noise_simulated_again_is_white_and_sizes_fall_with_information() {

@@ -51,14 +51,18 @@ impl View {
             arms: Vec::new(),
             has_force: recording.wrench.is_some(),
         };
+        let contact_at = |time: f64| {
+            let tip = trajectory.pose_at(time).inverse_transform_point(&trajectory.tip_at(time));
+            shape.contact(&tip, radius)
+        };
         let mut time = touch + FIRST / plan.speed;
         while time + half < stop && trajectory.touches_at(time + half) {
-            let pose = trajectory.pose_at(time);
-            let contact =
-                shape.contact(&pose.inverse_transform_point(&trajectory.tip_at(time)), radius);
-            if is_near_vertex(&shape, &contact.point) {
+            // What is read at a time is smoothed over half a step to either side.
+            let ends = [time - half, time, time + half].map(|time| contact_at(time.max(touch)));
+            if ends.iter().any(|contact| is_near_vertex(&shape, &contact.point)) {
                 break;
             }
+            let (pose, contact) = (trajectory.pose_at(time), &ends[1]);
             view.times.push(time);
             view.normals.push(pose.rotate(&contact.normal));
             view.arms.push(pose.rotate(&contact.point));
