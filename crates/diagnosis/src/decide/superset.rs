@@ -3,7 +3,9 @@
 
 use std::f64::consts::SQRT_2;
 
-use effects::{Channel, Effect, PusherStiction, Role, Stage, SupportPoints, VertexContact};
+use effects::{
+    Channel, EdgeRounding, Effect, PusherStiction, Role, Stage, SupportPoints, VertexContact,
+};
 
 use super::found::{Choice, Progress, Refused};
 use super::phase::DiagnosePhase;
@@ -19,7 +21,7 @@ const N_NUMBERS: usize = 11;
 /// Covariances under which points are asked for.
 const N_NOISES: usize = 2;
 /// Effects that few steps show.
-const N_FEW_STEPS: usize = 2;
+const N_FEW_STEPS: usize = 3;
 
 impl Search<'_> {
     /// The model on points instead of single numbers that follow from them, if pushes that are left out
@@ -65,16 +67,16 @@ impl Search<'_> {
     }
 
     /// The model with an effect that few steps show and no slope, if pushes that are left out of the fit are predicted
-    /// better for sure: a tip that is caught at vertices, for a limit has none, and one that sticks harder than it
-    /// slides, for at "off" only pushes at the edge of sliding would change. The noise that is `usual` is asked as
-    /// for points.
+    /// better for sure: a tip that is caught at vertices, for a limit has none; corners that are round, for a small
+    /// rounding ends before anything is read; and a tip that sticks harder than it slides, for at "off" only pushes
+    /// at the edge of sliding would change. The noise that is `usual` is asked as for points.
     pub(super) fn on_few_steps<'a>(
         &self,
         (here, usual): (&Refit<'a>, &'a Whitening),
         screen: &Screen,
         progress: &mut Progress,
     ) -> Result<Option<Refit<'a>>, DiagnosisError> {
-        for about in [VertexContact.info(), PusherStiction.info()] {
+        for about in [VertexContact.info(), EdgeRounding.info(), PusherStiction.info()] {
             let id = about.id;
             let is_known = self.model.effects.iter().any(|carried| carried.id == id)
                 || progress.chosen.iter().any(|one| one.id == id)
@@ -84,8 +86,15 @@ impl Search<'_> {
             }
             let n_tests = N_NOISES * N_FEW_STEPS + n_tested(screen);
             let p = |gain: &Gain, _: &Progress| p_of(gain, n_tests);
+            let is_untestable =
+                screen.effects.iter().any(|one| one.id == id && one.not_testable.is_some());
             let mut ask = |here: &Refit<'a>| {
                 let found = self.with_limit_or_far(here, id);
+                let is_seen = matches!(&found, Ok(Some((_, gain))) if gain.is_sure());
+                // What no size of it makes sure stays untestable.
+                if is_untestable && !is_seen {
+                    return None;
+                }
                 sure((id, about.parameters.len()), found, p, progress)
             };
             let plain = misses_far(here, usual);
@@ -201,7 +210,7 @@ fn p_of(gain: &Gain, n_tests: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use effects::{Effect, PusherStiction, VertexContact};
+    use effects::{EdgeRounding, Effect, PusherStiction, VertexContact};
 
     use crate::synthetic::pushed_with;
     use crate::{DiagnoseSettings, diagnose};
@@ -220,6 +229,21 @@ mod tests {
         assert!(ends.is_some_and(|(low, high)| low < DISTANCE && DISTANCE < high), "{limit:?}");
         assert!(found.description.effects.iter().any(|effect| effect.id == id));
     }
+
+    #[test]
+    fn round_corners_are_claimed_with_their_size_though_small_ones_end_before_anything_is_read() {
+        const RADIUS: f64 = 0.008;
+        let id = EdgeRounding.info().id;
+        let (observations, model, _) = pushed_with((id, &[RADIUS]), 2);
+        let found = diagnose(&observations, &model, &DiagnoseSettings::default()).unwrap();
+        let effect = found.diagnosis.effects.iter().find(|effect| effect.id == id).unwrap();
+        assert!(effect.log_density_gain.is_some_and(|gain| gain.is_sure()), "{effect:?}");
+        let radius = &effect.parameters[0];
+        let ends = radius.low95.zip(radius.high95);
+        assert!(ends.is_some_and(|(low, high)| low < RADIUS && RADIUS < high), "{radius:?}");
+        assert!(found.description.effects.iter().any(|effect| effect.id == id));
+    }
+
     #[test]
     fn a_tip_that_sticks_harder_than_it_slides_is_claimed_with_its_size() {
         let id = PusherStiction.info().id;
