@@ -1,6 +1,7 @@
 //! Effects that no screen shows: where an object rests, in the place of single numbers that follow from it, and
 //! what few steps show, as a tip that is caught at vertices.
 
+use std::cell::OnceCell;
 use std::f64::consts::SQRT_2;
 
 use effects::{
@@ -11,7 +12,7 @@ use super::found::{Choice, Progress, Refused};
 use super::phase::DiagnosePhase;
 use super::rules::Objection;
 use super::search::Search;
-use crate::cut_offs::{FAR_OFF, NAME, PUSHES_A_NUMBER, SIZE};
+use crate::cut_offs::{FAR_OFF, NAME, PUSHES_A_NUMBER, SIZE, SURE_NATS};
 use crate::fit::Refit;
 use crate::predict::candidates::follow_from_points;
 use crate::{DiagnosisError, Gain, Screen, Whitening};
@@ -23,15 +24,34 @@ const N_NOISES: usize = 2;
 /// Effects that few steps show.
 const N_FEW_STEPS: usize = 3;
 
+/// A model at its minimum, and what it is under the noise that is usual.
+///
+/// Where a push is missed by far more than is usual, that noise is asked as well: what was learnt beside a model
+/// that misses so much may be the effect itself.
+pub(super) struct Standpoint<'r, 'a> {
+    here: &'r Refit<'a>,
+    usual: &'a Whitening,
+    plain: OnceCell<Option<Refit<'a>>>,
+}
+
+impl<'r, 'a> Standpoint<'r, 'a> {
+    pub(super) fn new(here: &'r Refit<'a>, usual: &'a Whitening) -> Self {
+        Self { here, usual, plain: OnceCell::new() }
+    }
+
+    /// The model under the noise that is usual, if it misses a push by far more than that.
+    fn plain(&self) -> Option<&Refit<'a>> {
+        let found = || self.here.roughly_rewhitened(self.usual).ok();
+        self.plain.get_or_init(|| found().filter(|plain| plain.scale() >= FAR_OFF)).as_ref()
+    }
+}
+
 impl Search<'_> {
     /// The model on points instead of single numbers that follow from them, if pushes that are left out
     /// of the fit are predicted better for sure; notes why not.
-    ///
-    /// Where a push is missed by far more than is `usual`, that noise is asked as well: what was learnt beside
-    /// a model that misses so much may be the points themselves.
     pub(super) fn on_points<'a>(
         &self,
-        (here, usual): (&Refit<'a>, &'a Whitening),
+        from: &Standpoint<'_, 'a>,
         screen: &Screen,
         progress: &mut Progress,
     ) -> Result<Option<Refit<'a>>, DiagnosisError> {
@@ -39,11 +59,11 @@ impl Search<'_> {
             return Ok(None);
         }
         let follow = self.following_from_points();
-        let mut found = self.sure_points(here, &follow, screen, progress);
+        let mut found = self.sure_points(from.here, &follow, screen, progress);
         if found.is_none()
-            && let Some(plain) = misses_far(here, usual)
+            && let Some(plain) = from.plain()
         {
-            found = self.sure_points(&plain, &follow, screen, progress);
+            found = self.sure_points(plain, &follow, screen, progress);
         }
         let Some((there, p_adjusted)) = found else { return Ok(None) };
         for one in progress.chosen.extract_if(.., |one| follow.contains(&one.id)) {
@@ -69,10 +89,10 @@ impl Search<'_> {
     /// The model with an effect that few steps show and no slope, if pushes that are left out of the fit are predicted
     /// better for sure: a tip that is caught at vertices, for a limit has none; corners that are round, for a small
     /// rounding ends before anything is read; and a tip that sticks harder than it slides, for at "off" only pushes
-    /// at the edge of sliding would change. The noise that is `usual` is asked as for points.
+    /// at the edge of sliding would change.
     pub(super) fn on_few_steps<'a>(
         &self,
-        (here, usual): (&Refit<'a>, &'a Whitening),
+        from: &Standpoint<'_, 'a>,
         screen: &Screen,
         progress: &mut Progress,
     ) -> Result<Option<Refit<'a>>, DiagnosisError> {
@@ -97,8 +117,7 @@ impl Search<'_> {
                 }
                 sure((id, about.parameters.len()), found, p, progress)
             };
-            let plain = misses_far(here, usual);
-            let found = plain.and_then(|plain| ask(&plain)).or_else(|| ask(here));
+            let found = from.plain().and_then(&mut ask).or_else(|| ask(from.here));
             let Some((there, p_adjusted)) = found else { continue };
             let off = about.off(&there.rig());
             let is_small = there.size_against(id, &off)? < SIZE;
@@ -108,7 +127,8 @@ impl Search<'_> {
         Ok(None)
     }
 
-    /// The model with an effect from its best limit, or from the best of its typical sizes.
+    /// The model with an effect from its best limit, or from the best of its typical sizes; none where the pushes
+    /// that were fitted gain less than is sure.
     fn with_limit_or_far<'a>(
         &self,
         here: &Refit<'a>,
@@ -122,6 +142,9 @@ impl Search<'_> {
             false => here.far_from_off(effect)?,
         };
         let Some(there) = found else { return Ok(None) };
+        if 0.5 * (here.misfit_by(&there) - there.objective()) < SURE_NATS {
+            return Ok(None);
+        }
         let gains = self.left_out(here, &there)?;
         Ok(Some((there, Gain::of(&gains))))
     }
@@ -161,11 +184,6 @@ impl Search<'_> {
         let gains = self.left_out(here, &there)?;
         Ok(Some((there, Gain::of(&gains))))
     }
-}
-
-/// The model under the noise that is usual, if it misses a push by far more than that.
-fn misses_far<'a>(here: &Refit<'a>, usual: &'a Whitening) -> Option<Refit<'a>> {
-    here.roughly_rewhitened(usual).ok().filter(|plain| plain.scale() >= FAR_OFF)
 }
 
 /// The model with an effect of so many numbers that no screen shows, and its probability, if both are sure;
@@ -215,45 +233,32 @@ mod tests {
     use crate::synthetic::pushed_with;
     use crate::{DiagnoseSettings, diagnose};
 
+    /// What is hidden is named, with an interval that holds its first number.
+    fn is_claimed(effect: &dyn Effect, truth: &[f64]) {
+        let id = effect.info().id;
+        let (observations, model, _) = pushed_with((id, truth), 2);
+        let found = diagnose(&observations, &model, &DiagnoseSettings::default()).unwrap();
+        let told = found.diagnosis.effects.iter().find(|told| told.id == id).unwrap();
+        assert!(told.log_density_gain.is_some_and(|gain| gain.is_sure()), "{told:?}");
+        let first = &told.parameters[0];
+        let ends = first.low95.zip(first.high95);
+        assert!(ends.is_some_and(|(low, high)| low < truth[0] && truth[0] < high), "{first:?}");
+        assert!(found.description.effects.iter().any(|carried| carried.id == id));
+    }
+
     #[test]
     fn a_tip_that_is_caught_at_vertices_is_claimed_with_its_limit() {
-        /// Farther than is met, for the recorded steps begin away from vertices, in m.
-        const DISTANCE: f64 = 0.007;
-        let id = VertexContact.info().id;
-        let (observations, model, _) = pushed_with((id, &[DISTANCE]), 2);
-        let found = diagnose(&observations, &model, &DiagnoseSettings::default()).unwrap();
-        let effect = found.diagnosis.effects.iter().find(|effect| effect.id == id).unwrap();
-        assert!(effect.log_density_gain.is_some_and(|gain| gain.is_sure()), "{effect:?}");
-        let limit = &effect.parameters[0];
-        let ends = limit.low95.zip(limit.high95);
-        assert!(ends.is_some_and(|(low, high)| low < DISTANCE && DISTANCE < high), "{limit:?}");
-        assert!(found.description.effects.iter().any(|effect| effect.id == id));
+        // Farther than is met, for the recorded steps begin away from vertices.
+        is_claimed(&VertexContact, &[0.007]);
     }
 
     #[test]
     fn round_corners_are_claimed_with_their_size_though_small_ones_end_before_anything_is_read() {
-        const RADIUS: f64 = 0.008;
-        let id = EdgeRounding.info().id;
-        let (observations, model, _) = pushed_with((id, &[RADIUS]), 2);
-        let found = diagnose(&observations, &model, &DiagnoseSettings::default()).unwrap();
-        let effect = found.diagnosis.effects.iter().find(|effect| effect.id == id).unwrap();
-        assert!(effect.log_density_gain.is_some_and(|gain| gain.is_sure()), "{effect:?}");
-        let radius = &effect.parameters[0];
-        let ends = radius.low95.zip(radius.high95);
-        assert!(ends.is_some_and(|(low, high)| low < RADIUS && RADIUS < high), "{radius:?}");
-        assert!(found.description.effects.iter().any(|effect| effect.id == id));
+        is_claimed(&EdgeRounding, &[0.008]);
     }
 
     #[test]
     fn a_tip_that_sticks_harder_than_it_slides_is_claimed_with_its_size() {
-        let id = PusherStiction.info().id;
-        let (observations, model, _) = pushed_with((id, &[1.6, 1e-3]), 2);
-        let found = diagnose(&observations, &model, &DiagnoseSettings::default()).unwrap();
-        let effect = found.diagnosis.effects.iter().find(|effect| effect.id == id).unwrap();
-        assert!(effect.log_density_gain.is_some_and(|gain| gain.is_sure()), "{effect:?}");
-        let ratio = &effect.parameters[0];
-        let ends = ratio.low95.zip(ratio.high95);
-        assert!(ends.is_some_and(|(low, high)| low < 1.6 && 1.6 < high), "{ratio:?}");
-        assert!(found.description.effects.iter().any(|effect| effect.id == id));
+        is_claimed(&PusherStiction, &[1.6, 1e-3]);
     }
 }

@@ -27,7 +27,11 @@ pub(crate) struct FlipProbability {
 
 /// The flips that are used.
 #[derive(Clone, Debug)]
-pub(crate) struct Flips(Vec<Vec<f64>>);
+pub(crate) struct Flips {
+    n_flips: usize,
+    /// Each cluster's signs, flip after flip.
+    signs: Vec<Vec<i8>>,
+}
 
 impl Flips {
     /// Random signs of clusters, or every choice of them where there are no more than asked for.
@@ -37,18 +41,22 @@ impl Flips {
         let few = n_clusters.saturating_sub(1) < usize::BITS as usize - 1
             && (1_usize << n_clusters.saturating_sub(1)) - 1 <= n_flips;
         if few {
-            let sign = |choice: usize, k: usize| if choice >> k & 1 == 1 { -1.0 } else { 1.0 };
             let all = 1..1_usize << n_clusters.saturating_sub(1);
-            let signs = |choice| (0..n_clusters).map(|k| sign(choice, k)).collect();
-            return Self(all.map(signs).collect());
+            let sign = |choice: usize, k: usize| if choice >> k & 1 == 1 { -1 } else { 1 };
+            let of_cluster = |k| all.clone().map(|choice| sign(choice, k)).collect();
+            let signs = (0..n_clusters).map(of_cluster).collect();
+            return Self { n_flips: all.len(), signs };
         }
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut sign = || if rng.random::<bool>() { 1.0 } else { -1.0 };
-        Self((0..n_flips).map(|_| (0..n_clusters).map(|_| sign()).collect()).collect())
+        let mut signs = vec![Vec::with_capacity(n_flips); n_clusters];
+        for _ in 0..n_flips {
+            signs.iter_mut().for_each(|own| own.push(if rng.random::<bool>() { 1 } else { -1 }));
+        }
+        Self { n_flips, signs }
     }
 
     pub(crate) fn len(&self) -> usize {
-        self.0.len()
+        self.n_flips
     }
 
     /// The probabilities of all tests, the null imposed: each cluster's part as likely of the other
@@ -97,12 +105,27 @@ impl Flips {
         found.map(|(one, p_adjusted)| FlipProbability { p: one.p, p_adjusted }).collect()
     }
 
+    /// The square of the sum of parts in each flip.
+    fn squares_of_sums(&self, parts: &[DVector<f64>]) -> Vec<f64> {
+        let mut squares = vec![0.0; self.len()];
+        let mut sums = vec![0.0; self.len()];
+        for component in 0..parts.first().map_or(0, DVector::len) {
+            sums.fill(0.0);
+            for (part, signs) in parts.iter().zip(&self.signs) {
+                let part = part[component];
+                sums.iter_mut().zip(signs).for_each(|(sum, sign)| *sum += f64::from(*sign) * part);
+            }
+            squares.iter_mut().zip(&sums).for_each(|(square, sum)| *square += sum * sum);
+        }
+        squares
+    }
+
     /// How surprising the square of the sum of parts, and each of its flips, is: by its rank among them, or
     /// the larger the more.
     fn ranked(&self, parts: &[DVector<f64>], by_rank: bool) -> Ranked {
-        let own = square_of_sum(parts, |_| 1.0);
-        let flipped: Vec<f64> =
-            self.0.iter().map(|signs| square_of_sum(parts, |k| signs[k])).collect();
+        let own = parts.iter().cloned().reduce(|sum, part| sum + part);
+        let own = own.map_or(0.0, |sum| sum.norm_squared());
+        let flipped = self.squares_of_sums(parts);
         let mut sorted: Vec<f64> = flipped.iter().copied().chain([own]).collect();
         sorted.sort_by(f64::total_cmp);
         let all = sorted.len();
@@ -162,14 +185,6 @@ fn inverse_root(matrix: DMatrix<f64>) -> DMatrix<f64> {
     let roots =
         eigen.eigenvalues.map(|value| if value > least { value.sqrt().recip() } else { 0.0 });
     DMatrix::from_diagonal(&roots) * eigen.eigenvectors.transpose()
-}
-
-fn square_of_sum(parts: &[DVector<f64>], sign: impl Fn(usize) -> f64) -> f64 {
-    let mut sum = DVector::zeros(parts.first().map_or(0, DVector::len));
-    for (k, part) in parts.iter().enumerate() {
-        sum.axpy(sign(k), part, 1.0);
-    }
-    sum.norm_squared()
 }
 
 #[cfg(test)]
