@@ -255,6 +255,7 @@ mod tests {
     #[test]
     fn round_corners_are_claimed_with_their_size_though_small_ones_end_before_anything_is_read() {
         is_claimed(&EdgeRounding, &[0.008]);
+        is_claimed(&EdgeRounding, &[0.012]);
     }
 
     #[test]

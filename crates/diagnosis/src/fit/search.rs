@@ -21,6 +21,8 @@ pub(super) struct Found {
 const MOST_ROUNDS: usize = 6;
 /// Values that are tried of what means nothing at "off", in its own.
 const SCALES: [f64; 3] = [0.25, 0.5, 2.0];
+/// Change of what pushes show, in standard deviations of their noise, that is seen.
+const SHOWS: f64 = 1.0;
 /// Change of the typical residual that changes no weight to speak of.
 const SETTLED: f64 = 0.01;
 
@@ -162,27 +164,45 @@ impl Problem<'_> {
 
     /// The best of a place and of an effect's typical sizes to either side of it, one number at a time; with each of
     /// them what means nothing at "off", as the speed over which something fades, is tried at several values.
-    pub(super) fn farther(&self, mut best: Evaluation, numbers: Range<usize>) -> Evaluation {
-        let from = best.x.clone();
+    pub(super) fn farther(&self, from: Evaluation, numbers: Range<usize>) -> Evaluation {
         let scales = self.space.scales(numbers.start);
+        let mut best = from.clone();
         for k in numbers.filter(|k| !self.frozen[*k]) {
-            for x in self.typical_sizes(&from, k) {
+            for there in [-1.0, 1.0].into_iter().flat_map(|side| self.seen_sizes(&from, k, side)) {
                 let others = scales.iter().filter(|scale| **scale != k && !self.frozen[**scale]);
                 let scaled = others.flat_map(|&scale| {
-                    let (low, high) = self.ranges[scale];
                     SCALES.map(|factor| {
-                        let mut x = x.clone();
+                        let (mut x, (low, high)) = (there.x.clone(), self.ranges[scale]);
                         x[scale] = (factor * x[scale]).clamp(low, high);
                         x
                     })
                 });
-                // A size that the mechanics refuse is no start.
-                let found = std::iter::once(x.clone()).chain(scaled);
-                let found = found.filter_map(|x| self.stand(x).ok());
+                let scaled = scaled.filter_map(|x| self.stand(x).ok()).collect::<Vec<_>>();
+                let found = std::iter::once(there).chain(scaled);
                 best = found.fold(best, |best, to| if to.value < best.value { to } else { best });
             }
         }
         best
+    }
+
+    /// A typical size of a number to one side; where it shows nothing, as round corners that end before anything
+    /// is read, twice and four times that, too.
+    fn seen_sizes(&self, from: &Evaluation, k: usize, side: f64) -> Vec<Evaluation> {
+        let (low, high) = self.ranges[k];
+        // A size that the mechanics refuse is no start, and at an end of the range there is none.
+        let at = |times: f64| {
+            let mut x = from.x.clone();
+            x[k] = (x[k] + side * times * 2.0 * self.secants[k]).clamp(low, high);
+            (x[k] != from.x[k]).then(|| self.stand(x).ok()).flatten()
+        };
+        let n_rows = self.whitening.n_numbers();
+        let is_seen = |there: &Evaluation| (&there.z - &from.z).rows(0, n_rows).norm() > SHOWS;
+        match at(1.0) {
+            Some(typical) if !is_seen(&typical) => {
+                [2.0, 4.0].into_iter().filter_map(at).chain([typical]).collect()
+            }
+            typical => typical.into_iter().collect(),
+        }
     }
 
     /// A place with a typical size of a number to either side.
