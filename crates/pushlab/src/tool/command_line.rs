@@ -6,6 +6,7 @@ use anyhow::{Context, Result};
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use clap::{ColorChoice, CommandFactory, Parser, value_parser};
 use dataset::Preset;
+use effects::all;
 
 use crate::tool::commands::Command;
 use crate::tool::global::Global;
@@ -77,6 +78,11 @@ fn color_wanted(arguments: &[OsString]) -> ColorChoice {
 pub(crate) fn preset_parser() -> impl TypedValueParser<Value = Preset> {
     PossibleValuesParser::new(Preset::ALL.map(Preset::name))
         .try_map(|name| Preset::by_name(&name).ok_or("no such preset"))
+}
+
+/// Reads the id of an effect that a model can carry.
+pub(crate) fn effect_parser() -> PossibleValuesParser {
+    PossibleValuesParser::new(all().iter().map(|effect| effect.info().id))
 }
 
 /// Reads a seed, as far as TOML can write integers.

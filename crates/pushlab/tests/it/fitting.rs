@@ -143,6 +143,20 @@ fn what_is_known_of_points_is_for_fits_of_points() {
 }
 
 #[test]
+fn an_effect_that_there_is_not_is_refused_before_anything_is_read() {
+    let set = SmallSet::new();
+    for wrong in [
+        &["fit", "nowhere", "-o", "a.toml", "--free", "inertia,table-tild"][..],
+        &["statistics", "nowhere", "-o", "a.json", "--free", "table-tild"],
+        &["add", "table-tild", "--set", "x=0.1", "-o", "a.toml"],
+        &["suggest", "nowhere", "-o", "a.csv", "--for", "table-tild"],
+    ] {
+        let message = set.wrong_usage(wrong);
+        assert!(message.contains("a similar value exists: 'table-tilt'"), "{message}");
+    }
+}
+
+#[test]
 fn few_pushes_tell_no_field_of_friction_and_one_by_hand_is_drawn_where_objects_lay() {
     let set = SmallSet::new();
     let hidden = ["generate", "--hidden", "friction-field: sd=0.3", "-n", "30", "--format", "csv"];

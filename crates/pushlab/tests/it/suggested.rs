@@ -196,7 +196,6 @@ fn what_cannot_be_suggested_is_told() {
     assert!(error(&[]).contains("does not tell which set it is about; name it"));
     assert!(error(&["set"]).contains("does not tell which model it is about"));
     let of_pushes = ["pushes", "--model", "model.toml", "--for"];
-    assert!(error(&[&of_pushes[..], &["table-grain"]].concat()).contains("table-grain"));
     let tight = ["table-tilt", "--area", "0,1,0,1"];
     assert!(error(&[&of_pushes[..], &tight].concat()).contains("within 1 × 1 mm"));
     (diagnosis["ambiguous"], diagnosis["identified"], diagnosis["effects"]) =
@@ -207,5 +206,6 @@ fn what_cannot_be_suggested_is_told() {
     set.write("d.json", &diagnosis.to_string());
     assert!(error(&of_pushes[..3]).contains("is about other recordings than pushes"));
     set.wrong_usage(&[&from[..], &["--area", "1,0,0,1"]].concat());
+    set.wrong_usage(&[&from[..], &of_pushes, &["table-grain"]].concat());
     assert!(!set.exists("suggested.csv"));
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
-use crate::tool::command_line::seed_parser;
+use crate::tool::command_line::{effect_parser, seed_parser};
 use crate::tool::destination::Force;
 use crate::tool::file_ending;
 use crate::tool::fitting::{FitOptions, Fitting, model_for};
@@ -22,7 +22,8 @@ pub(crate) struct Args {
     #[command(flatten)]
     source: StepSource,
     /// What to fit: pusher-friction, pressure-radius, support-friction, or ids of effects
-    #[arg(long, value_name = "IDS", required = true, value_delimiter = ',')]
+    #[arg(long, value_name = "IDS", required = true, value_delimiter = ',',
+          value_parser = effect_parser(), hide_possible_values = true)]
     free: Vec<String>,
     #[command(flatten)]
     options: FitOptions,

@@ -17,7 +17,7 @@ pub(super) use self::from_diagnosis::diagnosed_effect;
 
 use self::from_diagnosis::{Asked, chosen, spread};
 use super::models::Parameters;
-use crate::tool::command_line::seed_parser;
+use crate::tool::command_line::{effect_parser, seed_parser};
 use crate::tool::destination::{Force, Inputs};
 use crate::tool::diagnosis_file;
 use crate::tool::file_ending;
@@ -39,7 +39,8 @@ use crate::tool::wrong_usage::WrongUsage;
 #[command(after_help = EXAMPLES, group = ArgGroup::new("values").required(true))]
 pub(crate) struct Args {
     /// Id of the effect, as `pushlab effects list` names it
-    #[arg(required_unless_present = "from")]
+    #[arg(required_unless_present = "from", value_parser = effect_parser(),
+          hide_possible_values = true)]
     effect: Option<String>,
     /// A parameter's value in its SI unit; once for each parameter
     #[arg(long, value_name = "NAME=VALUE", group = "values")]

@@ -13,6 +13,7 @@ use serde::Serialize;
 
 pub(super) use self::round::{OfPart, Round, Statistics};
 use super::compare::floor_about;
+use crate::tool::command_line::effect_parser;
 use crate::tool::destination::Force;
 use crate::tool::document::document;
 use crate::tool::file_ending;
@@ -36,7 +37,8 @@ pub(crate) struct Args {
           value_parser = file_ending::model)]
     model: PathBuf,
     /// What to fit, as `fit` has it; without it errors alone are summed up
-    #[arg(long, value_name = "IDS", value_delimiter = ',', conflicts_with = "round")]
+    #[arg(long, value_name = "IDS", value_delimiter = ',', conflicts_with = "round",
+          value_parser = effect_parser(), hide_possible_values = true)]
     free: Vec<String>,
     /// What all parts share: what this wrote of a sample, or `merge` of the round before
     #[arg(long, value_name = "FILE", value_parser = file_ending::json)]

@@ -9,12 +9,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use clap::value_parser;
 use diagnosis::{Aim, Diagnosis, SuggestSettings, Suggestion, suggest};
-use effects::by_id;
 use models::ModelFile;
 use serde::Serialize;
 
 use self::area::Area;
-use crate::tool::command_line::seed_parser;
+use crate::tool::command_line::{effect_parser, seed_parser};
 use crate::tool::destination::Force;
 use crate::tool::diagnosis_file;
 use crate::tool::file_ending;
@@ -53,7 +52,8 @@ pub(crate) struct Args {
           value_parser = value_parser!(u32).range(1..=1000))]
     repeats: u32,
     /// Effect that the pushes are to show, such as one that is not testable with those so far
-    #[arg(long = "for", value_name = "EFFECT")]
+    #[arg(long = "for", value_name = "EFFECT", value_parser = effect_parser(),
+          hide_possible_values = true)]
     target: Option<String>,
     /// Speeds to choose from, such as 20mm/s,100mm/s; else half of the slowest to twice the fastest
     #[arg(long, value_name = "SPEED", value_delimiter = ',')]
@@ -167,7 +167,6 @@ impl Args {
             let known = if matches!(aim, Aim::Rivals(_)) { named } else { Vec::new() };
             return Ok((aim, known));
         };
-        let target = by_id(target)?.info().id;
         let firsts = found.ambiguous.iter().filter_map(|group| group.first());
         let known: Vec<&str> = named.iter().copied().chain(firsts.map(String::as_str)).collect();
         let ids = vec![target.to_owned()];
