@@ -106,7 +106,7 @@ struct Sides {
     /// From one side to the other, and from the middle to the upper one.
     span: f64,
     by_above: f64,
-    /// Where the range ends on one side, a place nearer by on the other, and how far it is.
+    /// A place nearer by on one side, and how far it is.
     near: Option<(PushPhysics, f64)>,
     /// Whether it is switched, so that sub-steps miss another part on each side.
     is_switched: bool,
@@ -221,9 +221,9 @@ impl Sides {
             }))
         };
         let place = here[coordinate];
-        let (span, by_above, is_end) = (high - low, high - place, low == place || high == place);
-        let by = if low == place { NEAR * span } else { -NEAR * span };
-        let near = if is_end && !is_switched { at(place + by)? } else { None };
+        let (span, by_above) = (high - low, high - place);
+        let by = NEAR * if high == place { low - place } else { by_above };
+        let near = if is_switched { None } else { at(place + by)? };
         let (above, below, near) = (at(high)?, at(low)?, near.map(|near| (near, by)));
         Ok(Self { above, below, span, by_above, near, is_switched })
     }
@@ -257,7 +257,9 @@ fn turned(
 
 #[cfg(test)]
 mod tests {
-    use effects::{ContactLaw, Effect, EffectInfo, IntoEffect, PushHeight, Snapshot};
+    use effects::{
+        ContactLaw, Effect, EffectInfo, IntoEffect, PushHeight, PusherFrictionAsymmetry, Snapshot,
+    };
 
     use super::{Direction, Linearisation, NEAR};
     use crate::DiagnosisError;
@@ -278,6 +280,23 @@ mod tests {
         }
     }
 
+    /// An asymmetry beyond which to either side no step can be predicted.
+    #[derive(Debug)]
+    struct HardlyAsymmetric(f64);
+
+    impl Effect for HardlyAsymmetric {
+        fn info(&self) -> &EffectInfo {
+            PusherFrictionAsymmetry.info()
+        }
+
+        fn contact(&self, values: &[f64], at: &Snapshot<'_>, law: &mut ContactLaw) {
+            PusherFrictionAsymmetry.contact(values, at, law);
+            if values[0].abs() > self.0 {
+                PushHeight.contact(&[f64::NAN], at, law);
+            }
+        }
+    }
+
     fn slopes(effect: impl IntoEffect, size: f64) -> Result<Vec<[f64; 7]>, DiagnosisError> {
         let (observations, model) = recorded(1);
         let direction = Direction { effect: effect.into_effect(), coordinate: 0, size };
@@ -292,5 +311,10 @@ mod tests {
         assert_eq!(found, slopes(PushHeight, NEAR * SIZE).unwrap());
         assert_ne!(found, slopes(PushHeight, SIZE).unwrap());
         assert!(slopes(LowCeiling(0.5 * NEAR * SIZE), SIZE).is_err());
+        // To either side.
+        let found = slopes(HardlyAsymmetric(0.5 * SIZE), SIZE).unwrap();
+        assert!(found.iter().flatten().all(|slope| slope.is_finite()));
+        assert_ne!(found, slopes(PusherFrictionAsymmetry, SIZE).unwrap());
+        assert!(slopes(HardlyAsymmetric(0.5 * NEAR * SIZE), SIZE).is_err());
     }
 }
