@@ -2,6 +2,7 @@
 //! lacks, how sure that is, and what else it could be.
 
 mod answer;
+mod both_noises;
 mod claims;
 mod conclusion;
 mod confirmation;

@@ -6,11 +6,11 @@ use effects::{Effect, Nuisance, by_id_with};
 use models::Description;
 
 use super::DiagnoseSettings;
+use super::both_noises::BothNoises;
 use super::found::{Choice, Found, Progress, Refused, ids};
 use super::linearised::Linearised;
 use super::phase::DiagnosePhase;
 use super::rules::{Objection, Rules};
-use super::superset::Standpoint;
 use super::tried::Tried;
 use crate::cut_offs::{APART, HINT, MOST_SMALL, NAME, SIZE};
 use crate::fit::Refit;
@@ -60,11 +60,11 @@ impl Search<'_> {
         let Linearised { noise, whitening, usual, screen } =
             Linearised::of(&about, self.fitted, self.settings, self.observer)?;
         let here = from.rewhitened(&whitening)?;
-        let standpoint = Standpoint::new(&here, &usual);
+        let both = BothNoises::new(&here, &usual);
         // What speaks of the support may be points in disguise, before others take up what it leaves.
         let is_of_support =
             progress.last_large().is_some_and(|id| follow_from_points().contains(&id));
-        if is_of_support && let Some(there) = self.on_points(&standpoint, &screen, &mut progress)? {
+        if is_of_support && let Some(there) = self.on_points(&both, &screen, &mut progress)? {
             return self.forward_step(&there, progress);
         }
         let is_full = progress.n_chosen(false) == self.settings.most_effects;
@@ -83,13 +83,11 @@ impl Search<'_> {
             // What is hardly seen comes last, and changes too little to be worth another screen.
             Next::Small { tried, which } => {
                 if !is_of_support
-                    && let Some(there) = self.on_points(&standpoint, &screen, &mut progress)?
+                    && let Some(there) = self.on_points(&both, &screen, &mut progress)?
                 {
                     return self.forward_step(&there, progress);
                 }
-                if !is_full
-                    && let Some(there) = self.on_few_steps(&standpoint, &screen, &mut progress)?
-                {
+                if !is_full && let Some(there) = self.on_few_steps(&both, &screen, &mut progress)? {
                     return self.forward_step(&there, progress);
                 }
                 let there = self.with_small(here, (tried, which), &screen, &mut progress)?;

@@ -1,21 +1,21 @@
 //! Effects that no screen shows: where an object rests, in the place of single numbers that follow from it, and
 //! what few steps show, as a tip that is caught at vertices.
 
-use std::cell::OnceCell;
 use std::f64::consts::SQRT_2;
 
 use effects::{
     Channel, EdgeRounding, Effect, PusherStiction, Role, Stage, SupportPoints, VertexContact,
 };
 
+use super::both_noises::BothNoises;
 use super::found::{Choice, Progress, Refused};
 use super::phase::DiagnosePhase;
 use super::rules::Objection;
 use super::search::Search;
-use crate::cut_offs::{FAR_OFF, NAME, PUSHES_A_NUMBER, SIZE, SURE_NATS};
+use crate::cut_offs::{NAME, PUSHES_A_NUMBER, SIZE, SURE_NATS};
 use crate::fit::Refit;
 use crate::predict::candidates::follow_from_points;
-use crate::{DiagnosisError, Gain, Screen, Whitening};
+use crate::{DiagnosisError, Gain, Screen};
 
 /// Of four points: places and shares.
 const N_NUMBERS: usize = 11;
@@ -24,34 +24,12 @@ const N_NOISES: usize = 2;
 /// Effects that few steps show.
 const N_FEW_STEPS: usize = 3;
 
-/// A model at its minimum, and what it is under the noise that is usual.
-///
-/// Where a push is missed by far more than is usual, that noise is asked as well: what was learnt beside a model
-/// that misses so much may be the effect itself.
-pub(super) struct Standpoint<'r, 'a> {
-    here: &'r Refit<'a>,
-    usual: &'a Whitening,
-    plain: OnceCell<Option<Refit<'a>>>,
-}
-
-impl<'r, 'a> Standpoint<'r, 'a> {
-    pub(super) fn new(here: &'r Refit<'a>, usual: &'a Whitening) -> Self {
-        Self { here, usual, plain: OnceCell::new() }
-    }
-
-    /// The model under the noise that is usual, if it misses a push by far more than that.
-    fn plain(&self) -> Option<&Refit<'a>> {
-        let found = || self.here.roughly_rewhitened(self.usual).ok();
-        self.plain.get_or_init(|| found().filter(|plain| plain.scale() >= FAR_OFF)).as_ref()
-    }
-}
-
 impl Search<'_> {
     /// The model on points instead of single numbers that follow from them, if pushes that are left out
     /// of the fit are predicted better for sure; notes why not.
     pub(super) fn on_points<'a>(
         &self,
-        from: &Standpoint<'_, 'a>,
+        from: &BothNoises<'_, 'a>,
         screen: &Screen,
         progress: &mut Progress,
     ) -> Result<Option<Refit<'a>>, DiagnosisError> {
@@ -92,7 +70,7 @@ impl Search<'_> {
     /// at the edge of sliding would change.
     pub(super) fn on_few_steps<'a>(
         &self,
-        from: &Standpoint<'_, 'a>,
+        from: &BothNoises<'_, 'a>,
         screen: &Screen,
         progress: &mut Progress,
     ) -> Result<Option<Refit<'a>>, DiagnosisError> {

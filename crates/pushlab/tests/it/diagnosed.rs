@@ -222,8 +222,7 @@ fn refused(set: &SmallSet, diagnosis: Value) {
         message
     };
     for (words, says) in [
-        (&["table-grain"][..], "table-grain"),
-        (&["table-anisotropy"], "the model that was diagnosed has it already"),
+        (&["table-anisotropy"][..], "the model that was diagnosed has it already"),
         (&["stream-latency"], "is a hint alone (it may be chance)"),
         (&["inertia"], "does not tell the values of inertia"),
         (&["--model", "better.toml"], "already in the model"),
