@@ -7,7 +7,7 @@ use super::problem::Problem;
 use crate::cut_offs::MODEL_TOLERANCE;
 use crate::{DiagnosisError, Observations};
 
-/// The jackknife over clusters, in one Newton step each, no longer than the others gain by.
+/// The jackknife over clusters, in one Newton step each, halved until the others gain by it or it is short.
 ///
 /// With A the curvature and δ what leaving a cluster out moves the estimate by,
 /// V = (G−1)/G Σ δδᵀ + A⁻¹PA⁻¹, with P the priors' share of A, for each prior stands for one

@@ -266,7 +266,7 @@ pub(super) fn intervals(record: &Record) -> Vec<(String, bool)> {
             let holds = [-turn, 0.0, turn].iter().any(|by| (low..=high).contains(&(truth + by)));
             let estimate = found.and_then(|one| one.estimate).unwrap_or(f64::NAN);
             let text = format!(
-                "{}: {} {name} is {truth:.4}, told {estimate:.4} ({low:.4} to {high:.4})",
+                "{}: {} {name} is {truth:.2e}, told {estimate:.2e} ({low:.2e} to {high:.2e})",
                 record.case, effect.id
             );
             held.push((text, holds));
