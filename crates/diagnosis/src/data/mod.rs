@@ -11,6 +11,7 @@ pub(crate) mod motion_steps;
 pub(crate) mod nominal_motion;
 pub(crate) mod observations;
 pub(crate) mod observed_clusters;
+pub(crate) mod own_numbers;
 pub(crate) mod pose_jumps;
 pub(crate) mod repeats;
 pub(crate) mod runs;

@@ -87,10 +87,6 @@ impl<'a> EffectInfo<'a> {
     }
 }
 
-/// Places of the gaps among the numbers of a step.
-const GAP_START: usize = 5;
-const GAP_END: usize = 6;
-
 /// Fewer pushes say nothing about errors that are shared within a push.
 pub(crate) const FEWEST_PUSHES: usize = 3;
 
@@ -130,7 +126,11 @@ impl Observations {
             all.unknown.extend([Covariate::Orientation, Covariate::Direction]);
         }
         if !mapping.gives("object_x_m") {
-            all.steps.iter_mut().for_each(|step| step.observed[GAP_START..].fill(None));
+            for step in &mut all.steps {
+                let numbers = Channels::KINDS.iter().zip(&mut step.observed);
+                let gaps = numbers.filter(|(kind, _)| **kind == Channel::Gap);
+                gaps.for_each(|(_, value)| *value = None);
+            }
             all.unknown.extend([Covariate::TableX, Covariate::TableY]);
         }
         Ok(all)
@@ -282,14 +282,6 @@ impl Observations {
         format!("fit to {pushes} pushes ({steps} steps) of {}, sha256:{}", self.name, self.set)
     }
 
-    /// Whether a number of a step is observed, and is not the gap that ends the step before.
-    pub(crate) fn is_own(&self, step: usize, number: usize) -> bool {
-        let is_repeated = number == GAP_START
-            && self.goes_on(step)
-            && self.steps[step - 1].observed[GAP_END].is_some();
-        self.steps[step].observed[number].is_some() && !is_repeated
-    }
-
     fn checked(self) -> Result<Self, DiagnosisError> {
         match self.pushes.len() {
             FEWEST_PUSHES.. => Ok(self),
@@ -331,17 +323,6 @@ impl Observations {
     /// What was observed of each step.
     pub fn steps(&self) -> &[ChannelObservation] {
         &self.steps
-    }
-
-    /// The numbers of each push that are observed and its own, each as (step, number of
-    /// [`effects::Channels`]).
-    pub(crate) fn own_numbers(&self) -> Vec<Vec<(usize, usize)>> {
-        let mut numbers = vec![Vec::new(); self.pushes.len()];
-        for (step, push) in self.push_of.iter().enumerate() {
-            let own = (0..Channels::NAMES.len()).filter(|k| self.is_own(step, *k));
-            numbers[*push].extend(own.map(|number| (step, number)));
-        }
-        numbers
     }
 
     /// Whether a step begins where the one before it ends.

@@ -12,7 +12,7 @@ use serde::Serialize;
 use crate::data::repeats::{FEWEST_REPEATS, cells};
 use crate::noise::noise_floor::{distance, features};
 use crate::predict::error_shapes::{
-    ErrorShapes, Kind, SOURCES, Source, push_directions, stated_sds,
+    ErrorShapes, Kind, SOURCES, Source, priors, push_directions, stated_sds,
 };
 use crate::predict::secants::Linearisation;
 use crate::predict::tangent::Tangent;
@@ -127,9 +127,8 @@ impl NoiseModel {
             let some = alone.iter().step_by(alone.len().div_ceil(MOST_PAIRS).max(1));
             blocks.extend(some.map(|(push, left)| data.left(left, (*push, n_fixed))));
         }
-        let sources = SOURCES.iter().zip(&expected.sources);
-        let prior: Vec<_> = sources.map(|(source, expected)| source.prior(expected.sd)).collect();
-        let found = variances(&blocks, &prior);
+        let expected = expected.sources.iter().map(|source| source.sd);
+        let found = variances(&blocks, &priors(expected, &tangent.linearisation));
         let n_pushes = groups.iter().map(Vec::len).sum();
         let Variances { iterations, decrement, .. } = found;
         // Few groups of repeats tell little of how their own slopes scatter.
@@ -163,7 +162,7 @@ impl NoiseModel {
     /// As large as is usual, or as these standard deviations where they are larger.
     fn usual_or(stated: impl IntoIterator<Item = f64>) -> Self {
         let of = |(source, stated): (&Source, f64)| {
-            let LogNormal { median, log_sd } = source.prior(source.usual_sd.max(stated));
+            let LogNormal { median, log_sd, .. } = source.prior(source.usual_sd.max(stated));
             ErrorSource::new(source, median, log_sd)
         };
         Self {

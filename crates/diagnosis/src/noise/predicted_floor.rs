@@ -97,7 +97,7 @@ fn predicted(
     let linearisation = Linearisation::of(model, own, observations, &push_directions(model)?)?;
     let mut n = [0_usize; 7];
     let mut sums = vec![[0.0; 7]; noise.sources.len()];
-    for numbers in observations.own_numbers() {
+    for numbers in observations.all_numbers() {
         let shapes = ErrorShapes::of(observations, &linearisation, numbers);
         shapes.numbers.iter().for_each(|(_, number)| n[*number] += 1);
         for (sums, root) in sums.iter_mut().zip(&shapes.roots) {

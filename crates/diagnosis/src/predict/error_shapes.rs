@@ -88,7 +88,7 @@ impl Source {
         };
         // What was dropped may be back.
         let sd = if expected_sd > 0.0 { expected_sd } else { self.usual_sd };
-        LogNormal { median: sd * sd, log_sd }
+        LogNormal { median: sd * sd, log_sd, largest: f64::INFINITY }
     }
 }
 
@@ -120,6 +120,23 @@ pub(crate) fn stated_sds(model: &Description) -> Result<Vec<f64>, DiagnosisError
         Ok(coordinates.iter().map(|k| of(*k)).fold(0.0, f64::max))
     };
     SOURCES.iter().map(stated).collect()
+}
+
+/// What is known beforehand of the variance of each source in [`SOURCES`], where these standard deviations are
+/// expected. No parameter differs by more from push to push than it is from the nearer end of its range.
+pub(crate) fn priors(
+    expected_sds: impl IntoIterator<Item = f64>,
+    linearisation: &Linearisation,
+) -> Vec<LogNormal> {
+    let mut rooms = linearisation.rooms.iter();
+    let of = |(source, expected): (&Source, f64)| {
+        let prior = source.prior(expected);
+        let Kind::Push { coordinates } = source.kind else { return prior };
+        let own = rooms.by_ref().take(coordinates.len());
+        let room = own.copied().fold(f64::INFINITY, f64::min);
+        LogNormal { largest: room * room, ..prior }
+    };
+    SOURCES.iter().zip(expected_sds).map(of).collect()
 }
 
 /// The coordinates that differ from push to push, with secants for what is usual, or for what a model states.
@@ -358,7 +375,9 @@ mod tests {
     use effects::{Rig, Setting, Spread, Surface, by_id};
     use models::{Analytical, PushModel};
 
-    use super::{SOURCES, push_directions, stated_sds};
+    use super::{SOURCES, priors, push_directions, stated_sds};
+    use crate::predict::secants::Linearisation;
+    use crate::synthetic::recorded;
 
     #[test]
     fn what_a_model_states_is_expected_in_the_coordinates_of_its_sources() {
@@ -391,5 +410,23 @@ mod tests {
             assert_eq!(one.size > usual.size, is_farther, "{}", one.effect.info().id);
             assert!(one.size >= usual.size);
         }
+    }
+
+    #[test]
+    fn nothing_differs_by_more_than_to_the_end_of_its_range() {
+        let (all, model) = recorded(1);
+        let directions = push_directions(&model).unwrap();
+        let linearisation = Linearisation::of(&model, &[], &all, &directions).unwrap();
+        let priors = priors(SOURCES.map(|source| source.usual_sd), &linearisation);
+        let largest = |name: &str| {
+            let of = SOURCES.iter().position(|source| source.name == name).unwrap();
+            priors[of].largest.sqrt()
+        };
+        for (id, value) in [("support-friction", all.support.friction), ("pusher-friction", 0.25)] {
+            let (low, high) = by_id(id).unwrap().info().parameters[0].range;
+            let expected = (value - low).min(high - value);
+            assert!((largest(id) - expected).abs() < 1e-12, "{id}: {}", largest(id));
+        }
+        assert_eq!(largest("force"), f64::INFINITY);
     }
 }

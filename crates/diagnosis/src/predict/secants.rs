@@ -33,6 +33,8 @@ pub(crate) struct Linearisation {
     pub(crate) slopes: Vec<Vec<[f64; 7]>>,
     /// Half the difference of the slopes to both sides of each direction: 0 for a straight line.
     pub(crate) bends: Vec<Vec<[f64; 7]>>,
+    /// How far each direction is from the nearer end of its range, of the object for which that is least.
+    pub(crate) rooms: Vec<f64>,
     /// Change of observed less predicted by 1 m of the pusher's end along x and y of W, all of
     /// whose way is stretched towards it; without the gaps.
     pub(crate) by_pusher: Vec<[[f64; 7]; 2]>,
@@ -80,7 +82,11 @@ impl Linearisation {
         let of = |k: usize, pick: fn(&Secant) -> [f64; 7]| {
             steps.iter().map(|step| pick(&step.secants[k])).collect()
         };
+        let room = |k: usize| {
+            known.iter().map(|(_, probes)| probes.sides[k].room).fold(f64::INFINITY, f64::min)
+        };
         Ok(Self {
+            rooms: (0..directions.len()).map(room).collect(),
             slopes: (0..directions.len()).map(|k| of(k, |secant| secant.slope)).collect(),
             bends: (0..directions.len()).map(|k| of(k, |secant| secant.bend)).collect(),
             predicted: steps.iter().map(|step| step.predicted).collect(),
@@ -106,6 +112,8 @@ struct Sides {
     /// From one side to the other, and from the middle to the upper one.
     span: f64,
     by_above: f64,
+    /// To the nearer end of the range.
+    room: f64,
     /// A place nearer by on one side, and how far it is.
     near: Option<(PushPhysics, f64)>,
     /// Whether it is switched, so that sub-steps miss another part on each side.
@@ -225,7 +233,8 @@ impl Sides {
         let by = NEAR * if high == place { low - place } else { by_above };
         let near = if is_switched { None } else { at(place + by)? };
         let (above, below, near) = (at(high)?, at(low)?, near.map(|near| (near, by)));
-        Ok(Self { above, below, span, by_above, near, is_switched })
+        let room = (place - bounds.0).min(bounds.1 - place);
+        Ok(Self { above, below, span, by_above, room, near, is_switched })
     }
 }
 

@@ -17,7 +17,7 @@ pub struct Screen {
     /// Numbers used.
     pub n_numbers: usize,
     /// Root mean square of the whitened residual of each number of a step, nuisances fitted: 1
-    /// where noise is all; none for what is not observed.
+    /// where noise is all; none for what is not observed, or follows from other numbers as the gap that ends a step does.
     pub whitened_rms: [Option<f64>; 7],
     /// Correlation of the same in consecutive steps of a push: 0 where the noise model is true.
     pub step_correlation: [Option<f64>; 7],

@@ -12,6 +12,8 @@ pub(crate) struct LogNormal {
     pub(crate) median: f64,
     /// Standard deviation of ln θ.
     pub(crate) log_sd: f64,
+    /// No larger θ is possible.
+    pub(crate) largest: f64,
 }
 
 /// Where the likelihood is largest.
@@ -25,7 +27,7 @@ pub(crate) struct Variances {
     /// the truth, for no source is quite of the shape that it is taken for.
     pub(crate) robust_log_se: Vec<f64>,
     /// Sources that did not converge: left out, or where nothing else shows in a number as large as was
-    /// believed.
+    /// believed; and those as large as was believed that were likeliest at an impossible size.
     pub(crate) dropped: Vec<usize>,
     /// Blocks that say nothing, for a number of theirs has no source of error or is beyond reckoning.
     pub(crate) n_unused: usize,
@@ -47,7 +49,8 @@ const LONGEST_STEP: f64 = 1.5;
 ///
 /// Newton's method in ln θ with the average of observed and expected information, damped until the
 /// likelihood grows. Where it does not settle, the source that is farthest from settling is dropped and
-/// the others are searched for again; without blocks all keep what was believed.
+/// the others are searched for again; without blocks all keep what was believed. What is likeliest at an impossible
+/// size stands for something else: it stays as was believed, and the others are searched for again.
 ///
 /// # Source
 /// Gilmour, Thompson & Cullis (1995), Average information REML, Biometrics 51(4).
@@ -62,7 +65,10 @@ pub(crate) fn variances(blocks: &[Block], prior: &[LogNormal]) -> Variances {
     let mut iterations = 0;
     while problem.held.iter().any(Option::is_none) && !problem.blocks.is_empty() {
         match problem.climbed(&mut iterations) {
-            Ok(top) => return Variances { n_unused, iterations, ..problem.variances(&top) },
+            Ok(top) => match problem.impossible(&top) {
+                Some(source) => problem.held[source] = Some(believed[source]),
+                None => return Variances { n_unused, iterations, ..problem.variances(&top) },
+            },
             Err(unsettled) => problem.drop(unsettled, &believed),
         }
     }
@@ -137,6 +143,13 @@ impl Problem<'_> {
         };
         let free = (0..self.held.len()).filter(|k| self.held[*k].is_none());
         free.max_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or_default()
+    }
+
+    /// Of the sources searched for the one that is farthest beyond what is possible.
+    fn impossible(&self, top: &Top) -> Option<usize> {
+        let beyond = |k: usize| top.log[k] - self.prior[k].largest.ln();
+        let some = (0..self.held.len()).filter(|k| self.held[*k].is_none() && beyond(*k) > 0.0);
+        some.max_by(|a, b| beyond(*a).total_cmp(&beyond(*b)))
     }
 
     fn first_free(&self) -> usize {
@@ -299,7 +312,10 @@ mod tests {
     }
 
     fn vague() -> Vec<LogNormal> {
-        vec![LogNormal { median: 1.0, log_sd: 5.0 }, LogNormal { median: 0.1, log_sd: 5.0 }]
+        vec![
+            LogNormal { median: 1.0, log_sd: 5.0, largest: f64::INFINITY },
+            LogNormal { median: 0.1, log_sd: 5.0, largest: f64::INFINITY },
+        ]
     }
 
     #[test]
@@ -313,6 +329,20 @@ mod tests {
             // 400 blocks of nine numbers tell the white variance to √(2/(400·8)).
             assert!((found.log_se[1] / (2.0_f64 / 3200.0).sqrt() - 1.0).abs() < 0.1);
         }
+    }
+
+    #[test]
+    fn what_is_likeliest_at_an_impossible_size_stays_as_believed() {
+        let blocks = blocks(400, [0.04, 0.5], 0);
+        let up_to = |largest: f64| {
+            let [shared, white] = [vague()[0], vague()[1]];
+            variances(&blocks, &[LogNormal { median: 1e-3, largest, ..shared }, white])
+        };
+        let (free, held) = (up_to(0.1), up_to(0.01));
+        assert!(free.dropped.is_empty() && free.values == up_to(f64::INFINITY).values);
+        assert_eq!((held.dropped, held.values[0]), (vec![0], 1e-3));
+        // What it does not explain is white.
+        assert!(held.values[1] > 1.02 * free.values[1], "{:?} {:?}", held.values, free.values);
     }
 
     #[test]
@@ -360,7 +390,11 @@ mod tests {
             let other = DMatrix::from_fn(9, 9, |i, k| if i == k { size(i).powi(2) } else { 0.0 });
             block.shapes.push(other);
         }
-        let prior = [vague()[0], vague()[1], LogNormal { median: 10.0, log_sd: 2.0 }];
+        let prior = [
+            vague()[0],
+            vague()[1],
+            LogNormal { median: 10.0, log_sd: 2.0, largest: f64::INFINITY },
+        ];
         let found = variances(&blocks, &prior);
         assert!(found.iterations < 40, "{found:?}");
         assert!((found.values[1] + found.values[2] - 0.5).abs() < 0.2, "{found:?}");
@@ -370,7 +404,7 @@ mod tests {
     fn a_source_that_no_number_shows_keeps_what_was_believed() {
         let mut blocks = blocks(40, [0.04, 0.5], 0);
         blocks.iter_mut().for_each(|block| block.shapes[0].fill(0.0));
-        let prior = [LogNormal { median: 7.0, log_sd: 1.0 }, vague()[1]];
+        let prior = [LogNormal { median: 7.0, log_sd: 1.0, largest: f64::INFINITY }, vague()[1]];
         let found = variances(&blocks, &prior);
         assert!((found.values[0] / 7.0 - 1.0).abs() < 1e-6 && (found.log_se[0] - 1.0).abs() < 1e-6);
     }
@@ -415,7 +449,11 @@ mod tests {
                 (block.vectors[0], block.vectors[1]) = (40.0, 0.0);
                 block.shapes.push(shape);
             }
-            let prior = [vague()[0], vague()[1], LogNormal { median: 1e-3, log_sd: 1e3 }];
+            let prior = [
+                vague()[0],
+                vague()[1],
+                LogNormal { median: 1e-3, log_sd: 1e3, largest: f64::INFINITY },
+            ];
             let found = variances(&all, &prior);
             assert!(found.values.iter().chain(&found.log_se).all(|value| value.is_finite()));
             assert!(found.dropped.contains(&2) && found.values[1] > 0.0, "{found:?}");
