@@ -35,7 +35,8 @@ pub struct NoiseModel {
     pub n_pushes: usize,
     /// The sources of error.
     pub sources: Vec<ErrorSource>,
-    /// Names of those whose size did not converge: they are left out, or stay as large as is usual.
+    /// Names of those whose size did not converge, or were likeliest beyond what their range allows: they are left
+    /// out, or stay as large as is usual.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub dropped: Vec<&'static str>,
     /// Groups or pairs that say nothing, for a number of theirs has no source of error or is beyond
