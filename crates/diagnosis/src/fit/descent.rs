@@ -353,12 +353,17 @@ fn curved(
     weights: &DVector<f64>,
 ) -> (DMatrix<f64>, DMatrix<f64>) {
     let slopes = whole.select_columns(columns);
+    let curvature = curvature(&slopes, weights);
+    (slopes, curvature)
+}
+
+/// Half the second derivatives by slopes.
+pub(super) fn curvature(slopes: &DMatrix<f64>, weights: &DVector<f64>) -> DMatrix<f64> {
     let mut weighted = slopes.clone();
     for (mut row, weight) in weighted.row_iter_mut().zip(weights) {
         row *= *weight;
     }
-    let curvature = slopes.tr_mul(&weighted);
-    (slopes, curvature)
+    slopes.tr_mul(&weighted)
 }
 
 /// The slopes nearest to those known, in numbers over their widths, that give what a step changed.

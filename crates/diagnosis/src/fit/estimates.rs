@@ -25,7 +25,8 @@ const WIDTH: f64 = 3.92;
 /// A minimum with what it leaves open.
 struct Ending<'a> {
     problem: &'a Problem<'a>,
-    found: &'a Found,
+    before: &'a Minimum,
+    minimum: Minimum,
     /// Of the numbers that were moved.
     covariance: DMatrix<f64>,
     /// The pushes of each cluster.
@@ -39,8 +40,8 @@ pub(super) fn estimates(
     model: &Description,
     settings: &FitSettings,
 ) -> Result<Fit, DiagnosisError> {
-    let minimum = &found.after;
     let ending = Ending::of(problem, found, observations)?;
+    let minimum = &ending.minimum;
     let members = || problem.space.members.iter().enumerate();
     let asked = members().filter(|(_, member)| member.part == Part::Asked);
     let effects = asked.map(|(index, _)| ending.effect(index, settings));
@@ -73,7 +74,7 @@ pub(super) fn estimates(
         n_clusters: ending.clusters.len(),
         n_pushes: observations.pushes().len(),
         n_steps: observations.n_steps(),
-        whitened_rms: [rms(&found.before), rms(&found.after)],
+        whitened_rms: [rms(&found.before), rms(minimum)],
         scale: problem.robust.scale(),
         iterations: minimum.iterations,
         decrement: minimum.decrement,
@@ -99,22 +100,20 @@ impl<'a> Ending<'a> {
         found: &'a Found,
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
-        let covariance = sandwich(problem, &found.after, observations)?;
-        Ok(Self { problem, found, covariance, clusters: observations.pushes_of_clusters() })
+        let (before, minimum) = (&found.before, problem.between_edges(&found.after));
+        let covariance = sandwich(problem, &minimum, observations)?;
+        let clusters = observations.pushes_of_clusters();
+        Ok(Self { problem, before, minimum, covariance, clusters })
     }
 }
 
 impl Ending<'_> {
-    fn minimum(&self) -> &Minimum {
-        &self.found.after
-    }
-
     /// The place of a member's numbers, and the columns of those that were moved.
     fn own(&self, index: usize) -> (Vec<f64>, Vec<Option<usize>>) {
         let first = self.problem.space.first(index);
         let own = first..first + self.problem.space.members[index].len();
-        let column = |k: usize| self.minimum().moved.iter().position(|moved| *moved == k);
-        (self.minimum().at.x[own.clone()].to_vec(), own.map(column).collect())
+        let column = |k: usize| self.minimum.moved.iter().position(|moved| *moved == k);
+        (self.minimum.at.x[own.clone()].to_vec(), own.map(column).collect())
     }
 
     /// The part of a matrix that is a member's; 0 for numbers that were not moved.
@@ -138,7 +137,7 @@ impl Ending<'_> {
         let member = &self.problem.space.members[index];
         let p = self.p(index)?;
         let resemblances = match settings.resemblances {
-            true => resemblances(self.problem, self.minimum(), index)?,
+            true => resemblances(self.problem, &self.minimum, index)?,
             false => Vec::new(),
         };
         let unseen = self.unseen(index);
@@ -170,7 +169,7 @@ impl Ending<'_> {
     fn limits(&self, member: usize, own: usize) -> Result<Option<Interval>, DiagnosisError> {
         let k = self.problem.space.first(member) + own;
         let parameter = &self.problem.space.members[member].parameters()[own];
-        self.problem.limits(&self.minimum().at.x, k, parameter)
+        self.problem.limits(&self.minimum.at.x, k, parameter)
     }
 
     /// The interval by a standard error, within a range; none without one.
@@ -238,7 +237,7 @@ impl Ending<'_> {
     fn p_of_gain(&self) -> f64 {
         let robust = &self.problem.robust;
         let [before, after] =
-            [&self.found.before, &self.found.after].map(|minimum| robust.of_pushes(&minimum.at.z));
+            [self.before, &self.minimum].map(|minimum| robust.of_pushes(&minimum.at.z));
         let of_push: Vec<f64> =
             before.iter().zip(after).map(|(before, after)| before - after).collect();
         p_of_mean(&of_push, &self.clusters)
@@ -256,7 +255,7 @@ impl Ending<'_> {
             return Some(Undetermined::NoChannel { shown_in: about.reaches.to_vec() });
         }
         let (_, columns) = self.own(index);
-        let Minimum { slopes, weights, .. } = self.minimum();
+        let Minimum { slopes, weights, .. } = &self.minimum;
         let shows = |(column, coordinate): (&Option<usize>, &effects::Coordinate)| {
             let Some(column) = column else { return true };
             let rows = 0..whitening.n_numbers();

@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn a_push_at_the_edge_of_sliding_does_not_lead_the_others_away() {
         let (id, truth) = ("pusher-stiction", [1.6, 1e-3]);
-        for seed in [6, 14, 37] {
+        for seed in [3, 15, 57] {
             let (observations, model, _) = pushed_with((id, &truth), seed);
             let whitening = white(&observations);
             let settings = FitSettings::default();

@@ -24,6 +24,7 @@ mod sandwich;
 mod search;
 mod session_share;
 mod space;
+mod stairs;
 mod supports;
 mod thresholds;
 mod trial;

@@ -63,6 +63,15 @@ impl Problem<'_> {
                 (*self, after) = (other, found);
             }
         }
+        while let Some(stair) = self.next_asked_stair(&after.at) {
+            let mut other = self.clone();
+            match other.settle(stair.x, None, exactness) {
+                Ok(found) if other.robust.value(&found.at.z) < other.robust.value(&after.at.z) => {
+                    (*self, after) = (other, found);
+                }
+                _ => break,
+            }
+        }
         let limited = self.limited(after.at.x.clone())?;
         if limited != after.at.x {
             after = self.settle(limited, None, exactness)?;
@@ -135,19 +144,27 @@ impl Problem<'_> {
         self.space.shares(x).flat_map(on).collect()
     }
 
-    /// The best of the typical sizes on either side of "off", of the effect that lowers the sum most first.
-    fn far_start(&self, plain: Vec<f64>) -> Result<Vec<f64>, DiagnosisError> {
-        let mut best = self.stand(plain)?;
+    /// The numbers of each effect that was asked for, but of those with many.
+    fn asked(&self) -> impl Iterator<Item = Range<usize>> {
         let is_asked = |member: &Member| {
             let has_many = member.is_mixture() || is_field(member.effect.info());
             member.part == Part::Asked && !has_many
         };
         let members = self.space.members.iter().enumerate();
-        let mut left: Vec<_> = members
-            .filter(|(_, member)| is_asked(member))
-            .map(|(index, member)| (self.space.first(index), member.len()))
-            .map(|(first, len)| first..first + len)
-            .collect();
+        members.filter(move |(_, member)| is_asked(member)).map(|(index, member)| {
+            let first = self.space.first(index);
+            first..first + member.len()
+        })
+    }
+
+    fn next_asked_stair(&self, from: &Evaluation) -> Option<Evaluation> {
+        self.asked().find_map(|numbers| self.next_stair(from, numbers))
+    }
+
+    /// The best of the typical sizes on either side of "off", of the effect that lowers the sum most first.
+    fn far_start(&self, plain: Vec<f64>) -> Result<Vec<f64>, DiagnosisError> {
+        let mut best = self.stand(plain)?;
+        let mut left: Vec<_> = self.asked().collect();
         while !left.is_empty() {
             let there = left.iter().map(|numbers| self.farther(best.clone(), numbers.clone()));
             let lowest = there.enumerate().min_by(|(_, a), (_, b)| a.value.total_cmp(&b.value));

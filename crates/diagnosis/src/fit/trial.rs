@@ -62,7 +62,7 @@ impl<'a> Refit<'a> {
         let freedom = own.moved().len().max(1);
         let start = Start { at, slopes: Some(slopes), exactness: Exactness::Rough };
         let Start { at: off, slopes, .. } = &start;
-        let far = problem.farther(off.clone(), numbers);
+        let far = problem.farther(off.clone(), numbers.clone());
         let far = (far.x != off.x).then(|| {
             let slopes = slopes.as_ref().map(|slopes| problem.carried(slopes.clone(), off, &far));
             Start { at: far, slopes, exactness: Exactness::Rough }
@@ -73,6 +73,7 @@ impl<'a> Refit<'a> {
         let unseen = unseen.filter(|(_, slopes)| slopes.rows(0, n_rows).amax() == 0.0);
         let unseen: Vec<usize> = unseen.map(|(k, _)| k).collect();
         let mut minimum = problem.descend_briefly(start, BRIEF)?;
+        let is_far = far.is_some();
         if let Some(far) = far
             && let Ok(other) = problem.descend_briefly(far, BRIEF)
             && other.at.value < minimum.at.value
@@ -82,6 +83,11 @@ impl<'a> Refit<'a> {
         // What shows nothing at "off", as the speed over which nothing fades, shows something here.
         if !unseen.is_empty() {
             minimum = problem.with_slopes_of(&unseen, minimum)?;
+        }
+        while is_far && let Some(stair) = problem.next_stair(&minimum.at, numbers.clone()) {
+            let slopes = problem.carried(minimum.whole.clone(), &minimum.at, &stair);
+            let start = Start { at: stair, slopes: Some(slopes), exactness: Exactness::Rough };
+            minimum = problem.descend_briefly(start, BRIEF)?;
         }
         Ok(Trial { effect: effect.clone(), freedom, problem, minimum })
     }
