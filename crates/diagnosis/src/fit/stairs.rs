@@ -14,8 +14,9 @@ use crate::cut_offs::APART;
 const REACHES: [f64; 2] = [1.0, 0.5];
 /// Widths at which a slope is tried.
 const MOST_WIDTHS: usize = 6;
-/// Share of a secant's width that a standard error may be less: of smooth sums it is the same over every width.
-const NARROWER: f64 = 0.5;
+/// Factor by which a standard error and the width that it is told over may differ: of smooth sums it is the same over
+/// every width.
+const ALIKE: f64 = 2.0;
 
 impl Problem<'_> {
     /// The lowest place some way along one of some numbers, if it is lower by more than matters.
@@ -41,8 +42,9 @@ impl Problem<'_> {
         places.min_by(|a, b| a.value.total_cmp(&b.value))
     }
 
-    /// A minimum with the slopes of what was asked for and fades over about as much as their standard errors, where
-    /// that makes those narrower: on a stair nothing changes, and its edges hold the number all the same.
+    /// A minimum with the slopes of what was asked for and fades over about as much as their standard errors: on a
+    /// stair nothing changes, and its edges hold the number all the same; over an edge all does, and the number is
+    /// not known as well as that.
     pub(super) fn between_edges(&self, minimum: &Minimum) -> Minimum {
         let asked = self.space.of_each(
             |member| {
@@ -67,26 +69,26 @@ impl Problem<'_> {
         told
     }
 
-    /// The slope along a number, of those over several widths the one whose width and standard error are least; none
-    /// where none makes the standard error much less than it is.
+    /// The slope along a number over the width that is nearest to its standard error by it; none where that error is
+    /// hardly another.
     fn over_its_error(&self, minimum: &Minimum, column: usize, k: usize) -> Option<DVector<f64>> {
         let mut alone = self.clone();
         alone.frozen.iter_mut().enumerate().for_each(|(other, frozen)| *frozen |= other != k);
         let mut widths = self.secants.clone();
-        let now = self.error(&minimum.slopes, &minimum.weights, column)?;
-        widths[k] = now.min(self.secants[k]);
-        let (mut best, mut least) = (None, NARROWER * now);
-        for _ in 0..MOST_WIDTHS {
+        widths[k] = self.error(&minimum.slopes, &minimum.weights, column)?.min(self.secants[k]);
+        let (mut best, mut least) = (None, f64::INFINITY);
+        for tried in 0..MOST_WIDTHS {
             // A width that the mechanics refuse tells nothing.
             let slope = alone.slopes(&minimum.at, &widths).ok()?.column(0).into_owned();
             let mut slopes = minimum.slopes.clone();
             slopes.set_column(column, &slope);
-            let error = self.error(&slopes, &minimum.weights, column)?;
-            if error.max(widths[k]) < least {
-                (best, least) = (Some(slope), error.max(widths[k]));
+            let error = self.error(&slopes, &minimum.weights, column)?.min(self.secants[k]);
+            let apart = (error / widths[k]).ln().abs();
+            if apart < least {
+                (best, least) = (Some(slope), apart);
             }
-            if error > NARROWER * widths[k] {
-                break;
+            if apart < ALIKE.ln() {
+                return best.filter(|_| tried > 0);
             }
             widths[k] = (error * widths[k]).sqrt();
         }
