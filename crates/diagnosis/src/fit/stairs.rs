@@ -114,10 +114,12 @@ mod tests {
 
     const STICTION: (&str, [f64; 2]) = ("pusher-stiction", [1.6, 1e-3]);
 
-    /// Whether a size is told well, and as well as is said.
-    fn holds((told, truth): (&ParameterFit, f64)) -> bool {
-        let ParameterFit { value, se, .. } = told;
-        *se < 0.1 * truth && (value - truth).abs() < 3.0 * se
+    /// Whether sizes are told well, the ratio better than the speed over which it fades, and as well as is said.
+    fn hold(told: &[ParameterFit], truth: [f64; 2]) -> bool {
+        let is_near = |ParameterFit { value, se, .. }: &ParameterFit, truth: f64, share: f64| {
+            *se < share * truth && (value - truth).abs() < 3.0 * se
+        };
+        is_near(&told[0], truth[0], 0.05) && is_near(&told[1], truth[1], 0.15)
     }
 
     #[test]
@@ -133,8 +135,7 @@ mod tests {
             let fit = found.fit(&settings).unwrap();
             let told = fit.effects.iter().find(|effect| effect.id == id).unwrap();
             assert!(told.p < 1e-3, "seed {seed}: {}", told.p);
-            let all_hold = told.parameters.iter().zip(truth).all(holds);
-            assert!(all_hold, "seed {seed}: {:?}", told.parameters);
+            assert!(hold(&told.parameters, truth), "seed {seed}: {:?}", told.parameters);
         }
     }
 
@@ -146,7 +147,7 @@ mod tests {
             let (white, settings) = (white(&observations), FitSettings::default());
             let found = fit(&observations, &model, &[id], &white, &settings).unwrap();
             let told = &found.effects[0].parameters;
-            assert!(told.iter().zip(truth).all(holds), "seed {seed}: {told:?}");
+            assert!(hold(told, truth), "seed {seed}: {told:?}");
         }
     }
 }
