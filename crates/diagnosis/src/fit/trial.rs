@@ -87,7 +87,9 @@ impl<'a> Refit<'a> {
         while is_far && let Some(stair) = problem.next_stair(&minimum.at, numbers.clone()) {
             let slopes = problem.carried(minimum.whole.clone(), &minimum.at, &stair);
             let start = Start { at: stair, slopes: Some(slopes), exactness: Exactness::Rough };
-            minimum = problem.descend_briefly(start, BRIEF)?;
+            // Where the way from there is none, what was reached counts.
+            let Ok(lower) = problem.descend_briefly(start, BRIEF) else { break };
+            minimum = lower;
         }
         Ok(Trial { effect: effect.clone(), freedom, problem, minimum })
     }

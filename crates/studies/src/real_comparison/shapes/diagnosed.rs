@@ -4,8 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use diagnosis::{DiagnoseSettings, Diagnosis, Observations, diagnose};
-use models::{Analytical, PushModel};
+use diagnosis::{DiagnoseSettings, Diagnosis, diagnose};
 use planar::MIT_NAMES;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
@@ -31,10 +30,8 @@ pub(in crate::real_comparison) fn diagnosed(path: &Path) -> Result<Vec<Diagnosed
 }
 
 fn of(path: &Path, name: &str) -> Result<Diagnosed> {
-    let (manifest, table) = pushes(path, name)?;
+    let (all, nominal) = pushes(path, name)?;
     let started = Instant::now();
-    let nominal = Analytical::nominal(manifest.pusher.friction)?.describe()?;
-    let all = Observations::of(&table, &manifest)?;
     let (mut before, mut after, mut claims) = (Vec::new(), Vec::new(), Vec::new());
     for (half, other) in folds(&all)? {
         let found = diagnose(&half, &nominal, &DiagnoseSettings::default())?;

@@ -7,8 +7,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use diagnosis::Observations;
-use models::{Analytical, Description, PushModel};
+use models::Description;
 use planar::MIT_NAMES;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use report::{Color, Ellipse, Figure, Panel, Points, Polygon};
@@ -37,12 +36,10 @@ pub(super) fn shapes(path: &Path) -> Result<Vec<Shape>> {
 }
 
 fn of(path: &Path, name: &str) -> Result<Shape> {
-    let (manifest, table) = pushes(path, name)?;
+    let (all, nominal) = pushes(path, name)?;
     let started = Instant::now();
-    let nominal = Analytical::nominal(manifest.pusher.friction)?.describe()?;
-    let all = Observations::of(&table, &manifest)?;
     let (fitted, models) = of_folds(&all, &nominal)?;
-    let n_pushes = table.len();
+    let n_pushes = all.pushes().len();
     println!("{name}: {n_pushes} pushes fitted in {} s", started.elapsed().as_secs());
     let outline = all.steps().first().map(|step| step.input.object.shape().outline(90));
     let outline = outline.unwrap_or_default().iter().map(|place| [place.x, place.y]).collect();

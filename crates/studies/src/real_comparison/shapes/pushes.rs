@@ -4,9 +4,9 @@ use std::fmt;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use dataset::{IngestSettings, Manifest, ObjectSpec, Preset, RecordingSet, Table, ingest};
+use dataset::{IngestSettings, ObjectSpec, Preset, RecordingSet, ingest};
 use diagnosis::{Observations, Predictions};
-use models::Description;
+use models::{Analytical, Description, PushModel};
 use planar::wrap_angle;
 
 /// A mean error of the end, in m and rad.
@@ -16,15 +16,17 @@ pub(super) struct Error {
     pub(super) angle: f64,
 }
 
-/// The pushes of an object, as `pushlab ingest --preset mit-endpoints --shape` reads them.
+/// The pushes of an object, as `pushlab ingest --preset mit-endpoints --shape` reads them, and its nominal model.
 ///
 /// # Errors
 /// A file that cannot be read.
-pub(super) fn pushes(path: &Path, shape: &str) -> Result<(Manifest, Table)> {
+pub(super) fn pushes(path: &Path, shape: &str) -> Result<(Observations, Description)> {
     let set = RecordingSet::open_with_preset(path, Preset::MitEndpoints)?;
     let set = set.about(ObjectSpec::mit(shape)?)?;
     let (table, _) = ingest(&set, &IngestSettings::default())?;
-    Ok((set.manifest().clone(), table))
+    let manifest = set.manifest();
+    let nominal = Analytical::nominal(manifest.pusher.friction)?.describe()?;
+    Ok((Observations::of(&table, manifest)?, nominal))
 }
 
 /// Of each push.
