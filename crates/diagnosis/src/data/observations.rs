@@ -305,6 +305,15 @@ impl Observations {
         (track.end() - track.start()).norm()
     }
 
+    /// The first step of each push.
+    pub(crate) fn first_steps(&self) -> Vec<usize> {
+        let mut first = vec![0; self.pushes.len()];
+        for (step, push) in self.push_of.iter().enumerate().rev() {
+            first[*push] = step;
+        }
+        first
+    }
+
     /// How many pushes some steps are of.
     pub(crate) fn n_pushes_of(&self, steps: &[usize]) -> usize {
         steps.iter().map(|step| self.push_of[*step]).collect::<HashSet<_>>().len()

@@ -5,8 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use super::DiagnoseSettings;
 use crate::cut_offs::MUCH_OF_NOISE;
+use crate::data::thinning::thinned;
+use crate::noise::conditional_modes::ConditionalModes;
 use crate::predict::tangent::Tangent;
-use crate::remains::noise_beside;
+use crate::remains::{noise_beside, noise_of_each};
 use crate::{DiagnosisError, ErrorSource, NoiseModel, Observations};
 
 /// By how much a parameter of an effect differs from push to push.
@@ -34,31 +36,33 @@ impl PushScatter {
     }
 }
 
-/// How often the noise is learnt with secants as long as what differs does.
-const N_ROUNDS: usize = 2;
+/// How often pushes are linearised anew at what each had itself, and the noise is learnt from there. What is told
+/// changes by less than a tenth of its standard error from the third time on.
+const N_ROUNDS: usize = 3;
+/// Steps of pushes that are used at most: hundreds of pushes tell a standard deviation to a few hundredths.
+const MOST_STEPS: usize = 2000;
 
 /// What differs from push to push beside a model, what scatters the steps most first.
 ///
 /// Noise that weighs a search is linearised over what is usual, for a model that lacks something lets all seem to
-/// scatter widely. Beside the model that was found the secants are as long as the standard deviations are: the
-/// edge between sticking and sliding makes more of a small difference, less of a large one.
+/// scatter widely. Beside the model that was found every push is linearised at its own likeliest values: the edge
+/// between sticking and sliding makes more of a small difference, less of a large one.
 pub(super) fn push_scatter(
     model: &Description,
     observations: &Observations,
     settings: &DiagnoseSettings,
 ) -> Result<Vec<PushScatter>, DiagnosisError> {
-    let learn = |tangent: &Tangent, expected: &NoiseModel| {
-        noise_beside(tangent, observations, &settings.remain(), expected)
-    };
+    let observations = &*thinned(observations, MOST_STEPS)?;
     let tangent = Tangent::of(model, &settings.own, observations)?;
-    let mut noise = learn(&tangent, &NoiseModel::usual_beside(model)?)?;
+    let usual = NoiseModel::usual_beside(model)?;
+    let mut noise = noise_beside(&tangent, observations, &settings.remain(), &usual)?;
+    let about = (model, settings.own.as_slice(), observations);
+    let mut modes = ConditionalModes::at_the_model(tangent, about)?;
     for _ in 0..N_ROUNDS {
-        let about = (model, settings.own.as_slice(), observations);
-        let sds = noise.sources.iter().map(|source| source.sd);
-        // So much less friction may let an object slide by itself: then what is usual has to do.
-        let Ok(reaching) = tangent.reaching(sds, about) else { break };
-        // What is usual would pull what is far from it. Where nothing is learnt so, what is known stays.
-        let Ok(learnt) = learn(&reaching, &noise) else { break };
+        // So much less friction may let an object slide by itself: then what is known stays.
+        let Ok(()) = modes.approach(&noise) else { break };
+        let learn = noise_of_each(modes.tangent(), observations, &settings.remain(), &noise);
+        let Ok(Some(learnt)) = learn else { break };
         noise = learnt;
     }
     Ok(told(&noise))
@@ -81,9 +85,14 @@ fn told(noise: &NoiseModel) -> Vec<PushScatter> {
 
 #[cfg(test)]
 mod tests {
+    use effects::{Setting, by_id};
+    use models::{ChannelModel, Description};
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
     use super::push_scatter;
-    use crate::DiagnoseSettings;
-    use crate::synthetic::{SessionErrors, repeated};
+    use crate::synthetic::{NOISE, SessionErrors, normal, recorded, repeated};
+    use crate::{DiagnoseSettings, Observations};
 
     /// Each push is a session of its own, so that what differs from session to session does from push to push.
     fn found(differs: &[(&str, f64)]) -> Vec<super::PushScatter> {
@@ -107,6 +116,38 @@ mod tests {
             // Twice the interval's half: one in ten thousand.
             let off = (first.sd / sd).ln().abs() / (first.high95 / first.sd).ln();
             assert!(off < 2.0 && first.share > 5.0 * found[1].share, "{found:?}");
+        }
+    }
+
+    /// Pushes each with a friction of its own, and the root mean square of what these are off.
+    fn with_own_frictions(sd: f64, seed: u64) -> (Observations, Description, f64) {
+        let (mut observed, model) = recorded(1);
+        let about = by_id("pusher-friction").unwrap().info();
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let off: Vec<f64> = observed.pushes.iter().map(|_| sd * normal(&mut rng)).collect();
+        for (step, push) in observed.steps.iter_mut().zip(&observed.push_of) {
+            let mut own = model.clone();
+            own.effects.push(Setting::new(about, &[0.25 + off[*push]]).into());
+            let physics = ChannelModel::new(&own, observed.support, &[]).unwrap();
+            let made = physics.predict([&step.input]).unwrap()[0].to_array();
+            for (k, value) in step.observed.iter_mut().enumerate() {
+                *value = value.map(|_| made[k] + NOISE[k] * normal(&mut rng));
+            }
+        }
+        let square = off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64;
+        (observed, model, square.sqrt())
+    }
+
+    #[test]
+    fn a_friction_is_told_to_differ_as_it_does_where_tips_hold_and_slide() {
+        for seed in 1..=3 {
+            let (observed, model, sd) = with_own_frictions(0.06, seed);
+            let found = push_scatter(&model, &observed, &DiagnoseSettings::default()).unwrap();
+            let [first, others @ ..] = found.as_slice() else { panic!("nothing is told") };
+            assert_eq!(first.effect, "pusher-friction", "{found:?}");
+            assert!((first.sd / sd).ln().abs() < 0.15, "{seed}: {sd} {found:?}");
+            // What its slope is not right for is not taken for another quantity.
+            assert!(others.iter().all(|one| one.share < 0.15), "{seed}: {found:?}");
         }
     }
 

@@ -1,16 +1,15 @@
 //! The covariance of all that is observed of a push, where the model is true.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use effects::Effect;
 use models::Description;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde::Serialize;
 
-use crate::data::repeats::{FEWEST_REPEATS, cells};
-use crate::noise::noise_floor::{distance, features};
+use crate::data::repeats::FEWEST_REPEATS;
+use crate::noise::blocks_of_pushes::{Data, MOST_PAIRS, neighbour_pairs, repeat_groups};
 use crate::predict::error_shapes::{
     ErrorShapes, Kind, SOURCES, Source, priors, push_directions, stated_sds,
 };
@@ -18,8 +17,8 @@ use crate::predict::secants::Linearisation;
 use crate::predict::tangent::Tangent;
 use crate::statistics::blocks::Block;
 use crate::statistics::quantile::NORMAL_975;
-use crate::statistics::variances::{LogNormal, Variances, variances};
-use crate::{DiagnosisError, FloorSource, Observations, RepeatTolerance, Whitening};
+use crate::statistics::variances::{LogNormal, variances};
+use crate::{DiagnosisError, FloorSource, Observations, Whitening};
 
 /// Sources of error and their sizes: what the streams' noise leaves at the ends of steps, small
 /// errors of each step's own, and parameters that differ from push to push.
@@ -74,11 +73,6 @@ fn is_none(n: &usize) -> bool {
     *n == 0
 }
 
-/// Closer than for a floor: what a model misses must cancel, and it may be large.
-const REPEATS: RepeatTolerance = RepeatTolerance { distance: 1e-3, angle: 0.02, speed: 0.05 };
-/// Pairs of neighbours, and pushes without their like, that are used at most.
-const MOST_PAIRS: usize = 60;
-
 impl NoiseModel {
     /// Learns the sizes of errors, linearised about a model; `own` are effects besides those of the
     /// catalogue.
@@ -107,9 +101,9 @@ impl NoiseModel {
         expected: &Self,
     ) -> Result<Self, DiagnosisError> {
         let shapes = &*shapes(observations, &tangent.linearisation);
+        let data = Data { observations, tangent, shapes };
         let groups = repeat_groups(observations);
         let n_repeats = groups.iter().map(|group| group.len() - 1).sum::<usize>();
-        let data = Data { observations, tangent, shapes };
         let (source, groups, mut blocks) = if n_repeats >= FEWEST_REPEATS {
             let blocks: Vec<Block> = groups.iter().map(|group| data.repeats(group)).collect();
             (FloorSource::Repeats, groups, blocks)
@@ -120,31 +114,59 @@ impl NoiseModel {
             (FloorSource::Neighbours, groups, blocks)
         };
         if let Some(left) = left {
-            let n_fixed = blocks.first().map_or(0, |block| block.fixed.ncols());
             // What repeats itself says more exactly by how much it differs.
             let repeats = repeat_groups(observations);
             let is_alone = |push: usize| !repeats.iter().any(|group| group.contains(&push));
             let alone: Vec<_> = left.iter().filter(|(push, _)| is_alone(*push)).collect();
             let some = alone.iter().step_by(alone.len().div_ceil(MOST_PAIRS).max(1));
+            let n_fixed = blocks.first().map_or(0, |block| block.fixed.ncols());
             blocks.extend(some.map(|(push, left)| data.left(left, (*push, n_fixed))));
         }
-        let expected = expected.sources.iter().map(|source| source.sd);
-        let found = variances(&blocks, &priors(expected, &tangent.linearisation));
-        let n_pushes = groups.iter().map(Vec::len).sum();
-        let Variances { iterations, decrement, .. } = found;
         // Few groups of repeats tell little of how their own slopes scatter.
-        let log_se = if left.is_some() { &found.robust_log_se } else { &found.log_se };
+        let noise = Self::likeliest(&blocks, (tangent, shapes), expected, left.is_some());
+        let n_pushes = groups.iter().map(Vec::len).sum();
+        Ok(Self { source, n_cells: groups.len(), n_pushes, ..noise })
+    }
+
+    /// The same from what a flexible fit leaves of each push alone, linearised at what each had itself.
+    pub(crate) fn learn_of_each(
+        tangent: &Tangent,
+        observations: &Observations,
+        left: &[(usize, DVector<f64>)],
+        expected: &Self,
+    ) -> Self {
+        let shapes = &*shapes(observations, &tangent.linearisation);
+        let data = Data { observations, tangent, shapes };
+        let blocks = left.iter().map(|(push, left)| data.left(left, (*push, 0)));
+        let blocks: Vec<Block> = blocks.collect();
+        Self::likeliest(&blocks, (tangent, shapes), expected, true)
+    }
+
+    /// The likeliest sizes about those expected, each block a cell of one push.
+    fn likeliest(
+        blocks: &[Block],
+        (tangent, shapes): (&Tangent, &[ErrorShapes]),
+        expected: &Self,
+        is_robust: bool,
+    ) -> Self {
+        let expected = expected.sources.iter().map(|source| source.sd);
+        let found = variances(blocks, &priors(expected, &tangent.linearisation));
+        let log_se = if is_robust { &found.robust_log_se } else { &found.log_se };
         let shares = shares(shapes, &found.values);
         let of = |(k, source)| {
             let source = ErrorSource::new(source, found.values[k], log_se[k]);
             ErrorSource { share: shares[k], ..source }
         };
-        let sources = SOURCES.iter().enumerate().map(of);
-        let n_cells = groups.len();
-        let sources = sources.collect();
-        let dropped = found.dropped.iter().map(|k| SOURCES[*k].name).collect();
-        let n_unused = found.n_unused;
-        Ok(Self { source, n_cells, n_pushes, sources, dropped, n_unused, iterations, decrement })
+        Self {
+            source: FloorSource::Neighbours,
+            n_cells: blocks.len(),
+            n_pushes: blocks.len(),
+            sources: SOURCES.iter().enumerate().map(of).collect(),
+            dropped: found.dropped.iter().map(|k| SOURCES[*k].name).collect(),
+            n_unused: found.n_unused,
+            iterations: found.iterations,
+            decrement: found.decrement,
+        }
     }
 
     /// Every source as large as is usual, before anything is learnt of it.
@@ -255,139 +277,6 @@ fn shapes(observations: &Observations, linearisation: &Linearisation) -> Vec<Err
     let numbers = observations.own_numbers();
     let of = |numbers| ErrorShapes::of(observations, linearisation, numbers);
     numbers.into_par_iter().map(of).collect()
-}
-
-/// Pushes that repeat each other, each group of two or more.
-fn repeat_groups(observations: &Observations) -> Vec<Vec<usize>> {
-    let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for (push, cell) in cells(observations, &REPEATS).into_iter().enumerate() {
-        groups.entry(cell).or_default().push(push);
-    }
-    groups.into_values().filter(|group| group.len() > 1).collect()
-}
-
-/// Disjoint pairs of pushes that are alike, the nearest first.
-fn neighbour_pairs(observations: &Observations) -> Vec<[usize; 2]> {
-    let mut first = vec![None; observations.pushes.len()];
-    for (index, push) in observations.push_of.iter().enumerate() {
-        first[*push].get_or_insert(index);
-    }
-    let first: Vec<usize> = first.into_iter().flatten().collect();
-    let features: Vec<_> = first.iter().map(|step| features(observations, *step)).collect();
-    let mut pairs = Vec::new();
-    for a in 0..first.len() {
-        for b in 0..a {
-            let [one, other] = [a, b].map(|push| &observations.places[first[push]]);
-            if one.edge == other.edge {
-                pairs.push((distance(&features[a], &features[b]), [b, a]));
-            }
-        }
-    }
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut is_taken = vec![false; first.len()];
-    let mut chosen = Vec::new();
-    for (_, pair) in pairs {
-        if chosen.len() < MOST_PAIRS && pair.iter().all(|push| !is_taken[*push]) {
-            pair.iter().for_each(|push| is_taken[*push] = true);
-            chosen.push(pair);
-        }
-    }
-    chosen
-}
-
-/// What blocks are made of.
-struct Data<'a> {
-    observations: &'a Observations,
-    tangent: &'a Tangent,
-    shapes: &'a [ErrorShapes],
-}
-
-impl Data<'_> {
-    /// Contrasts of pushes that repeat each other.
-    fn repeats(&self, group: &[usize]) -> Block {
-        let (members, residuals) = self.aligned(group);
-        let n = residuals.ncols();
-        // Helmert's contrasts: independent, and free of what all have in common.
-        let contrasts = DMatrix::from_fn(n, n - 1, |row, k| {
-            let scale = (((k + 1) * (k + 2)) as f64).sqrt();
-            if row <= k {
-                1.0 / scale
-            } else if row == k + 1 {
-                -((k + 1) as f64) / scale
-            } else {
-                0.0
-            }
-        });
-        let vectors = residuals * contrasts;
-        let fixed = DMatrix::zeros(vectors.nrows(), 0);
-        Block { shapes: mean_shapes(&members), vectors, fixed }
-    }
-
-    /// The difference of two pushes that are alike, with what effects could explain of it.
-    fn neighbours(&self, pair: &[usize; 2]) -> Block {
-        let prior_sd = &self.tangent.candidates.prior_sd;
-        let (members, residuals) = self.aligned(pair);
-        let root_half = 0.5_f64.sqrt();
-        let vectors = root_half * (residuals.column(0) - residuals.column(1));
-        let fixed = DMatrix::from_fn(vectors.nrows(), prior_sd.len(), |row, k| {
-            let of = |member: &ErrorShapes| {
-                let (step, number) = member.numbers[row];
-                self.tangent.slopes(k)[step][number]
-            };
-            root_half * prior_sd[k] * (of(&members[0]) - of(&members[1]))
-        });
-        let vectors = DMatrix::from_column_slice(vectors.nrows(), 1, vectors.as_slice());
-        Block { shapes: mean_shapes(&members), vectors, fixed }
-    }
-
-    /// What a flexible fit leaves of a push, beside so many columns of other blocks.
-    fn left(&self, left: &DVector<f64>, (push, n_fixed): (usize, usize)) -> Block {
-        Block {
-            shapes: mean_shapes(std::slice::from_ref(&self.shapes[push])),
-            vectors: DMatrix::from_column_slice(left.len(), 1, left.as_slice()),
-            fixed: DMatrix::zeros(left.len(), n_fixed),
-        }
-    }
-
-    /// The numbers that all members have, by step of the push, and observed less predicted: a
-    /// column each.
-    fn aligned(&self, members: &[usize]) -> (Vec<ErrorShapes>, DMatrix<f64>) {
-        let key = |&(step, number): &(usize, usize)| (self.observations.places[step].step, number);
-        let mut rows: BTreeMap<(u32, usize), Vec<usize>> = BTreeMap::new();
-        for (place, member) in members.iter().enumerate() {
-            for (row, number) in self.shapes[*member].numbers.iter().enumerate() {
-                let known = rows.entry(key(number)).or_default();
-                if known.len() == place {
-                    known.push(row);
-                }
-            }
-        }
-        rows.retain(|_, rows| rows.len() == members.len());
-        let shapes = members.iter().enumerate().map(|(place, member)| {
-            let rows: Vec<usize> = rows.values().map(|rows| rows[place]).collect();
-            self.shapes[*member].rows(&rows)
-        });
-        let shapes: Vec<ErrorShapes> = shapes.collect();
-        let residual = |row: usize, place: usize| {
-            let (step, number) = shapes[place].numbers[row];
-            let observed = self.observations.steps[step].observed[number].unwrap_or_default();
-            observed - self.tangent.linearisation.predicted[step][number]
-        };
-        let residuals = DMatrix::from_fn(rows.len(), members.len(), residual);
-        (shapes, residuals)
-    }
-}
-
-/// Kₖ, the mean over members of a group.
-fn mean_shapes(members: &[ErrorShapes]) -> Vec<DMatrix<f64>> {
-    let share = 1.0 / members.len() as f64;
-    let shape = |k: usize| {
-        let n = members[0].numbers.len();
-        let mut sum = DMatrix::zeros(n, n);
-        members.iter().for_each(|member| member.roots[k].add_to(&mut sum, share));
-        sum
-    };
-    (0..SOURCES.len()).into_par_iter().map(shape).collect()
 }
 
 #[cfg(test)]

@@ -144,18 +144,8 @@ pub(crate) fn priors(
 /// # Errors
 /// `Model` if the catalogue does not know one.
 pub(crate) fn push_directions(model: &Description) -> Result<Vec<Direction>, DiagnosisError> {
-    push_directions_over(stated_sds(model)?)
-}
-
-/// The same with secants for the standard deviation of each source in [`SOURCES`], where that is more.
-///
-/// # Errors
-/// `Model` if the catalogue does not know one.
-pub(crate) fn push_directions_over(
-    sds: impl IntoIterator<Item = f64>,
-) -> Result<Vec<Direction>, DiagnosisError> {
     let mut directions = Vec::new();
-    for (source, sd) in SOURCES.iter().zip(sds) {
+    for (source, sd) in SOURCES.iter().zip(stated_sds(model)?) {
         let Kind::Push { coordinates } = source.kind else { continue };
         let effect = by_id(source.name).map_err(models::ModelError::from)?;
         let size = f64::max(SECANT * source.usual_sd, SECANT_OF_OWN * sd);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use effects::{Effect, EffectError, Object, PushPhysics, Role, StepInput};
 use models::{ChannelModel, Description, ModelError};
 use nalgebra::Vector2;
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
 use crate::{DiagnosisError, Observations};
 
@@ -70,25 +70,51 @@ impl Linearisation {
             probes_of.push(match found {
                 Some(index) => index,
                 None => {
-                    known.push((object.clone(), Probes::new(&model, &step.input, directions)?));
+                    let physics = model.physics(object)?;
+                    known.push((object.clone(), Probes::new(physics, &step.input, directions)?));
                     known.len() - 1
                 }
             });
         }
-        let at = |index: usize| known[probes_of[index]].1.at(observations, index);
+        let probes: Vec<Probes> = known.into_iter().map(|(_, probes)| probes).collect();
+        Self::at(&probes, &probes_of, observations)
+    }
+
+    /// The same where each push has a model of its own, and directions of its own sizes.
+    ///
+    /// # Errors
+    /// `Model` for what a model refuses.
+    pub(crate) fn of_each(
+        models: Vec<(PushPhysics, Vec<Direction>)>,
+        observations: &Observations,
+    ) -> Result<Self, DiagnosisError> {
+        let first = observations.first_steps();
+        let probes = |(push, (physics, directions)): (usize, (PushPhysics, Vec<Direction>))| {
+            Probes::new(physics, &observations.steps[first[push]].input, &directions)
+        };
+        let probes: Result<Vec<Probes>, DiagnosisError> =
+            models.into_par_iter().enumerate().map(probes).collect();
+        Self::at(&probes?, &observations.push_of, observations)
+    }
+
+    fn at(
+        all: &[Probes],
+        probes_of: &[usize],
+        observations: &Observations,
+    ) -> Result<Self, DiagnosisError> {
+        let at = |index: usize| all[probes_of[index]].at(observations, index);
         let at: Result<Vec<AtStep>, EffectError> =
             (0..observations.n_steps()).into_par_iter().map(at).collect();
         let steps = at.map_err(ModelError::from)?;
         let of = |k: usize, pick: fn(&Secant) -> [f64; 7]| {
             steps.iter().map(|step| pick(&step.secants[k])).collect()
         };
-        let room = |k: usize| {
-            known.iter().map(|(_, probes)| probes.sides[k].room).fold(f64::INFINITY, f64::min)
-        };
+        let rooms = |k: usize| all.iter().map(move |probes| probes.sides[k].room);
+        let n = all.first().map_or(0, |probes| probes.sides.len());
         Ok(Self {
-            rooms: (0..directions.len()).map(room).collect(),
-            slopes: (0..directions.len()).map(|k| of(k, |secant| secant.slope)).collect(),
-            bends: (0..directions.len()).map(|k| of(k, |secant| secant.bend)).collect(),
+            rooms: (0..n).map(|k| rooms(k).fold(f64::INFINITY, f64::min)).collect(),
+            slopes: (0..n).map(|k| of(k, |secant| secant.slope)).collect(),
+            bends: (0..n).map(|k| of(k, |secant| secant.bend)).collect(),
             predicted: steps.iter().map(|step| step.predicted).collect(),
             by_pusher: steps.iter().map(|step| step.by_pusher).collect(),
         })
@@ -133,11 +159,10 @@ struct Secant {
 
 impl Probes {
     fn new(
-        model: &ChannelModel,
+        physics: PushPhysics,
         step: &StepInput,
         directions: &[Direction],
     ) -> Result<Self, DiagnosisError> {
-        let physics = model.physics(&step.object)?;
         let typical = physics.of_typical_push();
         let middle = typical.as_ref().unwrap_or(&physics);
         let roughly = middle.clone().in_half_the_substeps();
@@ -197,38 +222,16 @@ impl Sides {
         direction: &Direction,
         step: &StepInput,
     ) -> Result<Self, EffectError> {
-        let Direction { effect, coordinate, size } = direction;
-        let (about, coordinate) = (effect.info(), *coordinate);
-        let found = physics.effects().iter().find(|(other, _)| other.info().id == about.id);
-        let off = about.off(physics.rig());
-        let values = found.map_or(&off, |(_, values)| values);
-        let here = about.to_coordinates(values);
-        let bounds = effect.coordinates_in(physics.rig(), step)[coordinate].range;
+        let here = Here::of(physics, direction, step);
+        let (place, bounds) = (here.place(), here.bounds);
         let is_switched = direction.is_switch();
         let (low, high) = match is_switched {
             true => bounds,
             false => {
-                let place = here[coordinate];
-                ((place - size).max(bounds.0), (place + size).min(bounds.1))
+                ((place - direction.size).max(bounds.0), (place + direction.size).min(bounds.1))
             }
         };
-        let at = |place: f64| -> Result<Option<PushPhysics>, EffectError> {
-            if place == here[coordinate] {
-                return Ok(None);
-            }
-            let mut there = here.clone();
-            there[coordinate] = place;
-            let values = about.from_coordinates(&there);
-            let mut moved = physics.clone();
-            Ok(Some(match found {
-                Some(_) => {
-                    moved.set(about.id, &values)?;
-                    moved
-                }
-                None => moved.with(effect, &values)?,
-            }))
-        };
-        let place = here[coordinate];
+        let at = |place: f64| here.at(physics, place);
         let (span, by_above) = (high - low, high - place);
         let by = NEAR * if high == place { low - place } else { by_above };
         let near = if is_switched { None } else { at(place + by)? };
@@ -236,6 +239,64 @@ impl Sides {
         let room = (place - bounds.0).min(bounds.1 - place);
         Ok(Self { above, below, span, by_above, room, near, is_switched })
     }
+}
+
+/// Where a model stands along a direction.
+struct Here<'a> {
+    direction: &'a Direction,
+    coordinates: Vec<f64>,
+    is_in_model: bool,
+    bounds: (f64, f64),
+}
+
+impl<'a> Here<'a> {
+    fn of(physics: &PushPhysics, direction: &'a Direction, step: &StepInput) -> Self {
+        let about = direction.effect.info();
+        let found = physics.effects().iter().find(|(other, _)| other.info().id == about.id);
+        let off = about.off(physics.rig());
+        let coordinates = about.to_coordinates(found.map_or(&off, |(_, values)| values));
+        let all = direction.effect.coordinates_in(physics.rig(), step);
+        let bounds = all[direction.coordinate].range;
+        Self { direction, coordinates, is_in_model: found.is_some(), bounds }
+    }
+
+    fn place(&self) -> f64 {
+        self.coordinates[self.direction.coordinate]
+    }
+
+    /// The model elsewhere; none if that is here.
+    fn at(&self, physics: &PushPhysics, place: f64) -> Result<Option<PushPhysics>, EffectError> {
+        if place == self.place() {
+            return Ok(None);
+        }
+        let Direction { effect, coordinate, .. } = self.direction;
+        let mut there = self.coordinates.clone();
+        there[*coordinate] = place;
+        let values = effect.info().from_coordinates(&there);
+        let mut moved = physics.clone();
+        match self.is_in_model {
+            true => moved.set(effect.info().id, &values).map(|()| Some(moved)),
+            false => moved.with(effect, &values).map(Some),
+        }
+    }
+}
+
+/// A model moved by so much along directions.
+///
+/// # Errors
+/// What an effect refuses, such as a value beyond its range.
+pub(crate) fn moved<'a>(
+    mut physics: PushPhysics,
+    along: impl Iterator<Item = (&'a Direction, f64)>,
+    step: &StepInput,
+) -> Result<PushPhysics, EffectError> {
+    for (direction, by) in along {
+        let here = Here::of(&physics, direction, step);
+        if let Some(there) = here.at(&physics, here.place() + by)? {
+            physics = there;
+        }
+    }
+    Ok(physics)
 }
 
 /// The step with its pusher's end moved, in m, and all of its way in proportion.

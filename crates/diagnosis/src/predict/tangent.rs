@@ -6,7 +6,7 @@ use effects::{Effect, tested};
 use models::Description;
 
 use crate::predict::candidates::Candidates;
-use crate::predict::error_shapes::{push_directions, push_directions_over};
+use crate::predict::error_shapes::push_directions;
 use crate::predict::secants::{Direction, Linearisation};
 use crate::{DiagnosisError, Observations};
 
@@ -46,24 +46,6 @@ impl Tangent {
             of_push.iter().chain(&candidates.directions).cloned().collect();
         let linearisation = Linearisation::of(model, own, observations, &directions)?;
         Ok(Self { candidates, linearisation, n_of_push: of_push.len() })
-    }
-
-    /// The same with secants that reach as far as the parameters differ from push to push, of these
-    /// standard deviations of [`SOURCES`](crate::predict::error_shapes::SOURCES).
-    ///
-    /// # Errors
-    /// `Model` for what the model refuses.
-    pub(crate) fn reaching(
-        &self,
-        sds: impl IntoIterator<Item = f64>,
-        (model, own, observations): (&Description, &[Arc<dyn Effect>], &Observations),
-    ) -> Result<Self, DiagnosisError> {
-        let directions = push_directions_over(sds)?;
-        let found = Linearisation::of(model, own, observations, &directions)?;
-        let mut reaching = self.clone();
-        reaching.linearisation.slopes.splice(..directions.len(), found.slopes);
-        reaching.linearisation.bends.splice(..directions.len(), found.bends);
-        Ok(reaching)
     }
 
     /// Change of every step's numbers by the unit of a candidate's coordinate.

@@ -113,6 +113,23 @@ pub(crate) fn noise_beside(
     }
 }
 
+/// Noise learnt from what is left of each push where every origin has its component, linearised at what each push
+/// had itself; about as large as is expected. None where nothing can be fitted.
+///
+/// # Errors
+/// `NotACovariance`.
+pub(crate) fn noise_of_each(
+    tangent: &Tangent,
+    observations: &Observations,
+    settings: &RemainSettings,
+    expected: &NoiseModel,
+) -> Result<Option<NoiseModel>, DiagnosisError> {
+    let whitening = expected.whitening_at(observations, &tangent.linearisation)?;
+    let columns = Columns::of(tangent, (observations, &whitening), |_| true, settings.tolerances);
+    let left = left_by_all(&columns, &whitening.rows());
+    Ok(left.map(|left| NoiseModel::learn_of_each(tangent, observations, &left, expected)))
+}
+
 /// An origin, its component with as much freedom as gains most on held-out pushes, and what that gains.
 struct Own<'a> {
     origin: Origin,
