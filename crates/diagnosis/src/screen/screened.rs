@@ -111,7 +111,7 @@ pub struct ScreenedCoordinate {
     /// that is larger.
     pub se: f64,
     /// Size that is found with probability 0.9 at an adjusted p of 0.01, were it the only one of
-    /// the effect's coordinates.
+    /// the effect's coordinates; larger where the pushes of a session share more than the noise knows of.
     pub detection_limit: f64,
 }
 

@@ -165,6 +165,7 @@ impl<'a> Whitened<'a> {
         let zero = DMatrix::zeros(freedom, freedom);
         let scatter = parts.iter().fold(zero, |sum, part| sum + part * part.transpose());
         let sandwich = &covariance * scatter * &covariance;
+        let shared = self.shared(&score, clusters);
         found.coordinates = (0..freedom)
             .map(|k| {
                 let index = score.tested[k];
@@ -179,7 +180,9 @@ impl<'a> Whitened<'a> {
                     range: (off + down, off + up),
                     change: scale * change[k],
                     se: scale * covariance[(k, k)].max(sandwich[(k, k)]).sqrt(),
-                    detection_limit: scale * detectable / score.information[(k, k)].sqrt(),
+                    detection_limit: scale
+                        * detectable
+                        * (shared[k] / score.information[(k, k)]).sqrt(),
                 }
             })
             .collect();
@@ -187,6 +190,26 @@ impl<'a> Whitened<'a> {
             return (found, no_test);
         }
         (found, FlipTest::new(&parts, &score.information))
+    }
+
+    /// How many times as much as the pushes' the parts of clusters scatter, 1 or more, for each coordinate: what
+    /// the pushes of a session share hides effects.
+    fn shared(&self, score: &Score, clusters: &[Products]) -> DVector<f64> {
+        let scatter = |all: &[Products]| {
+            let n = all.len() as f64;
+            let mean = &score.score / n;
+            let square = |part: DVector<f64>| (part - &mean).map(|off| off * off);
+            let sum: DVector<f64> = all.iter().map(|one| square(score.part(one))).sum();
+            sum * (n / (n - 1.0).max(1.0))
+        };
+        match self.observations.cluster {
+            Cluster::Push => DVector::from_element(score.tested.len(), 1.0),
+            Cluster::Session => {
+                scatter(clusters).zip_map(&scatter(&self.of_push), |of_clusters, of_pushes| {
+                    if of_pushes > 0.0 { (of_clusters / of_pushes).max(1.0) } else { 1.0 }
+                })
+            }
+        }
     }
 
     /// The share of a change that the parameters' ranges allow.
@@ -279,8 +302,10 @@ mod tests {
     use models::Cluster;
     use nalgebra::{DMatrix, DVector};
 
-    use crate::Calibration;
+    use crate::screen::screen_at;
     use crate::statistics::sign_flips::{FlipTest, Flips};
+    use crate::synthetic::{SessionErrors, recorded, white};
+    use crate::{Calibration, ScreenSettings};
 
     /// The adjusted probability of an effect that every cluster shows alike, beside others each of
     /// which is as sure, and explains half as much, after another flip: by all flips.
@@ -312,6 +337,27 @@ mod tests {
                 assert_eq!(found <= 0.01, told.clusters_missing == 0, "{told:?} {found}");
             }
         }
+    }
+
+    /// The detectable change of a friction with the table, and of a shift of the contact, where the former differs
+    /// from session to session by so much.
+    fn limits(sd: f64) -> [f64; 2] {
+        let sessions = SessionErrors::of(recorded(12), &[("support-friction", sd)]);
+        let observed = sessions.observed(1, 0.0);
+        assert_eq!(observed.cluster, Cluster::Session);
+        let white = white(&observed);
+        let screen = screen_at(&sessions.tangent, &observed, &white, &ScreenSettings::default());
+        ["support-friction", "contact-bias"].map(|id| {
+            let found = screen.effects.iter().find(|one| one.id == id).unwrap();
+            found.coordinates[0].detection_limit
+        })
+    }
+
+    #[test]
+    fn what_differs_from_session_to_session_has_to_be_larger_to_be_found() {
+        let ([friction, shift], [of_friction, of_shift]) = (limits(0.0), limits(0.02));
+        assert!(of_friction > 2.0 * friction, "{friction} {of_friction}");
+        assert!(of_shift < 1.5 * shift && shift < 1.5 * of_shift, "{shift} {of_shift}");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use effects::by_id;
 
-use super::case::{Asked, Family};
+use super::case::{Asked, Family, Sessions, Setup};
 use super::oracle::Oracle;
 use super::record::Record;
 use super::truth::TrueEffect;
@@ -26,7 +26,12 @@ fn of(id: &'static str, records: &[Record], oracle: &Oracle) -> Option<Detectabl
     let nothing = records.iter().filter(|record| record.family == Family::Nothing);
     let mut pairs: Vec<(f64, f64)> = nothing
         .filter_map(|record| {
-            let sizes = oracle.sizes(id, &record.setup).ok()?;
+            // What the pushes of one session share is in them, and may be found, whatever it comes from.
+            let sessions = match record.setup.sessions {
+                Sessions::One => Sessions::Alike,
+                sessions => sessions,
+            };
+            let sizes = oracle.sizes(id, &Setup { sessions, ..record.setup }).ok()?;
             Some((told(id, record)?, sizes.detectable))
         })
         .collect();
