@@ -6,8 +6,11 @@ use std::collections::BTreeMap;
 use crate::data::repeats::cells;
 use crate::{DiagnosisError, Observations, RepeatTolerance};
 
+/// Pushes that are kept at least, however many steps each has: statistics count pushes.
+const FEWEST_KEPT: usize = 60;
+
 /// Pushes with about as many steps as are wanted, evenly over edges and speeds; all where there are
-/// no more.
+/// no more, and more steps where few pushes have so many.
 ///
 /// Repeats of a push stay together: they tell the noise.
 ///
@@ -32,6 +35,9 @@ pub(crate) fn thinned(
     }
     let mut groups: Vec<Vec<usize>> = groups.into_values().collect();
     groups.sort_by_key(|group| first[group[0]]);
+    let n_kept = |stride: &usize| groups.iter().step_by(*stride).map(Vec::len).sum::<usize>();
+    let fewest = FEWEST_KEPT.min(observations.pushes().len());
+    let stride = (1..=stride).rev().find(|stride| n_kept(stride) >= fewest).unwrap_or(1);
     let chosen = groups.into_iter().step_by(stride).flatten();
     let names: Vec<String> = chosen.map(|push| observations.pushes()[push].to_string()).collect();
     observations.part(&names).map(Cow::Owned)
@@ -39,7 +45,7 @@ pub(crate) fn thinned(
 
 #[cfg(test)]
 mod tests {
-    use super::thinned;
+    use super::{FEWEST_KEPT, thinned};
     use crate::synthetic::made;
     use std::borrow::Cow;
 
@@ -58,6 +64,9 @@ mod tests {
         }
         let part = thinned(&all, n_steps / 4).unwrap();
         assert_eq!(part.pushes().len(), n_pushes / 4);
+        // Statistics count pushes: of many there stay some, however many steps are wanted.
+        let kept = thinned(&all, 1).unwrap().pushes().len();
+        assert!((FEWEST_KEPT..FEWEST_KEPT + 3).contains(&kept), "{kept} of {n_pushes}");
         for three in part.pushes().chunks(3) {
             let number = |k: usize| three[k].recording[5..].parse::<usize>().unwrap();
             assert_eq!([number(0) / 3, number(1) / 3], [number(2) / 3; 2]);

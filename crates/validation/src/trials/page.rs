@@ -173,7 +173,8 @@ cargo xtask diagnosis-trials --seed {}
                 text += &format!("\nAlike in {name}, at their typical proportions: {alike}.\n");
             }
         }
-        text += "\nSmallest detectable sizes where nothing is hidden, medians:\n\n\
+        text += "\nSmallest detectable sizes where nothing is hidden, medians; of sets of one session beside the oracle\n\
+                 of sessions that are alike, for what its pushes share is in them:\n\n\
                  | effect | told | oracle | ratio |\n|---|---|---|---|\n";
         for one in detectable(self.records, self.oracle) {
             let ratio = one.told / one.oracle;
