@@ -36,8 +36,8 @@ impl PushScatter {
     }
 }
 
-/// How often pushes are linearised anew at what each had itself, and the noise is learnt from there. What is told
-/// changes by less than a tenth of its standard error from the third time on.
+/// How often pushes are linearised anew at what each had itself, and the noise is learnt from there. Trial: on three
+/// sets a fourth time changed what is told by 0 to 0.4 of its standard error.
 const N_ROUNDS: usize = 3;
 /// Steps of pushes that are used at most: hundreds of pushes tell a standard deviation to a few hundredths.
 const MOST_STEPS: usize = 2000;
@@ -119,7 +119,7 @@ mod tests {
         }
     }
 
-    /// Pushes each with a friction of its own, and the root mean square of what these are off.
+    /// Pushes each with a friction of its own, in a tenth of [`NOISE`], and the root mean square of what these are off.
     fn with_own_frictions(sd: f64, seed: u64) -> (Observations, Description, f64) {
         let (mut observed, model) = recorded(1);
         let about = by_id("pusher-friction").unwrap().info();
@@ -131,13 +131,14 @@ mod tests {
             let physics = ChannelModel::new(&own, observed.support, &[]).unwrap();
             let made = physics.predict([&step.input]).unwrap()[0].to_array();
             for (k, value) in step.observed.iter_mut().enumerate() {
-                *value = value.map(|_| made[k] + NOISE[k] * normal(&mut rng));
+                *value = value.map(|_| made[k] + 0.1 * NOISE[k] * normal(&mut rng));
             }
         }
         let square = off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64;
         (observed, model, square.sqrt())
     }
 
+    /// With one slope for all pushes the friction is told 1.5 to 1.9 times as wide.
     #[test]
     fn a_friction_is_told_to_differ_as_it_does_where_tips_hold_and_slide() {
         for seed in 1..=3 {

@@ -22,6 +22,8 @@ use crate::{DiagnosisError, NoiseModel, Observations};
 /// Lindstrom & Bates (1990), Nonlinear mixed effects models for repeated measures data, Biometrics 46(3).
 pub(crate) struct ConditionalModes<'a> {
     observations: &'a Observations,
+    /// What differs, in the order of a tangent's first slopes.
+    directions: Vec<Direction>,
     pushes: Vec<Push>,
     /// The predictions are those of the model as far as they are straight from each push's own values on.
     tangent: Tangent,
@@ -30,11 +32,11 @@ pub(crate) struct ConditionalModes<'a> {
 struct Push {
     /// What is observed, as (step, number).
     numbers: Vec<(usize, usize)>,
+    /// A value for each.
+    observed: Vec<f64>,
     /// The model of a push in the middle of all.
     physics: PushPhysics,
-    /// What differs, in the order of a tangent's first slopes.
-    directions: Vec<Direction>,
-    /// How far off along them it is likeliest.
+    /// How far off along each direction it is likeliest.
     values: Vec<f64>,
 }
 
@@ -73,12 +75,15 @@ impl<'a> ConditionalModes<'a> {
         let push = |(push, numbers): (usize, Vec<(usize, usize)>)| {
             let physics = model.physics(&observations.steps[first[push]].input.object)?;
             let physics = physics.of_typical_push().unwrap_or(physics);
-            let (directions, values) = (directions.clone(), middle.clone());
-            Ok(Push { numbers, physics, directions, values })
+            let value = |(step, number): (usize, usize)| {
+                observations.steps[step].observed[number].map(|value| ((step, number), value))
+            };
+            let (numbers, observed) = numbers.into_iter().filter_map(value).unzip();
+            Ok(Push { numbers, observed, physics, values: middle.clone() })
         };
         let pushes = observations.own_numbers().into_iter().enumerate().map(push);
         let pushes = pushes.collect::<Result<_, DiagnosisError>>()?;
-        Ok(Self { observations, pushes, tangent })
+        Ok(Self { observations, directions, pushes, tangent })
     }
 
     /// The model linearised there.
@@ -120,12 +125,12 @@ impl<'a> ConditionalModes<'a> {
     fn moved(&self, push: &Push, variances: &[f64]) -> Moved {
         let linearisation = &self.tangent.linearisation;
         let shapes = ErrorShapes::of(self.observations, linearisation, push.numbers.clone());
-        let predicted = |step: usize| Some(linearisation.predicted[step]);
-        let residual = push.residual(self.observations, predicted).unwrap_or_default();
-        let (likeliest, open) = likeliest(&shapes, &residual, variances);
-        let trial = Trial::of(push, self.observations, (&shapes, variances));
+        let predicted: Vec<[f64; 7]> =
+            push.steps().map(|step| linearisation.predicted[step]).collect();
+        let (likeliest, open) = likeliest(&shapes, &push.residual(&predicted), variances);
+        let trial = Trial::of(push, self, (&shapes, variances));
         let (values, physics) = trial.likelier(&likeliest);
-        let secants = push.directions.iter().zip(open).map(|(direction, sd)| Direction {
+        let secants = self.directions.iter().zip(open).map(|(direction, sd)| Direction {
             size: f64::max(sd, SHORTEST * direction.size),
             ..direction.clone()
         });
@@ -134,28 +139,25 @@ impl<'a> ConditionalModes<'a> {
 }
 
 impl Push {
-    /// Observed less predicted; none where a step has no prediction.
-    fn residual(
-        &self,
-        observations: &Observations,
-        predict: impl Fn(usize) -> Option<[f64; 7]>,
-    ) -> Option<DVector<f64>> {
-        let mut residual = Vec::with_capacity(self.numbers.len());
-        for of_step in self.numbers.chunk_by(|a, b| a.0 == b.0) {
-            let step = of_step[0].0;
-            let predicted = predict(step)?;
-            let observed = &observations.steps[step].observed;
-            let missed = |k: usize| observed[k].unwrap_or_default() - predicted[k];
-            residual.extend(of_step.iter().map(|(_, k)| missed(*k)));
-        }
-        Some(DVector::from_vec(residual))
+    /// The steps of which something is observed.
+    fn steps(&self) -> impl Iterator<Item = usize> {
+        self.numbers.chunk_by(|a, b| a.0 == b.0).map(|of_step| of_step[0].0)
+    }
+
+    /// Observed less predicted, which is for each of its steps.
+    fn residual(&self, predicted: &[[f64; 7]]) -> DVector<f64> {
+        let of_steps = self.numbers.chunk_by(|a, b| a.0 == b.0).zip(predicted);
+        let predicted =
+            of_steps.flat_map(|(of_step, predicted)| of_step.iter().map(|(_, k)| predicted[*k]));
+        let missed = self.observed.iter().zip(predicted).map(|(observed, at)| observed - at);
+        DVector::from_iterator(self.numbers.len(), missed)
     }
 }
 
 /// A push with other values.
 struct Trial<'a> {
     push: &'a Push,
-    observations: &'a Observations,
+    modes: &'a ConditionalModes<'a>,
     /// The covariance of what each step has of its own; none where that is none.
     factor: Option<Cholesky<f64, Dyn>>,
     /// Of what differs from push to push, of each value.
@@ -173,7 +175,7 @@ struct Tried {
 impl<'a> Trial<'a> {
     fn of(
         push: &'a Push,
-        observations: &'a Observations,
+        modes: &'a ConditionalModes<'a>,
         (shapes, variances): (&ErrorShapes, &[f64]),
     ) -> Self {
         let n = shapes.numbers.len();
@@ -184,7 +186,7 @@ impl<'a> Trial<'a> {
             }
         }
         let variances = slopes_of_push(shapes, variances).map(|(_, variance)| variance).collect();
-        Self { push, observations, factor: covariance.cholesky(), variances }
+        Self { push, modes, factor: covariance.cholesky(), variances }
     }
 
     /// Values on the way from the push's own to others that are likelier, or its own.
@@ -195,15 +197,14 @@ impl<'a> Trial<'a> {
         };
         let here = self.at(own.clone());
         let most = here.as_ref().map_or(f64::INFINITY, |here| here.misfit);
-        let nearer = TRIED.iter().filter_map(|share| self.at(on_the_way(*share)));
-        let mut found = nearer.into_iter().find(|there| there.misfit <= most).or(here);
+        let mut nearer = TRIED.iter().filter_map(|share| self.at(on_the_way(*share)));
+        let mut found = nearer.find(|there| there.misfit <= most).or(here);
         let n = self.push.numbers.len() as f64;
         let likely = n + UNLIKELY * (2.0 * n).sqrt();
         if found.as_ref().is_none_or(|found| found.misfit > likely) {
             // A tip that holds tells nothing of a friction that is a little less, and all of one at which it slides.
             let from = found.as_ref().map_or(own, |found| &found.values).clone();
             let leaps = self.leaps(from).filter_map(|values| self.at(values));
-            let leaps: Vec<Tried> = leaps.collect();
             found = found.into_iter().chain(leaps).min_by(|a, b| a.misfit.total_cmp(&b.misfit));
         }
         match found {
@@ -227,11 +228,13 @@ impl<'a> Trial<'a> {
 
     /// None of values at which the mechanics refuse a step.
     fn at(&self, values: Vec<f64>) -> Option<Tried> {
-        let (steps, (first, _)) = (&self.observations.steps, self.push.numbers.first()?);
-        let along = self.push.directions.iter().zip(values.iter().copied());
-        let physics = moved(self.push.physics.clone(), along, &steps[*first].input).ok()?;
-        let predict = |step: usize| Some(physics.predict(&steps[step].input).ok()?.to_array());
-        let residual = self.push.residual(self.observations, predict)?;
+        let Self { push, modes, .. } = self;
+        let input = |step: usize| &modes.observations.steps[step].input;
+        let along = modes.directions.iter().zip(values.iter().copied());
+        let physics = moved(push.physics.clone(), along, input(push.steps().next()?)).ok()?;
+        let predict = |step: usize| Some(physics.predict(input(step)).ok()?.to_array());
+        let predicted: Vec<[f64; 7]> = push.steps().map(predict).collect::<Option<_>>()?;
+        let residual = push.residual(&predicted);
         let square = residual.dot(&self.factor.as_ref()?.solve(&residual));
         let own = values.iter().zip(&self.variances).filter(|(value, _)| **value != 0.0);
         let own: f64 = own.map(|(value, variance)| value * value / variance).sum();

@@ -98,13 +98,13 @@ impl Folds {
     }
 }
 
+/// Pushes, each with what is left of its numbers, in SI units.
+pub(super) type LeftOfPushes = Vec<(usize, DVector<f64>)>;
+
 /// What is left of each push where every origin has its component and the open numbers are fitted, in SI
 /// units, made larger by what a fit of so many numbers takes of the noise; without pushes that hardly have a
 /// say in a robust fit. None where the numbers are not determined.
-pub(super) fn left_by_all(
-    columns: &Columns,
-    rows: &[Range<usize>],
-) -> Option<Vec<(usize, DVector<f64>)>> {
+pub(super) fn left_by_all(columns: &Columns, rows: &[Range<usize>]) -> Option<LeftOfPushes> {
     let (pushes, says) = weighted(columns, rows);
     let all: Vec<usize> = (0..pushes.len()).collect();
     let beliefs = columns.beliefs();

@@ -14,7 +14,7 @@ use models::Description;
 use serde::{Deserialize, Serialize};
 
 use self::columns::{Columns, tangent_of_all};
-use self::folds::{Folds, Gains, left_by_all};
+use self::folds::{Folds, Gains, LeftOfPushes, left_by_all};
 use self::place::place;
 use crate::cut_offs::FEWEST_CLUSTERS;
 use crate::data::split::clusters;
@@ -105,9 +105,7 @@ pub(crate) fn noise_beside(
     expected: &NoiseModel,
 ) -> Result<NoiseModel, DiagnosisError> {
     let noise = NoiseModel::learn_at(tangent, observations, None, expected)?;
-    let whitening = noise.whitening_at(observations, &tangent.linearisation)?;
-    let columns = Columns::of(tangent, (observations, &whitening), |_| true, settings.tolerances);
-    match left_by_all(&columns, &whitening.rows()) {
+    match left_beside(tangent, observations, settings, &noise)? {
         Some(left) => NoiseModel::learn_at(tangent, observations, Some(&left), expected),
         None => Ok(noise),
     }
@@ -124,10 +122,21 @@ pub(crate) fn noise_of_each(
     settings: &RemainSettings,
     expected: &NoiseModel,
 ) -> Result<Option<NoiseModel>, DiagnosisError> {
-    let whitening = expected.whitening_at(observations, &tangent.linearisation)?;
-    let columns = Columns::of(tangent, (observations, &whitening), |_| true, settings.tolerances);
-    let left = left_by_all(&columns, &whitening.rows());
+    let left = left_beside(tangent, observations, settings, expected)?;
     Ok(left.map(|left| NoiseModel::learn_of_each(tangent, observations, &left, expected)))
+}
+
+/// What is left of each push where every origin has its component beside a noise; none where nothing
+/// can be fitted.
+fn left_beside(
+    tangent: &Tangent,
+    observations: &Observations,
+    settings: &RemainSettings,
+    noise: &NoiseModel,
+) -> Result<Option<LeftOfPushes>, DiagnosisError> {
+    let whitening = noise.whitening_at(observations, &tangent.linearisation)?;
+    let columns = Columns::of(tangent, (observations, &whitening), |_| true, settings.tolerances);
+    Ok(left_by_all(&columns, &whitening.rows()))
 }
 
 /// An origin, its component with as much freedom as gains most on held-out pushes, and what that gains.
