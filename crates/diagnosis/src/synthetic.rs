@@ -4,9 +4,10 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use dataset::{Flags, Manifest, RecordingSet, StepRow, SupportSpec, Table, ingest};
-use effects::{Object, Setting, StepInput, Track, by_id};
+use effects::{Object, Rig, Setting, StepInput, Surface, Track, by_id};
 use models::{
-    Analytical, ChannelObservation, Cluster, Description, Excluded, ModelEffect, PushModel,
+    Analytical, ChannelModel, ChannelObservation, Cluster, Description, Excluded, ModelEffect,
+    PushModel,
 };
 use nalgebra::{DMatrix, DVector, Vector2};
 use planar::{Pose, Shape, Twist};
@@ -150,6 +151,28 @@ pub(crate) fn pushed_with(
         }
     }
     (observations, model, truth)
+}
+
+/// Recorded pushes as the nominal model makes them with a number of an effect that each has of its own, its
+/// coordinate off by a standard deviation, in a tenth of [`NOISE`]; that model, and how far off each is.
+pub(crate) fn with_own(id: &str, sd: f64, seed: u64) -> (Observations, Description, Vec<f64>) {
+    let (mut observed, model) = recorded(1);
+    let about = by_id(id).unwrap().info();
+    let rig = Rig::new(Surface::Ellipsoid, 0.25, 0.25).unwrap();
+    let middle = about.to_coordinates(&about.off(&rig))[0];
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let off: Vec<f64> = observed.pushes.iter().map(|_| sd * normal(&mut rng)).collect();
+    for (step, push) in observed.steps.iter_mut().zip(&observed.push_of) {
+        let mut own = model.clone();
+        let values = about.from_coordinates(&[middle + off[*push]]);
+        own.effects.push(Setting::new(about, &values).into());
+        let physics = ChannelModel::new(&own, observed.support, &[]).unwrap();
+        let made = physics.predict([&step.input]).unwrap()[0].to_array();
+        for (k, value) in step.observed.iter_mut().enumerate() {
+            *value = value.map(|_| made[k] + 0.1 * NOISE[k] * normal(&mut rng));
+        }
+    }
+    (observed, model, off)
 }
 
 fn recorded_table(n_sessions: u32) -> (Table, Manifest) {

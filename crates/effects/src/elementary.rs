@@ -16,8 +16,8 @@ const MANTISSA_BITS: u32 = 52;
 const BIAS: u64 = 1023;
 
 /// Numbers that are worked on side by side.
-pub(crate) const LANES: usize = 8;
-pub(crate) type Lanes = [f64; LANES];
+const LANES: usize = 8;
+type Lanes = [f64; LANES];
 
 /// 1/k! of Taylor's series of eˣ, the last first.
 const EXP: [f64; 14] = {
@@ -53,12 +53,6 @@ pub(crate) fn exp_each(numbers: &mut [f64]) {
 /// ln(1 + x) in the place of each x ≥ 0, to a rounding error or two.
 pub(crate) fn ln_1p_each(numbers: &mut [f64]) {
     Arch::new().dispatch(Each { numbers, function: Ln1p });
-}
-
-/// eˣ of each x, to a rounding error or two, for a pass of one's own.
-#[inline(always)]
-pub(crate) fn exp(numbers: &Lanes) -> Lanes {
-    Exp.of(numbers)
 }
 
 struct Each<'a, F> {

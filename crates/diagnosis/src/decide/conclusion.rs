@@ -11,6 +11,7 @@ use super::rules::{Objection, Rules};
 use super::search::Search;
 use crate::cut_offs::{HINT, NAME, SIZE, SMALL_SHARE, TOLERANCES};
 use crate::fit::Refit;
+use crate::noise::widely_differing::At;
 use crate::remains::remains;
 use crate::{
     DiagnosisError, EffectFit, Fit, Gain, NoiseModel, NuisanceFit, Predictions, Reason, Remains,
@@ -28,7 +29,7 @@ impl Search<'_> {
         here: &Refit,
         mut progress: Progress,
         last_screen: Screen,
-        noise: NoiseModel,
+        (noise, at): (NoiseModel, At),
     ) -> Result<Found, DiagnosisError> {
         self.tell(DiagnosePhase::Intervals);
         // What the last model explains is no hint any more.
@@ -42,7 +43,7 @@ impl Search<'_> {
         progress.chosen.splice(..0, numbers.iter().map(as_choice));
         let whole = here.asking(&ids(&progress.chosen)).settled()?;
         let (whole, fit) = self.without_open(whole, &mut progress)?;
-        let confirmed = self.confirmed(whole, fit, &mut progress, &noise)?;
+        let confirmed = self.confirmed(whole, fit, &mut progress, (&noise, at))?;
         let Confirmed { accepted, error, descriptions, with_doubted } = confirmed;
         let [description, with_nuisances] = descriptions;
         let Progress { refused, first_screen, .. } = progress;
@@ -52,6 +53,7 @@ impl Search<'_> {
             accepted,
             refused,
             noise,
+            at,
             error,
             description,
             with_nuisances,
@@ -181,7 +183,7 @@ impl Search<'_> {
         mut whole: Refit,
         mut fit: Fit,
         progress: &mut Progress,
-        noise: &NoiseModel,
+        noise: (&NoiseModel, At),
     ) -> Result<Confirmed, DiagnosisError> {
         let [_, base] = whole.roughly_without(&ids(&progress.chosen))?.descriptions()?;
         let mut with_doubted = None;
@@ -274,7 +276,13 @@ impl Search<'_> {
             effects.find_map(|one| one.not_testable.as_ref()).map(|why| why.reason)
         };
         let is_testable = |id: &str| untested(id) != Some(Reason::NoCovariate);
-        remains(&found.with_nuisances, self.all, &found.noise, is_testable, &self.settings.remain())
+        remains(
+            &found.with_nuisances,
+            self.all,
+            (&found.noise, found.at),
+            is_testable,
+            &self.settings.remain(),
+        )
     }
 
     /// The model with the next effect of a group in the place of one that is not confirmed; none

@@ -4,6 +4,7 @@ use models::Description;
 
 use super::{DiagnoseSettings, ErrorFall, MotionError};
 use crate::data::clusters::ClusterMean;
+use crate::noise::widely_differing::At;
 use crate::{DiagnosisError, NoiseFloor, NoiseModel, Observations, Predictions, Whitening};
 
 /// The held-out pushes, under the noise as the best model knows it.
@@ -11,6 +12,8 @@ pub(super) struct Aside<'a> {
     observations: &'a Observations,
     settings: &'a DiagnoseSettings,
     noise: &'a NoiseModel,
+    /// Where models are linearised.
+    at: At,
     /// Of the best model.
     whitening: Whitening,
 }
@@ -30,11 +33,11 @@ impl<'a> Aside<'a> {
     pub(super) fn new(
         observations: &'a Observations,
         best: &Description,
-        noise: &'a NoiseModel,
+        (noise, at): (&'a NoiseModel, At),
         settings: &'a DiagnoseSettings,
     ) -> Result<Self, DiagnosisError> {
-        let whitening = noise.whitening(best, &settings.own, observations)?;
-        Ok(Self { observations, settings, noise, whitening })
+        let whitening = noise.whitening_from(at, best, &settings.own, observations)?;
+        Ok(Self { observations, settings, noise, at, whitening })
     }
 
     pub(super) fn outcome(&self, model: &Description) -> Result<Outcome, DiagnosisError> {
@@ -43,12 +46,12 @@ impl<'a> Aside<'a> {
             Predictions::expected(model, own, self.observations)?.residuals(self.observations)?;
         let values: Vec<[f64; 7]> =
             residuals.iter().map(|step| step.map(Option::unwrap_or_default)).collect();
-        let by_own = self.noise.whitening(model, own, self.observations)?;
-        let white = by_own.whiten(&values);
+        let by_own = self.noise.whitening_from(self.at, model, own, self.observations)?;
+        let white = by_own.whiten_residuals(&values);
         let densities = by_own.rows().into_iter().zip(by_own.log_determinants());
         let densities = densities
             .map(|(rows, size)| -0.5 * (white.rows(rows.start, rows.len()).norm_squared() + size));
-        let white = self.whitening.whiten(&values);
+        let white = self.whitening.whiten_residuals(&values);
         let clusters = self.observations.clusters_of_pushes().into_iter();
         let squares = clusters.zip(self.whitening.rows());
         let squares = squares.flat_map(|(cluster, rows)| rows.map(move |row| (cluster, row)));
@@ -118,7 +121,7 @@ impl Outcome {
 mod tests {
     use std::collections::BTreeSet;
 
-    use super::Aside;
+    use super::{Aside, At};
     use crate::synthetic::recorded;
     use crate::{DiagnoseSettings, Gain, NoiseModel, split};
 
@@ -128,7 +131,7 @@ mod tests {
         let noise = NoiseModel::learn(&model, &[], &all).unwrap();
         let aside = all.part(&split(&all, 7).unwrap().confirm).unwrap();
         let settings = DiagnoseSettings::default();
-        let aside = Aside::new(&aside, &model, &noise, &settings).unwrap();
+        let aside = Aside::new(&aside, &model, (&noise, At::Middle), &settings).unwrap();
         let outcome = aside.outcome(&model).unwrap();
         let clusters: BTreeSet<usize> =
             outcome.squares.iter().map(|(cluster, _)| *cluster).collect();

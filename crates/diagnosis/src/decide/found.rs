@@ -6,6 +6,7 @@ use models::Description;
 use super::ErrorFall;
 use super::constancy::Varies;
 use super::rules::Objection;
+use crate::noise::widely_differing::At;
 use crate::{EffectFit, Gain, NoiseModel, Screen, ScreenedEffect};
 
 /// What a search found.
@@ -20,6 +21,8 @@ pub(super) struct Found {
     pub(super) refused: Vec<Refused>,
     /// The noise, learnt beside the last model.
     pub(super) noise: NoiseModel,
+    /// Where the last model was linearised.
+    pub(super) at: At,
     /// The error on the held-out pushes.
     pub(super) error: ErrorFall,
     /// The model with what is confirmed.

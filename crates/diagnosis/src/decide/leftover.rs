@@ -85,6 +85,7 @@ pub(super) fn leftover(
     let structure = Structure::of(&here.predictions, fitted, &floor, settings)?;
     let with_doubted = found.with_doubted.as_ref().map(|model| {
         let predictions = Predictions::expected(model, &settings.own, fitted)?;
+        let predictions = predictions.about(here.whitening.mean());
         Structure::of(&predictions, fitted, &floor, settings)
     });
     let with_doubted = with_doubted.transpose()?;

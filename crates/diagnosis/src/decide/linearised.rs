@@ -4,6 +4,7 @@ use models::Description;
 
 use super::DiagnoseSettings;
 use super::phase::DiagnosePhase;
+use crate::noise::widely_differing::At;
 use crate::predict::tangent::Tangent;
 use crate::remains::noise_beside;
 use crate::screen::screen_at;
@@ -20,14 +21,16 @@ pub(super) struct Linearised {
 impl Linearised {
     pub(super) fn of(
         about: &Description,
+        at: At,
         fitted: &Observations,
         settings: &DiagnoseSettings,
         observer: &dyn Fn(DiagnosePhase),
     ) -> Result<Self, DiagnosisError> {
         observer(DiagnosePhase::Noise);
-        let tangent = Tangent::of(about, &settings.own, fitted)?;
+        let mut tangent = Tangent::of(about, &settings.own, fitted)?;
         let usual = NoiseModel::usual_beside(about)?;
         let noise = noise_beside(&tangent, fitted, &settings.remain(), &usual)?;
+        noise.put(&mut tangent.linearisation, at, (about, &settings.own), fitted)?;
         let whitening = noise.whitening_at(fitted, &tangent.linearisation)?;
         let usual = usual.whitening_at(fitted, &tangent.linearisation)?;
         observer(DiagnosePhase::Screening);

@@ -42,13 +42,14 @@ pub use self::push_scatter::PushScatter;
 use self::claims::{Claims, claims};
 use self::findings::findings;
 use self::found::Found;
-use self::leftover::leftover;
+use self::leftover::{Left, leftover};
 use self::members::members;
 use self::push_scatter::push_scatter;
 use self::search::Search;
 use self::sentence::sentence;
 use crate::cut_offs::MOST_ALONE;
 use crate::data::thinning::thinned;
+use crate::noise::widely_differing::At;
 use crate::remains::RemainSettings;
 use crate::{DiagnosisError, Observations, ScreenSettings, split};
 
@@ -209,10 +210,8 @@ fn diagnose_all(
     let aside = &*thinned(&aside, settings.most_steps)?;
     let all = &*thinned(observations, settings.most_steps)?;
     let second = settings.confirm.as_ref();
-    let search = Search { model, all, fitted, aside, settings, observer };
-    let found = search.run()?;
-    observer(DiagnosePhase::Remains);
-    let left = leftover(&found, (fitted, aside), settings)?;
+    let search = Search { model, all, fitted, aside, settings, observer, may_expect: true };
+    let (found, left) = found_and_left(&search)?;
     let remains = search.remains(&found)?;
     observer(DiagnosePhase::Scatter);
     let push_to_push = push_scatter(&found.with_nuisances, all, settings)?;
@@ -252,6 +251,25 @@ fn diagnose_all(
         next: Vec::new(),
     };
     Ok(Diagnosed { diagnosis, description: found.description })
+}
+
+/// What a search finds, and what it leaves over.
+///
+/// What is left in one view of pushes that differ widely, and not in the other, is no fault of the model.
+fn found_and_left(search: &Search) -> Result<(Found, Left), DiagnosisError> {
+    let beside = |found: Found| {
+        (search.observer)(DiagnosePhase::Remains);
+        let left = leftover(&found, (search.fitted, search.aside), search.settings)?;
+        Ok::<_, DiagnosisError>((found, left))
+    };
+    let (found, left) = beside(search.run()?)?;
+    if found.at == At::Expected && left.is_left() {
+        let other = beside(Search { may_expect: false, ..*search }.run()?)?;
+        if !other.1.is_left() {
+            return Ok(other);
+        }
+    }
+    Ok((found, left))
 }
 
 /// What was used of a set and a second one, in the parts that were fitted to and that confirmed.

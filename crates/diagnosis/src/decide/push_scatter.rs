@@ -85,14 +85,9 @@ fn told(noise: &NoiseModel) -> Vec<PushScatter> {
 
 #[cfg(test)]
 mod tests {
-    use effects::{Setting, by_id};
-    use models::{ChannelModel, Description};
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-
     use super::push_scatter;
-    use crate::synthetic::{NOISE, SessionErrors, normal, recorded, repeated};
-    use crate::{DiagnoseSettings, Observations};
+    use crate::DiagnoseSettings;
+    use crate::synthetic::{SessionErrors, repeated, with_own};
 
     /// Each push is a session of its own, so that what differs from session to session does from push to push.
     fn found(differs: &[(&str, f64)]) -> Vec<super::PushScatter> {
@@ -119,30 +114,12 @@ mod tests {
         }
     }
 
-    /// Pushes each with a friction of its own, in a tenth of [`NOISE`], and the root mean square of what these are off.
-    fn with_own_frictions(sd: f64, seed: u64) -> (Observations, Description, f64) {
-        let (mut observed, model) = recorded(1);
-        let about = by_id("pusher-friction").unwrap().info();
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let off: Vec<f64> = observed.pushes.iter().map(|_| sd * normal(&mut rng)).collect();
-        for (step, push) in observed.steps.iter_mut().zip(&observed.push_of) {
-            let mut own = model.clone();
-            own.effects.push(Setting::new(about, &[0.25 + off[*push]]).into());
-            let physics = ChannelModel::new(&own, observed.support, &[]).unwrap();
-            let made = physics.predict([&step.input]).unwrap()[0].to_array();
-            for (k, value) in step.observed.iter_mut().enumerate() {
-                *value = value.map(|_| made[k] + 0.1 * NOISE[k] * normal(&mut rng));
-            }
-        }
-        let square = off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64;
-        (observed, model, square.sqrt())
-    }
-
     /// With one slope for all pushes the friction is told 1.5 to 1.9 times as wide.
     #[test]
     fn a_friction_is_told_to_differ_as_it_does_where_tips_hold_and_slide() {
         for seed in 1..=3 {
-            let (observed, model, sd) = with_own_frictions(0.06, seed);
+            let (observed, model, own) = with_own("pusher-friction", 0.06, seed);
+            let sd = (own.iter().map(|off| off * off).sum::<f64>() / own.len() as f64).sqrt();
             let found = push_scatter(&model, &observed, &DiagnoseSettings::default()).unwrap();
             let [first, others @ ..] = found.as_slice() else { panic!("nothing is told") };
             assert_eq!(first.effect, "pusher-friction", "{found:?}");

@@ -14,6 +14,7 @@ use super::rules::{Objection, Rules};
 use super::tried::Tried;
 use crate::cut_offs::{APART, HINT, MOST_SMALL, NAME, SIZE};
 use crate::fit::Refit;
+use crate::noise::widely_differing::At;
 use crate::predict::candidates::follow_from_points;
 use crate::{DiagnosisError, FitSettings, Observations, Screen};
 
@@ -27,6 +28,8 @@ pub(super) struct Search<'a> {
     pub(super) settings: &'a DiagnoseSettings,
     /// Hears what the search is at.
     pub(super) observer: &'a dyn Fn(DiagnosePhase),
+    /// Whether it may go by what is expected of pushes that differ widely.
+    pub(super) may_expect: bool,
 }
 
 /// Where a search goes on.
@@ -43,7 +46,7 @@ const FAR_FROM_APART: f64 = 30.0;
 impl Search<'_> {
     pub(super) fn run(&self) -> Result<Found, DiagnosisError> {
         let Linearised { usual, screen: first_screen, .. } =
-            Linearised::of(self.model, self.fitted, self.settings, self.observer)?;
+            self.linearised(self.model, At::Middle)?;
         let settings = self.fit_settings();
         let here = Refit::new(self.fitted, self.model, &usual, &settings)?;
         self.forward_step(&here, Progress { first_screen, chosen: Vec::new(), refused: Vec::new() })
@@ -57,8 +60,7 @@ impl Search<'_> {
     /// misses takes that for noise, and would keep the next model near the last.
     fn forward_step(&self, from: &Refit, mut progress: Progress) -> Result<Found, DiagnosisError> {
         let about = self.screened(from)?;
-        let Linearised { noise, whitening, usual, screen } =
-            Linearised::of(&about, self.fitted, self.settings, self.observer)?;
+        let Linearised { noise, whitening, usual, screen } = self.linearised(&about, At::Middle)?;
         let here = from.rewhitened(&whitening)?;
         let both = BothNoises::new(&here, &usual);
         // What speaks of the support may be points in disguise, before others take up what it leaves.
@@ -90,10 +92,40 @@ impl Search<'_> {
                 if !is_full && let Some(there) = self.on_few_steps(&both, &screen, &mut progress)? {
                     return self.forward_step(&there, progress);
                 }
+                let may_expect = self.may_expect && progress.n_chosen(false) == 0;
+                if may_expect
+                    && noise.is_wide_beside(&about)?
+                    && let Some(found) = self.expecting()?
+                {
+                    return Ok(found);
+                }
                 let there = self.with_small(here, (tried, which), &screen, &mut progress)?;
-                self.concluded(&there, progress, screen, noise)
+                self.concluded(&there, progress, screen, (noise, At::Middle))
             }
         }
+    }
+
+    /// What is found beside the model under test where pushes differ widely, and it is fitted to what is expected of
+    /// them; none where that lets an effect seem large which the model of a push in the middle of all does not miss.
+    ///
+    /// What a model lacks lets pushes seem to differ widely: an effect is looked for at the middle first.
+    fn expecting(&self) -> Result<Option<Found>, DiagnosisError> {
+        let Linearised { usual, screen: first_screen, .. } =
+            self.linearised(self.model, At::Expected)?;
+        let from = Refit::new(self.fitted, self.model, &usual, &self.fit_settings())?;
+        let about = self.screened(&from)?;
+        let Linearised { noise, whitening, screen, .. } = self.linearised(&about, At::Expected)?;
+        let here = from.rewhitened(&whitening)?;
+        let mut progress = Progress { first_screen, chosen: Vec::new(), refused: Vec::new() };
+        let Next::Small { tried, which } = self.next(&here, &screen, &mut progress)? else {
+            return Ok(None);
+        };
+        let there = self.with_small(here, (tried, which), &screen, &mut progress)?;
+        self.concluded(&there, progress, screen, (noise, At::Expected)).map(Some)
+    }
+
+    fn linearised(&self, about: &Description, at: At) -> Result<Linearised, DiagnosisError> {
+        Linearised::of(about, at, self.fitted, self.settings, self.observer)
     }
 
     /// The best effect beside those chosen that obeys every rule; notes those that do not.

@@ -7,6 +7,7 @@ use crate::{DiagnosisError, Observations, Predictions, Whitening};
 /// The last model, with its nuisances, on observations.
 pub(super) struct Standing<'a> {
     pub(super) observations: &'a Observations,
+    /// Expected of pushes that differ as the noise says.
     pub(super) predictions: Predictions,
     /// Observed less predicted.
     pub(super) residuals: Vec<[Option<f64>; 7]>,
@@ -20,9 +21,9 @@ impl<'a> Standing<'a> {
         settings: &DiagnoseSettings,
     ) -> Result<Self, DiagnosisError> {
         let (model, own) = (&found.with_nuisances, &settings.own);
-        let predictions = Predictions::expected(model, own, observations)?;
+        let whitening = found.noise.whitening_from(found.at, model, own, observations)?;
+        let predictions = Predictions::expected(model, own, observations)?.about(whitening.mean());
         let residuals = predictions.residuals(observations)?;
-        let whitening = found.noise.whitening(model, own, observations)?;
         Ok(Self { observations, predictions, residuals, whitening })
     }
 }

@@ -238,7 +238,7 @@ fn fit_near(
     let mut space = Space::new(observations, model, free, settings, near)?;
     let rows = whitening.rows();
     let start = space.place(|member| member.start.clone());
-    let robust = Robust::at(&rows, &whitening.whiten(&space.residuals(&start)?));
+    let robust = Robust::at(&rows, &whitening.whiten_residuals(&space.residuals(&start)?));
     space.hold_against(robust.scale());
     let mut problem = Problem::new(space, whitening, robust);
     let found = problem.search()?;

@@ -93,7 +93,7 @@ mod tests {
         let asked = ["table-tilt"];
         let space = || Space::new(&observations, &model, &asked, &settings, None).unwrap();
         let start = space().place(|member| member.start.clone());
-        let z = whitening.whiten(&space().residuals(&start).unwrap());
+        let z = whitening.whiten_residuals(&space().residuals(&start).unwrap());
         let problem = || Problem::new(space(), &whitening, Robust::at(&whitening.rows(), &z));
         let mut near = problem();
         let found = near.settle(start.clone(), None, Exactness::Sum).unwrap();

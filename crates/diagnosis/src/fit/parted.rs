@@ -84,7 +84,7 @@ impl FitPlace {
         // As a fit to a whole set: twice from the same start, the second time with noise about the first fit.
         let search = |about: &Description| {
             let whitening = noise.whitening(about, &settings.own, sample)?;
-            let robust = Robust::at(&whitening.rows(), &whitening.whiten(&residuals));
+            let robust = Robust::at(&whitening.rows(), &whitening.whiten_residuals(&residuals));
             let mut problem = Problem::new(space.clone(), &whitening, robust);
             let x = problem.search()?.after.at.x;
             Ok::<_, DiagnosisError>((x, problem.robust.scale(), problem.secants.clone()))

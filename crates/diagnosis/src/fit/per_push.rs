@@ -230,7 +230,8 @@ impl Fitting<'_> {
         space.spread = Some(spread);
         let has_mixture = space.members.iter().any(Member::is_moved_mixture);
         let exactness = if has_mixture { Exactness::Mixture } else { Exactness::Estimates };
-        let robust = Robust::at(&whitening.rows(), &whitening.whiten(&space.residuals(&start)?));
+        let robust =
+            Robust::at(&whitening.rows(), &whitening.whiten_residuals(&space.residuals(&start)?));
         let mut problem = Problem::new(space, &whitening, robust);
         let after = problem.settle(start.clone(), None, exactness)?;
         let before = Minimum { at: problem.stand(start)?, ..after.clone() };

@@ -52,7 +52,7 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// What a prediction refuses.
     pub(super) fn residuals(&self, x: &[f64]) -> Result<DVector<f64>, DiagnosisError> {
-        let data = self.whitening.whiten(&self.space.residuals(x)?);
+        let data = self.whitening.whiten_residuals(&self.space.residuals(x)?);
         let strains = self.space.strains(x);
         Ok(DVector::from_iterator(data.len() + strains.len(), data.iter().copied().chain(strains)))
     }

@@ -46,7 +46,8 @@ impl<'a> Refit<'a> {
             member.part = Part::Nuisance;
         }
         let start = space.place(|member| member.start.clone());
-        let robust = Robust::at(&whitening.rows(), &whitening.whiten(&space.residuals(&start)?));
+        let robust =
+            Robust::at(&whitening.rows(), &whitening.whiten_residuals(&space.residuals(&start)?));
         let mut problem = Problem::new(space, whitening, robust);
         let minimum = problem.settle(start, None, Exactness::Sum)?;
         let (before, n_own) = (minimum.clone(), problem.space.members.len());

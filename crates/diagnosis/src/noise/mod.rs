@@ -8,3 +8,4 @@ pub(crate) mod noise_floor;
 pub(crate) mod noise_model;
 pub(crate) mod predicted_floor;
 pub(crate) mod whitening;
+pub(crate) mod widely_differing;

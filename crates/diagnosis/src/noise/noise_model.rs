@@ -219,7 +219,8 @@ impl NoiseModel {
         own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Whitening, DiagnosisError> {
-        let linearisation = Linearisation::of(model, own, observations, &push_directions(model)?)?;
+        let directions = push_directions(model)?;
+        let linearisation = Linearisation::of(model, own, observations, &directions)?;
         self.whitening_at(observations, &linearisation)
     }
 
@@ -237,7 +238,7 @@ impl NoiseModel {
             (shapes.numbers, covariance)
         };
         let pushes: Vec<_> = numbers.into_par_iter().map(covariance).collect();
-        Whitening::new(pushes)
+        Ok(Whitening::new(pushes)?.about(linearisation.shift.clone()))
     }
 }
 

@@ -7,12 +7,14 @@ use nalgebra::{DMatrix, DVector, Dyn};
 
 use crate::DiagnosisError;
 
-/// The covariance of the noise of observed numbers, a block for each push, in factored form.
+/// The mean and the covariance of the noise of observed numbers, a block for each push, in factored form.
 ///
-/// With Σ = L Lᵀ the covariance of a push's numbers, its whitened residuals are L⁻¹r.
+/// With Σ = L Lᵀ the covariance of a push's numbers and m their mean, its whitened residuals are L⁻¹(r − m).
 #[derive(Clone, Debug)]
 pub struct Whitening {
     blocks: Vec<Block>,
+    /// Mean of each step's numbers; none where all are 0.
+    mean: Option<Vec<[f64; 7]>>,
 }
 
 /// The numbers of one push and their covariance.
@@ -27,7 +29,7 @@ struct Block {
 pub type PushCovariance = (Vec<(usize, usize)>, DMatrix<f64>);
 
 impl Whitening {
-    /// From one covariance a push, in the order of the observations' pushes.
+    /// Noise of mean 0, from one covariance a push, in the order of the observations' pushes.
     ///
     /// # Errors
     /// `NotACovariance` for a matrix of another size or that is not positive definite.
@@ -41,7 +43,17 @@ impl Whitening {
             Ok::<_, DiagnosisError>(Block { entries, factor })
         };
         let blocks = covariances.into_iter().enumerate().map(block).collect::<Result<_, _>>()?;
-        Ok(Self { blocks })
+        Ok(Self { blocks, mean: None })
+    }
+
+    /// The same of noise with a mean, of each step's numbers.
+    pub(crate) fn about(self, mean: Option<Vec<[f64; 7]>>) -> Self {
+        Self { mean, ..self }
+    }
+
+    /// Mean of each step's numbers, in their units; none where all are 0.
+    pub(crate) fn mean(&self) -> Option<&[[f64; 7]]> {
+        self.mean.as_deref()
     }
 
     /// How many numbers are used, over all pushes.
@@ -72,7 +84,20 @@ impl Whitening {
         (entries.clone(), &lower * lower.transpose())
     }
 
-    /// The used ones among the numbers of each step, whitened, push after push.
+    /// The used ones among observed less predicted numbers of each step, whitened, push after push.
+    pub fn whiten_residuals(&self, residuals: &[[f64; 7]]) -> DVector<f64> {
+        match &self.mean {
+            Some(mean) => {
+                let less = |(residual, mean): (&[f64; 7], &[f64; 7])| {
+                    std::array::from_fn(|k| residual[k] - mean[k])
+                };
+                self.whiten(&residuals.iter().zip(mean).map(less).collect::<Vec<_>>())
+            }
+            None => self.whiten(residuals),
+        }
+    }
+
+    /// The used ones among changes of the numbers of each step, whitened, push after push.
     pub fn whiten(&self, values: &[[f64; 7]]) -> DVector<f64> {
         let mut white = DVector::zeros(self.n_numbers());
         for (block, rows) in self.blocks.iter().zip(self.rows()) {

@@ -54,7 +54,7 @@ const LOG_SD_KNOWN: f64 = 0.5;
 const SECANT: f64 = 4.0;
 /// Secants over so many standard deviations of what differs by more: their mean square is that of any cubic
 /// of a normal number (three points of Gauss and Hermite).
-const SECANT_OF_OWN: f64 = 1.732_050_807_568_877_2;
+pub(crate) const SECANT_OF_OWN: f64 = 1.732_050_807_568_877_2;
 
 /// What stands for a standard deviation that the table does not state: m and rad.
 const UNKNOWN_SD: [f64; 2] = [2e-5, 4e-4];

@@ -59,6 +59,14 @@ impl Predictions {
         }
     }
 
+    /// The same with means of the noise added, one for each step, if it has any.
+    pub(crate) fn about(mut self, means: Option<&[[f64; 7]]>) -> Self {
+        for (values, mean) in self.values.iter_mut().zip(means.unwrap_or_default()) {
+            *values = std::array::from_fn(|k| values[k].map(|value| value + mean[k]));
+        }
+        self
+    }
+
     fn of_analytical(
         model: &Description,
         base: &Analytical,

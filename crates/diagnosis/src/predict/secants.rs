@@ -29,6 +29,8 @@ impl Direction {
 #[derive(Clone, Debug)]
 pub(crate) struct Linearisation {
     pub(crate) predicted: Vec<[f64; 7]>,
+    /// What of that pushes that differ widely add on average to the model's own predictions; none where they do not.
+    pub(crate) shift: Option<Vec<[f64; 7]>>,
     /// Change of each number by the unit of each direction: `slopes[direction][step]`.
     pub(crate) slopes: Vec<Vec<[f64; 7]>>,
     /// Half the difference of the slopes to both sides of each direction: 0 for a straight line.
@@ -112,6 +114,7 @@ impl Linearisation {
         let rooms = |k: usize| all.iter().map(move |probes| probes.sides[k].room);
         let n = all.first().map_or(0, |probes| probes.sides.len());
         Ok(Self {
+            shift: None,
             rooms: (0..n).map(|k| rooms(k).fold(f64::INFINITY, f64::min)).collect(),
             slopes: (0..n).map(|k| of(k, |secant| secant.slope)).collect(),
             bends: (0..n).map(|k| of(k, |secant| secant.bend)).collect(),

@@ -18,6 +18,7 @@ use self::folds::{Folds, Gains, LeftOfPushes, left_by_all};
 use self::place::place;
 use crate::cut_offs::FEWEST_CLUSTERS;
 use crate::data::split::clusters;
+use crate::noise::widely_differing::At;
 use crate::predict::tangent::Tangent;
 use crate::{DiagnosisError, Gain, NoiseModel, Observations, Tolerances};
 
@@ -73,7 +74,7 @@ pub(crate) struct RemainSettings<'a> {
 pub(crate) fn remains(
     model: &Description,
     observations: &Observations,
-    noise: &NoiseModel,
+    (noise, at): (&NoiseModel, At),
     is_testable: impl Fn(&str) -> bool,
     settings: &RemainSettings,
 ) -> Result<Option<Remains>, DiagnosisError> {
@@ -81,7 +82,8 @@ pub(crate) fn remains(
     if members.len() < FEWEST_CLUSTERS {
         return Ok(None);
     }
-    let tangent = tangent_of_all(model, settings.own, observations)?;
+    let mut tangent = tangent_of_all(model, settings.own, observations)?;
+    noise.put(&mut tangent.linearisation, at, (model, settings.own), observations)?;
     let whitening = noise.whitening_at(observations, &tangent.linearisation)?;
     let columns =
         Columns::of(&tangent, (observations, &whitening), &is_testable, settings.tolerances)
@@ -218,7 +220,7 @@ impl Gains {
 mod tests {
     use effects::{Origin, by_id};
 
-    use super::{RemainSettings, Remains, remains};
+    use super::{At, RemainSettings, Remains, remains};
     use crate::synthetic::pushed_with;
     use crate::{NoiseModel, Tolerances};
 
@@ -227,7 +229,7 @@ mod tests {
         let (observations, model, _) = pushed_with(hidden, 1);
         let noise = NoiseModel::learn(&model, &[], &observations).unwrap();
         let settings = RemainSettings { own: &[], tolerances: Tolerances::default(), seed: 1 };
-        remains(&model, &observations, &noise, |_| true, &settings).unwrap().unwrap()
+        remains(&model, &observations, (&noise, At::Middle), |_| true, &settings).unwrap().unwrap()
     }
 
     #[test]

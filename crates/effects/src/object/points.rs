@@ -1,6 +1,6 @@
 //! Sums over the points that stand for a support, in the machine's vector registers.
 
-pub(super) mod lane;
+mod lane;
 mod local;
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};

@@ -3,12 +3,10 @@
 use std::sync::OnceLock;
 
 use nalgebra::{Matrix3, Vector2, Vector3};
-use pulp::{Arch, Simd, WithSimd};
 
 use crate::EffectError;
 use crate::Object;
-use crate::elementary::{LANES, Lanes, exp};
-use crate::object::points::lane::Register;
+use crate::elementary::exp_each;
 use crate::object::points::{Point, Points};
 
 /// The load of every support point where the center of friction is beside the centroid.
@@ -69,10 +67,9 @@ impl Pressure {
         let precision = precision.ok_or(failed)?;
         let distance = shift.dot(&(precision * shift)).sqrt();
         let center = shift * (FARTHEST / distance.max(FARTHEST));
+        let (weights, exponents) = weights(object.points(), &center, start)?;
         let about = |point: &Point| Point { place: point.place - center, ..*point };
-        let points: Vec<Point> = object.points().iter().map(about).collect();
-        let misses = Misses::new(&points, object.points_distance());
-        let (weights, exponents) = weights(&misses, start)?;
+        let points = object.points().iter().map(about).collect();
         let (lanes, uniform, surplus) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
         Ok(Self { asked: *shift, center, points, weights, exponents, lanes, uniform, surplus })
     }
@@ -110,10 +107,17 @@ impl Pressure {
 /// Newton's method on the dual ln Σ s exp(e·φ), which is convex; φ are the constraints' misses. With the
 /// exponents e.
 fn weights(
-    misses: &Misses,
+    points: &[Point],
+    center: &Vector2<f64>,
     mut exponents: Vector3<f64>,
 ) -> Result<(Vec<f64>, Vector3<f64>), EffectError> {
-    let mut now = misses.dual(&exponents);
+    let uniform: f64 = points.iter().map(|point| point.share * point.place.norm()).sum();
+    let miss = |point: &Point| {
+        let from_center = point.place - center;
+        Vector3::new(from_center.x, from_center.y, from_center.norm() - uniform) / uniform
+    };
+    let misses: Vec<Vector3<f64>> = points.iter().map(miss).collect();
+    let mut now = Dual::at(points, &misses, &exponents);
     for _ in 0..MAX_ITERATIONS {
         if now.slope.amax() < TOLERANCE {
             return Ok((now.weights, exponents));
@@ -121,25 +125,15 @@ fn weights(
         let Some(factor) = now.curvature.cholesky() else { break };
         let step = factor.solve(&now.slope);
         let mut share = 1.0;
-        let mut next = misses.dual(&(exponents - step));
+        let mut next = Dual::at(points, &misses, &(exponents - step));
         while next.value > now.value + ROUNDING && share > 1e-6 {
             share *= 0.5;
-            next = misses.dual(&(exponents - share * step));
+            next = Dual::at(points, &misses, &(exponents - share * step));
         }
         exponents -= share * step;
         now = next;
     }
     Err(EffectError::NotConverged { what: "the pressure's center", iterations: MAX_ITERATIONS })
-}
-
-/// What each point misses of the constraints, in blocks; what is over has no share.
-struct Misses {
-    blocks: Vec<Block>,
-}
-
-struct Block {
-    share: Lanes,
-    misses: [Lanes; 3],
 }
 
 /// ln Σ s exp(e·φ) with its derivatives, and the weights exp(e·φ) over that sum.
@@ -150,81 +144,21 @@ struct Dual {
     curvature: Matrix3<f64>,
 }
 
-impl Misses {
-    /// Of points about the center that is asked for, and the mean distance.
-    fn new(points: &[Point], distance: f64) -> Self {
-        let scale = 1.0 / distance;
-        let block = |chunk: &[Point]| {
-            let mut block = Block { share: [0.0; LANES], misses: [[0.0; LANES]; 3] };
-            for (lane, Point { place, share, .. }) in chunk.iter().enumerate() {
-                block.share[lane] = *share;
-                block.misses[0][lane] = scale * place.x;
-                block.misses[1][lane] = scale * place.y;
-                block.misses[2][lane] = scale * place.norm() - 1.0;
-            }
-            block
-        };
-        Self { blocks: points.chunks(LANES).map(block).collect() }
-    }
-
-    fn dual(&self, exponents: &Vector3<f64>) -> Dual {
-        let mut weights = vec![0.0; LANES * self.blocks.len()];
-        let sums = DualSums { blocks: &self.blocks, weights: &mut weights, exponents };
-        let [sum, x, y, n, xx, xy, xn, yy, yn, nn] = Arch::new().dispatch(sums);
+impl Dual {
+    fn at(points: &[Point], misses: &[Vector3<f64>], exponents: &Vector3<f64>) -> Self {
+        let mut weights: Vec<f64> = misses.iter().map(|miss| exponents.dot(miss)).collect();
+        exp_each(&mut weights);
+        let (mut sum, mut slope, mut curvature) = (0.0, Vector3::zeros(), Matrix3::zeros());
+        for ((point, miss), weight) in points.iter().zip(misses).zip(&weights) {
+            let share = point.share * weight;
+            sum += share;
+            slope += share * miss;
+            curvature += share * miss * miss.transpose();
+        }
         weights.iter_mut().for_each(|weight| *weight /= sum);
-        let slope = Vector3::new(x, y, n) / sum;
-        let square = Matrix3::new(xx, xy, xn, xy, yy, yn, xn, yn, nn) / sum;
-        Dual { weights, value: sum.ln(), slope, curvature: square - slope * slope.transpose() }
-    }
-}
-
-/// One pass for the sums of s exp(e·φ) times 1, φ and the products of φ; the exponentials are kept.
-struct DualSums<'a> {
-    blocks: &'a [Block],
-    weights: &'a mut [f64],
-    exponents: &'a Vector3<f64>,
-}
-
-impl WithSimd for DualSums<'_> {
-    type Output = [f64; 10];
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> [f64; 10] {
-        let mut sums = [[0.0; LANES]; 10];
-        for (block, weights) in self.blocks.iter().zip(self.weights.as_chunks_mut().0) {
-            let [x, y, n] = &block.misses;
-            let [a, b, c]: [f64; 3] = (*self.exponents).into();
-            let exponent: Lanes = std::array::from_fn(|k| a * x[k] + b * y[k] + c * n[k]);
-            *weights = exp(&exponent);
-        }
-        for register in 0..LANES / S::F64_LANES {
-            let mut added = [Register::all(simd, 0.0); 10];
-            for (block, weights) in self.blocks.iter().zip(self.weights.as_chunks().0) {
-                let of = |numbers: &Lanes| Register::of(simd, numbers, register);
-                let load = of(&block.share) * of(weights);
-                let [x, y, n] = [of(&block.misses[0]), of(&block.misses[1]), of(&block.misses[2])];
-                let (by_x, by_y, by_n) = (load * x, load * y, load * n);
-                let terms = [
-                    load,
-                    by_x,
-                    by_y,
-                    by_n,
-                    by_x * x,
-                    by_x * y,
-                    by_x * n,
-                    by_y * y,
-                    by_y * n,
-                    by_n * n,
-                ];
-                for number in 0..10 {
-                    added[number] = added[number] + terms[number];
-                }
-            }
-            for number in 0..10 {
-                added[number].put(&mut sums[number], register);
-            }
-        }
-        sums.map(|lanes| lanes.iter().sum())
+        slope /= sum;
+        curvature = curvature / sum - slope * slope.transpose();
+        Self { weights, value: sum.ln(), slope, curvature }
     }
 }
 

@@ -7,7 +7,7 @@ use pulp::Simd;
 use super::SIZE;
 
 /// Numbers that are worked on together, each as if it were alone: nothing is fused.
-pub(in crate::object) trait Lane:
+pub(super) trait Lane:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
     /// The same number in every place.
@@ -36,30 +36,30 @@ impl Lane for f64 {
 
 /// A register of numbers.
 #[derive(Clone, Copy)]
-pub(in crate::object) struct Register<S: Simd> {
+pub(super) struct Register<S: Simd> {
     simd: S,
     numbers: S::f64s,
 }
 
 impl<S: Simd> Register<S> {
     #[inline(always)]
-    pub(in crate::object) fn all(simd: S, number: f64) -> Self {
+    pub(super) fn all(simd: S, number: f64) -> Self {
         Self { simd, numbers: simd.splat_f64s(number) }
     }
 
     /// One of the registers that a block's numbers fill.
     #[inline(always)]
-    pub(in crate::object) fn of(simd: S, numbers: &[f64; SIZE], register: usize) -> Self {
+    pub(super) fn of(simd: S, numbers: &[f64; SIZE], register: usize) -> Self {
         Self { simd, numbers: S::as_simd_f64s(numbers).0[register] }
     }
 
     #[inline(always)]
-    pub(in crate::object) fn root(self) -> Self {
+    pub(super) fn root(self) -> Self {
         Self { numbers: self.simd.sqrt_f64s(self.numbers), ..self }
     }
 
     #[inline(always)]
-    pub(in crate::object) fn put(self, numbers: &mut [f64; SIZE], register: usize) {
+    pub(super) fn put(self, numbers: &mut [f64; SIZE], register: usize) {
         S::as_mut_simd_f64s(numbers).0[register] = self.numbers;
     }
 }

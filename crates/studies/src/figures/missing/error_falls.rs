@@ -145,7 +145,7 @@ fn whitened(study: &Study, model: &Description, whitening: &Whitening) -> Result
             })
         })
         .collect();
-    let white = whitening.whiten(&residuals);
+    let white = whitening.whiten_residuals(&residuals);
     let pushes = whitening.rows();
     let sums: Vec<f64> =
         pushes.iter().map(|rows| white.rows(rows.start, rows.len()).norm_squared()).collect();
