@@ -84,10 +84,7 @@ impl<'a> Forward<'a> {
             if change.norm() <= LEAN_TOLERANCE || is_jump {
                 return Ok(rate);
             }
-            // The pressure of the next lean is near that of this one.
-            let pressure = self.memory.pressure.take();
             self.memory = memory;
-            self.memory.pressure = pressure;
         }
         let iterations = MAX_LEANS.unsigned_abs() as usize;
         Err(EffectError::NotConverged { what: "the lean under the push", iterations })
