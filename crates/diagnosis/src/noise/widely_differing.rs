@@ -72,13 +72,14 @@ impl NoiseModel {
     ///
     /// A push of 0.8 times the pressure radius turns more by another angle than one of 1.2 times turns less. A
     /// model that is fitted as if that cancelled gets a wrong radius, and a turn that nothing explains.
-    /// What a model states itself is in its predictions.
+    /// What a model states itself is in its predictions. Nothing changes where the mechanics refuse pushes that
+    /// differ so much.
     ///
     /// # Errors
-    /// `Model` for what the model refuses.
+    /// `Model` if the catalogue refuses the model's values.
     ///
     /// # Source
-    /// Gelb (1974), Applied optimal estimation, section 6.2: statistical linearization.
+    /// Gelb (1974), Applied optimal estimation: statistical linearization.
     fn widen(
         &self,
         linearisation: &mut Linearisation,
@@ -97,9 +98,10 @@ impl NoiseModel {
         };
         let of_node = |(reach, _)| wide.iter().map(move |wide| sized((reach, wide)));
         let directions: Vec<Direction> = NODES.into_iter().flat_map(of_node).collect();
-        // So much less friction may let an object slide by itself: then what is usual stays.
-        let Ok(there) = Linearisation::of(model, own, observations, &directions) else {
-            return Ok(());
+        let there = match Linearisation::of(model, own, observations, &directions) {
+            // So much less friction may let an object slide by itself.
+            Err(DiagnosisError::Model(_)) => return Ok(()),
+            there => there?,
         };
         let mut shift = vec![[0.0; 7]; observations.n_steps()];
         for (k, Wide { slope, sd, .. }) in wide.iter().enumerate() {

@@ -59,9 +59,10 @@ impl Predictions {
         }
     }
 
-    /// The same with means of the noise added, one for each step, if it has any.
+    /// The same with means of the noise added, one for each step; themselves where it has none.
     pub(crate) fn about(mut self, means: Option<&[[f64; 7]]>) -> Self {
-        for (values, mean) in self.values.iter_mut().zip(means.unwrap_or_default()) {
+        let Some(means) = means else { return self };
+        for (values, mean) in self.values.iter_mut().zip(means) {
             *values = std::array::from_fn(|k| values[k].map(|value| value + mean[k]));
         }
         self
