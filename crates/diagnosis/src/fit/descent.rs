@@ -81,11 +81,9 @@ const SETTLED: f64 = 0.2;
 /// Where no step leads further down, a fifth of a standard error is near enough: predictions jump a
 /// little where pushes come to slide or let go. What is left widens the errors of the estimates.
 const STUCK: f64 = 0.04;
-/// Where slopes over the narrowest secants lead no further either, places half of one away are tried
-/// along each axis of the quadratic: at a kink a slope promises what no place keeps.
+/// Where slopes over standard errors lead no further either, places half of one away are tried along each axis of
+/// the quadratic: at a kink a slope promises what no place keeps.
 const POLL: f64 = 0.5;
-/// Fall of the sum that makes such a place the better one.
-const LOWER: f64 = 2e-2;
 /// Slopes that leave more than this of the distance are worked out anew.
 const SLOW: f64 = 0.3;
 /// Share of the fall so far that a brief or rough descent leaves to go.
@@ -117,6 +115,8 @@ impl Problem<'_> {
         let (mut widths, mut damping, mut last) = (self.secants.clone(), DAMPING, f64::INFINITY);
         let (first, is_final) = (at.value, exactness == Exactness::Estimates);
         let mut is_enough = !is_final;
+        // Whether slopes are taken over standard errors, where the last step does not need wider ones.
+        let mut is_fitted = false;
         for iterations in 1..=MAX_ITERATIONS {
             let is_fresh = known.is_none();
             let whole = match known.take() {
@@ -136,7 +136,7 @@ impl Problem<'_> {
                 self.fit_widths(&mut widths, &quadratic, &at, &next);
                 let keeps = is_fresh || decrement < SLOW * last;
                 known = keeps.then(|| updated(whole, &self.moved(), &widths, &at, &next));
-                (at, last) = (next, decrement);
+                (at, last, is_fitted) = (next, decrement, false);
                 continue;
             }
             let is_low = decrement < STUCK.max(near) || (is_fresh && !is_final);
@@ -147,14 +147,14 @@ impl Problem<'_> {
                 }
                 return Ok(self.end(quadratic, at, whole, iterations));
             }
-            if is_fresh && self.narrow(&mut widths) {
+            if is_fresh && is_fitted {
                 let Some(next) = self.poll(&at, &quadratic) else {
                     return Ok(self.end(quadratic.within(POLL), at, whole, iterations));
                 };
-                (widths, at, last) = (self.secants.clone(), next, f64::INFINITY);
-            }
-            if !is_fresh {
+                (at, last) = (next, f64::INFINITY);
+            } else {
                 self.fit_widths(&mut widths, &quadratic, &at, &at);
+                is_fitted = true;
             }
             damping = DAMPING;
         }
@@ -278,7 +278,7 @@ impl Problem<'_> {
             units[row] * curvature[(row, column)] * units[column]
         });
         let axes = scaled.symmetric_eigen();
-        let enough = LOWER * self.robust.scale().powi(2);
+        let enough = SETTLED * self.robust.scale().powi(2);
         let mut lowest: Option<Evaluation> = None;
         for (axis, stiffness) in axes.eigenvectors.column_iter().zip(&axes.eigenvalues) {
             let length = POLL * self.robust.scale() / stiffness.sqrt();
@@ -325,17 +325,6 @@ impl Problem<'_> {
             let last = (to.x[k] - from.x[k]).abs();
             widths[k] = last.max(least).clamp(NARROWEST * self.secants[k], self.secants[k]);
         }
-    }
-
-    /// Narrows all secants; says whether they were at their narrowest.
-    fn narrow(&self, widths: &mut [f64]) -> bool {
-        let mut is_narrowest = true;
-        for (width, widest) in widths.iter_mut().zip(&self.secants) {
-            let narrower = (0.1 * *width).max(NARROWEST * widest);
-            is_narrowest &= narrower >= *width;
-            *width = narrower;
-        }
-        is_narrowest
     }
 }
 

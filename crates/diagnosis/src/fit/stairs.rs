@@ -44,12 +44,13 @@ impl Problem<'_> {
 
     /// A minimum with the slopes of what was asked for and fades over about as much as their standard errors: on a
     /// stair nothing changes, and its edges hold the number all the same; over an edge all does, and the number is
-    /// not known as well as that.
+    /// not known as well as that. So it is with points under the object, of which slopes next to a place differ with
+    /// every push that comes to slide there.
     pub(super) fn between_edges(&self, minimum: &Minimum) -> Minimum {
         let asked = self.space.of_each(
             |member| {
-                let fades = !member.scales().is_empty();
-                vec![member.part == Part::Asked && fades; member.len()]
+                let is_bent = !member.scales().is_empty() || member.is_moved_mixture();
+                vec![member.part == Part::Asked && is_bent; member.len()]
             },
             |_| false,
         );

@@ -82,7 +82,8 @@ impl<'a> Refit<'a> {
         }
         // What shows nothing at "off", as the speed over which nothing fades, shows something here.
         if !unseen.is_empty() {
-            minimum = problem.with_slopes_of(&unseen, minimum)?;
+            let Minimum { at, whole, .. } = minimum;
+            minimum = problem.descend_knowing(&unseen, (at, whole))?;
         }
         while is_far && let Some(stair) = problem.next_stair(&minimum.at, numbers.clone()) {
             let slopes = problem.carried(minimum.whole.clone(), &minimum.at, &stair);
@@ -132,18 +133,18 @@ impl<'a> Refit<'a> {
 }
 
 impl Problem<'_> {
-    /// A minimum near another one, with slopes along some numbers that were not known there.
-    fn with_slopes_of(
+    /// A minimum near a place at which slopes are known but for those along some numbers.
+    fn descend_knowing(
         &self,
-        numbers: &[usize],
-        Minimum { at, whole, .. }: Minimum,
+        unknown: &[usize],
+        (at, mut slopes): (Evaluation, DMatrix<f64>),
     ) -> Result<Minimum, DiagnosisError> {
-        let (mut alone, mut slopes) = (self.clone(), whole);
+        let mut alone = self.clone();
         alone
             .frozen
             .iter_mut()
             .enumerate()
-            .for_each(|(k, frozen)| *frozen |= !numbers.contains(&k));
+            .for_each(|(k, frozen)| *frozen |= !unknown.contains(&k));
         let found = alone.slopes(&at, &alone.secants)?;
         let moved = self.moved();
         for (k, column) in alone.moved().iter().zip(found.column_iter()) {
@@ -155,13 +156,25 @@ impl Problem<'_> {
         self.descend_briefly(start, BRIEF)
     }
 
-    /// A minimum near a place from which `others` moves first.
-    fn beside_others(&self, others: &Self, x: Vec<f64>) -> Result<Minimum, DiagnosisError> {
-        let near = |problem: &Self, at: Evaluation| {
-            let start = Start { at, slopes: None, exactness: Exactness::Rough };
-            problem.descend_briefly(start, BRIEF)
-        };
-        near(self, near(others, self.stand(x)?)?.at)
+    /// A minimum near a place from which `others` moves first, by the slopes of a minimum.
+    fn beside_others(
+        &self,
+        others: &Self,
+        minimum: &Minimum,
+        x: Vec<f64>,
+    ) -> Result<Minimum, DiagnosisError> {
+        let (moved, known) = (self.moved(), others.moved());
+        let columns = known.iter().filter_map(|k| moved.iter().position(|other| other == k));
+        let columns: Vec<usize> = columns.collect();
+        let slopes = Some(minimum.whole.select_columns(&columns));
+        let start = Start { at: others.stand(x)?, slopes, exactness: Exactness::Rough };
+        let Minimum { at, whole, .. } = others.descend_briefly(start, BRIEF)?;
+        let mut slopes = minimum.whole.clone();
+        for (place, column) in columns.iter().zip(whole.column_iter()) {
+            slopes.set_column(*place, &column);
+        }
+        let own: Vec<usize> = moved.into_iter().filter(|k| !known.contains(k)).collect();
+        self.descend_knowing(&own, (at, slopes))
     }
 }
 
@@ -196,11 +209,11 @@ impl Trial<'_> {
         let numbers = self.problem.space.numbers_of(self.id()).unwrap_or(0..0);
         let mut others = self.problem.clone();
         others.frozen[numbers.clone()].fill(true);
-        let off = self.minimum.at.x.clone();
+        let off = self.minimum.clone();
         for k in numbers.filter(|k| !self.problem.frozen[*k]) {
-            for x in self.problem.typical_sizes(&off, k) {
+            for x in self.problem.typical_sizes(&off.at.x, k) {
                 // A size that the mechanics refuse is no start.
-                let Ok(found) = self.problem.beside_others(&others, x) else { continue };
+                let Ok(found) = self.problem.beside_others(&others, &off, x) else { continue };
                 if found.at.value < self.minimum.at.value {
                     self.minimum = found;
                 }

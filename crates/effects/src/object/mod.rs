@@ -181,7 +181,7 @@ impl Object {
         if let Some(known) = last().as_ref().filter(|known| known.is(shift)) {
             return Ok(known.clone());
         }
-        let pressure = Arc::new(Pressure::new(&self.points, &self.second_moment, shift)?);
+        let pressure = Arc::new(Pressure::new(self, shift)?);
         *last() = Some(pressure.clone());
         Ok(pressure)
     }

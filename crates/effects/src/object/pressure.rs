@@ -1,8 +1,11 @@
 //! How the load leans under an object.
 
-use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use std::sync::OnceLock;
+
+use nalgebra::{Matrix3, Vector2, Vector3};
 
 use crate::EffectError;
+use crate::Object;
 use crate::elementary::exp_each;
 use crate::object::points::{Point, Points};
 
@@ -17,12 +20,15 @@ pub(crate) struct Pressure {
     asked: Vector2<f64>,
     /// Its center from the centroid, in m, axes of the outline.
     pub(crate) center: Vector2<f64>,
-    /// The object's points about the center, with their shares.
-    pub(crate) lanes: Points,
-    /// With the shares of uniform pressure.
-    pub(crate) uniform: Points,
-    /// With what their shares have over those of uniform pressure.
-    pub(crate) surplus: Points,
+    /// The object's points about the center, with the shares of uniform pressure.
+    points: Vec<Point>,
+    /// The load of each over that of uniform pressure.
+    weights: Vec<f64>,
+    /// g and a, times the mean distance.
+    exponents: Vector3<f64>,
+    lanes: OnceLock<Points>,
+    uniform: OnceLock<Points>,
+    surplus: OnceLock<Points>,
 }
 
 const MAX_ITERATIONS: usize = 60;
@@ -35,60 +41,86 @@ const ROUNDING: f64 = 1e-13;
 const FARTHEST: f64 = 0.8;
 
 impl Pressure {
-    /// Pressure whose center is `shift` from the centroid, in m, on points of this second moment about it,
-    /// in m².
+    /// Pressure whose center is `shift` from an object's centroid, in m.
     ///
     /// # Errors
     /// `NotConverged`.
-    pub(crate) fn new(
-        points: &[Point],
-        second_moment: &Matrix2<f64>,
+    pub(crate) fn new(object: &Object, shift: &Vector2<f64>) -> Result<Self, EffectError> {
+        Self::near(Vector3::zeros(), object, shift)
+    }
+
+    /// The same of an object of which another one is known, whose center is near.
+    ///
+    /// # Errors
+    /// `NotConverged`.
+    pub(crate) fn moved(&self, object: &Object, shift: &Vector2<f64>) -> Result<Self, EffectError> {
+        Self::near(self.exponents, object, shift)
+    }
+
+    fn near(
+        start: Vector3<f64>,
+        object: &Object,
         shift: &Vector2<f64>,
     ) -> Result<Self, EffectError> {
-        let precision = second_moment.try_inverse();
+        let precision = object.second_moment().try_inverse();
         let failed = EffectError::NotConverged { what: "the pressure's center", iterations: 0 };
         let precision = precision.ok_or(failed)?;
         let distance = shift.dot(&(precision * shift)).sqrt();
         let center = shift * (FARTHEST / distance.max(FARTHEST));
-        let weights = weights(points, &center)?;
-        let with = |share_of: fn(f64) -> f64| {
-            let shares: Vec<f64> = weights.iter().map(|weight| share_of(*weight)).collect();
-            Points::new(&about(points, &center, &shares))
-        };
-        let (lanes, uniform, surplus) =
-            (with(|weight| weight), with(|_| 1.0), with(|weight| weight - 1.0));
-        Ok(Self { asked: *shift, center, lanes, uniform, surplus })
+        let (weights, exponents) = weights(object.points(), &center, start)?;
+        let about = |point: &Point| Point { place: point.place - center, ..*point };
+        let points = object.points().iter().map(about).collect();
+        let (lanes, uniform, surplus) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        Ok(Self { asked: *shift, center, points, weights, exponents, lanes, uniform, surplus })
     }
 
     /// Whether this is the pressure with a center.
     pub(crate) fn is(&self, shift: &Vector2<f64>) -> bool {
         self.asked == *shift
     }
+
+    /// The object's points about the center, with their shares.
+    pub(crate) fn lanes(&self) -> &Points {
+        self.lanes.get_or_init(|| self.with(|weight| weight))
+    }
+
+    /// With the shares of uniform pressure.
+    pub(crate) fn uniform(&self) -> &Points {
+        self.uniform.get_or_init(|| self.with(|_| 1.0))
+    }
+
+    /// With what their shares have over those of uniform pressure.
+    pub(crate) fn surplus(&self) -> &Points {
+        self.surplus.get_or_init(|| self.with(|weight| weight - 1.0))
+    }
+
+    fn with(&self, factor_of: fn(f64) -> f64) -> Points {
+        let point = |(point, weight): (&Point, &f64)| Point {
+            share: point.share * factor_of(*weight),
+            ..*point
+        };
+        let points: Vec<Point> = self.points.iter().zip(&self.weights).map(point).collect();
+        Points::new(&points)
+    }
 }
 
-/// Points seen from a center, with so many times their shares.
-fn about(points: &[Point], center: &Vector2<f64>, factors: &[f64]) -> Vec<Point> {
-    let point = |(point, factor): (&Point, &f64)| Point {
-        place: point.place - center,
-        share: point.share * factor,
-        spin: point.spin,
-    };
-    points.iter().zip(factors).map(point).collect()
-}
-
-/// Newton's method on the dual ln Σ s exp(e·φ), which is convex; φ are the constraints' misses.
-fn weights(points: &[Point], center: &Vector2<f64>) -> Result<Vec<f64>, EffectError> {
+/// Newton's method on the dual ln Σ s exp(e·φ), which is convex; φ are the constraints' misses. With the
+/// exponents e.
+fn weights(
+    points: &[Point],
+    center: &Vector2<f64>,
+    mut exponents: Vector3<f64>,
+) -> Result<(Vec<f64>, Vector3<f64>), EffectError> {
     let uniform: f64 = points.iter().map(|point| point.share * point.place.norm()).sum();
     let miss = |point: &Point| {
         let from_center = point.place - center;
         Vector3::new(from_center.x, from_center.y, from_center.norm() - uniform) / uniform
     };
     let misses: Vec<Vector3<f64>> = points.iter().map(miss).collect();
-    let mut exponents = Vector3::zeros();
     let mut now = Dual::at(points, &misses, &exponents);
     for _ in 0..MAX_ITERATIONS {
         if now.slope.amax() < TOLERANCE {
-            return Ok(now.weights);
+            return Ok((now.weights, exponents));
         }
         let Some(factor) = now.curvature.cholesky() else { break };
         let step = factor.solve(&now.slope);
@@ -132,7 +164,7 @@ impl Dual {
 
 #[cfg(test)]
 mod tests {
-    use super::{Pressure, about, weights};
+    use super::Pressure;
     use crate::Object;
     use crate::object::points::Point;
     use nalgebra::Vector2;
@@ -144,7 +176,13 @@ mod tests {
     }
 
     fn leaning(object: &Object, center: &Vector2<f64>) -> Vec<Point> {
-        about(object.points(), center, &weights(object.points(), center).unwrap())
+        shares(&Pressure::new(object, center).unwrap())
+    }
+
+    fn shares(Pressure { points, weights, .. }: &Pressure) -> Vec<Point> {
+        let point =
+            |(point, weight): (&Point, &f64)| Point { share: point.share * weight, ..*point };
+        points.iter().zip(weights).map(point).collect()
     }
 
     #[test]
@@ -152,11 +190,7 @@ mod tests {
         for name in MIT_NAMES {
             let object = object(name);
             for (x, y) in [(5e-3, -3e-3), (0.0, 1e-2), (-0.2, 0.1)] {
-                let center =
-                    Pressure::new(object.points(), object.second_moment(), &Vector2::new(x, y))
-                        .unwrap()
-                        .center;
-                let leaning = leaning(&object, &center);
+                let leaning = leaning(&object, &Vector2::new(x, y));
                 assert!(leaning.iter().all(|point| point.share > 0.0), "{name}");
                 let center: Vector2<f64> =
                     leaning.iter().map(|point| point.share * point.place).sum();
@@ -166,6 +200,22 @@ mod tests {
                 };
                 let ratio = distance(&leaning) / distance(object.points());
                 assert!((ratio - 1.0).abs() < 1e-11, "{name} {ratio}");
+            }
+        }
+    }
+
+    #[test]
+    fn wherever_the_search_begins_it_ends_at_the_same_load() {
+        for name in MIT_NAMES {
+            let object = object(name);
+            let at = |x: f64, y: f64| Pressure::new(&object, &Vector2::new(x, y)).unwrap();
+            let there = at(4e-3, 7e-3);
+            for (x, y) in [(4.1e-3, 7e-3), (-6e-3, 2e-3), (0.3, -0.2)] {
+                let (moved, anew) = (there.moved(&object, &Vector2::new(x, y)).unwrap(), at(x, y));
+                assert_eq!(moved.center, anew.center);
+                for (moved, anew) in moved.weights.iter().zip(&anew.weights) {
+                    assert!((moved - anew).abs() < 1e-11, "{name} {moved} {anew}");
+                }
             }
         }
     }

@@ -186,10 +186,10 @@ impl<'a> AreaFriction<'a> {
         let (stretch, identity) = (self.stretch, Matrix2::identity());
         let (all, uniform) = match &self.pressure {
             Some(pressure) if self.is_isotropic => {
-                return Some(pressure.surplus.load(&identity, stretch, motion));
+                return Some(pressure.surplus().load(&identity, stretch, motion));
             }
             None if self.is_isotropic => return None,
-            Some(pressure) => (&pressure.lanes, &pressure.uniform),
+            Some(pressure) => (pressure.lanes(), pressure.uniform()),
             None => (self.object.lanes(), self.object.lanes()),
         };
         let (with, with_slope) = all.load(&self.tensor, stretch, motion);
@@ -199,7 +199,7 @@ impl<'a> AreaFriction<'a> {
 
     /// Of each point, its share of the load times its surplus s times T²v/|Tv|.
     fn local_load(&self, local: &Local<'_>, motion: &Vector3<f64>) -> Load {
-        let points = self.pressure.as_ref().map_or(self.object.lanes(), |leaning| &leaning.lanes);
+        let points = self.pressure.as_ref().map_or(self.object.lanes(), |leaning| leaning.lanes());
         points.local_load(
             &|places, velocities| local.of_all(places, velocities),
             &self.tensor,

@@ -71,10 +71,11 @@ impl<'a> ForceBalance<'a> {
         if *center == Vector2::zeros() {
             return Ok(None);
         }
-        let known = memory.pressure.take().filter(|known| known.is(center));
-        memory.pressure = Some(match known {
-            Some(known) => known,
-            None => self.step.object.pressure(center)?,
+        let object = &self.step.object;
+        memory.pressure = Some(match memory.pressure.take() {
+            Some(known) if known.is(center) => known,
+            Some(near) => Arc::new(near.moved(object, center)?),
+            None => object.pressure(center)?,
         });
         Ok(memory.pressure.clone())
     }

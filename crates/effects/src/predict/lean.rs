@@ -13,8 +13,8 @@ use crate::predict::instant::{ForceBalance, Memory, Rate};
 /// times its friction.
 const MAX_LEANS: i32 = 40;
 const PLAIN_LEANS: i32 = 10;
-/// In m.
-const LEAN_TOLERANCE: f64 = 1e-9;
+/// In the object's mean distance.
+const LEAN_TOLERANCE: f64 = 1e-6;
 /// What a change of sides may move the pressure by, over the object's mean distance.
 const LARGEST_JUMP: f64 = 0.1;
 
@@ -55,6 +55,7 @@ impl<'a> Forward<'a> {
     ) -> Result<Rate, EffectError> {
         let point = self.acting_point(&meeting.contact);
         let gain = self.law.height / (self.step.object.mass() * self.physics.rig().gravity());
+        let length = self.step.object.mean_distance();
         let mut last: Option<[Vector2<f64>; 2]> = None;
         for iteration in 0..MAX_LEANS {
             let instant = self.balance(pose, time, &self.lean_o)?;
@@ -79,12 +80,14 @@ impl<'a> Forward<'a> {
             };
             last = Some([answered, change]);
             self.lean_o = next;
-            let is_jump = iteration == MAX_LEANS - 1
-                && change.norm() <= LARGEST_JUMP * self.step.object.mean_distance();
-            if change.norm() <= LEAN_TOLERANCE || is_jump {
+            let is_jump = iteration == MAX_LEANS - 1 && change.norm() <= LARGEST_JUMP * length;
+            if change.norm() <= LEAN_TOLERANCE * length || is_jump {
                 return Ok(rate);
             }
+            // The pressure of the next lean is near that of this one.
+            let pressure = self.memory.pressure.take();
             self.memory = memory;
+            self.memory.pressure = pressure;
         }
         let iterations = MAX_LEANS.unsigned_abs() as usize;
         Err(EffectError::NotConverged { what: "the lean under the push", iterations })
