@@ -114,6 +114,7 @@ impl Problem<'_> {
         let Start { mut at, slopes: mut known, exactness } = start;
         let (mut widths, mut damping, mut last) = (self.secants.clone(), DAMPING, f64::INFINITY);
         let (first, is_final) = (at.value, exactness == Exactness::Estimates);
+        let is_mixture = exactness == Exactness::Mixture;
         let mut is_enough = !is_final;
         // Whether slopes are taken over standard errors, where the last step does not need wider ones.
         let mut is_fitted = false;
@@ -140,11 +141,7 @@ impl Problem<'_> {
                 continue;
             }
             let is_low = decrement < STUCK.max(near) || (is_fresh && !is_final);
-            if is_enough && is_low {
-                if exactness == Exactness::Mixture && !is_fresh {
-                    let whole = self.slopes(&at, &self.secants)?;
-                    return Ok(self.end(self.quadratic(&at, &whole)?, at, whole, iterations));
-                }
+            if is_enough && is_low && (is_fresh || !is_mixture) {
                 return Ok(self.end(quadratic, at, whole, iterations));
             }
             if is_fresh && is_fitted {
