@@ -79,3 +79,31 @@ impl<'a> Refit<'a> {
         Ok(Some(there))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use effects::{Effect, SupportPoints, by_id};
+
+    use crate::FitSettings;
+    use crate::cut_offs::APART;
+    use crate::fit::Refit;
+    use crate::synthetic::{pushed_with, white};
+
+    #[test]
+    fn points_end_where_no_slope_leads_further() {
+        let id = SupportPoints.info().id;
+        let mut truth = vec![0.0; SupportPoints.info().parameters.len()];
+        truth[..9].copy_from_slice(&[0.030, 0.025, 0.30, -0.035, 0.010, 0.45, 0.005, -0.035, 0.25]);
+        // A descent by slopes that were carried along alone leaves 10 of the second.
+        for seed in [2, 5] {
+            let (observations, model, _) = pushed_with((id, &truth), seed);
+            let whitening = white(&observations);
+            let here = Refit::new(&observations, &model, &whitening, &FitSettings::default());
+            let points = here.unwrap().borne_by(by_id(id).unwrap(), &["pressure-radius"]);
+            let points = points.unwrap().unwrap();
+            let lower = points.clone().settled().unwrap();
+            let left = points.misfit_by(&lower) - lower.objective();
+            assert!(left < APART * lower.scale().powi(2), "seed {seed}: {left}");
+        }
+    }
+}

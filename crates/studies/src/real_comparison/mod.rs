@@ -44,6 +44,8 @@ enum Part {
     Raw,
     /// Physics alone on long pushes of which the ends are known: feet, gaps
     Shapes,
+    /// The same pushes by the diagnosis alone, half by half
+    DiagnosedShapes,
     /// Physics alone on an object that stands on known feet
     KnownSupports,
 }
@@ -95,6 +97,10 @@ impl Part {
                 let found = shapes::shapes(&args.data.join("mit-push-endpoints/plywood.csv"))?;
                 write(&args.output.join("real-data-shapes.svg"), &shapes::picture(&found)?)?;
                 shapes::text(&found)
+            }
+            Self::DiagnosedShapes => {
+                let ends = args.data.join("mit-push-endpoints/plywood.csv");
+                shapes::diagnosed_text(&shapes::diagnosed(&ends)?)
             }
             Self::KnownSupports => {
                 let found = known_supports::known_supports(&args.data.join("cmu-known-supports"))?;

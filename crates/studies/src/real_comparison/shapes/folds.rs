@@ -35,8 +35,7 @@ struct Sum {
     n_failed: usize,
 }
 
-/// Every model in its order, and the last one of each fold without nuisances; pushes are dealt to the folds in
-/// turn.
+/// Every model in its order, and the last one of each fold without nuisances.
 ///
 /// # Errors
 /// A model that cannot predict the pushes.
@@ -44,15 +43,9 @@ pub(super) fn of_folds(
     all: &Observations,
     nominal: &Description,
 ) -> Result<(Vec<Fitted>, Vec<Description>)> {
-    let names: Vec<String> = all.pushes().iter().map(ToString::to_string).collect();
     let mut sums = [Sum::default(); N_MODELS];
     let mut last = Vec::new();
-    for fold in 0..N_FOLDS {
-        let part = |is_in: bool| {
-            let names = names.iter().enumerate().filter(|(k, _)| (k % N_FOLDS == fold) == is_in);
-            all.part(&names.map(|(_, name)| name.clone()).collect::<Vec<_>>())
-        };
-        let (train, aside) = (part(false)?, part(true)?);
+    for (train, aside) in folds(all)? {
         let mut models: Vec<Description> = Vec::new();
         let mut whole = nominal.clone();
         for ((free, from), sum) in FREE.iter().zip(&mut sums) {
@@ -73,6 +66,22 @@ pub(super) fn of_folds(
     }
     let fitted = sums.map(|sum| Fitted { error: sum.error.over(sum.n), n_failed: sum.n_failed });
     Ok((fitted.into_iter().collect(), last))
+}
+
+/// The pushes that a fit has and those that it has not seen, fold by fold; they are dealt in turn.
+///
+/// # Errors
+/// Too few pushes for so many folds.
+pub(super) fn folds(all: &Observations) -> Result<Vec<(Observations, Observations)>> {
+    let names: Vec<String> = all.pushes().iter().map(ToString::to_string).collect();
+    let fold = |fold: usize| {
+        let part = |is_in: bool| {
+            let names = names.iter().enumerate().filter(|(k, _)| (k % N_FOLDS == fold) == is_in);
+            all.part(&names.map(|(_, name)| name.clone()).collect::<Vec<_>>())
+        };
+        Ok((part(false)?, part(true)?))
+    };
+    (0..N_FOLDS).map(fold).collect()
 }
 
 impl Sum {

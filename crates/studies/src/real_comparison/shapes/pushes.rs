@@ -45,6 +45,15 @@ pub(super) fn errors(model: &Description, observations: &Observations) -> Result
 }
 
 impl Error {
+    pub(super) fn mean(of: impl ExactSizeIterator<Item = Self>) -> Self {
+        let n = of.len();
+        let sum = of.fold(Self::default(), |sum, one| Self {
+            position: sum.position + one.position,
+            angle: sum.angle + one.angle,
+        });
+        sum.over(n)
+    }
+
     /// The mean of so many that were summed.
     pub(super) fn over(self, n: usize) -> Self {
         let n = n as f64;
