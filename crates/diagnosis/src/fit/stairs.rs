@@ -21,7 +21,7 @@ const ALIKE: f64 = 2.0;
 impl Problem<'_> {
     /// The lowest place some way along one of some numbers, if it is lower by more than matters.
     ///
-    /// Slopes that were narrowed until they end on a stair do not see the next. None of effects that do not fade.
+    /// Slopes that end on a stair do not see the next. None of effects that do not fade.
     pub(super) fn next_stair(
         &self,
         from: &Evaluation,
