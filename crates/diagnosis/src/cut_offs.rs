@@ -52,6 +52,8 @@ pub(crate) const MODEL_TOLERANCE: f64 = 0.01;
 /// Share of what an effect takes off the squared error that more freedom of the same origin may take off
 /// beside it. Convention.
 pub(crate) const MORE_FREEDOM: f64 = 0.25;
+/// Share of the mean square of a number by which an effect may raise it. Convention, the same.
+pub(crate) const RAISED: f64 = MORE_FREEDOM;
 /// Groups of pushes along a covariate, over which a size has to be the same. Convention.
 pub(crate) const N_GROUPS: usize = 5;
 /// Fewest pushes of a group. Convention: fewer tell little of its size.

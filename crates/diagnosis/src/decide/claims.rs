@@ -74,6 +74,9 @@ pub(super) fn claims(found: &Found, (left, remains): (&Left, Option<&Remains>)) 
         // One of a group may vary where another of it does not.
         let varies = one.varies.as_ref().filter(|_| one.rivals.is_empty());
         let doubt = varies.map(Varies::sentence).or_else(|| wide_places(&one.effect));
+        let raised = one.raised.as_ref().map(|raised| raised.sentence("it"));
+        let raised_by_all = || Some(found.raised.as_ref()?.sentence("all that is claimed"));
+        let doubt = doubt.or(raised).or_else(raised_by_all);
         let doubt = doubt.or_else(|| more_is_left(one, found.error.after, remains?));
         match doubt {
             doubt if one.is_small => {

@@ -7,7 +7,8 @@ use super::confirmation::{Aside, Outcome};
 use super::constancy::varies;
 use super::found::{Accepted, Choice, Found, Progress, Refused, ids};
 use super::phase::DiagnosePhase;
-use super::rules::{Objection, Rules};
+use super::raised::Raised;
+use super::rules::{Objection, Rules, p_of_number};
 use super::search::Search;
 use crate::cut_offs::{HINT, NAME, SIZE, SMALL_SHARE, TOLERANCES};
 use crate::fit::Refit;
@@ -15,7 +16,7 @@ use crate::noise::widely_differing::At;
 use crate::remains::remains;
 use crate::{
     DiagnosisError, EffectFit, Fit, Gain, NoiseModel, NuisanceFit, Predictions, Reason, Remains,
-    Screen, ScreenedEffect, Undetermined,
+    Screen, Undetermined,
 };
 
 impl Search<'_> {
@@ -44,7 +45,7 @@ impl Search<'_> {
         let whole = here.asking(&ids(&progress.chosen)).settled()?;
         let (whole, fit) = self.without_open(whole, &mut progress)?;
         let confirmed = self.confirmed(whole, fit, &mut progress, (&noise, at))?;
-        let Confirmed { accepted, error, descriptions, with_doubted } = confirmed;
+        let Confirmed { accepted, error, raised, descriptions, with_doubted } = confirmed;
         let [description, with_nuisances] = descriptions;
         let Progress { refused, first_screen, .. } = progress;
         Ok(Found {
@@ -55,6 +56,7 @@ impl Search<'_> {
             noise,
             at,
             error,
+            raised,
             description,
             with_nuisances,
             with_doubted,
@@ -155,9 +157,11 @@ impl Search<'_> {
         choice: &Choice,
         effect: EffectFit,
         (whole, screen): (&Refit, &Screen),
-        (gain, [before, after, without]): (Gain, [f64; 3]),
+        (gain, [before, after, without]): (Gain, [&Outcome; 3]),
     ) -> Accepted {
         let id = choice.id;
+        let raised = Raised::of(&without.missed, &after.missed);
+        let [before, after, without] = [before, after, without].map(Outcome::rms);
         let p_adjusted = match self.nominal_within(id).is_some() {
             true => p_of_number(&effect, screen),
             false => choice.p_adjusted,
@@ -170,6 +174,7 @@ impl Search<'_> {
             gain,
             varies: (whole.pulls(id))
                 .and_then(|pulls| varies(&pulls, self.fitted, self.settings.seed)),
+            raised,
             origin: self.effect(id).map(|effect| effect.info().origin),
             is_small: choice.is_small,
             square: without * without - after * after,
@@ -200,24 +205,24 @@ impl Search<'_> {
                 let other = whole.briefly_without(&[choice.id])?;
                 let without = aside.outcome(&other.descriptions()?[1])?;
                 let gains = aside.gains(&without, &after);
-                let rms = [&before, &after, &without].map(Outcome::rms);
                 let gain = self.gain((&other, &whole), gains)?;
                 let models = (&whole, &progress.first_screen);
-                accepted.push(self.accepted(choice, effect, models, (gain, rms)));
+                let outcomes = [&before, &after, &without];
+                accepted.push(self.accepted(choice, effect, models, (gain, outcomes)));
             }
             let doubted = accepted.iter().filter(|one| !one.gain.is_sure());
             let least = doubted.min_by(|a, b| a.gain.mean.total_cmp(&b.gain.mean));
             let Some(Accepted { id, gain, .. }) = least else {
                 let [claimed, best] = &descriptions;
                 let models = [self.model, claimed, best];
-                let error = aside.fall([&before, &after], models, self.all)?;
+                let (error, raised) = aside.fall([&before, &after], models, self.all)?;
                 if error.gap_closed.is_none() {
                     accepted.iter_mut().for_each(|one| one.gap_closed = None);
                 }
                 for one in &mut accepted {
                     one.is_small &= one.gap_closed.is_none_or(|closed| closed < SMALL_SHARE);
                 }
-                return Ok(Confirmed { accepted, error, descriptions, with_doubted });
+                return Ok(Confirmed { accepted, error, raised, descriptions, with_doubted });
             };
             let (id, objection) = (*id, Objection::NotConfirmed { gain: *gain });
             // Beside what is no hint, nothing is known of what the hints explain.
@@ -330,6 +335,7 @@ impl Search<'_> {
 struct Confirmed {
     accepted: Vec<Accepted>,
     error: ErrorFall,
+    raised: Option<Raised>,
     /// The model with it, and the same with the nuisances.
     descriptions: [Description; 2],
     /// The latter with what the held-out pushes only hint at.
@@ -346,14 +352,6 @@ fn open(fit: &Fit, chosen: &[Choice]) -> Option<(&'static str, Objection)> {
     })
 }
 
-/// Probability of an estimate as far off, of any effect asked for: no flips tell it, for every screen
-/// leaves nominal numbers open, so it is that of the estimate alone times their number (Bonferroni).
-fn p_of_number(effect: &EffectFit, screen: &Screen) -> f64 {
-    let is_other = |one: &&ScreenedEffect| one.not_testable.is_none() && one.id != effect.id;
-    let n_others = screen.effects.iter().filter(is_other).count();
-    (effect.p * (1 + n_others) as f64).min(1.0)
-}
-
 /// Whether friction with the table is off by no more than friction along and across a direction: what
 /// is nominal may be either of them, so this is no second finding.
 fn is_mean_friction(here: &Refit, nuisance: &NuisanceFit) -> bool {
@@ -362,39 +360,4 @@ fn is_mean_friction(here: &Refit, nuisance: &NuisanceFit) -> bool {
     let miss = (nuisance.value / nuisance.nominal).ln().abs();
     let open = 2.0 * nuisance.se / nuisance.value;
     nuisance.id == "support-friction" && spread > 0.0 && miss <= spread + open
-}
-
-#[cfg(test)]
-mod tests {
-    use super::p_of_number;
-    use crate::predict::tangent::Tangent;
-    use crate::screen::screen_at;
-    use crate::synthetic::{recorded, white};
-    use crate::{EffectFit, ScreenSettings};
-
-    #[test]
-    fn the_probability_of_a_nominal_number_counts_all_effects_asked_for() {
-        let (observations, model) = recorded(1);
-        let tangent = Tangent::of(&model, &[], &observations).unwrap();
-        let settings = ScreenSettings { n_flips: 9, ..ScreenSettings::default() };
-        let screen = screen_at(&tangent, &observations, &white(&observations), &settings);
-        let tested = screen.effects.iter().filter(|effect| effect.not_testable.is_none());
-        let n_tested = tested.count() as f64;
-        assert!(n_tested > 15.0 && n_tested < screen.effects.len() as f64 + 0.5, "{n_tested}");
-        let found = |p: f64| EffectFit {
-            id: "pusher-friction",
-            parameters: Vec::new(),
-            follows: Vec::new(),
-            p,
-            resemblances: Vec::new(),
-            undetermined: None,
-        };
-        let adjusted = |p: f64| p_of_number(&found(p), &screen);
-        assert!((adjusted(1e-4) - 1e-4 * n_tested).abs() < 1e-15);
-        assert_eq!(adjusted(0.2), 1.0);
-        // One that the model carries is not in the screen, and still a test.
-        let mut carried = screen.clone();
-        carried.effects.retain(|effect| effect.id != "pusher-friction");
-        assert_eq!(p_of_number(&found(1e-4), &carried), adjusted(1e-4));
-    }
 }

@@ -2,6 +2,7 @@
 
 use models::Description;
 
+use super::raised::{Missed, Raised};
 use super::{DiagnoseSettings, ErrorFall, MotionError};
 use crate::data::clusters::ClusterMean;
 use crate::noise::widely_differing::At;
@@ -25,6 +26,8 @@ pub(super) struct Outcome {
     squares: Vec<(usize, f64)>,
     /// Log predictive density of each push, by its own.
     log_densities: Vec<f64>,
+    /// What is missed of each number, in its unit.
+    pub(super) missed: Missed,
 }
 
 const UNIT: &str = "whitened RMS, confirmation pushes";
@@ -56,19 +59,15 @@ impl<'a> Aside<'a> {
         let squares = clusters.zip(self.whitening.rows());
         let squares = squares.flat_map(|(cluster, rows)| rows.map(move |row| (cluster, row)));
         let squares = squares.map(|(cluster, row)| (cluster, white[row] * white[row])).collect();
-        Ok(Outcome { squares, log_densities: densities.collect() })
+        let missed = Missed::of(&residuals, &self.observations.cluster_of);
+        Ok(Outcome { squares, log_densities: densities.collect(), missed })
     }
 
-    /// The root mean square error of a step by a model as it is.
-    fn error(&self, model: &Description) -> Result<MotionError, DiagnosisError> {
+    /// What a model as it is misses.
+    fn missed(&self, model: &Description) -> Result<Missed, DiagnosisError> {
         let predictions = Predictions::expected(model, &self.settings.own, self.observations)?;
         let residuals = predictions.residuals(self.observations)?;
-        let rms = |number: usize| {
-            let squares: Vec<_> = residuals.iter().filter_map(|step| step[number]).collect();
-            let n = squares.len();
-            (n > 0).then(|| (squares.iter().map(|r| r * r).sum::<f64>() / n as f64).sqrt())
-        };
-        Ok(MotionError::of(std::array::from_fn(rms)))
+        Ok(Missed::of(&residuals, &self.observations.cluster_of))
     }
 
     /// The gain of each cluster in log predictive density from one model to another.
@@ -81,7 +80,7 @@ impl<'a> Aside<'a> {
         gains
     }
 
-    /// The fall of the error, beside the scatter of repeats about the best model in all of the set.
+    /// The fall of the error and what rises with all that is claimed, beside the scatter of repeats about the best model in all of the set.
     ///
     /// In units of the noise what a manifest leaves open is fitted before and after; in those of the
     /// sensors `given` is the model under test as it is, and `claimed` has the claimed effects alone.
@@ -90,22 +89,24 @@ impl<'a> Aside<'a> {
         [before, after]: [&Outcome; 2],
         [given, claimed, best]: [&Description; 3],
         all: &Observations,
-    ) -> Result<ErrorFall, DiagnosisError> {
+    ) -> Result<(ErrorFall, Option<Raised>), DiagnosisError> {
+        let [given, claimed] = [self.missed(given)?, self.missed(claimed)?];
         let mean = ClusterMean::of(&before.squares);
         let se = mean.map_or(f64::INFINITY, |mean| 0.5 * mean.se / mean.mean.sqrt());
         let gap = before.rms() - 1.0;
         let floor = NoiseFloor::about(best, &self.settings.own, all)?;
         let floors = floor.numbers.map(|floor| floor.map(|floor| floor.rms));
-        Ok(ErrorFall {
+        let fall = ErrorFall {
             before: before.rms(),
             after: after.rms(),
             floor: 1.0,
             gap_closed: (gap > 2.0 * se).then(|| (before.rms() - after.rms()) / gap),
             unit: UNIT.to_owned(),
-            before_si: self.error(given)?,
-            after_si: self.error(claimed)?,
+            before_si: MotionError::of(given.rms()),
+            after_si: MotionError::of(claimed.rms()),
             floor_si: MotionError::of(std::array::from_fn(|number| floors[number])),
-        })
+        };
+        Ok((fall, Raised::of(&given, &claimed)))
     }
 }
 

@@ -5,6 +5,7 @@ use models::Description;
 
 use super::ErrorFall;
 use super::constancy::Varies;
+use super::raised::Raised;
 use super::rules::Objection;
 use crate::noise::widely_differing::At;
 use crate::{EffectFit, Gain, NoiseModel, Screen, ScreenedEffect};
@@ -25,6 +26,8 @@ pub(super) struct Found {
     pub(super) at: At,
     /// The error on the held-out pushes.
     pub(super) error: ErrorFall,
+    /// What they miss by more with all that is claimed than by the model under test.
+    pub(super) raised: Option<Raised>,
     /// The model with what is confirmed.
     pub(super) description: Description,
     /// The same with the nuisances, for predictions.
@@ -50,6 +53,8 @@ pub(super) struct Accepted {
     pub(super) gap_closed: Option<f64>,
     /// Over what its size differs.
     pub(super) varies: Option<Varies>,
+    /// What held-out pushes miss by more with it.
+    pub(super) raised: Option<Raised>,
     /// What of the rig it comes from; none of an effect that no list has.
     pub(super) origin: Option<Origin>,
     /// What it changes is hardly seen.

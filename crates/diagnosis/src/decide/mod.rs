@@ -15,6 +15,7 @@ mod linearised;
 mod members;
 mod phase;
 mod push_scatter;
+mod raised;
 mod read;
 mod rivals;
 mod rules;
@@ -117,8 +118,9 @@ pub struct Diagnosed {
 /// which the object rests are tried in the place of what follows from them when that is added, and at the
 /// end; then a tip that is caught at vertices, and what is hardly seen. An effect stays if it
 /// predicts the held-out clusters, and the others each by a fit without it, better. It is identified if
-/// its size is the same all over the set, if more freedom of what it comes from brings little more, and if no
-/// more is left than it explains; effective else. What is there and hardly seen is carried along, marked small.
+/// its size is the same all over the set, if more freedom of what it comes from brings little more, if no
+/// more is left than it explains, and if held-out pushes miss no measured number by more with it, nor with all that
+/// is claimed; effective else. What is there and hardly seen is carried along, marked small.
 ///
 /// A push, or a session, on which alone a number rests that every fit leaves open is excluded and told in
 /// the warnings: its prediction jumps there, as where an object is caught at a corner.

@@ -3,7 +3,9 @@
 use std::fmt;
 
 use crate::cut_offs::{HINT, LARGE, LATER_SHARE, NAME, SIZE, TOLERANCES};
-use crate::{DiagnosisError, Fit, Gain, Observations, Undetermined};
+use crate::{
+    DiagnosisError, EffectFit, Fit, Gain, Observations, Screen, ScreenedEffect, Undetermined,
+};
 
 /// Rules for an effect that explains more than those before it.
 pub(super) struct Rules {
@@ -159,11 +161,21 @@ impl fmt::Display for Objection {
     }
 }
 
+/// Probability of an estimate as far off, of any effect asked for: no flips tell it, for every screen
+/// leaves nominal numbers open, so it is that of the estimate alone times their number (Bonferroni).
+pub(super) fn p_of_number(effect: &EffectFit, screen: &Screen) -> f64 {
+    let is_other = |one: &&ScreenedEffect| one.not_testable.is_none() && one.id != effect.id;
+    let n_others = screen.effects.iter().filter(is_other).count();
+    (effect.p * (1 + n_others) as f64).min(1.0)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Objection, Rules};
-    use crate::synthetic::recorded;
-    use crate::{DiagnosisError, Gain};
+    use super::{Objection, Rules, p_of_number};
+    use crate::predict::tangent::Tangent;
+    use crate::screen::screen_at;
+    use crate::synthetic::{recorded, white};
+    use crate::{DiagnosisError, EffectFit, Gain, ScreenSettings};
 
     #[test]
     fn a_name_is_sure_large_and_no_small_share() {
@@ -212,5 +224,31 @@ mod tests {
         assert!(!Objection::NotSure { p: 0.08 }.is_hint());
         let not_confirmed = |mean, se| Objection::NotConfirmed { gain: Gain { mean, se } };
         assert!(not_confirmed(18.0, 8.0).is_hint() && !not_confirmed(-7.0, 6.0).is_hint());
+    }
+
+    #[test]
+    fn the_probability_of_a_nominal_number_counts_all_effects_asked_for() {
+        let (observations, model) = recorded(1);
+        let tangent = Tangent::of(&model, &[], &observations).unwrap();
+        let settings = ScreenSettings { n_flips: 9, ..ScreenSettings::default() };
+        let screen = screen_at(&tangent, &observations, &white(&observations), &settings);
+        let tested = screen.effects.iter().filter(|effect| effect.not_testable.is_none());
+        let n_tested = tested.count() as f64;
+        assert!(n_tested > 15.0 && n_tested < screen.effects.len() as f64 + 0.5, "{n_tested}");
+        let found = |p: f64| EffectFit {
+            id: "pusher-friction",
+            parameters: Vec::new(),
+            follows: Vec::new(),
+            p,
+            resemblances: Vec::new(),
+            undetermined: None,
+        };
+        let adjusted = |p: f64| p_of_number(&found(p), &screen);
+        assert!((adjusted(1e-4) - 1e-4 * n_tested).abs() < 1e-15);
+        assert_eq!(adjusted(0.2), 1.0);
+        // One that the model carries is not in the screen, and still a test.
+        let mut carried = screen.clone();
+        carried.effects.retain(|effect| effect.id != "pusher-friction");
+        assert_eq!(p_of_number(&found(1e-4), &carried), adjusted(1e-4));
     }
 }
