@@ -2,7 +2,10 @@
 
 use nalgebra::Vector2;
 
-use crate::{Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Object, Off, Origin, Parameter, Role, Spot, Stage};
+use crate::{
+    Channel, Confounder, Effect, EffectInfo, Frame, Nuisance, Object, Off, Origin, Parameter, Role,
+    Spot, Stage,
+};
 
 /// Support points: see [`EffectInfo`] for their physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

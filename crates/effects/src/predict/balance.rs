@@ -56,7 +56,7 @@ const MAX_ITERATIONS: usize = 100;
 const TOLERANCE: f64 = 1e-12;
 /// After a step of Newton's method that is shorter than this share of the speed the load is known to
 /// about its square, without being worked out again.
-const SHORT: f64 = 1e-6;
+const SHORT: f64 = 1e-5;
 
 /// The push in closed form on an ellipsoid, with a friction cone that need not be even.
 pub(crate) fn closed_form(

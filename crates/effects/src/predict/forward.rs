@@ -8,7 +8,7 @@ use crate::effect::Stage;
 use crate::effect::geometry::Outline;
 use crate::object::spots::Spots;
 use crate::predict::contact_event::ContactEvent;
-use crate::predict::instant::{Memory, Rate};
+use crate::predict::instant::Memory;
 use crate::predict::moved::moved;
 use crate::predict::touch_time::{TOUCH, touch_time};
 use crate::{Channels, ContactLaw, EffectError, MeasurementModel, PushPhysics, StepInput};
@@ -42,15 +42,7 @@ pub(crate) struct Forward<'a> {
     impulse: Vector2<f64>,
     pub(crate) memory: Memory,
     /// Times and velocities of the last moments of the push, the later one first.
-    trail: Vec<(f64, Twist)>,
-}
-
-/// The moment in the middle of a sub-step.
-struct Middle {
-    time: f64,
-    pose_wo: Pose,
-    contact: Contact,
-    rate: Rate,
+    pub(crate) trail: Vec<(f64, Twist)>,
 }
 
 const LEAST_SUBSTEPS: f64 = 4.0;
@@ -184,6 +176,7 @@ impl<'a> Forward<'a> {
             let rate = self.rate(0.0, &pose, &meeting)?;
             self.deflection = self.law.compliance * meeting.contact.normal.dot(&rate.force_o);
             self.now.contact.gap += self.deflection;
+            self.trail.extend((rate.mode != ContactMode::Separated).then_some((0.0, rate.twist_w)));
         }
         if self.step.touching {
             // What the pusher still goes before it moves the object: its spring is not wound up
@@ -215,63 +208,6 @@ impl<'a> Forward<'a> {
             self.pose_wo = moved(&self.pose_wo, &self.step.twist_wb, late);
             self.now = self.meet(0.0, &self.pose_wo);
         }
-    }
-
-    /// One sub-step in contact; false, and nothing done, if the pusher lets go.
-    ///
-    /// The midpoint rule, whose way to the middle follows from the moments before: each further
-    /// sub-step takes one solution of the push instead of two.
-    fn press(&mut self, length: f64, shortest: f64) -> Result<bool, EffectError> {
-        if self.has_inertia {
-            return self.press_with_inertia(length);
-        }
-        let foreseen = self.twist_ahead(self.time + 0.25 * length);
-        if let Some(foreseen) = foreseen {
-            let middle = self.middle(&foreseen, length)?;
-            if middle.rate.mode != ContactMode::Separated {
-                self.advance(&middle, length);
-                return Ok(true);
-            }
-        }
-        let (time, pose, start) = (self.time, self.pose_wo, self.now);
-        let first = self.rate(time, &pose, &start)?;
-        if first.mode == ContactMode::Separated {
-            return Ok(false);
-        }
-        self.trail = vec![(time, first.twist_w)];
-        let middle = self.middle(&first.twist_w, length)?;
-        if middle.rate.mode != ContactMode::Separated {
-            self.advance(&middle, length);
-            return Ok(true);
-        }
-        // It lets go on the way to the middle.
-        if length > shortest { self.press(0.5 * length, shortest) } else { Ok(false) }
-    }
-
-    /// The moment after half a sub-step with some velocity.
-    fn middle(&mut self, twist_w: &Twist, length: f64) -> Result<Middle, EffectError> {
-        let time = self.time + 0.5 * length;
-        let pose_wo = moved(&self.pose_wo, twist_w, 0.5 * length);
-        let meeting = self.meet(time, &pose_wo);
-        let rate = self.rate(time, &pose_wo, &meeting)?;
-        Ok(Middle { time, pose_wo, contact: meeting.contact, rate })
-    }
-
-    /// Goes on by a sub-step with the velocity in its middle.
-    fn advance(&mut self, middle: &Middle, length: f64) {
-        let Middle { time, pose_wo, contact, rate } = middle;
-        self.record(*time, pose_wo, contact, &rate.force_o, length);
-        self.pose_wo = moved(&self.pose_wo, &rate.twist_w, length);
-        self.trail.insert(0, (*time, rate.twist_w));
-        self.trail.truncate(2);
-        self.reach(self.time + length);
-    }
-
-    /// The velocity at a time to come, on a line through the last two moments of the push.
-    fn twist_ahead(&self, time: f64) -> Option<Twist> {
-        let [(late, last), (early, before)] = self.trail.as_slice() else { return None };
-        let ahead = (time - late) / (late - early);
-        Some(*last + ahead * (*last + -1.0 * *before))
     }
 
     /// Time without contact, up to the touch at most.

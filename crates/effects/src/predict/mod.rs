@@ -14,6 +14,7 @@ pub(crate) mod lean;
 pub(crate) mod moved;
 pub(crate) mod parts;
 pub(crate) mod path;
+pub(crate) mod press;
 pub(crate) mod push_physics;
 pub(crate) mod substep_end;
 pub(crate) mod touch_time;
