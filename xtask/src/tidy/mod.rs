@@ -13,6 +13,7 @@ mod fixture_readme;
 mod half_written;
 mod import_order;
 mod library_root;
+mod lost_file;
 mod module_name;
 mod module_tree;
 mod pages;
@@ -98,6 +99,7 @@ const RULES: &[Rule] = &[
     half_written::RULE,
     import_order::RULE,
     library_root::RULE,
+    lost_file::RULE,
     module_name::RULE,
     pages::RULE,
     private_words::RULE,
@@ -159,7 +161,10 @@ mod tests {
     #[test]
     fn files_that_a_list_declares_are_found() {
         let project = Project::in_memory(&[
-            ("crates/a/src/roofs/mod.rs", "//! R.\nroofs! {\n    red::R,\n    lost::L,\n}\n"),
+            (
+                "crates/a/src/roofs/mod.rs",
+                "//! R.\nroofs! {\n    old {\n        red::R,\n        lost::L,\n    }\n}\n",
+            ),
             ("crates/a/src/roofs/red.rs", "//! Red.\n"),
         ]);
         assert_eq!(listed_in(&project), ["crates/a/src/roofs/red.rs"]);

@@ -49,7 +49,7 @@ pub(super) fn listed(code: &str) -> impl Iterator<Item = &str> {
         !word.is_empty() && word.chars().all(|letter| letter.is_alphanumeric() || letter == '_')
     };
     let lists = code.split("! {\n").skip(1).filter_map(|rest| rest.split_once("\n}"));
-    let entries = lists.flat_map(|(list, _)| list.split(',')).map(str::trim);
+    let entries = lists.flat_map(|(list, _)| list.split([',', '{', '}'])).map(str::trim);
     entries.filter(move |entry| {
         entry.split_once("::").is_some_and(|(file, name)| is_word(file) && is_word(name))
     })
