@@ -105,5 +105,8 @@ pub(crate) const SURE_OF_SPREAD: f64 = 1.353;
 pub(crate) const FEWEST_CLUSTERS: usize = 8;
 /// Pushes for each number that says where an object rests, below which nothing is asked of it. Convention.
 pub(crate) const PUSHES_A_NUMBER: usize = 4;
+/// Clusters for each number of an effect, below which no covariance of clusters tests it: with 22 for 20 numbers the
+/// answer hung by the last digits of predictions. Convention.
+pub(crate) const CLUSTERS_A_NUMBER: f64 = 2.0;
 /// Factor within which speeds are one. Convention.
 pub(crate) const ONE_SPEED: f64 = 1.5;

@@ -14,7 +14,7 @@ use super::resemblance::{Resemblance, resemblances};
 use super::sandwich::sandwich;
 use super::search::Found;
 use super::{EffectFit, Fit, FitSettings, Interval, NuisanceFit, ParameterFit};
-use crate::cut_offs::{ALIKE, NAME};
+use crate::cut_offs::{ALIKE, CLUSTERS_A_NUMBER, NAME};
 use crate::statistics::quantile::{fisher_tail, student_975, student_tail};
 use crate::undetermined::Undetermined;
 use crate::{DiagnosisError, Observations};
@@ -208,8 +208,8 @@ impl Ending<'_> {
     }
 
     /// Probability of an estimate as far from "off": Wald's test by the covariance of clusters, with
-    /// Hotelling's distribution, for the covariance is itself an estimate; for a switch, the test of
-    /// the mean gain of a cluster.
+    /// Hotelling's distribution, for the covariance is itself an estimate; of hardly more clusters than
+    /// numbers it tells nothing. For a switch, the test of the mean gain of a cluster.
     fn p(&self, index: usize) -> Result<f64, DiagnosisError> {
         let member = &self.problem.space.members[index];
         let has_no_way = member.switches().iter().any(|is_switch| *is_switch)
@@ -229,6 +229,9 @@ impl Ending<'_> {
             return Ok(1.0);
         };
         let (n, freedom) = (self.clusters.len() as f64, sized.len() as f64);
+        if n < CLUSTERS_A_NUMBER * freedom {
+            return Ok(1.0);
+        }
         let square = distance.dot(&factor.solve(&distance));
         let per_freedom = square * (n - freedom) / (freedom * (n - 1.0));
         Ok(fisher_tail(per_freedom, freedom, n - freedom))
