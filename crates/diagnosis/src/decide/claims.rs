@@ -106,3 +106,33 @@ pub(super) fn claims(found: &Found, (left, remains): (&Left, Option<&Remains>)) 
     };
     Claims { verdict, identified, groups, effective, small, is_left }
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    use crate::synthetic::{normal, pushed_with};
+    use crate::{DiagnoseSettings, Grade, Predictions, diagnose};
+
+    const TANGENTIAL: usize = 4;
+
+    /// Motions are those of a tip with more friction, tangential forces those of the nominal one, beside what each push
+    /// adds of its own, in N.
+    #[test]
+    fn what_moves_pushes_rightly_and_makes_a_force_worse_is_no_more_than_effective() {
+        let (mut observed, model, _) = pushed_with(("pusher-friction", &[0.45]), 3);
+        let nominal = Predictions::of(&model, &[], &observed).unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let own: Vec<f64> = observed.pushes().iter().map(|_| 0.1 * normal(&mut rng)).collect();
+        for (index, told) in nominal.steps().iter().enumerate() {
+            let own = own[observed.push_of[index]];
+            observed.steps[index].observed[TANGENTIAL] = told[TANGENTIAL].map(|force| force + own);
+        }
+        let found = diagnose(&observed, &model, &DiagnoseSettings::default()).unwrap().diagnosis;
+        let told = found.effects.iter().find(|effect| effect.id == "pusher-friction").unwrap();
+        let why = &told.why;
+        assert_eq!(told.grade, Grade::Effective, "{}", found.sentence);
+        assert!(why.contains("miss the tangential force by more"), "{why}");
+    }
+}

@@ -80,7 +80,8 @@ impl<'a> Aside<'a> {
         gains
     }
 
-    /// The fall of the error and what rises with all that is claimed, beside the scatter of repeats about the best model in all of the set.
+    /// The fall of the error, beside the scatter of repeats about the best model in all of the set, and
+    /// what is missed by more with all that is claimed.
     ///
     /// In units of the noise what a manifest leaves open is fitted before and after; in those of the
     /// sensors `given` is the model under test as it is, and `claimed` has the claimed effects alone.

@@ -35,7 +35,7 @@ impl Forward<'_> {
         }
         let (time, pose, start) = (self.time, self.pose_wo, self.now);
         let first = match self.trail.as_slice() {
-            // Solved for what the pusher yields by.
+            // Known from what the pusher yields by: the gap that was closed since hardly changes it.
             [(at, twist_w)] if *at == time => *twist_w,
             _ => {
                 let rate = self.rate(time, &pose, &start)?;
