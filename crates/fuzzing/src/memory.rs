@@ -2,18 +2,19 @@
 
 use anyhow::Result;
 
-/// Address space of a worker, in bytes: its own code and threads, and for a reader of 64 KiB of
+/// Address space of a worker beyond what it has when its work begins, in bytes: for a reader of 64 KiB of
 /// input thousands of times as much.
 pub(super) const MEMORY_LIMIT: u64 = 1 << 30;
 
-/// Refuses this process more memory than the limit.
+/// Refuses this process more memory than the limit beside what it has by now: code, threads, and what libraries
+/// reserve for good, which for a product of matrices is twice the last cache of the machine a thread.
 ///
 /// # Errors
-/// If the system does not let it.
+/// If the system does not let it, or does not tell what the process has.
 #[cfg(unix)]
 pub(super) fn limit() -> Result<()> {
     use rustix::process::{Resource, Rlimit, setrlimit};
-    let limit = Some(MEMORY_LIMIT);
+    let limit = Some(reserved()? + MEMORY_LIMIT);
     Ok(setrlimit(Resource::As, Rlimit { current: limit, maximum: limit })?)
 }
 
@@ -21,4 +22,22 @@ pub(super) fn limit() -> Result<()> {
 #[cfg(not(unix))]
 pub(super) fn limit() -> Result<()> {
     Ok(())
+}
+
+/// Address space of this process, in bytes.
+#[cfg(target_os = "linux")]
+fn reserved() -> Result<u64> {
+    use anyhow::Context;
+    let path = "/proc/self/status";
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {path}"))?;
+    let line = text.lines().find_map(|line| line.strip_prefix("VmSize:"));
+    let kilobytes =
+        line.and_then(|line| line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok());
+    Ok(1024 * kilobytes.with_context(|| format!("no size of the process in {path}"))?)
+}
+
+/// Other systems do not tell: there code and threads count as well.
+#[cfg(all(unix, not(target_os = "linux")))]
+fn reserved() -> Result<u64> {
+    Ok(0)
 }

@@ -136,8 +136,10 @@ pub(super) fn work(reader: &dyn Reader, dir: &Path, order: &Order) -> Result<()>
 /// Reads one input; prints its failure if there is one.
 ///
 /// # Errors
-/// If the worker's folder cannot be used.
+/// If the worker's folder cannot be used, or the corpus cannot be made.
 pub(super) fn replay(reader: &dyn Reader, dir: &Path, input: &[u8]) -> Result<()> {
+    // As where all cases are read: what is reserved for good by then does not count.
+    corpus(reader, dir)?;
     let files = dir.join(FILES);
     fs::create_dir_all(&files)?;
     File::create(dir.join(AT))?.write_all(&0_u64.to_le_bytes())?;
