@@ -70,7 +70,7 @@ impl Raised {
     pub(super) fn sentence(&self, what: &str) -> String {
         let ((name, unit), [before, after]) = (NUMBERS[self.number], self.rms);
         format!(
-            "with {what} held-out pushes miss {name} by more, {} instead of {}",
+            "with {what}, held-out pushes miss {name} by more, {} instead of {}",
             size(after, unit),
             size(before, unit)
         )
