@@ -15,8 +15,8 @@ use crate::fit::Refit;
 use crate::noise::widely_differing::At;
 use crate::remains::remains;
 use crate::{
-    DiagnosisError, EffectFit, Fit, Gain, NoiseModel, NuisanceFit, Predictions, Reason, Remains,
-    Screen, Undetermined,
+    DiagnosisError, EffectFit, Fit, Gain, NoiseModel, NotTestable, NuisanceFit, Predictions,
+    Reason, Remains, Screen, Undetermined,
 };
 
 impl Search<'_> {
@@ -71,10 +71,13 @@ impl Search<'_> {
         progress: &mut Progress,
     ) -> Result<Vec<&'static str>, DiagnosisError> {
         let settings = self.fit_settings();
-        // Later screens are of models that carry some of the numbers, and do not test those.
+        // Later screens are of models that carry some of the numbers, and do not test those. What is within
+        // the noise of the model under test is seen beside one that misses less.
         let screened = &progress.first_screen.effects;
-        let is_hidden =
-            |id: &str| screened.iter().any(|one| one.id == id && one.not_testable.is_some());
+        let hides = |why: &NotTestable| why.reason != Reason::Weak;
+        let is_hidden = |id: &str| {
+            screened.iter().any(|one| one.id == id && one.not_testable.as_ref().is_some_and(hides))
+        };
         let is_asked = |nuisance: &NuisanceFit| self.is_wrong(nuisance) && !is_hidden(nuisance.id);
         let wrong: Vec<NuisanceFit> =
             here.fit(&settings)?.nuisances.into_iter().filter(is_asked).collect();
@@ -134,7 +137,19 @@ impl Search<'_> {
             };
             progress.chosen.retain(|one| one.id != id);
             progress.refused.push(Refused { id, objection });
-            whole = whole.without(&[id])?;
+            whole = self.not_asking(whole, id)?;
+        }
+    }
+
+    /// The fit without an effect; a nominal number is left open as before it was asked for.
+    fn not_asking<'a>(
+        &self,
+        whole: Refit<'a>,
+        id: &'static str,
+    ) -> Result<Refit<'a>, DiagnosisError> {
+        match self.is_nominal(id) {
+            true => Ok(whole.not_asking(id)),
+            false => whole.without(&[id]),
         }
     }
 
@@ -236,7 +251,7 @@ impl Search<'_> {
                 Some(other) => other,
                 None => {
                     progress.chosen.retain(|one| one.id != id);
-                    whole.without(&[id])?
+                    self.not_asking(whole, id)?
                 }
             };
             fit = whole.fit(&self.fit_settings())?;
@@ -360,4 +375,23 @@ fn is_mean_friction(here: &Refit, nuisance: &NuisanceFit) -> bool {
     let miss = (nuisance.value / nuisance.nominal).ln().abs();
     let open = 2.0 * nuisance.se / nuisance.value;
     nuisance.id == "support-friction" && spread > 0.0 && miss <= spread + open
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::synthetic::{in_more_noise, pushed_with};
+    use crate::{DiagnoseSettings, Grade, diagnose};
+
+    #[test]
+    fn a_nominal_number_farther_off_than_a_screen_expects_is_named_in_noise_that_hides_what_it_does()
+     {
+        const RATIO: f64 = 0.5;
+        let (observed, model, truth) = pushed_with(("pressure-radius", &[RATIO]), 1);
+        let observed = in_more_noise(observed, &truth, 60.0);
+        let found = diagnose(&observed, &model, &DiagnoseSettings::default()).unwrap().diagnosis;
+        let told = found.effects.iter().find(|one| one.id == "pressure-radius").unwrap();
+        assert_eq!(told.grade, Grade::Identified, "{}", told.why);
+        let ends = told.parameters[0].low95.zip(told.parameters[0].high95);
+        assert!(ends.is_some_and(|(low, high)| low < RATIO && RATIO < high), "{ends:?}");
+    }
 }

@@ -192,10 +192,19 @@ impl<'a> Refit<'a> {
 
     /// The same minimum, at which some of the nuisances are asked for.
     pub(crate) fn asking(&self, ids: &[&'static str]) -> Self {
+        self.with_part(ids, Part::Asked)
+    }
+
+    /// The same minimum, at which a number that was asked for is a nuisance.
+    pub(crate) fn not_asking(&self, id: &'static str) -> Self {
+        self.with_part(&[id], Part::Nuisance)
+    }
+
+    fn with_part(&self, ids: &[&'static str], part: Part) -> Self {
         let mut other = self.clone();
         let members = &mut other.problem.space.members;
         members.iter_mut().filter(|member| ids.contains(&member.id())).for_each(|member| {
-            member.part = Part::Asked;
+            member.part = part;
         });
         other
     }

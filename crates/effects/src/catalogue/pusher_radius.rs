@@ -13,8 +13,10 @@ static INFO: EffectInfo = EffectInfo {
     id: "pusher-radius",
     title: "Pusher radius",
     physics: "A pusher thicker than stated touches earlier, which shows in the gap; it touches \
-        corners elsewhere and rolls farther along an edge that turns.",
-    equation: "R = R₀ + excess, with R₀ the stated radius, in m.",
+        corners elsewhere and rolls farther along an edge that turns. An outline that is smaller than \
+        stated looks like a thinner pusher, even like one that is thinner than a point.",
+    equation: "R = R₀ + excess, with R₀ the stated radius, in m; where R < 0, a point and the outline \
+        moved inwards by −R.",
     source: "Montana (1988), The kinematics of contact and grasp, Int. J. Robotics Research 7(3).",
     stages: &[Stage::Geometry],
     origin: Origin::Contact,
@@ -39,12 +41,6 @@ static INFO: EffectInfo = EffectInfo {
 impl Effect for PusherRadius {
     fn info(&self) -> &EffectInfo {
         &INFO
-    }
-
-    /// No pusher is thinner than a point.
-    fn range_in(&self, parameter: usize, step: &StepInput) -> (f64, f64) {
-        let (low, high) = self.info().parameters[parameter].range;
-        (low.max(-step.pusher_radius), high)
     }
 
     fn geometry(&self, values: &[f64], _: &StepInput, geometry: &mut Geometry) {

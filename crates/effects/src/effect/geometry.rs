@@ -8,7 +8,7 @@ use crate::{EffectError, MeasurementModel, StepInput};
 /// Gathered changes of the contact's geometry: effects add to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Geometry {
-    /// The pusher's radius over its nominal value, in m.
+    /// The pusher's radius over its nominal value, in m. Below a point's, the outline is so much smaller.
     pub radius_excess: f64,
     /// How far the force acts from the nearest point, along the edge towards larger p, in m.
     pub contact_shift: f64,
@@ -21,11 +21,8 @@ pub struct Geometry {
 /// Outline and pusher as a model has them: as stated, but for what its effects change.
 #[derive(Clone, Debug)]
 pub struct TrueOutline {
-    /// The outline, moved inwards by the corner radius.
     core: Shape,
-    /// Of the pusher, without the corner radius, in m.
-    pusher_radius: f64,
-    corner_radius: f64,
+    reach: Reach,
     /// The outline's frame in the tracked one, if they are not the same.
     pose_bo: Option<Pose>,
     latency: f64,
@@ -36,8 +33,8 @@ impl TrueOutline {
     ///
     /// - `pusher_radius`: in m.
     pub fn stated(shape: &Shape, pusher_radius: f64) -> Self {
-        let (core, corner_radius, pose_bo, latency) = (shape.clone(), 0.0, None, 0.0);
-        Self { core, pusher_radius, corner_radius, pose_bo, latency }
+        let reach = Reach { pusher_radius, inwards: 0.0 };
+        Self { core: shape.clone(), reach, pose_bo: None, latency: 0.0 }
     }
 
     pub(crate) fn new(
@@ -45,13 +42,11 @@ impl TrueOutline {
         geometry: Geometry,
         measurement: &MeasurementModel,
     ) -> Result<Self, EffectError> {
-        let Outline { core, radius, .. } = Outline::new(step, geometry)?;
-        let corner_radius = if core.is_some() { geometry.corner_radius } else { 0.0 };
+        let Outline { core, reach, .. } = Outline::new(step, geometry)?;
         let pose_bo = measurement.pose_bo();
         Ok(Self {
             core: core.unwrap_or_else(|| step.object.shape().clone()),
-            pusher_radius: radius,
-            corner_radius,
+            reach,
             pose_bo: (pose_bo != Pose::default()).then_some(pose_bo),
             latency: measurement.latency,
         })
@@ -63,9 +58,7 @@ impl TrueOutline {
             Some(pose_bo) => pose_bo.inverse_transform_point(center_b),
             None => *center_b,
         };
-        let reach = self.pusher_radius + self.corner_radius;
-        let mut contact = self.core.contact(&center_o, reach);
-        contact.point -= self.corner_radius * contact.normal;
+        let mut contact = self.reach.contact(&self.core, &center_o);
         if let Some(pose_bo) = &self.pose_bo {
             contact.point = pose_bo.transform_point(&contact.point);
             contact.normal = pose_bo.rotate(&contact.normal);
@@ -78,9 +71,9 @@ impl TrueOutline {
         self.contact(&pose_wb.inverse_transform_point(center_w)).gap
     }
 
-    /// The pusher's true radius, in m.
+    /// The pusher's true radius, in m; 0 where the outline is smaller than stated by more than it.
     pub fn pusher_radius(&self) -> f64 {
-        self.pusher_radius
+        self.reach.pusher_radius.max(0.0)
     }
 
     /// How late the object's stream is against the robot's, in s.
@@ -89,35 +82,51 @@ impl TrueOutline {
     }
 }
 
+/// How a round pusher touches an outline by its core: the outline moved inwards, which a pusher of that much
+/// larger radius touches where it touches the outline itself.
+#[derive(Clone, Copy, Debug)]
+struct Reach {
+    /// In m; of an outline that is smaller than stated by more, less than none.
+    pusher_radius: f64,
+    /// How far the core is inside the outline, in m.
+    inwards: f64,
+}
+
+impl Reach {
+    /// Nearest point, normal and gap for a pusher's center in the core's frame, in m.
+    fn contact(&self, core: &Shape, center_o: &Vector2<f64>) -> Contact {
+        let Self { pusher_radius, inwards } = *self;
+        let contact = core.contact(center_o, pusher_radius + inwards);
+        let outwards = inwards + pusher_radius.min(0.0);
+        Contact { point: contact.point - outwards * contact.normal, ..contact }
+    }
+}
+
 /// The true outline and pusher of one step.
 pub(crate) struct Outline<'a> {
     shape: &'a Shape,
-    /// The outline moved inwards by the corner radius: a round pusher of that much larger radius
-    /// touches it where it touches the rounded outline.
+    /// If it is not the shape.
     core: Option<Shape>,
-    radius: f64,
+    reach: Reach,
     geometry: Geometry,
 }
 
 impl<'a> Outline<'a> {
     pub(crate) fn new(step: &'a StepInput, geometry: Geometry) -> Result<Self, EffectError> {
         let shape = step.object.shape();
+        let pusher_radius = step.pusher_radius + geometry.radius_excess;
+        let inwards = geometry.corner_radius - pusher_radius.min(0.0);
         let core = match shape {
-            Shape::Polygon(polygon) if geometry.corner_radius != 0.0 => {
-                Some(moved_inwards(polygon, geometry.corner_radius)?)
-            }
+            Shape::Polygon(polygon) if inwards != 0.0 => Some(moved_inwards(polygon, inwards)?),
             Shape::Polygon(_) | Shape::Ellipse(_) => None,
         };
-        Ok(Self { shape, core, radius: step.pusher_radius + geometry.radius_excess, geometry })
+        let inwards = if core.is_some() { inwards } else { 0.0 };
+        Ok(Self { shape, core, reach: Reach { pusher_radius, inwards }, geometry })
     }
 
     /// Nearest point, normal and gap for a pusher's center in the outline's frame, in m.
     pub(crate) fn nearest(&self, center_o: &Vector2<f64>) -> Contact {
-        let Some(core) = &self.core else {
-            return self.shape.contact(center_o, self.radius);
-        };
-        let contact = core.contact(center_o, self.radius + self.geometry.corner_radius);
-        Contact { point: contact.point - self.geometry.corner_radius * contact.normal, ..contact }
+        self.reach.contact(self.core.as_ref().unwrap_or(self.shape), center_o)
     }
 
     /// Way of the pusher before it touches where a push is said to begin, in m.

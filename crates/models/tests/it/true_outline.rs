@@ -10,7 +10,7 @@ use models::{
     PushModel, PushPath, Pushed, RollOut, RollOutSettings, StepErrors,
 };
 use nalgebra::{Matrix3, Vector2, Vector3};
-use planar::{Pose, Shape, mit_object};
+use planar::{Ellipse, Pose, Shape, mit_object};
 
 const TABLE: SupportSpec = SupportSpec { friction: 0.25, gravity: 9.81 };
 const RADIUS: f64 = 0.005;
@@ -102,6 +102,23 @@ fn a_model_is_asked_for_its_own_outline() {
     let thick = outline(&[("pusher-radius", &[2e-3])]);
     assert!((thick.contact(&center).gap - 0.003).abs() < 1e-15);
     assert!((thick.pusher_radius() - 0.007).abs() < 1e-15);
+    // Of a point and an outline that is 2 mm smaller on every side: at an edge, and about a corner.
+    let smaller = |shape: Shape| {
+        model(&[("pusher-radius", &[-4e-3])]).true_outline(&pushed(shape, 2e-3)).unwrap()
+    };
+    let (found, stated) = (smaller(Shape::square(0.09).unwrap()), Shape::square(0.086).unwrap());
+    for center in [center, Vector2::new(-0.047, 0.046), Vector2::new(-0.0425, 0.02)] {
+        let (found, stated) = (found.contact(&center), stated.contact(&center, 0.0));
+        assert!((found.gap - stated.gap).abs() < 1e-15, "{found:?} {stated:?}");
+        assert!((found.point - stated.point).norm() < 1e-15, "{found:?} {stated:?}");
+    }
+    assert_eq!(found.pusher_radius(), 0.0);
+    let disc = smaller(Shape::Ellipse(Ellipse::new(0.045, 0.045).unwrap()));
+    for gap in [0.003, -1e-3] {
+        let found = disc.contact(&Vector2::new(0.0, -0.043 - gap));
+        assert!((found.gap - gap).abs() < 1e-12, "{found:?}");
+        assert!((found.point - Vector2::new(0.0, -0.043)).norm() < 1e-12, "{found:?}");
+    }
     // The outline is 1 mm farther along x and 2 mm along y than the frame that is tracked.
     let moved = outline(&[("pose-offset", &[1e-3, 2e-3])]).contact(&center);
     assert!((moved.gap - 0.006).abs() < 1e-15 && (moved.point.x + 0.044).abs() < 1e-15);
