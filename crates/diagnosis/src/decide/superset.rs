@@ -17,8 +17,8 @@ use crate::fit::Refit;
 use crate::predict::candidates::follow_from_points;
 use crate::{DiagnosisError, Gain, Screen};
 
-/// Of four points: places and shares.
-const N_NUMBERS: usize = 11;
+/// Points that are tried at most, and at least.
+const N_POINTS: [usize; 2] = [4, 3];
 /// Covariances under which points are asked for.
 const N_NOISES: usize = 2;
 /// Effects that few steps show.
@@ -61,7 +61,8 @@ impl Search<'_> {
     ) -> Option<(Refit<'a>, f64)> {
         let found = self.borne_by_points(here, follow);
         let p = |gain: &Gain, progress: &Progress| p_of_points(gain, follow, screen, progress);
-        sure((SupportPoints.info().id, N_NUMBERS), found, p, progress)
+        let freedom = n_numbers(self.n_points()?);
+        sure((SupportPoints.info().id, freedom), found, p, progress)
     }
 
     /// The model with an effect that few steps show and no slope, if pushes that are left out of the fit are predicted
@@ -141,7 +142,13 @@ impl Search<'_> {
         !is_known
             && !is_asked
             && self.fitted.channels().contains(&Channel::Motion)
-            && self.fitted.pushes().len() >= PUSHES_A_NUMBER * N_NUMBERS
+            && self.n_points().is_some()
+    }
+
+    /// As many points as there are pushes for; none for fewer than three, on which no object rests.
+    fn n_points(&self) -> Option<usize> {
+        let n_most = self.fitted.pushes().len() / PUSHES_A_NUMBER;
+        N_POINTS.into_iter().find(|n_points| n_numbers(*n_points) <= n_most)
     }
 
     /// Numbers that follow from points, but for those that the model under test has.
@@ -157,11 +164,17 @@ impl Search<'_> {
         follow: &[&'static str],
     ) -> Result<Option<(Refit<'a>, Gain)>, Objection> {
         let Some(effect) = self.effect(SupportPoints.info().id) else { return Ok(None) };
+        let Some(n_points) = self.n_points() else { return Ok(None) };
         self.tell(DiagnosePhase::Refitting { effect: effect.info().id });
-        let Some(there) = here.borne_by(effect, follow)? else { return Ok(None) };
+        let Some(there) = here.borne_by(effect, n_points, follow)? else { return Ok(None) };
         let gains = self.left_out(here, &there)?;
         Ok(Some((there, Gain::of(&gains))))
     }
+}
+
+/// Places of points, and their shares of the weight.
+fn n_numbers(n_points: usize) -> usize {
+    3 * n_points - 1
 }
 
 /// The model with an effect of so many numbers that no screen shows, and its probability, if both are sure;
@@ -207,7 +220,7 @@ fn p_of(gain: &Gain, n_tests: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use effects::{EdgeRounding, Effect, PusherStiction, VertexContact};
+    use effects::{EdgeRounding, Effect, PusherStiction, SupportPoints, VertexContact};
 
     use super::p_of;
     use crate::synthetic::pushed_with;
@@ -232,6 +245,23 @@ mod tests {
         let ends = first.low95.zip(first.high95);
         assert!(ends.is_some_and(|(low, high)| low < truth[0] && truth[0] < high), "{first:?}");
         assert!(found.description.effects.iter().any(|carried| carried.id == id));
+    }
+
+    #[test]
+    fn three_feet_are_named_by_fewer_pushes_than_four_points_take() {
+        let about = SupportPoints.info();
+        let mut feet = vec![0.0; about.parameters.len()];
+        feet[..9].copy_from_slice(&[0.030, 0.025, 0.30, -0.035, 0.010, 0.45, 0.005, -0.035, 0.25]);
+        let (all, model, _) = pushed_with((about.id, &feet), 1);
+        // Of 44, 33 are fitted to.
+        let names: Vec<String> = all.pushes().iter().take(44).map(ToString::to_string).collect();
+        let observations = all.part(&names).unwrap();
+        let found = diagnose(&observations, &model, &DiagnoseSettings::default()).unwrap();
+        let found = found.diagnosis;
+        assert_eq!(found.identified, [about.id], "{}", found.sentence);
+        let told = found.effects.iter().find(|told| told.id == about.id).unwrap();
+        let n_points = told.parameters.iter().filter(|one| one.unit == "m").count() / 2;
+        assert_eq!(n_points, 3, "{:?}", told.parameters);
     }
 
     #[test]

@@ -5,25 +5,28 @@ use std::sync::Arc;
 
 use effects::Effect;
 
-use super::Refit;
 use super::descent::{BRIEF, Exactness, Start};
 use super::problem::Problem;
+use super::{Refit, SupportPointsFit};
 use crate::DiagnosisError;
 use crate::cut_offs::FAR_ABOVE;
 
 impl<'a> Refit<'a> {
-    /// The minimum with an effect that says where the object rests, from where the motions say that it does;
-    /// effects in `instead` are off. None if a brief descent ends far above this model.
+    /// The minimum with an effect that says where the object rests, from where the motions say that it does, on so
+    /// many points; effects in `instead` are off. None if a brief descent ends far above this model.
     ///
     /// # Errors
     /// As a descent.
     pub(crate) fn borne_by(
         &self,
         effect: &Arc<dyn Effect>,
+        n_points: usize,
         instead: &[&'static str],
     ) -> Result<Option<Self>, DiagnosisError> {
         let Problem { space, whitening, robust, .. } = &self.problem;
-        let mut problem = Problem::new(space.with(effect)?, whitening, robust.clone());
+        let points = SupportPointsFit { n: n_points, ..SupportPointsFit::default() };
+        let space_on = space.with_on(effect, points)?;
+        let mut problem = Problem::new(space_on, whitening, robust.clone());
         for (k, frozen) in self.problem.frozen.iter().enumerate() {
             problem.frozen[k] |= *frozen;
         }
@@ -99,7 +102,7 @@ mod tests {
             let (observations, model, _) = pushed_with((id, &truth), seed);
             let whitening = white(&observations);
             let here = Refit::new(&observations, &model, &whitening, &FitSettings::default());
-            let points = here.unwrap().borne_by(by_id(id).unwrap(), &["pressure-radius"]);
+            let points = here.unwrap().borne_by(by_id(id).unwrap(), 4, &["pressure-radius"]);
             let points = points.unwrap().unwrap();
             let lower = points.clone().settled().unwrap();
             let left = points.misfit_by(&lower) - lower.objective();

@@ -111,21 +111,28 @@ impl<'a> Space<'a> {
 
     /// The same with one more effect, at "off"; one that is a nuisance loses its prior.
     pub(super) fn with(&self, effect: &Arc<dyn Effect>) -> Result<Self, DiagnosisError> {
+        self.with_on(effect, SupportPointsFit::default())
+    }
+
+    /// The same; points on which the object rests are so many.
+    pub(super) fn with_on(
+        &self,
+        effect: &Arc<dyn Effect>,
+        points: SupportPointsFit,
+    ) -> Result<Self, DiagnosisError> {
         let mut other = self.clone();
         let rig = self.physics[0].rig().clone();
         let off = effect.info().off(&rig);
+        let steps = self.observations.steps.iter().map(|step| &step.input);
         if let Some(known) = other.members.iter_mut().find(|m| m.id() == effect.info().id) {
-            let steps = self.observations.steps.iter().map(|step| &step.input);
             *known = Member::new(effect, Part::Asked, &known.start, &rig).inside(steps, &rig);
             return Ok(other);
         }
         for physics in &mut other.physics {
             *physics = physics.clone().with(effect, &off).map_err(models::ModelError::from)?;
         }
-        let steps = self.observations.steps.iter().map(|step| &step.input);
         let member = Member::new(effect, Part::Asked, &off, &rig).inside(steps, &rig);
         let object = &self.observations.steps[0].input.object;
-        let points = SupportPointsFit::default();
         other.members.push(with_start(member, None, points, self.observations, object));
         Ok(other)
     }
