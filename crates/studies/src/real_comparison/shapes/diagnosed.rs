@@ -44,7 +44,7 @@ fn of(path: &Path, name: &str) -> Result<Diagnosed> {
 }
 
 /// What is identified in bold, then what is ambiguous and what is effective.
-fn claimed(found: &Diagnosis) -> String {
+pub(in crate::real_comparison) fn claimed(found: &Diagnosis) -> String {
     let identified = found.identified.iter().map(|id| format!("**`{id}`**"));
     let groups = found.ambiguous.iter().map(|group| format!("one of `{}`", group.join("`, `")));
     let effective = found.effective.iter().map(|id| format!("`{id}`"));

@@ -1,5 +1,7 @@
 //! Pushes of an object that stands on known feet: are they found?
 
+mod diagnosed;
+
 use std::fmt::Write;
 use std::path::Path;
 
@@ -10,6 +12,7 @@ use models::{Analytical, Description, PushModel};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use report::{Color, Ellipse, Figure, Panel, Points, Polygon};
 
+use self::diagnosed::Diagnosed;
 use super::plain_fit::{feet, fit, fitted};
 
 /// The sets and their feet, in m, by Zhou, Paolini, Bagnell & Mason (2016); none for the whole face.
@@ -40,6 +43,8 @@ pub(super) struct Known {
     /// frame, with each of [`POINTS`].
     nmse: [f64; 4],
     outline: Vec<[f64; 2]>,
+    /// What is claimed by the diagnosis alone.
+    diagnosed: Diagnosed,
 }
 
 /// What a fit of points to all pushes finds.
@@ -105,6 +110,7 @@ impl Known {
             truth,
             found: [free?, by_statics?],
             nmse: squares.map(of_variance),
+            diagnosed: Diagnosed::of(&all, &nominal)?,
             outline: object.shape().outline(4).iter().map(|place| [place.x, place.y]).collect(),
         })
     }
@@ -206,39 +212,47 @@ pub(super) fn text(known: &[Known]) -> String {
             n = known.len()
         );
     }
-    page + TAIL
+    page + &diagnosed::text(known) + TAIL
 }
 
-/// The outline with true feet and those found.
+/// The outlines with true feet and those found: by fits of four points, and by the diagnosis alone.
 ///
 /// # Errors
 /// A picture that cannot be drawn.
 pub(super) fn picture(known: &[Known]) -> Result<String> {
-    let mut figure = Figure::new(1, known.len()).panel_size(240.0, 240.0);
-    for Known { name, feet, found: [found, _], truth, outline, .. } in known {
-        let found = &found.feet;
+    let mut figure = Figure::new(2, known.len()).panel_size(240.0, 240.0);
+    for one in known {
+        figure = figure.with(one.panel(one.name, &one.found[0].feet));
+    }
+    for one in known {
+        figure = figure.with(one.panel(&format!("{}, diagnosed", one.name), &one.diagnosed.feet));
+    }
+    Ok(figure.svg()?)
+}
+
+impl Known {
+    fn panel(&self, title: &str, found: &[[f64; 3]]) -> Panel {
         let mm = |place: &[f64]| [1e3 * place[0], 1e3 * place[1]];
-        let outline: Vec<[f64; 2]> = outline.iter().map(|place| mm(place)).collect();
-        let feet: Vec<[f64; 2]> = feet.iter().map(|foot| mm(foot)).collect();
+        let outline: Vec<[f64; 2]> = self.outline.iter().map(|place| mm(place)).collect();
+        let feet: Vec<[f64; 2]> = self.feet.iter().map(|foot| mm(foot)).collect();
         let [ours, true_color] = [Color::cycle(0), Color::cycle(1)];
         let mut panel = Panel::new("x in mm", "y in mm")
-            .title(name)
+            .title(title)
             .equal_aspect()
             .with(Polygon::new(&outline));
         for foot in found {
             let circle = Ellipse::circle(mm(foot), WHOLE * foot[2].sqrt());
             panel = panel.with(circle.fill(ours, 0.4));
         }
-        let of = |k: usize| found.iter().map(|foot| 1e3 * foot[k] * foot[2]).sum::<f64>();
-        panel = panel
-            .with(Points::at(&[[of(0), of(1)]]).color(ours))
-            .with(Points::at(&[mm(truth)]).color(true_color));
+        if !found.is_empty() {
+            panel = panel.with(Points::at(&[mm(&diagnosed::center(found))]).color(ours));
+        }
+        panel = panel.with(Points::at(&[mm(&self.truth)]).color(true_color));
         if !feet.is_empty() {
             panel = panel.with(Points::at(&feet).color(true_color));
         }
-        figure = figure.with(panel);
+        panel
     }
-    Ok(figure.svg()?)
 }
 
 /// Radius of a foot that bears the whole weight, in mm.
@@ -272,6 +286,7 @@ may lead to wrong points.
 const TAIL: &str = "
 ![True feet and those found](real-data-known-supports.svg)
 
-Orange are the true feet and their center; blue the four points found, their area by the share of
-the weight that they bear, and the center of friction that follows.
+Orange are the true feet and their center; blue the points found, their area by the share of the weight that
+they bear, and the center of friction that follows: above by fits of four points, below by the diagnosis alone, where
+it claims any.
 ";
