@@ -130,6 +130,9 @@ impl fmt::Display for Objection {
             Self::Small { size } => {
                 write!(f, "it changes what is predicted by {size:.2} of the noise alone")
             }
+            Self::LittleMore { share } if *share <= 0.0 => {
+                f.write_str("it adds nothing to what is explained before it")
+            }
             Self::LittleMore { share } => {
                 let percent = 100.0 * share;
                 write!(f, "it adds {percent:.1} % to what is explained before it")
@@ -187,6 +190,8 @@ mod tests {
         assert_eq!(first.objection(0.02, 40.0, 0.2), Some(Objection::Small { size: 0.2 }));
         let later = Rules { gain_so_far: 1000.0, is_first: false };
         assert!(matches!(later.objection(0.005, 5.0, 0.5), Some(Objection::LittleMore { .. })));
+        let less = later.objection(0.005, -5.0, 0.5).unwrap().to_string();
+        assert!(less.starts_with("it adds nothing"), "{less}");
         // What is large needs no share, and a share needs no more than its size.
         assert_eq!(later.objection(0.005, 5.0, 0.8), None);
         assert_eq!(later.objection(0.005, 20.0, 0.5), None);
