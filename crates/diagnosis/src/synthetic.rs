@@ -169,18 +169,14 @@ pub(crate) fn in_more_noise(
 }
 
 /// Recorded pushes as the nominal model makes them with a number of an effect that each has of its own, its
-/// coordinate off by a mean and a standard deviation, in a tenth of [`NOISE`]; that model, and how far off each is.
-pub(crate) fn with_own(
-    id: &str,
-    [mean, sd]: [f64; 2],
-    seed: u64,
-) -> (Observations, Description, Vec<f64>) {
+/// coordinate off by a standard deviation, in a tenth of [`NOISE`]; that model, and how far off each is.
+pub(crate) fn with_own(id: &str, sd: f64, seed: u64) -> (Observations, Description, Vec<f64>) {
     let (mut observed, model) = recorded(1);
     let about = by_id(id).unwrap().info();
     let rig = Rig::new(Surface::Ellipsoid, 0.25, 0.25).unwrap();
     let middle = about.to_coordinates(&about.off(&rig))[0];
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let off: Vec<f64> = observed.pushes.iter().map(|_| mean + sd * normal(&mut rng)).collect();
+    let off: Vec<f64> = observed.pushes.iter().map(|_| sd * normal(&mut rng)).collect();
     for (step, push) in observed.steps.iter_mut().zip(&observed.push_of) {
         let mut own = model.clone();
         let values = about.from_coordinates(&[middle + off[*push]]);

@@ -100,10 +100,13 @@ pub enum EffectError {
         /// Id of the effect.
         effect: String,
     },
-    /// The corners of an outline cannot be rounded that much.
-    #[error("corners of {radius} m do not fit on this outline; its shortest edge is {shortest} m")]
+    /// The corners of an outline cannot be rounded that much, or it cannot be that much smaller.
+    #[error(
+        "this outline cannot be moved inwards by {radius} m, for round corners or for a pusher thinner than a \
+         point; its shortest edge is {shortest} m"
+    )]
     TooRound {
-        /// The asked radius, in m.
+        /// How far inwards was asked for: the radius of corners, and what a pusher is thinner than a point, in m.
         radius: f64,
         /// The shortest edge, in m.
         shortest: f64,

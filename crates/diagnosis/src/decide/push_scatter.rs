@@ -118,7 +118,7 @@ mod tests {
     #[test]
     fn a_friction_is_told_to_differ_as_it_does_where_tips_hold_and_slide() {
         for seed in 1..=3 {
-            let (observed, model, own) = with_own("pusher-friction", [0.0, 0.06], seed);
+            let (observed, model, own) = with_own("pusher-friction", 0.06, seed);
             let sd = (own.iter().map(|off| off * off).sum::<f64>() / own.len() as f64).sqrt();
             let found = push_scatter(&model, &observed, &DiagnoseSettings::default()).unwrap();
             let [first, others @ ..] = found.as_slice() else { panic!("nothing is told") };

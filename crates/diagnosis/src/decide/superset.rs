@@ -59,10 +59,10 @@ impl Search<'_> {
         screen: &Screen,
         progress: &mut Progress,
     ) -> Option<(Refit<'a>, f64)> {
-        let found = self.borne_by_points(here, follow);
+        let n_points = self.n_points()?;
+        let found = self.borne_by_points(here, n_points, follow);
         let p = |gain: &Gain, progress: &Progress| p_of_points(gain, follow, screen, progress);
-        let freedom = n_numbers(self.n_points()?);
-        sure((SupportPoints.info().id, freedom), found, p, progress)
+        sure((SupportPoints.info().id, n_numbers(n_points)), found, p, progress)
     }
 
     /// The model with an effect that few steps show and no slope, if pushes that are left out of the fit are predicted
@@ -161,10 +161,10 @@ impl Search<'_> {
     fn borne_by_points<'a>(
         &self,
         here: &Refit<'a>,
+        n_points: usize,
         follow: &[&'static str],
     ) -> Result<Option<(Refit<'a>, Gain)>, Objection> {
         let Some(effect) = self.effect(SupportPoints.info().id) else { return Ok(None) };
-        let Some(n_points) = self.n_points() else { return Ok(None) };
         self.tell(DiagnosePhase::Refitting { effect: effect.info().id });
         let Some(there) = here.borne_by(effect, n_points, follow)? else { return Ok(None) };
         let gains = self.left_out(here, &there)?;

@@ -358,6 +358,23 @@ mod tests {
     }
 
     #[test]
+    fn a_number_that_is_asked_for_no_more_stays_where_it_is_and_open() {
+        let id = "pressure-radius";
+        let (observations, model, _) = pushed_with((id, &[1.2]), 3);
+        let (whitening, settings) = (white(&observations), FitSettings::default());
+        let here = Refit::new(&observations, &model, &whitening, &settings).unwrap();
+        let again = here.asking(&[id]).not_asking(id);
+        assert_eq!(again.objective(), here.objective());
+        let nuisance = |of: &Refit| {
+            let fit = of.fit(&settings).unwrap();
+            assert!(fit.effects.iter().all(|effect| effect.id != id));
+            fit.nuisances.iter().find(|one| one.id == id).map(|one| one.value).unwrap()
+        };
+        assert_eq!(nuisance(&again), nuisance(&here));
+        assert!((nuisance(&again) - 1.2).abs() < 0.05, "{}", nuisance(&again));
+    }
+
+    #[test]
     fn a_model_refitted_as_it_is_loses_nothing_by_the_same_thresholds() {
         let (mut observations, model) = recorded(1);
         let predicted = Predictions::of(&model, &[], &observations).unwrap();

@@ -282,7 +282,7 @@ mod tests {
         let noise = noise("pressure-radius", SD);
         let mut off = [0.0; 2];
         for seed in 1..=4 {
-            let (observed, model, own) = with_own("pressure-radius", [0.0, SD], seed);
+            let (observed, model, own) = with_own("pressure-radius", SD, seed);
             let mean = own.iter().sum::<f64>() / own.len() as f64;
             let expected = noise.whitening_from(At::Expected, &model, &[], &observed).unwrap();
             let plain = noise.whitening_at(&observed, &usual(&model, &observed)).unwrap();

@@ -3,13 +3,22 @@
 use std::fmt::Write;
 
 use anyhow::{Context, Result};
-use diagnosis::{Comparison, FloorSource, PushEnds, Spread};
+use diagnosis::{Comparison, Diagnosis, FloorSource, PushEnds, Spread};
 
 use super::corner::{Corner, Errors, N_EXCHANGES, NUMBERS};
 use super::source::{Compared, Fitted};
 
 /// How a section begins.
 const HEADING: &str = "\n## ";
+
+/// What a diagnosis claims: what is identified in bold, then what is ambiguous and what is effective.
+pub(super) fn claimed(found: &Diagnosis) -> String {
+    let identified = found.identified.iter().map(|id| format!("**`{id}`**"));
+    let groups = found.ambiguous.iter().map(|group| format!("one of `{}`", group.join("`, `")));
+    let effective = found.effective.iter().map(|id| format!("`{id}`"));
+    let all: Vec<String> = identified.chain(groups).chain(effective).collect();
+    if all.is_empty() { "–".to_owned() } else { all.join(", ") }
+}
 
 /// The section about the one-step pushes.
 pub(super) fn one_step_text(table: &Compared, corner: &Corner) -> String {

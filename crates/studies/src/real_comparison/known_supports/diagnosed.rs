@@ -2,13 +2,13 @@
 
 use std::f64::consts::PI;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use diagnosis::{DiagnoseSettings, Diagnosis, Observations, diagnose};
 use effects::{Effect, PressureRadius, SupportPoints};
 use models::Description;
 
+use super::super::page::claimed;
 use super::super::plain_fit::feet;
-use super::super::shapes::claimed;
 use super::Known;
 
 /// What is claimed of a set.
@@ -25,11 +25,15 @@ impl Diagnosed {
     /// A diagnosis that fails.
     pub(super) fn of(all: &Observations, nominal: &Description) -> Result<Self> {
         let found = diagnose(all, nominal, &DiagnoseSettings::default())?;
-        let feet = feet(&found.description).unwrap_or_default();
+        let claimed = |id: &str| found.description.effects.iter().find(|effect| effect.id == id);
+        let feet = match claimed(SupportPoints.info().id) {
+            Some(_) => feet(&found.description).context("points that cannot be read")?,
+            None => Vec::new(),
+        };
         let about = PressureRadius.info();
-        let radius = found.description.effects.iter().find(|effect| effect.id == about.id);
+        let radius = claimed(about.id).map(|effect| effect.setting().values(about)).transpose()?;
+        let ratio = radius.map(|own| own[0]);
         let uniform = all.steps().first().map(|step| step.input.object.mean_distance());
-        let ratio = radius.and_then(|effect| effect.setting().values(about).ok()).map(|own| own[0]);
         let distance = if feet.is_empty() {
             ratio.zip(uniform).map(|(ratio, uniform)| ratio * uniform)
         } else {
@@ -62,9 +66,10 @@ impl Diagnosed {
         let [before, after, floor] =
             [&self.found.error.before_si, &self.found.error.after_si, &self.found.error.floor_si];
         let told = |of: fn(&diagnosis::MotionError) -> Option<f64>, unit: f64| {
+            let number = |value: f64| format!("{:.2}", unit * value);
             let [before, after, floor] =
-                [before, after, floor].map(|one| of(one).unwrap_or_default() * unit);
-            format!("{before:.2} → {after:.2} ({floor:.2})")
+                [before, after, floor].map(|one| of(one).map_or("–".to_owned(), number));
+            format!("{before} → {after} ({floor})")
         };
         let place = match self.feet.is_empty() {
             true => "–".to_owned(),

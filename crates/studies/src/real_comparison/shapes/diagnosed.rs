@@ -4,12 +4,13 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use diagnosis::{DiagnoseSettings, Diagnosis, diagnose};
+use diagnosis::{DiagnoseSettings, diagnose};
 use planar::MIT_NAMES;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use super::folds::folds;
 use super::pushes::{Error, errors, pushes};
+use crate::real_comparison::page::claimed;
 
 /// What the diagnoses of an object's halves lead to.
 pub(in crate::real_comparison) struct Diagnosed {
@@ -41,15 +42,6 @@ fn of(path: &Path, name: &str) -> Result<Diagnosed> {
     }
     println!("{name}: two halves diagnosed in {} s", started.elapsed().as_secs());
     Ok(Diagnosed { name: name.to_owned(), before, after, claims })
-}
-
-/// What is identified in bold, then what is ambiguous and what is effective.
-pub(in crate::real_comparison) fn claimed(found: &Diagnosis) -> String {
-    let identified = found.identified.iter().map(|id| format!("**`{id}`**"));
-    let groups = found.ambiguous.iter().map(|group| format!("one of `{}`", group.join("`, `")));
-    let effective = found.effective.iter().map(|id| format!("`{id}`"));
-    let all: Vec<String> = identified.chain(groups).chain(effective).collect();
-    if all.is_empty() { "–".to_owned() } else { all.join(", ") }
 }
 
 /// The section of the page.

@@ -13,7 +13,7 @@ use planar::MIT_NAMES;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use report::{Color, Ellipse, Figure, Panel, Points, Polygon};
 
-pub(super) use self::diagnosed::{claimed, diagnosed, diagnosed_text};
+pub(super) use self::diagnosed::{diagnosed, diagnosed_text};
 use self::folds::{Fitted, N_MODELS, of_folds};
 use self::pushes::{Error, pushes};
 use super::plain_fit::feet;
