@@ -31,6 +31,9 @@ pub enum Feature {
     Vertex,
 }
 
+/// More than rounding errors of distances, relative to distances and places.
+const ROUNDING: f64 = 1e-12;
+
 impl Contact {
     /// The contact's tangent: the inward normal turned by +90°, the way of decreasing p.
     pub fn tangent(&self) -> Vector2<f64> {
@@ -43,15 +46,26 @@ impl Contact {
     }
 
     fn by_all_edges(polygon: &Polygon, center: &Vector2<f64>, radius: f64) -> Self {
+        // No edge is nearer than its line, and some edge is as near as the nearest vertex.
+        let to_vertex = |vertex: &Vector2<f64>| (vertex - center).norm_squared();
+        let vertex = polygon.vertices().iter().map(to_vertex).fold(f64::INFINITY, f64::min).sqrt();
+        let reach = vertex + ROUNDING * (vertex + center.amax());
         let mut nearest = Self::with_edge(polygon, 0, center);
-        for edge in 1..polygon.sides().len() {
+        for (edge, side) in polygon.sides().iter().enumerate().skip(1) {
+            if side.normal.dot(&(center - side.from)).abs() > reach {
+                continue;
+            }
             let candidate = Self::with_edge(polygon, edge, center);
             if candidate.is_nearer_than(&nearest, center) {
                 nearest = candidate;
             }
         }
-        let inside = polygon.contains(center);
         let distance = (nearest.point - center).norm();
+        // On the way to the inside of the nearest edge there is no other one.
+        let inside = match nearest.feature {
+            Feature::Edge if distance > 0.0 => nearest.normal.dot(&(center - nearest.point)) > 0.0,
+            _ => polygon.contains(center),
+        };
         if inside {
             nearest.normal = polygon.sides()[nearest.edge].normal;
             nearest.feature = Feature::Edge;

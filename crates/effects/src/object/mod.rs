@@ -37,6 +37,7 @@ pub struct Object {
     farthest_distance: f64,
     second_moment: Matrix2<f64>,
     points: Vec<Point>,
+    /// Mean distance of the points from the centroid, in m.
     points_distance: f64,
     lanes: Points,
     ellipsoid: Ellipsoid,
@@ -44,6 +45,8 @@ pub struct Object {
     cells: OnceLock<Vec<Spot>>,
     /// The last one that was asked for: the steps of a set ask for the same again and again.
     pressure: Mutex<Option<Arc<Pressure>>>,
+    /// The same of [`Object::mean_stretch`].
+    stretch: Mutex<Option<(Matrix2<f64>, f64)>>,
 }
 
 impl Object {
@@ -70,7 +73,8 @@ impl Object {
             outline.iter().map(|place| (place - centroid).norm()).fold(mean_distance, f64::max);
         let ellipsoid = Ellipsoid::new(1.0, mean_distance)?;
         let lanes = Points::new(&points);
-        let (patch, cells, pressure) = (OnceLock::new(), OnceLock::new(), Mutex::new(None));
+        let (patch, cells) = (OnceLock::new(), OnceLock::new());
+        let (pressure, stretch) = (Mutex::new(None), Mutex::new(None));
         Ok(Self {
             shape,
             mass,
@@ -87,6 +91,7 @@ impl Object {
             patch,
             cells,
             pressure,
+            stretch,
         })
     }
 
@@ -150,11 +155,6 @@ impl Object {
         &self.lanes
     }
 
-    /// Mean distance of the points from the centroid, in m.
-    pub(crate) fn points_distance(&self) -> f64 {
-        self.points_distance
-    }
-
     /// The ellipsoid of uniform pressure about the centroid, its largest force 1.
     pub(crate) fn ellipsoid(&self) -> &Ellipsoid {
         &self.ellipsoid
@@ -184,6 +184,17 @@ impl Object {
         let pressure = Arc::new(Pressure::new(self, shift)?);
         *last() = Some(pressure.clone());
         Ok(pressure)
+    }
+
+    /// Mean of |M r| over the points about the centroid, over that of |r|.
+    pub(crate) fn mean_stretch(&self, map: &Matrix2<f64>) -> f64 {
+        let last = || self.stretch.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, known)) = last().filter(|(of, _)| of == map) {
+            return known;
+        }
+        let stretch = self.lanes.mean_norm(map) / self.points_distance;
+        *last() = Some((*map, stretch));
+        stretch
     }
 }
 

@@ -232,7 +232,7 @@ pub(crate) fn turning_ratio(object: &Object, support: &Support) -> f64 {
     if support.tensor_o.is_zero() {
         return 1.0;
     }
-    object.lanes().mean_norm(&support.tensor_o.exp(-1.0)) / object.points_distance()
+    object.mean_stretch(&support.tensor_o.exp(-1.0))
 }
 
 /// From motions at S to those of a given surface at the origin of the outline.
