@@ -15,7 +15,7 @@ pub enum Undetermined {
         /// What would show it.
         shown_in: Vec<Channel>,
     },
-    /// A typical size of it changes what these pushes show by less than their noise.
+    /// A typical size of it, and the size that was found, change what these pushes show by less than their noise.
     Invisible,
     /// A parameter's interval does not close within its range.
     Open {

@@ -257,17 +257,17 @@ impl Ending<'_> {
         if !channels.any(|channel| about.reaches.contains(&channel)) {
             return Some(Undetermined::NoChannel { shown_in: about.reaches.to_vec() });
         }
-        let (_, columns) = self.own(index);
+        let ((x, columns), off) = (self.own(index), member.place(&member.off));
         let Minimum { slopes, weights, .. } = &self.minimum;
-        let shows = |(column, coordinate): (&Option<usize>, &effects::Coordinate)| {
+        let shows = |(k, (column, coordinate)): (usize, (&Option<usize>, &effects::Coordinate))| {
             let Some(column) = column else { return true };
             let rows = 0..whitening.n_numbers();
             let of_row = |row: usize| weights[row] * slopes[(row, *column)].powi(2);
             let information = rows.map(of_row).sum::<f64>() / robust.scale().powi(2);
-            2.0 * coordinate.secant * information.sqrt() > 1.0
+            (2.0 * coordinate.secant).max((x[k] - off[k]).abs()) * information.sqrt() > 1.0
         };
         let coordinates = columns.iter().zip(&member.coordinates).enumerate();
-        let mut sizes = coordinates.filter(|(k, _)| is_size(member, *k)).map(|(_, pair)| pair);
+        let mut sizes = coordinates.filter(|(k, _)| is_size(member, *k));
         let has_many = member.is_mixture() || is_field(about);
         let is_seen = if has_many { sizes.any(shows) } else { sizes.all(shows) };
         (!is_seen).then_some(Undetermined::Invisible)

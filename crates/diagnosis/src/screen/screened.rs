@@ -3,6 +3,8 @@
 use models::Cluster;
 use serde::Serialize;
 
+use crate::cut_offs::NAME;
+use crate::statistics::score::detectable;
 use crate::{NotTestable, Tolerances};
 
 /// What a screen of effects found, the likeliest effect first.
@@ -91,6 +93,24 @@ pub struct ScreenedEffect {
     pub coordinates: Vec<ScreenedCoordinate>,
 }
 
+impl ScreenedEffect {
+    /// Decides by its own test of what these pushes would hardly show at three times its usual size: it is testable
+    /// if it is seen for all that, and untested otherwise.
+    ///
+    /// What is far larger than usual passes for noise where noise is told by how pushes differ, and hides itself.
+    pub(crate) fn settle(&mut self) {
+        if self.not_testable.is_none() {
+            return;
+        }
+        if self.p_adjusted <= NAME && self.statistic >= detectable(self.freedom).powi(2) {
+            self.not_testable = None;
+        } else {
+            (self.statistic, self.p, self.p_adjusted) = (0.0, 1.0, 1.0);
+            self.coordinates.clear();
+        }
+    }
+}
+
 /// A coordinate of an effect: a parameter, or for a ratio along a direction φ one of
 /// (e cos 2φ, e sin 2φ) with e = ½ ln ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -150,5 +170,41 @@ impl Default for ScreenSettings {
             most_steps: 20_000,
             alike: 0.9,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::synthetic::{in_more_noise, pushed_with};
+    use crate::{DiagnoseSettings, Grade, diagnose};
+
+    /// What is told of an effect of so many times some values, in so many times the noise.
+    fn told((id, values): (&str, [f64; 2]), times: f64, noise: f64) -> (Grade, String) {
+        let values: Vec<f64> = values.iter().map(|value| times * value).collect();
+        let (observed, model, truth) = pushed_with((id, &values), 1);
+        let observed = in_more_noise(observed, &truth, noise);
+        let found = diagnose(&observed, &model, &DiagnoseSettings::default()).unwrap().diagnosis;
+        let told = found.effects.into_iter().find(|one| one.id == id).unwrap();
+        (told.grade, told.why)
+    }
+
+    #[test]
+    fn what_these_pushes_hardly_show_at_its_usual_sizes_is_named_where_it_is_far_larger() {
+        let tilt = ("table-tilt", [1.0, 0.6]);
+        let (grade, why) = told(tilt, 0.0, 60.0);
+        assert!(why.contains("three times its usual size it is still within the noise"), "{why}");
+        assert_eq!(grade, Grade::NotTestable, "{why}");
+        let (grade, why) = told(tilt, 1.0, 60.0);
+        assert_eq!(grade, Grade::Identified, "{why}");
+    }
+
+    #[test]
+    fn what_looks_like_a_number_that_is_not_known_well_at_its_usual_sizes_is_fitted_where_it_is_far_larger()
+     {
+        let (grade, why) = told(("friction-gradient", [5.0, -4.0]), 1.0, 20.0);
+        assert!(
+            grade == Grade::Hint && why.contains("up to an end of its range"),
+            "{grade:?} {why}"
+        );
     }
 }

@@ -8,8 +8,7 @@ use serde::Serialize;
 use crate::cut_offs::ONE_SPEED;
 use crate::data::coverage::Coverage;
 use crate::predict::candidates::{Candidate, Candidates};
-use crate::statistics::score::DETECTABLE;
-use crate::statistics::score::Score;
+use crate::statistics::score::{Score, detectable};
 use crate::{Covariate, Observations};
 
 /// Why an effect cannot be tested with these data; it is not called absent.
@@ -37,6 +36,13 @@ pub enum Reason {
     Nuisance,
 }
 
+impl Reason {
+    /// Whether it holds for usual sizes alone: what is far larger may be seen.
+    pub(crate) fn is_of_size(self) -> bool {
+        matches!(self, Self::Weak | Self::Nuisance)
+    }
+}
+
 /// The reason, if an effect of three times its usual size would be missed more often than one time
 /// in ten.
 pub(crate) fn untestable(
@@ -52,7 +58,7 @@ pub(crate) fn untestable(
     }
     let seen = observations.channels();
     let reaches: Vec<Channel> = about.reaches.to_vec();
-    let detectable = |information: &nalgebra::DMatrix<f64>| {
+    let is_seen = |information: &nalgebra::DMatrix<f64>| {
         let freedom = information.nrows();
         let ratio = |k: usize| {
             let index = candidate.coordinates.start + k;
@@ -62,17 +68,17 @@ pub(crate) fn untestable(
             ratio(i) * information[(i, j)] * ratio(j)
         });
         let largest = scaled.symmetric_eigenvalues().max().max(0.0);
-        largest.sqrt() > DETECTABLE[(freedom - 1).min(DETECTABLE.len() - 1)]
+        largest.sqrt() > detectable(freedom)
     };
     let lacks_force = reaches.contains(&Channel::Force) && !seen.contains(&Channel::Force);
-    let score = score.filter(|score| !detectable(&score.information))?;
+    let score = score.filter(|score| !is_seen(&score.information))?;
     let (reason, because) = if reaches.iter().all(|channel| !seen.contains(channel)) {
         let names: Vec<&str> = reaches.iter().map(|channel| name(*channel)).collect();
         (
             Reason::NoChannel,
             format!("it shows in the {} alone, which was not measured", names.join(" and ")),
         )
-    } else if !detectable(&score.plain_information) {
+    } else if !is_seen(&score.plain_information) {
         let because = match lacks_force {
             true => "it hardly changes the motion, and the force was not measured".to_owned(),
             false => "at three times its usual size it is still within the noise".to_owned(),

@@ -9,8 +9,7 @@ use crate::data::split::clusters;
 use crate::predict::candidates::{Candidate, Candidates};
 use crate::predict::tangent::Tangent;
 use crate::screen::untestable::untestable;
-use crate::statistics::score::DETECTABLE;
-use crate::statistics::score::{Products, Score, likeness};
+use crate::statistics::score::{Products, Score, detectable, likeness};
 use crate::statistics::sign_flips::{FlipTest, Flips};
 use crate::{
     Calibration, LookAlikes, Nuisance, Observations, Screen, ScreenSettings, ScreenedCoordinate,
@@ -109,6 +108,7 @@ impl<'a> Whitened<'a> {
         let flips = Flips::new(n_parts, self.settings.n_flips, self.settings.seed);
         for (effect, found) in effects.iter_mut().zip(flips.probabilities(&tests)) {
             (effect.p, effect.p_adjusted) = (found.p, found.p_adjusted);
+            effect.settle();
         }
         let look_alikes = self.look_alikes(&effects);
         effects.sort_by(|a, b| b.statistic.total_cmp(&a.statistic));
@@ -152,14 +152,14 @@ impl<'a> Whitened<'a> {
         let score = self.score(indices);
         found.not_testable =
             untestable(self.observations, self.candidates, candidate, &self.scale, score.as_ref());
-        let (Some(score), None) = (score, &found.not_testable) else { return (found, no_test) };
+        let may_be_seen = found.not_testable.as_ref().is_none_or(|why| why.reason.is_of_size());
+        let Some(score) = score.filter(|_| may_be_seen) else { return (found, no_test) };
         let (Some(statistic), Some(covariance)) = (score.statistic(), score.covariance()) else {
             return (found, no_test);
         };
         let change = &covariance * &score.score;
         let share = self.share(&score, &change);
         found.statistic = share * (2.0 - share) * statistic;
-        let detectable = DETECTABLE[(freedom - 1).min(DETECTABLE.len() - 1)];
         let parts = clusters.iter().map(|cluster| score.part(cluster));
         let parts: Vec<_> = parts.chain(score.beliefs(&self.is_free)).collect();
         let zero = DMatrix::zeros(freedom, freedom);
@@ -181,7 +181,7 @@ impl<'a> Whitened<'a> {
                     change: scale * change[k],
                     se: scale * covariance[(k, k)].max(sandwich[(k, k)]).sqrt(),
                     detection_limit: scale
-                        * detectable
+                        * detectable(freedom)
                         * (shared[k] / score.information[(k, k)]).sqrt(),
                 }
             })

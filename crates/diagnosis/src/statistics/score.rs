@@ -2,8 +2,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Noncentrality √δ at which a test of so many degrees at 0.01/23 is passed with probability 0.9.
-pub(crate) const DETECTABLE: [f64; 3] = [4.80, 5.10, 5.32];
+/// Noncentrality √δ at which a test of one, two and three degrees at 0.01/23 is passed with probability 0.9.
+const DETECTABLE: [f64; 3] = [4.80, 5.10, 5.32];
+
+/// The same of so many degrees; of more than three that of three.
+pub(crate) fn detectable(freedom: usize) -> f64 {
+    DETECTABLE[(freedom - 1).min(DETECTABLE.len() - 1)]
+}
 
 /// Products of whitened columns: of the residual, and of one slope a coordinate, each slope times
 /// the coordinate's scale.

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::planned::Planned;
 use super::standpoint::Standpoint;
-use crate::statistics::score::DETECTABLE;
+use crate::statistics::score::detectable;
 use crate::statistics::score::pick;
 use crate::{DiagnosisError, NoiseModel, Observations};
 use dataset::quantile;
@@ -92,7 +92,7 @@ impl Precisions {
             let free = &self.standpoint.free[*target];
             let same =
                 self.targets.iter().filter(|t| self.standpoint.free[**t].effect == free.effect);
-            let detectable = DETECTABLE[(same.count() - 1).min(DETECTABLE.len() - 1)];
+            let detectable = detectable(same.count());
             let size = |information: &DMatrix<f64>| {
                 free.prior_sd * detectable / information[(k, k)].max(f64::MIN_POSITIVE).sqrt()
             };
