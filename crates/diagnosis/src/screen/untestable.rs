@@ -30,9 +30,9 @@ pub enum Reason {
     NoChannel,
     /// What it depends on was not measured.
     NoCovariate,
-    /// It changes what was measured by too little, even at three times its usual size.
+    /// It changes what was measured by too little, even at three times its usual size, and is not seen.
     Weak,
-    /// What it changes is what a nominal value that is not known well changes, too.
+    /// What it changes is what a nominal value that is not known well changes, too, and it is not seen.
     Nuisance,
 }
 

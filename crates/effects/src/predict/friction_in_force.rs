@@ -44,7 +44,7 @@ impl<'a> ForceBalance<'a> {
         let has_points = self.support.shape != 0.0 || local.is_some();
         let pressure = if has_points { self.pressure(memory)? } else { None };
         let (object, support) = (&self.step.object, &self.support);
-        let of_support = (support, self.turning_since(memory));
+        let of_support = (support, self.turning());
         let Some(spots) = self.spots else {
             let area = AreaFriction::new(object, of_support, given, pressure, local)?;
             return Ok(Friction { area, spots: None });

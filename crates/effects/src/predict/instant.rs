@@ -16,7 +16,7 @@ use crate::predict::balance::{
     Balance, ContactKinematics, ContactSolution, closed_form, is_sliding,
 };
 use crate::predict::friction::Friction;
-use crate::{ContactLaw, EffectError, LogTensor, PushPhysics, StepInput, Support};
+use crate::{ContactLaw, EffectError, PushPhysics, StepInput, Support};
 
 /// The model at one pose and time of a step.
 pub(crate) struct ForceBalance<'a> {
@@ -53,18 +53,11 @@ pub(crate) struct Rate {
 pub(crate) struct Memory {
     ellipsoid: Option<(Support, Ellipsoid)>,
     pub(crate) pressure: Option<Arc<Pressure>>,
-    /// How much larger the largest moment is by directions of friction.
-    turning: Option<(LogTensor, f64)>,
     /// The last answer and the one before, with their times.
     answers: [Option<(f64, ContactSolution)>; 2],
 }
 
 impl Memory {
-    /// What of this memory is worth keeping in the place of another one that is of an earlier moment.
-    pub(crate) fn instead_of(self, earlier: Self) -> Self {
-        Self { pressure: self.pressure, turning: self.turning, ..earlier }
-    }
-
     fn keep(&mut self, time: f64, answer: ContactSolution) {
         self.answers = [Some((time, answer)), self.answers[0]];
     }
@@ -309,7 +302,6 @@ impl<'a> ForceBalance<'a> {
                 return Ok(*surface);
             }
         }
-        self.turning_since(memory);
         let inverse = ellipsoid(&self.support, self.length());
         let surface = Ellipsoid::from_inverse(inverse)?;
         memory.ellipsoid = Some((self.support, surface));
@@ -332,17 +324,6 @@ impl<'a> ForceBalance<'a> {
     /// How much larger the largest moment of friction is by its directions.
     pub(crate) fn turning(&self) -> f64 {
         *self.turning.get_or_init(|| turning_ratio(&self.step.object, &self.support))
-    }
-
-    /// The same, known if the moment before had the same directions.
-    pub(crate) fn turning_since(&self, memory: &mut Memory) -> f64 {
-        let tensor = self.support.tensor_o;
-        if let Some((_, known)) = memory.turning.filter(|(of, _)| *of == tensor) {
-            return *self.turning.get_or_init(|| known);
-        }
-        let turning = self.turning();
-        memory.turning = Some((tensor, turning));
-        turning
     }
 
     /// Mass matrix at the center of friction, axes of the outline.

@@ -85,7 +85,9 @@ impl<'a> Forward<'a> {
                 return Ok(rate);
             }
             // The pressure of the next lean is near that of this one.
-            self.memory = std::mem::take(&mut self.memory).instead_of(memory);
+            let pressure = self.memory.pressure.take();
+            self.memory = memory;
+            self.memory.pressure = pressure;
         }
         let iterations = MAX_LEANS.unsigned_abs() as usize;
         Err(EffectError::NotConverged { what: "the lean under the push", iterations })
