@@ -13,10 +13,9 @@ use super::search::Search;
 use crate::cut_offs::{HINT, NAME, SIZE, SMALL_SHARE, TOLERANCES};
 use crate::fit::Refit;
 use crate::noise::widely_differing::At;
-use crate::remains::remains;
 use crate::{
     DiagnosisError, EffectFit, Fit, Gain, NoiseModel, NotTestable, NuisanceFit, Predictions,
-    Reason, Remains, Screen, Undetermined,
+    Reason, Screen, Undetermined,
 };
 
 impl Search<'_> {
@@ -228,9 +227,8 @@ impl Search<'_> {
             let doubted = accepted.iter().filter(|one| !one.gain.is_sure());
             let least = doubted.min_by(|a, b| a.gain.mean.total_cmp(&b.gain.mean));
             let Some(Accepted { id, gain, .. }) = least else {
-                let [claimed, best] = &descriptions;
-                let models = [self.model, claimed, best];
-                let (error, raised) = aside.fall([&before, &after], models, self.all)?;
+                let models = [self.model, &descriptions[0]];
+                let (error, raised) = aside.fall([&before, &after], models)?;
                 if error.gap_closed.is_none() {
                     accepted.iter_mut().for_each(|one| one.gap_closed = None);
                 }
@@ -287,22 +285,6 @@ impl Search<'_> {
             Predictions::expected(&whole, &self.settings.own, part)?;
         }
         Ok(there)
-    }
-
-    /// What of the rig the error comes from that the last model leaves in all of the set.
-    pub(super) fn remains(&self, found: &Found) -> Result<Option<Remains>, DiagnosisError> {
-        let untested = |id: &str| {
-            let mut effects = found.last_screen.effects.iter().filter(|one| one.id == id);
-            effects.find_map(|one| one.not_testable.as_ref()).map(|why| why.reason)
-        };
-        let is_testable = |id: &str| untested(id) != Some(Reason::NoCovariate);
-        remains(
-            &found.with_nuisances,
-            self.all,
-            (&found.noise, found.at),
-            is_testable,
-            &self.settings.remain(),
-        )
     }
 
     /// The model with the next effect of a group in the place of one that is not confirmed; none

@@ -6,7 +6,7 @@ use super::raised::{Missed, Raised};
 use super::{DiagnoseSettings, ErrorFall, MotionError};
 use crate::data::clusters::ClusterMean;
 use crate::noise::widely_differing::At;
-use crate::{DiagnosisError, NoiseFloor, NoiseModel, Observations, Predictions, Whitening};
+use crate::{DiagnosisError, NoiseModel, Observations, Predictions, Whitening};
 
 /// The held-out pushes, under the noise as the best model knows it.
 pub(super) struct Aside<'a> {
@@ -80,23 +80,20 @@ impl<'a> Aside<'a> {
         gains
     }
 
-    /// The fall of the error, beside the scatter of repeats about the best model in all of the set, and
-    /// what is missed by more with all that is claimed.
+    /// The fall of the error, without its floor in units of the sensors, and what is missed by more with all that is
+    /// claimed.
     ///
     /// In units of the noise what a manifest leaves open is fitted before and after; in those of the
     /// sensors `given` is the model under test as it is, and `claimed` has the claimed effects alone.
     pub(super) fn fall(
         &self,
         [before, after]: [&Outcome; 2],
-        [given, claimed, best]: [&Description; 3],
-        all: &Observations,
+        [given, claimed]: [&Description; 2],
     ) -> Result<(ErrorFall, Option<Raised>), DiagnosisError> {
         let [given, claimed] = [self.missed(given)?, self.missed(claimed)?];
         let mean = ClusterMean::of(&before.squares);
         let se = mean.map_or(f64::INFINITY, |mean| 0.5 * mean.se / mean.mean.sqrt());
         let gap = before.rms() - 1.0;
-        let floor = NoiseFloor::about(best, &self.settings.own, all)?;
-        let floors = floor.numbers.map(|floor| floor.map(|floor| floor.rms));
         let fall = ErrorFall {
             before: before.rms(),
             after: after.rms(),
@@ -105,7 +102,7 @@ impl<'a> Aside<'a> {
             unit: UNIT.to_owned(),
             before_si: MotionError::of(given.rms()),
             after_si: MotionError::of(claimed.rms()),
-            floor_si: MotionError::of(std::array::from_fn(|number| floors[number])),
+            floor_si: MotionError::of([None; 5]),
         };
         Ok((fall, Raised::of(&given, &claimed)))
     }

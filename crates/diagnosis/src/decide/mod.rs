@@ -2,6 +2,7 @@
 //! lacks, how sure that is, and what else it could be.
 
 mod answer;
+mod beside_best;
 mod both_noises;
 mod claims;
 mod conclusion;
@@ -40,12 +41,12 @@ pub use self::answer::{
 pub use self::phase::DiagnosePhase;
 pub use self::push_scatter::PushScatter;
 
+use self::beside_best::BesideBest;
 use self::claims::{Claims, claims};
 use self::findings::findings;
 use self::found::Found;
 use self::leftover::{Left, leftover};
 use self::members::members;
-use self::push_scatter::push_scatter;
 use self::search::Search;
 use self::sentence::sentence;
 use crate::cut_offs::MOST_ALONE;
@@ -214,9 +215,7 @@ fn diagnose_all(
     let second = settings.confirm.as_ref();
     let search = Search { model, all, fitted, aside, settings, observer, may_expect: true };
     let (found, left) = found_and_left(&search)?;
-    let remains = search.remains(&found)?;
-    observer(DiagnosePhase::Scatter);
-    let push_to_push = push_scatter(&found.with_nuisances, all, settings)?;
+    let BesideBest { floor, remains, push_to_push } = search.beside_best(&found)?;
     let claims: Claims = claims(&found, (&left, remains.as_ref()));
     if !claims.groups.is_empty() {
         observer(DiagnosePhase::Rivals);
@@ -242,7 +241,7 @@ fn diagnose_all(
             .map(|g| g.iter().map(|id| (*id).to_owned()).collect())
             .collect(),
         effective: claims.effective.iter().map(|(id, _)| (*id).to_owned()).collect(),
-        error: found.error.clone(),
+        error: ErrorFall { floor_si: floor, ..found.error.clone() },
         effects,
         leftover: left.summary(remains.as_ref()),
         remains,

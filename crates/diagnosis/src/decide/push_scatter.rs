@@ -1,5 +1,7 @@
 //! By how much what moves an object differs from push to push.
 
+use std::borrow::Cow;
+
 use models::Description;
 use serde::{Deserialize, Serialize};
 
@@ -42,18 +44,23 @@ const N_ROUNDS: usize = 3;
 /// Steps of pushes that are used at most: hundreds of pushes tell a standard deviation to a few hundredths.
 const MOST_STEPS: usize = 2000;
 
-/// What differs from push to push beside a model, what scatters the steps most first.
+/// What differs from push to push beside a model, what scatters the steps most first; the tangent is its by every
+/// effect.
 ///
 /// Noise that weighs a search is linearised over what is usual, for a model that lacks something lets all seem to
 /// scatter widely. Beside the model that was found every push is linearised at its own likeliest values: the edge
 /// between sticking and sliding makes more of a small difference, less of a large one.
 pub(super) fn push_scatter(
-    model: &Description,
+    (tangent, model): (&Tangent, &Description),
     observations: &Observations,
     settings: &DiagnoseSettings,
 ) -> Result<Vec<PushScatter>, DiagnosisError> {
-    let observations = &*thinned(observations, MOST_STEPS)?;
-    let tangent = Tangent::of(model, &settings.own, observations)?;
+    let observations = thinned(observations, MOST_STEPS)?;
+    let tangent = match &observations {
+        Cow::Borrowed(_) => tangent.of_tested(&settings.own),
+        Cow::Owned(part) => Tangent::of(model, &settings.own, part)?,
+    };
+    let observations = &*observations;
     let usual = NoiseModel::usual_beside(model)?;
     let mut noise = noise_beside(&tangent, observations, &settings.remain(), &usual)?;
     let about = (model, settings.own.as_slice(), observations);
@@ -85,19 +92,26 @@ fn told(noise: &NoiseModel) -> Vec<PushScatter> {
 
 #[cfg(test)]
 mod tests {
-    use super::push_scatter;
-    use crate::DiagnoseSettings;
+    use models::Description;
+
+    use super::{PushScatter, Tangent, push_scatter};
     use crate::synthetic::{SessionErrors, repeated, with_own};
+    use crate::{DiagnoseSettings, Observations};
 
     /// Each push is a session of its own, so that what differs from session to session does from push to push.
-    fn found(differs: &[(&str, f64)]) -> Vec<super::PushScatter> {
+    fn found(differs: &[(&str, f64)]) -> Vec<PushScatter> {
         let (mut all, model) = repeated(1, 3);
         for (step, push) in all.steps.iter_mut().zip(&all.push_of) {
             step.input.session = *push as u32;
         }
         let errors = SessionErrors::of((all, model), differs);
         let observed = errors.observed(3, 0.0);
-        push_scatter(&errors.model, &observed, &DiagnoseSettings::default()).unwrap()
+        scatter(&errors.model, &observed)
+    }
+
+    fn scatter(model: &Description, observed: &Observations) -> Vec<PushScatter> {
+        let tangent = Tangent::of_all(model, &[], observed).unwrap();
+        push_scatter((&tangent, model), observed, &DiagnoseSettings::default()).unwrap()
     }
 
     #[test]
@@ -120,7 +134,7 @@ mod tests {
         for seed in 1..=3 {
             let (observed, model, own) = with_own("pusher-friction", 0.06, seed);
             let sd = (own.iter().map(|off| off * off).sum::<f64>() / own.len() as f64).sqrt();
-            let found = push_scatter(&model, &observed, &DiagnoseSettings::default()).unwrap();
+            let found = scatter(&model, &observed);
             let [first, others @ ..] = found.as_slice() else { panic!("nothing is told") };
             assert_eq!(first.effect, "pusher-friction", "{found:?}");
             assert!((first.sd / sd).ln().abs() < 0.15, "{seed}: {sd} {found:?}");

@@ -6,8 +6,8 @@ use effects::{Channels, Effect};
 use models::{Base, Description};
 
 use crate::data::observations::Place;
-use crate::predict::error_shapes::{ErrorShapes, push_directions};
-use crate::predict::secants::Linearisation;
+use crate::predict::error_shapes::ErrorShapes;
+use crate::predict::tangent::Tangent;
 use crate::statistics::quantile::NORMAL_975;
 use crate::{
     DiagnosisError, Floor, FloorSource, NoiseFloor, NoiseModel, Observations, Predictions,
@@ -38,6 +38,21 @@ impl NoiseFloor {
         )
     }
 
+    /// The same about an analytical model that is linearised by every effect.
+    ///
+    /// # Errors
+    /// `Model` if the catalogue refuses the model's values.
+    pub(crate) fn at(
+        tangent: &Tangent,
+        model: &Description,
+        own: &[Arc<dyn Effect>],
+        observations: &Observations,
+    ) -> Result<Self, DiagnosisError> {
+        let predictions = Predictions::of_channels(&tangent.linearisation.predicted);
+        let floor = noise_floor(observations, &predictions, &RepeatTolerance::default())?;
+        floor.widened_by(observations, || predicted(&tangent.of_tested(own), model, observations))
+    }
+
     /// The same floor, where repeats at few places set it, with that of numbers by which the sources
     /// of error, learnt from these repeats, let all steps scatter by clearly more.
     ///
@@ -48,15 +63,27 @@ impl NoiseFloor {
     /// # Errors
     /// `Model` for what the model refuses.
     pub fn for_all_places(
-        mut self,
+        self,
         model: &Description,
         own: &[Arc<dyn Effect>],
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
-        let is_of_few = self.source == FloorSource::Repeats && self.n_cells < MANY_CELLS;
-        if is_of_few && matches!(model.base, Base::Analytical(_)) {
-            let predicted = predicted(model, own, observations)?;
-            for (k, floor) in predicted.into_iter().enumerate() {
+        self.widened_by(observations, || match model.base {
+            Base::Analytical(_) => {
+                predicted(&Tangent::of(model, own, observations)?, model, observations)
+            }
+            _ => Ok([None; 7]),
+        })
+    }
+
+    /// With the floor that sources of error predict, where repeats at few places set it.
+    fn widened_by(
+        mut self,
+        observations: &Observations,
+        predicted: impl FnOnce() -> Result<[Option<Floor>; 7], DiagnosisError>,
+    ) -> Result<Self, DiagnosisError> {
+        if self.source == FloorSource::Repeats && self.n_cells < MANY_CELLS {
+            for (k, floor) in predicted()?.into_iter().enumerate() {
                 let is_wider = |(of_few, all): (Floor, Floor)| all.low95 > of_few.high95;
                 if self.numbers[k].zip(floor).is_some_and(is_wider) {
                     self.numbers[k] = floor;
@@ -86,19 +113,19 @@ impl Floor {
 ///
 /// The interval holds the sources' own, as if they were independent.
 fn predicted(
+    tangent: &Tangent,
     model: &Description,
-    own: &[Arc<dyn Effect>],
     observations: &Observations,
 ) -> Result<[Option<Floor>; 7], DiagnosisError> {
-    let noise = NoiseModel::learn(model, own, observations)?;
+    let usual = NoiseModel::usual_beside(model)?;
+    let noise = NoiseModel::learn_at(tangent, observations, None, &usual)?;
     if noise.source != FloorSource::Repeats {
         return Ok([None; 7]);
     }
-    let linearisation = Linearisation::of(model, own, observations, &push_directions(model)?)?;
     let mut n = [0_usize; 7];
     let mut sums = vec![[0.0; 7]; noise.sources.len()];
     for numbers in observations.all_numbers() {
-        let shapes = ErrorShapes::of(observations, &linearisation, numbers);
+        let shapes = ErrorShapes::of(observations, &tangent.linearisation, numbers);
         shapes.numbers.iter().for_each(|(_, number)| n[*number] += 1);
         for (sums, root) in sums.iter_mut().zip(&shapes.roots) {
             for ((_, number), square) in shapes.numbers.iter().zip(root.squares()) {

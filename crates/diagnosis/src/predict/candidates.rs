@@ -106,6 +106,27 @@ impl Candidates {
         Ok(found)
     }
 
+    /// The effects with some ids, and which coordinates of all are theirs.
+    pub(crate) fn only(&self, is_wanted: impl Fn(&str) -> bool) -> (Self, Vec<usize>) {
+        let mut effects = Vec::new();
+        let mut kept = Vec::new();
+        for candidate in self.effects.iter().filter(|one| is_wanted(one.effect.info().id)) {
+            let first = kept.len();
+            kept.extend(candidate.coordinates.clone());
+            effects.push(Candidate { coordinates: first..kept.len(), ..candidate.clone() });
+        }
+        let found = Self {
+            effects,
+            directions: kept.iter().map(|k| self.directions[*k].clone()).collect(),
+            names: kept.iter().map(|k| self.names[*k]).collect(),
+            prior_sd: kept.iter().map(|k| self.prior_sd[*k]).collect(),
+            off: kept.iter().map(|k| self.off[*k]).collect(),
+            here: kept.iter().map(|k| self.here[*k]).collect(),
+            room: kept.iter().map(|k| self.room[*k]).collect(),
+        };
+        (found, kept)
+    }
+
     /// Makes the sizes of a vector's two coordinates one, so that turned axes see the same.
     fn even_out(&mut self, parameters: &[Parameter], coordinates: Range<usize>) {
         for x in coordinates {

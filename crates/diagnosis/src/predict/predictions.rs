@@ -50,13 +50,15 @@ impl Predictions {
         observations: &Observations,
     ) -> Result<Self, DiagnosisError> {
         match &model.base {
-            Base::Analytical(_) => {
-                let values = channels(model, own, observations)?;
-                let values: Vec<_> = values.iter().map(|values| values.map(Some)).collect();
-                Ok(Self { variances: vec![[None; 7]; values.len()], values })
-            }
+            Base::Analytical(_) => Ok(Self::of_channels(&channels(model, own, observations)?)),
             _ => Self::of_learnt(model, own, observations),
         }
+    }
+
+    /// All numbers of each step, without variances.
+    pub(crate) fn of_channels(values: &[[f64; 7]]) -> Self {
+        let values: Vec<_> = values.iter().map(|values| values.map(Some)).collect();
+        Self { variances: vec![[None; 7]; values.len()], values }
     }
 
     /// The same with means of the noise added, one for each step; themselves where it has none.

@@ -23,6 +23,25 @@ impl Direction {
     fn is_switch(&self) -> bool {
         self.effect.info().parameters[self.coordinate].role == Role::Switch
     }
+
+    fn is_like(&self, other: &Self) -> bool {
+        let is_of_it = Arc::ptr_eq(&self.effect, &other.effect);
+        is_of_it && (self.coordinate, self.size) == (other.coordinate, other.size)
+    }
+}
+
+/// Those that are not the same, and which of them each is.
+fn distinct(directions: &[Direction]) -> (Vec<Direction>, Vec<usize>) {
+    let mut distinct: Vec<Direction> = Vec::new();
+    let place_of = directions.iter().map(|direction| {
+        let known = distinct.iter().position(|other| other.is_like(direction));
+        known.unwrap_or_else(|| {
+            distinct.push(direction.clone());
+            distinct.len() - 1
+        })
+    });
+    let place_of = place_of.collect();
+    (distinct, place_of)
 }
 
 /// A model's predictions of all steps, and their slopes.
@@ -64,6 +83,8 @@ impl Linearisation {
         directions: &[Direction],
     ) -> Result<Self, DiagnosisError> {
         let model = ChannelModel::new(model, observations.support, own)?;
+        // What differs from push to push is often tested by secants as long.
+        let (directions, place_of) = distinct(directions);
         let mut known: Vec<(Arc<Object>, Probes)> = Vec::new();
         let mut probes_of = Vec::new();
         for step in &observations.steps {
@@ -73,13 +94,25 @@ impl Linearisation {
                 Some(index) => index,
                 None => {
                     let physics = model.physics(object)?;
-                    known.push((object.clone(), Probes::new(physics, &step.input, directions)?));
+                    known.push((object.clone(), Probes::new(physics, &step.input, &directions)?));
                     known.len() - 1
                 }
             });
         }
         let probes: Vec<Probes> = known.into_iter().map(|(_, probes)| probes).collect();
-        Self::at(&probes, &probes_of, observations)
+        Ok(Self::at(&probes, &probes_of, observations)?.only(&place_of))
+    }
+
+    /// The slopes by some directions, in any order.
+    pub(crate) fn only(&self, directions: &[usize]) -> Self {
+        Self {
+            predicted: self.predicted.clone(),
+            shift: self.shift.clone(),
+            slopes: directions.iter().map(|k| self.slopes[*k].clone()).collect(),
+            bends: directions.iter().map(|k| self.bends[*k].clone()).collect(),
+            rooms: directions.iter().map(|k| self.rooms[*k]).collect(),
+            by_pusher: self.by_pusher.clone(),
+        }
     }
 
     /// The same where each push has a model of its own, and directions of its own sizes.
@@ -334,7 +367,7 @@ mod tests {
         ContactLaw, Effect, EffectInfo, IntoEffect, PushHeight, PusherFrictionAsymmetry, Snapshot,
     };
 
-    use super::{Direction, Linearisation, NEAR};
+    use super::{Direction, Linearisation, NEAR, distinct};
     use crate::DiagnosisError;
     use crate::synthetic::recorded;
 
@@ -375,6 +408,23 @@ mod tests {
         let direction = Direction { effect: effect.into_effect(), coordinate: 0, size };
         let mut found = Linearisation::of(&model, &[], &observations, &[direction])?;
         Ok(found.slopes.swap_remove(0))
+    }
+
+    #[test]
+    fn a_direction_that_is_there_twice_has_its_slopes_in_both_places() {
+        let (observations, model) = recorded(1);
+        let effect = PushHeight.into_effect();
+        let sizes = [0.01, 0.02, 0.01];
+        let directions =
+            sizes.map(|size| Direction { effect: effect.clone(), coordinate: 0, size });
+        let (distinct, place_of) = distinct(&directions);
+        assert_eq!((distinct.len(), place_of), (2, vec![0, 1, 0]));
+        let of = |directions: &[Direction]| {
+            Linearisation::of(&model, &[], &observations, directions).unwrap().slopes
+        };
+        let alone = directions.each_ref().map(|one| of(std::slice::from_ref(one)).swap_remove(0));
+        assert_eq!(of(&directions), alone);
+        assert_ne!(alone[0], alone[1]);
     }
 
     #[test]

@@ -3,18 +3,16 @@
 use std::f64::consts::PI;
 use std::iter;
 use std::ops::Range;
-use std::sync::Arc;
 
 use effects::{
-    Effect, FrictionCenterOffset, FrictionField, Origin, PressureRadius, PusherFriction,
-    SupportFriction, SupportPoints, TableAnisotropy, all,
+    Effect, FrictionCenterOffset, Origin, PressureRadius, PusherFriction, SupportFriction,
+    TableAnisotropy,
 };
-use models::Description;
 use nalgebra::{DMatrix, DVector};
 
 use crate::predict::candidates::Candidate;
 use crate::predict::tangent::Tangent;
-use crate::{Covariate, DiagnosisError, Observations, Tolerances, Whitening};
+use crate::{Covariate, Observations, Tolerances, Whitening};
 
 /// What is added to a number of a step by one of a component's numbers.
 struct Column {
@@ -59,20 +57,6 @@ const FEW: usize = 4;
 /// Where a step touches and whither it goes, −1 to 1, and their products up to the third degree.
 const DEGREES: [(i32, i32); 10] =
     [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)];
-
-/// A model linearised by everything that a component may move.
-pub(super) fn tangent_of_all(
-    model: &Description,
-    own: &[Arc<dyn Effect>],
-    observations: &Observations,
-) -> Result<Tangent, DiagnosisError> {
-    // Of many numbers, which would take what is anything else's: where the model has them.
-    let many = [SupportPoints.info().id, FrictionField.info().id];
-    let has = |id: &str| model.effects.iter().any(|effect| effect.id == id);
-    let is_told = |id: &str| !many.contains(&id) || has(id);
-    let known = all().iter().filter(|effect| is_told(effect.info().id));
-    Tangent::among(known.chain(own), model, own, observations)
-}
 
 impl<'a> Columns<'a> {
     pub(super) fn of(
@@ -377,14 +361,14 @@ fn standard(mut values: Vec<f64>) -> Option<Vec<f64>> {
 mod tests {
     use effects::{Inertia, Origin};
 
-    use super::{Base, Columns, EVEN, Effect, tangent_of_all};
+    use super::{Base, Columns, EVEN, Effect, Tangent};
     use crate::synthetic::pushed_with;
     use crate::{NoiseModel, Tolerances};
 
     #[test]
     fn table_and_support_may_have_more_freedom_and_no_number_goes_beyond_its_range() {
         let (observations, model, _) = pushed_with(("table-tilt", &[0.2, 0.1]), 1);
-        let tangent = tangent_of_all(&model, &[], &observations).unwrap();
+        let tangent = Tangent::of_all(&model, &[], &observations).unwrap();
         let noise = NoiseModel::usual();
         let whitening = noise.whitening_at(&observations, &tangent.linearisation).unwrap();
         let of = (&observations, &whitening);

@@ -13,7 +13,7 @@ use effects::{Effect, Origin};
 use models::Description;
 use serde::{Deserialize, Serialize};
 
-use self::columns::{Columns, tangent_of_all};
+use self::columns::Columns;
 use self::folds::{Folds, Gains, LeftOfPushes, left_by_all};
 use self::place::place;
 use crate::cut_offs::FEWEST_CLUSTERS;
@@ -66,13 +66,13 @@ pub(crate) struct RemainSettings<'a> {
 /// Each origin has a component: the pressure under the object cell by cell, which may lean with the push,
 /// friction and place of the contact as functions of place and direction, a field over the table, and so on,
 /// as large as makes the pushes that it is fitted to likeliest; the numbers that every fit leaves open follow.
-/// `is_testable` tells effects that the data may show. None of fewer than eight clusters, and where nothing can
+/// `tangent` is that of all effects; `is_testable` tells those that the data may show. None of fewer than eight clusters, and where nothing can
 /// be fitted.
 ///
 /// # Errors
 /// `Model` for what the model refuses; `NotACovariance`.
 pub(crate) fn remains(
-    model: &Description,
+    (tangent, model): (&Tangent, &Description),
     observations: &Observations,
     (noise, at): (&NoiseModel, At),
     is_testable: impl Fn(&str) -> bool,
@@ -82,7 +82,7 @@ pub(crate) fn remains(
     if members.len() < FEWEST_CLUSTERS {
         return Ok(None);
     }
-    let mut tangent = tangent_of_all(model, settings.own, observations)?;
+    let mut tangent = tangent.clone();
     noise.put(&mut tangent.linearisation, at, (model, settings.own), observations)?;
     let whitening = noise.whitening_at(observations, &tangent.linearisation)?;
     let columns =
@@ -220,7 +220,7 @@ impl Gains {
 mod tests {
     use effects::{Origin, by_id};
 
-    use super::{At, RemainSettings, Remains, remains};
+    use super::{At, RemainSettings, Remains, Tangent, remains};
     use crate::synthetic::pushed_with;
     use crate::{NoiseModel, Tolerances};
 
@@ -229,7 +229,9 @@ mod tests {
         let (observations, model, _) = pushed_with(hidden, 1);
         let noise = NoiseModel::learn(&model, &[], &observations).unwrap();
         let settings = RemainSettings { own: &[], tolerances: Tolerances::default(), seed: 1 };
-        remains(&model, &observations, (&noise, At::Middle), |_| true, &settings).unwrap().unwrap()
+        let tangent = Tangent::of_all(&model, &[], &observations).unwrap();
+        let about = (&noise, At::Middle);
+        remains((&tangent, &model), &observations, about, |_| true, &settings).unwrap().unwrap()
     }
 
     #[test]
