@@ -21,6 +21,8 @@ pub(super) struct BesideBest {
 }
 
 impl Search<'_> {
+    /// Measures what is left beside the best model, and how pushes differ there.
+    ///
     /// # Errors
     /// `Model` for what the model refuses; `NotACovariance`.
     pub(super) fn beside_best(&self, found: &Found) -> Result<BesideBest, DiagnosisError> {

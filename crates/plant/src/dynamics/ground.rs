@@ -66,6 +66,14 @@ pub(crate) struct Footprint {
     stand: Option<Stand>,
 }
 
+impl Footprint {
+    /// Friction under the object over that on an even table, with the loads (N) that its pads have there.
+    pub(crate) fn mean_friction(&self, loads: &[f64]) -> f64 {
+        let rubbed: f64 = self.frictions.iter().zip(loads).map(|(own, load)| own * load).sum();
+        rubbed / loads.iter().sum::<f64>()
+    }
+}
+
 impl Ground {
     /// - `pads`: with a uniform load; - `center_of_mass`: in m, frame B; - `weight`: in N.
     pub(crate) fn new(

@@ -63,9 +63,12 @@ fn integrate(rig: &Rig, start: &State) -> Result<Trajectory, PlantError> {
                     time = if step == left { end } else { time + step };
                     trajectory.record(time, &state);
                     let last = footprint.as_ref();
-                    if last.is_some_and(|last| rig.has_left(last, &state)) {
+                    if let Some(last) = last.filter(|last| rig.has_left(last, &state)) {
+                        let way = (state.place - last.place).xy();
+                        let friction = last.mean_friction(&rig.loads);
+                        trajectory.record_friction(sqrt(way.dot(&way)), friction);
                         footprint = rig
-                            .footprint(&state, last)
+                            .footprint(&state, Some(last))
                             .map_err(|why| PlantError::NotConverged { time, step, why })?;
                     }
                     if trajectory.n_steps() > MOST_STEPS {

@@ -14,6 +14,9 @@ pub struct Trajectory {
     start: Pose,
     center_of_mass: Vector2<f64>,
     knots: Vec<Knot>,
+    /// How far the object has moved, in m, and the integral over that of the table's friction over an even one's.
+    way: f64,
+    rubbed: f64,
 }
 
 /// The end of a time step.
@@ -34,11 +37,24 @@ impl Trajectory {
         state: &State,
     ) -> Self {
         let knots = vec![Knot { time: 0.0, state: *state }];
-        Self { path: *path, start, center_of_mass, knots }
+        Self { path: *path, start, center_of_mass, knots, way: 0.0, rubbed: 0.0 }
     }
 
     pub(crate) fn record(&mut self, time: f64, state: &State) {
         self.knots.push(Knot { time, state: *state });
+    }
+
+    /// Adds a way (m) on which the table's friction was so much of an even one's.
+    pub(crate) fn record_friction(&mut self, way: f64, ratio: f64) {
+        self.way += way;
+        self.rubbed += way * ratio;
+    }
+
+    /// Friction that the table's texture made under the object over that on an even table, mean over the object's
+    /// way; 1 where it is even.
+    #[must_use]
+    pub fn table_friction(&self) -> f64 {
+        if self.way > 0.0 { self.rubbed / self.way } else { 1.0 }
     }
 
     /// How long the push takes, in s.

@@ -109,7 +109,9 @@ pub fn generate_each(
         after_push(set.plan.len());
         let SimulatedPush { plan, variation, start, trajectory, recording } = push;
         let place = [start.position.x, start.position.y, start.angle];
-        let sealed = SealedPush { recording: recording.name, plan, place, variation };
+        let table_friction = trajectory.table_friction();
+        let sealed =
+            SealedPush { recording: recording.name, plan, place, variation, table_friction };
         Ok(Ok((sealed, trajectory.duration())))
     });
     let (mut made, mut failed) = (Vec::new(), Vec::new());

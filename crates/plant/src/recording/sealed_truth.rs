@@ -30,6 +30,8 @@ pub(crate) struct SealedPush {
     /// Where the object really was at the start: x, y in m, turn in rad.
     pub(crate) place: [f64; 3],
     pub(crate) variation: Variation,
+    /// Friction that the table's texture made under the object over that on an even table, mean over its way.
+    pub(crate) table_friction: f64,
 }
 
 impl<'a> SealedTruth<'a> {

@@ -107,3 +107,19 @@ fn a_tip_at_a_burr_is_caught() {
     };
     assert!(slip(0.0) > 0.002 && slip(2.0) < 0.5 * slip(0.0), "{} {}", slip(0.0), slip(2.0));
 }
+
+#[test]
+fn the_friction_that_a_table_has_on_average_is_what_warms_it() {
+    let along = |sd: f64| {
+        let mut truth = Truth { texture_seed: 3, ..Truth::default() };
+        truth.friction_map.texture = Texture { sd, ..Texture::default() };
+        let motion = run(&truth, &Pose::default(), 0.0, 0.0);
+        (motion.table_friction(), motion.energy().support_heat)
+    };
+    let (even, heat) = along(0.0);
+    assert_eq!(even, 1.0);
+    for sd in [0.2, 0.4] {
+        let (rough, warmer) = along(sd);
+        assert!((rough - 1.0).abs() > 0.02 && (warmer / heat / rough - 1.0).abs() < 0.01);
+    }
+}

@@ -51,9 +51,10 @@ typical ones.
 **Right** is the hidden effect's name, or a group of at most three of which all are documented look-alikes of
 it. On the thesis' ellipsoid `limit-surface-shape` is right beside anything. `inertia` is never wrong: the
 simulated rig has it in every set, and fast pushes show it. Friction, pressure, place of contact and zero
-of the force sensor scatter from push to push and, in most sets, from session to session: what the pushes
-of a set share for that reason is no hidden effect, and right where it is named and the intervals (1.22
-times as wide, for there may be three) hold it. What rough rigs have in every set is never wrong there: an
+of the force sensor scatter from push to push and, in most sets, from session to session, and a rough table
+rubs more in one place than in another: what the pushes of a set share for that reason, as the mean friction
+where they took place, is no hidden effect, and right where it is named and the intervals (1.22 times as wide,
+for there may be three) hold it. What rough rigs have in every set is never wrong there: an
 uneven support and what follows from it, friction that differs over the table, corners that are worn, a gap
 before the contact, a height of the push, friction of the tip and a zero of the force sensor that change; on
 the surfaces friction that falls, on rubber a grain and a rate. Outside the catalogue these say the same:

@@ -22,8 +22,9 @@ pub(super) struct TrueEffect {
 pub(super) struct Truth {
     /// What was hidden.
     pub(super) hidden: Vec<TrueEffect>,
-    /// What the pushes of the set share beside it: the mean of what was drawn for each, where that is
-    /// more than pushes alone scatter to. The sessions of a set have draws of their own.
+    /// What the pushes of the set share beside it: the mean of what was drawn for each, and of what a rough table
+    /// did to its friction, where that is more than pushes alone scatter to. The sessions of a set have draws of
+    /// their own.
     pub(super) drawn: Vec<TrueEffect>,
 }
 
@@ -37,6 +38,15 @@ struct Sealed {
 #[derive(Deserialize)]
 struct SealedPush {
     variation: Variation,
+    table_friction: f64,
+}
+
+impl SealedPush {
+    /// What differs from push to push, with the friction of the table where it took place.
+    fn with_table(self) -> Variation {
+        let support_friction = self.variation.support_friction * self.table_friction;
+        Variation { support_friction, ..self.variation }
+    }
 }
 
 /// Standard errors of the mean by which what a set shares stands out of its pushes' scatter.
@@ -50,7 +60,7 @@ pub(super) fn open(path: &Path, nominal: &Nominal) -> Result<Truth> {
     let text =
         fs::read_to_string(path).with_context(|| format!("cannot open {}", path.display()))?;
     let Sealed { hidden, pushes } = toml::from_str(&text)?;
-    let variations: Vec<Variation> = pushes.into_iter().map(|push| push.variation).collect();
+    let variations: Vec<Variation> = pushes.into_iter().map(SealedPush::with_table).collect();
     let is_hidden = |one: &TrueEffect| hidden.iter().any(|other| other.id == one.id);
     let mut drawn = drawn(&variations, nominal);
     drawn.retain(|one| !is_hidden(one));
@@ -160,7 +170,7 @@ mod tests {
     use effects::{all, tested};
     use plant::{HiddenEffect, Nominal, Variation, effect_kinds};
 
-    use super::{TrueEffect, drawn};
+    use super::{SealedPush, TrueEffect, drawn};
 
     #[test]
     fn what_all_pushes_share_stands_out_of_their_scatter() {
@@ -175,6 +185,20 @@ mod tests {
         };
         assert_eq!(ids(0.0), Vec::<String>::new());
         assert_eq!(ids(0.01), ["force-bias"]);
+    }
+
+    #[test]
+    fn a_table_that_rubs_more_where_it_is_pushed_on_is_a_larger_friction() {
+        let push = |k: usize| SealedPush {
+            variation: Variation { support_friction: 0.9, ..Variation::default() },
+            table_friction: 1.4 + 0.01 * (k % 3) as f64 - 0.01,
+        };
+        let pushes: Vec<_> = (0..60).map(|k| push(k).with_table()).collect();
+        let nominal = Nominal::default();
+        let [friction] = drawn(&pushes, &nominal).try_into().unwrap();
+        assert_eq!(friction.id, "support-friction");
+        let expected = 0.9 * 1.4 * nominal.support_friction;
+        assert!((friction.values["coefficient"] - expected).abs() < 1e-12);
     }
 
     #[test]
