@@ -66,8 +66,8 @@ pub(crate) struct RemainSettings<'a> {
 /// Each origin has a component: the pressure under the object cell by cell, which may lean with the push,
 /// friction and place of the contact as functions of place and direction, a field over the table, and so on,
 /// as large as makes the pushes that it is fitted to likeliest; the numbers that every fit leaves open follow.
-/// `tangent` is that of all effects; `is_testable` tells those that the data may show. None of fewer than eight clusters, and where nothing can
-/// be fitted.
+/// `tangent` is the model's by every effect; `is_testable` tells those that the data may show. None of fewer than
+/// eight clusters, and where nothing can be fitted.
 ///
 /// # Errors
 /// `Model` for what the model refuses; `NotACovariance`.
