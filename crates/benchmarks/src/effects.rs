@@ -77,6 +77,7 @@ fn steps() -> Result<Vec<StepInput>> {
             track: Track::straight(start, start + way, 0.2),
             touching: true,
             since_contact: 1.0,
+            run_up: None,
             progress: share(11),
             session: 0,
         }

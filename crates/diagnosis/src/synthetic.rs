@@ -82,6 +82,7 @@ pub(crate) fn made(
                 track: Track::straight(start, start + way, 0.004 / speed),
                 touching: true,
                 since_contact: 0.2 * step as f64,
+                run_up: None,
                 progress: push as f64 / N_PUSHES as f64,
                 session: 0,
             };

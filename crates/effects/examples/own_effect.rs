@@ -100,6 +100,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             track: Track::straight(start, start + Vector2::new(0.01, 0.0), 0.5),
             touching: true,
             since_contact: 1.0,
+            run_up: None,
             progress: 0.0,
             session: 0,
         };

@@ -41,4 +41,5 @@ pub use predict::push_physics::PushPhysics;
 pub use step::channels::{Channel, Channels};
 pub use step::input::StepInput;
 pub use step::rig::{Rig, Surface};
+pub use step::run_up::{PushMoment, RunUp};
 pub use step::track::Track;

@@ -293,6 +293,7 @@ mod tests {
             ),
             touching: true,
             since_contact: 0.0,
+            run_up: None,
             progress: 0.5,
             session: 0,
         };

@@ -157,6 +157,7 @@ impl Rig<'_> {
             track: Track::straight(start, end, (end - start).norm() / push.speed),
             touching: false,
             since_contact: 0.0,
+            run_up: None,
             progress: 0.5,
             session: 0,
         };
@@ -190,6 +191,7 @@ impl Rig<'_> {
                 track: Track::straight(start, end, duration),
                 touching: true,
                 since_contact: way / push.speed,
+                run_up: None,
                 progress: 0.5,
                 session: 0,
             };

@@ -13,8 +13,9 @@ static INFO: EffectInfo = EffectInfo {
     title: "Inertia",
     physics: "A fast push does not meet the balance of friction alone: the object takes up the \
         pusher's speed in an impact, turns with a delay of about v/(μ g), presses harder while it \
-        is accelerated, and slides on when the pusher stops. Mass and moment are those of the \
-        object; the effect is there or not.",
+        is accelerated, and slides on when the pusher stops. A step in the midst of a push begins as \
+        fast as the push makes the object from its first contact on, whatever speed was measured. Mass \
+        and moment are those of the object; the effect is there or not.",
     equation: "M dt/dt = w_pusher + w_load − w_friction(t), with t the motion and M the mass \
         matrix; an inelastic impact at the touch.",
     source: "Mason (2001), Mechanics of Robotic Manipulation, chapters on quasi-static and \

@@ -178,6 +178,7 @@ impl<'a> Forward<'a> {
             self.now.contact.gap += self.deflection;
             self.trail.extend((rate.mode != ContactMode::Separated).then_some((0.0, rate.twist_w)));
         }
+        let mut pushed_for = 0.0;
         if self.step.touching {
             // What the pusher still goes before it moves the object: its spring is not wound up
             // yet, or the object's stream lags behind. One that leaves has no such way before it.
@@ -188,6 +189,8 @@ impl<'a> Forward<'a> {
             let lost = (ahead - approach * self.step.since_contact).max(0.0);
             self.close(lost);
             self.touching = lost <= TOUCH;
+            let late = if approach > 0.0 { ahead / approach } else { 0.0 };
+            pushed_for = (self.step.since_contact - late).max(0.0);
         } else {
             if self.step.since_contact == 0.0 {
                 self.close(self.now.contact.gap + self.outline.approach_gap());
@@ -195,7 +198,7 @@ impl<'a> Forward<'a> {
             self.touching = self.now.contact.gap <= TOUCH && approach > 0.0;
         }
         if self.has_inertia {
-            self.start_moving()?;
+            self.start_moving(pushed_for)?;
         }
         Ok(())
     }
@@ -261,7 +264,15 @@ impl<'a> Forward<'a> {
 
     /// The true contact, its gap that to the yielding pusher.
     pub(crate) fn meet(&self, time: f64, pose_wo: &Pose) -> ContactEvent {
-        let (center_w, velocity_w) = self.pusher(time);
+        self.contact_with(self.pusher(time), pose_wo)
+    }
+
+    /// The same with a pusher at a place, in m, with a velocity, in m/s.
+    pub(crate) fn contact_with(
+        &self,
+        (center_w, velocity_w): (Vector2<f64>, Vector2<f64>),
+        pose_wo: &Pose,
+    ) -> ContactEvent {
         let mut contact = self.outline.nearest(&pose_wo.inverse_transform_point(&center_w));
         contact.gap += self.deflection;
         ContactEvent { contact, velocity_w }

@@ -11,7 +11,7 @@ use crate::predict::instant::Rate;
 use crate::predict::moved::moved;
 
 /// 1 − 1/√2: both stages of the rule have this share of the sub-step.
-const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+pub(crate) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// Share of the time to rest that a free slide goes in one step.
 const SLIDE_SHARE: f64 = 0.125;
 /// A slide takes some seventy steps to rest.
@@ -20,10 +20,16 @@ const MOST_SLIDES: usize = 10_000;
 const REST_SHARE: f64 = 1e-4;
 
 impl Forward<'_> {
-    /// The velocity at the start, made to fit the contact.
-    pub(crate) fn start_moving(&mut self) -> Result<(), EffectError> {
-        let center_w = self.pose_wo.transform_point(self.step.object.center_of_mass());
-        self.twist_w = self.step.twist_wb.shifted(&(center_w - self.step.pose_wb.position));
+    /// The velocity at the start, after the pusher pushed for some time, in s, made to fit the contact.
+    pub(crate) fn start_moving(&mut self, pushed_for: f64) -> Result<(), EffectError> {
+        let step = self.step;
+        self.twist_w = match step.run_up.as_deref().filter(|_| step.touching) {
+            Some(push) => self.run_up(push, pushed_for)?,
+            None => {
+                let center_w = self.pose_wo.transform_point(step.object.center_of_mass());
+                step.twist_wb.shifted(&(center_w - step.pose_wb.position))
+            }
+        };
         if self.touching {
             self.meet_pusher()?;
         }

@@ -16,6 +16,7 @@ pub(crate) mod parts;
 pub(crate) mod path;
 pub(crate) mod press;
 pub(crate) mod push_physics;
+pub(crate) mod run_up;
 pub(crate) mod substep_end;
 pub(crate) mod touch_time;
 

@@ -6,7 +6,7 @@ use nalgebra::Vector2;
 use planar::{Pose, Twist};
 
 use crate::error::{finite, not_negative};
-use crate::{EffectError, Object, Track};
+use crate::{EffectError, Object, RunUp, Track};
 
 /// What is known of a step before its outcome: what an effect and a prediction may depend on.
 ///
@@ -20,6 +20,7 @@ use crate::{EffectError, Object, Track};
 /// | `track` | [`Track::accelerated`] of `pusher_x0_m` … `pusher_ay_m_s2` and `dt_s` |
 /// | `touching` | `phase` is contact, and no flag says that contact was lost |
 /// | `since_contact` | `since_contact_s` |
+/// | `run_up` | the rows of the push |
 /// | `progress`, `session` | the order of `t_s` in the set, `session` |
 #[derive(Clone, Debug)]
 pub struct StepInput {
@@ -40,6 +41,9 @@ pub struct StepInput {
     pub touching: bool,
     /// Time from the push's first contact to the start, in s; 0 where contact begins.
     pub since_contact: f64,
+    /// The push before the start. With it an object with inertia, touched by the pusher, begins as fast as the model
+    /// makes it from rest there; without it, with `twist_wb`.
+    pub run_up: Option<Arc<RunUp>>,
     /// Place of the push in the order of the set: 0 for the first, 1 for the last.
     pub progress: f64,
     /// 0-based measuring session; 0 where sessions are not known.

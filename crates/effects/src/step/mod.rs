@@ -3,4 +3,5 @@
 pub(crate) mod channels;
 pub(crate) mod input;
 pub(crate) mod rig;
+pub(crate) mod run_up;
 pub(crate) mod track;

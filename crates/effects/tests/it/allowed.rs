@@ -26,6 +26,7 @@ fn push(shape: Shape, pusher_radius: f64) -> StepInput {
         track: Track::straight(start, start + 4e-3 * Vector2::x(), 0.2),
         touching: true,
         since_contact: 1.0,
+        run_up: None,
         progress: 0.5,
         session: 0,
     }

@@ -1,8 +1,11 @@
 //! Whatever the effects and their values, a prediction is finite or refused with a reason.
 
 use effects::all;
-use effects::{EffectError, Object, PushPhysics, Rig, StepInput, Surface, Track};
+use effects::{
+    EffectError, Object, PushMoment, PushPhysics, Rig, RunUp, StepInput, Surface, Track,
+};
 use mechanics::MechanicsError;
+use nalgebra::Vector2;
 use planar::{MIT_NAMES, Pose, Twist, mit_object};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -35,7 +38,7 @@ fn any_step(random: &mut ChaCha8Rng, object: &Arc<Object>) -> StepInput {
     let bend = random.random_range(-0.5..0.5) * speed * speed / 0.01;
     let duration = (way / speed).max(0.01);
     let bend = bend * planar::perpendicular(&direction);
-    StepInput {
+    let step = StepInput {
         object: object.clone(),
         pusher_radius: 0.005,
         pose_wb,
@@ -46,9 +49,34 @@ fn any_step(random: &mut ChaCha8Rng, object: &Arc<Object>) -> StepInput {
         track: Track::accelerated(start, start + way * direction, bend, duration),
         touching: random.random_bool(0.8),
         since_contact: random.random_range(0.0..0.1),
+        run_up: None,
         progress: random.random_range(0.0..1.0),
         session: 0,
-    }
+    };
+    StepInput { run_up: random.random_bool(0.5).then(|| any_run_up(random, &step)), ..step }
+}
+
+/// A way to the start of a step, or to a place beside it, with moments near its contact.
+fn any_run_up(random: &mut ChaCha8Rng, step: &StepInput) -> Arc<RunUp> {
+    let n = random.random_range(1..6);
+    let (start, velocity) = step.track.at(0.0);
+    let mut moment = |k: i32| {
+        let since_contact = step.since_contact * f64::from(k) / 4.0;
+        let before = step.since_contact - since_contact;
+        let mut shaken = |size: f64| size * random.random_range(-1.0..1.0);
+        let Pose { position, angle } = step.pose_wb;
+        PushMoment {
+            since_contact,
+            pose_wb: Pose::new(
+                position.x + shaken(1e-2),
+                position.y + shaken(1e-2),
+                angle + shaken(0.5),
+            ),
+            pusher_w: start - before * velocity,
+            pusher_velocity_w: velocity + Vector2::new(shaken(0.3), shaken(0.3)),
+        }
+    };
+    Arc::new(RunUp::new((0..n).map(&mut moment).collect()).unwrap())
 }
 
 #[test]

@@ -26,6 +26,7 @@ fn step(shape: &Arc<Shape>, edge: usize, p: f64, beta: f64, way: f64) -> StepInp
         track: Track::straight(start, end, 0.2),
         touching: true,
         since_contact: 1.0,
+        run_up: None,
         progress: 0.5,
         session: 0,
     }

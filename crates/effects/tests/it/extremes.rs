@@ -80,6 +80,7 @@ fn step(object: &Arc<Object>, edge: usize, p: f64, radius: f64, beta: f64, way: 
         track: Track::straight(start, start + way * direction, 0.2),
         touching: true,
         since_contact: 1.0,
+        run_up: None,
         progress: 0.5,
         session: 0,
     }
@@ -159,6 +160,7 @@ proptest! {
             track,
             twist_wb: Twist { linear, angular: twist.1 * ends.0 },
             since_contact: since,
+            run_up: None,
             touching: touching == 1,
             progress: p,
             ..plain

@@ -36,6 +36,7 @@ fn pushes(center: [f64; 2]) -> Vec<StepInput> {
             track: Track::straight(start, end, 0.2),
             touching: true,
             since_contact: 1.0,
+            run_up: None,
             progress: 0.5,
             session: 0,
         }

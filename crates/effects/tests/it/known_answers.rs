@@ -42,6 +42,7 @@ fn push_along(y: f64, way: Vector2<f64>) -> StepInput {
         track: Track::straight(start, start + way, way.norm() / SPEED),
         touching: true,
         since_contact: 1.0,
+        run_up: None,
         progress: 0.5,
         session: 0,
     }

@@ -9,6 +9,7 @@ mod extremes;
 mod field;
 mod known_answers;
 mod laws;
+mod run_up;
 mod separation;
 mod supports;
 mod whole_push;

@@ -75,6 +75,7 @@ fn leaving(object: &Arc<Object>, center: &Vector2<f64>, beta: f64) -> Option<Ste
         track: Track::straight(start, end, way.norm() / SPEED),
         touching: true,
         since_contact: 1.0,
+        run_up: None,
         progress: 0.5,
         session: 0,
     })
@@ -148,6 +149,7 @@ fn off_a_vertex_the_gap_is_that_of_the_pusher() {
         track: Track::straight(start, end, 0.1),
         touching: true,
         since_contact: 1.0,
+        run_up: None,
         progress: 0.5,
         session: 0,
     };
@@ -218,6 +220,7 @@ fn there_and_back(y: f64, reach: f64, back: f64) -> [StepInput; 2] {
         track,
         touching: true,
         since_contact: 1.0,
+        run_up: None,
         progress: 0.5,
         session: 0,
     };

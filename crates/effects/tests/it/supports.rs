@@ -32,6 +32,7 @@ fn push(y: f64, beta: f64, way: f64) -> StepInput {
         track: Track::straight(start, end, way / SPEED),
         touching: true,
         since_contact: 0.0,
+        run_up: None,
         progress: 0.5,
         session: 0,
     }

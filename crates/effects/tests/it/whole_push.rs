@@ -29,6 +29,7 @@ fn step(shape: &Arc<Shape>, track: Track) -> StepInput {
         track,
         touching: false,
         since_contact: 0.0,
+        run_up: None,
         progress: 0.5,
         session: 0,
     }

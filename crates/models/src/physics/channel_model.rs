@@ -246,6 +246,7 @@ fn resting(object: &Arc<Object>, pusher_radius: f64) -> StepInput {
         track: Track::straight(Vector2::zeros(), Vector2::x(), 1.0),
         touching: true,
         since_contact: 0.0,
+        run_up: None,
         progress: 0.5,
         session: 0,
     }

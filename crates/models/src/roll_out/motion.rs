@@ -261,6 +261,7 @@ impl PushMotion<'_> {
             track: Track::straight(touch_w, self.step.end_w, duration),
             touching: true,
             since_contact: if is_new { 0.0 } else { state.since_contact },
+            run_up: None,
             progress: 0.5,
             session: 0,
         };

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use dataset::{Flags, ObjectChoice, ObjectSpec, Phase, StepRow, Table};
-use effects::{Object, StepInput, Track};
+use effects::{Object, PushMoment, RunUp, StepInput, Track};
 use mechanics::Polyline;
 
 use crate::steps::table_steps::object_of;
@@ -35,7 +35,8 @@ impl StepSelection {
     /// The steps of a table with all that effects act on; objects are shared by their steps.
     ///
     /// The measured start pose and velocity, the pusher's way with its mean acceleration, the time
-    /// since contact and the session are the row's; the object's mass and moment come from the
+    /// since contact and the session are the row's; what is behind a step are the rows of its push
+    /// in contact, the excluded ones too. The object's mass and moment come from the
     /// manifest. A push's place in the set is its rank by time, or, where recordings overlap
     /// in time and so cannot share a clock, by the order of the table.
     ///
@@ -50,6 +51,7 @@ impl StepSelection {
         pusher_radius: f64,
     ) -> Result<ChannelSteps, ModelError> {
         let (places, sessions) = (places(table), sessions(table));
+        let run_ups = run_ups(table);
         let mut made = BTreeMap::new();
         let (steps, rows, excluded) = self.select(table, |row| {
             let object = match made.get(&row.shape) {
@@ -68,6 +70,7 @@ impl StepSelection {
                 track: track(row)?,
                 touching: is_touching(row),
                 since_contact: row.since_contact,
+                run_up: run_ups.get(&push_of(row)).cloned(),
                 progress: places[&push_of(row)],
                 session: row.session.as_ref().map_or(0, |session| sessions[session]),
             };
@@ -134,6 +137,31 @@ fn push_of(row: &StepRow) -> PushName {
     (row.recording.clone(), row.push)
 }
 
+/// Each push as its rows in contact have it; none for whole pushes.
+///
+/// A row with numbers that no push has is left out: where it is a step, it is refused as such.
+fn run_ups(table: &Table) -> HashMap<PushName, Arc<RunUp>> {
+    let mut pushes: HashMap<PushName, Vec<PushMoment>> = HashMap::new();
+    let in_contact = |row: &&StepRow| row.phase == Phase::Contact && !row.is_whole_push();
+    for row in table.rows.iter().filter(in_contact) {
+        let moment = PushMoment {
+            since_contact: row.since_contact,
+            pose_wb: row.object_pose,
+            pusher_w: row.pusher_start,
+            pusher_velocity_w: row.pusher_velocity - 0.5 * row.dt * row.pusher_acceleration,
+        };
+        if moment.validate().is_ok() {
+            pushes.entry(push_of(row)).or_default().push(moment);
+        }
+    }
+    let run_up = |(push, mut moments): (PushName, Vec<PushMoment>)| {
+        moments.sort_by(|a, b| a.since_contact.total_cmp(&b.since_contact));
+        moments.dedup_by_key(|moment| moment.since_contact);
+        Some((push, Arc::new(RunUp::new(moments).ok()?)))
+    };
+    pushes.into_iter().filter_map(run_up).collect()
+}
+
 /// Place of each push in the order of the set: 0 for the first, 1 for the last.
 fn places(table: &Table) -> HashMap<PushName, f64> {
     let mut spans: Vec<(PushName, [f64; 2])> = Vec::new();
@@ -173,7 +201,9 @@ mod tests {
     use std::sync::Arc;
 
     use dataset::{Flags, ObjectChoice, ObjectSpec, Provenance, StepRow, Table};
+    use effects::{PushMoment, RunUp};
     use nalgebra::Vector2;
+    use planar::Pose;
 
     use crate::StepSelection;
 
@@ -206,5 +236,39 @@ mod tests {
         assert_eq!(found[0].observed[5..], [None, None]);
         let error = steps([rows, vec![late]].concat()).unwrap_err().to_string();
         assert!(error.contains("row 2") || error.contains("later than the one before"), "{error}");
+        assert!(found.iter().all(|step| step.input.run_up.is_none()));
+    }
+
+    #[test]
+    fn behind_a_step_are_all_rows_of_its_push() {
+        let row = |push: u32, step: u32| StepRow {
+            recording: Arc::from("one"),
+            shape: Arc::from("rect1"),
+            push,
+            step,
+            dt: 0.2,
+            t: 10.0 * f64::from(push) + 0.2 * f64::from(step),
+            since_contact: 0.2 * f64::from(step),
+            object_pose: Pose::new(0.004 * f64::from(step), 0.0, 0.0),
+            pusher_start: Vector2::new(0.004 * f64::from(step) - 0.052, 0.0),
+            pusher_velocity: Vector2::new(0.02, 0.0),
+            pusher_acceleration: Vector2::new(0.01, 0.0),
+            ..StepRow::default()
+        };
+        let lost = StepRow { flags: Flags::CONTACT_LOST, ..row(0, 1) };
+        let rows = vec![row(0, 0), lost, row(0, 2), row(1, 0), row(1, 1)];
+        let table = Table { rows, provenance: Provenance::default() };
+        let object = ObjectChoice::Fixed(Box::new(ObjectSpec::mit("rect1").unwrap()));
+        let steps = StepSelection::default().channel_steps(&table, &object, 0.00475).unwrap();
+        assert_eq!(steps.rows, [0, 2, 3, 4]);
+        let moment = |k: f64| PushMoment {
+            since_contact: 0.2 * k,
+            pose_wb: Pose::new(0.004 * k, 0.0, 0.0),
+            pusher_w: Vector2::new(0.004 * k - 0.052, 0.0),
+            pusher_velocity_w: Vector2::new(0.019, 0.0),
+        };
+        let run_up = |n: u8| RunUp::new((0..n).map(f64::from).map(moment).collect()).unwrap();
+        let found: Vec<_> = steps.steps.iter().map(|step| step.input.run_up.as_deref()).collect();
+        assert_eq!(found, [3, 3, 2, 2].map(run_up).each_ref().map(Some));
     }
 }

@@ -86,6 +86,7 @@ fn asked() -> Vec<(StepInput, effects::StepInput)> {
                 track: Track::straight(start, end, 0.2),
                 touching: true,
                 since_contact: 1.0,
+                run_up: None,
                 progress: 0.5,
                 session: 0,
             };

@@ -215,6 +215,7 @@ fn whole_steps(n: usize, offset: f64) -> Vec<StepObservation> {
             track: Track::accelerated(start_w, end_w, Vector2::zeros(), 0.2),
             touching: true,
             since_contact: 0.0,
+            run_up: None,
             progress: 0.0,
             session: 0,
         };

@@ -249,6 +249,7 @@ fn recorded(model: &dyn PushModel, seed: u64) -> RecordedPush {
             track: Track::straight(step.start_w, step.end_w, step.duration),
             touching: true,
             since_contact: step.time,
+            run_up: None,
             progress: 0.5,
             session: 0,
         };

@@ -25,7 +25,7 @@ fn pairs(result: &Value) -> Vec<(String, String)> {
 #[test]
 fn a_narrow_design_leaves_effects_that_a_random_one_tells_apart() {
     let ((narrow, text), (random, _)) = (checked("narrow"), checked("random"));
-    let pair = ("contact-bias".to_owned(), "pose-offset".to_owned());
+    let pair = ("friction-center-offset".to_owned(), "pose-offset".to_owned());
     assert!(pairs(&narrow).contains(&pair), "{:?}", pairs(&narrow));
     assert!(!pairs(&random).contains(&pair), "{:?}", pairs(&random));
     for part in ["what cannot be told apart well", "repeats:", "channels: motion, contact force"] {

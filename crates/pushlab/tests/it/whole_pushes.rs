@@ -56,6 +56,7 @@ fn pushes() -> SmallSet {
             track: Track::straight(start, end, 2.0),
             touching: false,
             since_contact: 0.0,
+            run_up: None,
             progress: 0.5,
             session: 0,
         };

@@ -145,6 +145,7 @@ impl Atlas {
                 track,
                 touching: true,
                 since_contact: 1.0,
+                run_up: None,
                 progress: 1.0,
                 session: 0,
             }

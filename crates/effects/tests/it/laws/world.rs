@@ -218,6 +218,7 @@ impl World {
             track: Track::accelerated(start, start + way * direction, acceleration, duration),
             touching,
             since_contact: since_contact * self.time,
+            run_up: None,
             progress: plain.progress,
             session: 0,
         }
