@@ -52,6 +52,12 @@ pub(crate) const MODEL_TOLERANCE: f64 = 0.01;
 /// Share of what an effect takes off the squared error that more freedom of the same origin may take off
 /// beside it. Convention.
 pub(crate) const MORE_FREEDOM: f64 = 0.25;
+/// Share of its size by which an effect may move beside a free component of its origin. Convention, the same.
+pub(crate) const MOVED: f64 = MORE_FREEDOM;
+/// Standard errors beyond which it surely moves. Derived: 95 %.
+pub(crate) const SURE_MOVED: f64 = 2.0;
+/// Standard errors beyond which an effect is sure beside such a component. Convention: once in a thousand.
+pub(crate) const SURE_BESIDE: f64 = 3.0;
 /// Share of the mean square of a number by which an effect may raise it. Convention, the same.
 pub(crate) const RAISED: f64 = MORE_FREEDOM;
 /// Groups of pushes along a covariate, over which a size has to be the same. Convention.

@@ -6,7 +6,7 @@ use super::phase::DiagnosePhase;
 use super::push_scatter::{PushScatter, push_scatter};
 use super::search::Search;
 use crate::predict::tangent::Tangent;
-use crate::remains::remains;
+use crate::remains::{Beside, remains};
 use crate::screen::untestable::Reason;
 use crate::{DiagnosisError, NoiseFloor, Remains};
 
@@ -16,6 +16,8 @@ pub(super) struct BesideBest {
     pub(super) floor: MotionError,
     /// What of the rig the error comes from that is left.
     pub(super) remains: Option<Remains>,
+    /// What becomes of the model's effects beside free components of their origins.
+    pub(super) besides: Vec<Beside>,
     /// By how much what moves the object differs from push to push.
     pub(super) push_to_push: Vec<PushScatter>,
 }
@@ -40,6 +42,7 @@ impl Search<'_> {
         let remains = remains((&tangent, best), all, noise, is_testable, &settings.remain())?;
         self.tell(DiagnosePhase::Scatter);
         let push_to_push = push_scatter((&tangent, best), all, settings)?;
-        Ok(BesideBest { floor, remains, push_to_push })
+        let (remains, besides) = remains.map_or((None, Vec::new()), |(all, own)| (Some(all), own));
+        Ok(BesideBest { floor, remains, besides, push_to_push })
     }
 }

@@ -33,6 +33,11 @@ const N_DEALS: usize = 999;
 const USUAL: f64 = 5.0;
 
 impl Varies {
+    /// Whether it is another one in other places of the table.
+    pub(super) fn is_over_table(&self) -> bool {
+        matches!(self.over, Covariate::TableX | Covariate::TableY)
+    }
+
     pub(super) fn sentence(&self) -> String {
         let percent = 100.0 * self.share;
         format!(

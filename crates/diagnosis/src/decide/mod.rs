@@ -119,7 +119,7 @@ pub struct Diagnosed {
 /// which the object rests are tried in the place of what follows from them when that is added, and at the
 /// end; then a tip that is caught at vertices, and what is hardly seen. An effect stays if it
 /// predicts the held-out clusters, and the others each by a fit without it, better. It is identified if
-/// its size is the same all over the set, if more freedom of what it comes from brings little more, if no
+/// its size is the same all over the set, and beside more freedom of what it comes from, if no
 /// more is left than it explains, and if held-out pushes miss no measured number by more with it, nor with all that
 /// is claimed; effective else. What is there and hardly seen is carried along, marked small.
 ///
@@ -215,8 +215,8 @@ fn diagnose_all(
     let second = settings.confirm.as_ref();
     let search = Search { model, all, fitted, aside, settings, observer, may_expect: true };
     let (found, left) = found_and_left(&search)?;
-    let BesideBest { floor, remains, push_to_push } = search.beside_best(&found)?;
-    let claims: Claims = claims(&found, (&left, remains.as_ref()));
+    let BesideBest { floor, remains, besides, push_to_push } = search.beside_best(&found)?;
+    let claims: Claims = claims(&found, (&left, remains.as_ref()), &besides);
     if !claims.groups.is_empty() {
         observer(DiagnosePhase::Rivals);
     }

@@ -282,6 +282,32 @@ impl<'a> Columns<'a> {
         self.columns.iter().map(of).collect()
     }
 
+    /// The effects of the model that come from an origin.
+    pub(super) fn in_model_from(&self, origin: Origin) -> impl Iterator<Item = &Candidate> {
+        let all = self.tangent.candidates.effects.iter();
+        all.filter(move |one| one.is_in_model && one.effect.info().origin == origin)
+    }
+
+    /// Which open number a coordinate is; none where it is not open.
+    pub(super) fn open_of(&self, coordinate: usize) -> Option<usize> {
+        self.open.iter().position(|(k, _)| *k == coordinate)
+    }
+
+    /// How far a coordinate of the model is from "off", in its scale.
+    pub(super) fn distance_from_off(&self, coordinate: usize) -> f64 {
+        let candidates = &self.tangent.candidates;
+        (candidates.here[coordinate] - candidates.off[coordinate]) / self.scale[coordinate]
+    }
+
+    /// The open number that each column adds to everywhere; none of the others.
+    pub(super) fn evens(&self) -> Vec<Option<usize>> {
+        let of = |column: &Column| match column {
+            Column { base: Base::Coordinate(k), factor: EVEN } => self.open_of(*k),
+            _ => None,
+        };
+        self.columns.iter().map(of).collect()
+    }
+
     /// The precision of each open number beforehand, in its scale.
     pub(super) fn beliefs(&self) -> Vec<f64> {
         /// Stands for none, and keeps what no number sees determined.

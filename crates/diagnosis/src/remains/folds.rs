@@ -21,6 +21,8 @@ const LEAST_SAY: f64 = 0.5;
 
 pub(super) struct Folds {
     folds: Vec<Fold>,
+    /// All pushes, none of them its own.
+    whole: Fold,
     n_pushes: usize,
     /// Of each component's number.
     room: Vec<[f64; 2]>,
@@ -29,11 +31,23 @@ pub(super) struct Folds {
 struct Fold {
     /// What each component's number takes of the open ones, and the open ones without components.
     open: (DMatrix<f64>, DVector<f64>),
+    /// Covariance of the open ones without components.
+    covariance: DMatrix<f64>,
     /// The components' numbers beside the open ones, of all other pushes.
     others: Normal,
     /// Of each push of its own: what the open numbers alone leave, and what each number of a component adds
     /// while they follow.
     own: Vec<(usize, DVector<f64>, DMatrix<f64>)>,
+}
+
+/// Open numbers beside components, fitted to all pushes.
+pub(super) struct FittedBeside {
+    /// By what the components move them.
+    pub(super) shift: DVector<f64>,
+    /// Covariance of that.
+    pub(super) of_shift: DMatrix<f64>,
+    /// Covariance of the open numbers without components.
+    pub(super) alone: DMatrix<f64>,
 }
 
 /// What a component gains in each row of each push, in nats.
@@ -63,7 +77,8 @@ impl Folds {
             Fold::new(&pushes, part, &(&whole - own), &columns.beliefs())
         };
         let folds = parts.iter().zip(&products).map(fold).collect::<Option<_>>()?;
-        Some(Self { folds, n_pushes: pushes.len(), room: columns.room() })
+        let all = Fold::new(&pushes, &[], &whole, &columns.beliefs())?;
+        Some(Self { folds, whole: all, n_pushes: pushes.len(), room: columns.room() })
     }
 
     /// The groups' variances by each fold; none where they are not determined.
@@ -90,6 +105,32 @@ impl Folds {
             }
         }
         Some(found)
+    }
+
+    /// The open numbers beside groups of columns, as large as makes all pushes likeliest; `evens` has the open number
+    /// that a column adds to everywhere. None where they are not determined.
+    pub(super) fn beside(
+        &self,
+        groups: &[Range<usize>],
+        evens: &[Option<usize>],
+    ) -> Option<FittedBeside> {
+        let (columns, groups) = packed(groups);
+        let others = self.whole.others.of(&columns);
+        let variances = others.variances(&groups)?;
+        let change = others.mean(&groups, &variances)?;
+        let mut precision = others.information.clone();
+        for (group, variance) in groups.iter().zip(&variances) {
+            group.clone().for_each(|k| precision[(k, k)] += variance.recip());
+        }
+        let (shares, _) = &self.whole.open;
+        let taken = |row: usize, column: usize| {
+            let adds = evens[columns[column]] == Some(row);
+            f64::from(u8::from(adds)) - shares[(row, columns[column])]
+        };
+        let moves = DMatrix::from_fn(shares.nrows(), columns.len(), taken);
+        let of_shift = &moves * precision.cholesky()?.solve(&moves.transpose());
+        let alone = self.whole.covariance.clone();
+        Some(FittedBeside { shift: &moves * change, of_shift, alone })
     }
 
     /// What groups of columns gain alone.
@@ -165,7 +206,13 @@ impl Fold {
             (*push, left, all.columns(1 + n_open, n) - of_open * &shares)
         };
         let own = own.par_iter().map(of_push).collect();
-        Some(Self { open: (shares, estimate), others: Normal { information, pull }, own })
+        let covariance = open.inverse();
+        Some(Self {
+            open: (shares, estimate),
+            covariance,
+            others: Normal { information, pull },
+            own,
+        })
     }
 }
 

@@ -1,6 +1,7 @@
 //! A fitted model and its noise go in, what of the rig the error that it leaves comes from comes out:
 //! every origin has a component that is free to take any form, and gains what it gains on held-out pushes.
 
+mod beside;
 mod columns;
 mod folds;
 mod place;
@@ -13,6 +14,8 @@ use effects::{Effect, Origin};
 use models::Description;
 use serde::{Deserialize, Serialize};
 
+pub(crate) use self::beside::Beside;
+use self::beside::beside;
 use self::columns::Columns;
 use self::folds::{Folds, Gains, LeftOfPushes, left_by_all};
 use self::place::place;
@@ -61,7 +64,8 @@ pub(crate) struct RemainSettings<'a> {
     pub(crate) seed: u64,
 }
 
-/// What of the rig the error comes from that a model leaves, beside noise learnt about it.
+/// What of the rig the error comes from that a model leaves, beside noise learnt about it; and what becomes of the
+/// model's effects beside that.
 ///
 /// Each origin has a component: the pressure under the object cell by cell, which may lean with the push,
 /// friction and place of the contact as functions of place and direction, a field over the table, and so on,
@@ -77,7 +81,7 @@ pub(crate) fn remains(
     (noise, at): (&NoiseModel, At),
     is_testable: impl Fn(&str) -> bool,
     settings: &RemainSettings,
-) -> Result<Option<Remains>, DiagnosisError> {
+) -> Result<Option<(Remains, Vec<Beside>)>, DiagnosisError> {
     let members = clusters(observations);
     if members.len() < FEWEST_CLUSTERS {
         return Ok(None);
@@ -164,7 +168,11 @@ impl<'a> Own<'a> {
     }
 }
 
-fn shares(folds: &Folds, columns: &Columns, observations: &Observations) -> Option<Remains> {
+fn shares(
+    folds: &Folds,
+    columns: &Columns,
+    observations: &Observations,
+) -> Option<(Remains, Vec<Beside>)> {
     let used = Origin::ALL.into_iter().zip(&columns.origins).filter(|(_, own)| !own.is_empty());
     let used = used.map(|own| Own::of((folds, observations), own));
     let used: Vec<Own> = used.collect::<Option<_>>()?;
@@ -196,7 +204,9 @@ fn shares(folds: &Folds, columns: &Columns, observations: &Observations) -> Opti
     let mut origins: Vec<OriginShare> = used.iter().map(of_origin).collect::<Option<_>>()?;
     origins.sort_by(|a, b| b.gain.mean.total_cmp(&a.gain.mean));
     let smooth = folds.alone(std::slice::from_ref(&columns.smooth))?.of_clusters(observations);
-    Some(Remains { gain, share: all.share_of_square(), smooth, origins })
+    let besides = used.iter().map(|own| beside((folds, columns), (own.origin, own.groups)));
+    let besides = besides.flatten().flatten().collect();
+    Some((Remains { gain, share: all.share_of_square(), smooth, origins }, besides))
 }
 
 impl Remains {
@@ -219,19 +229,67 @@ impl Gains {
 #[cfg(test)]
 mod tests {
     use effects::{Origin, by_id};
+    use models::Description;
 
-    use super::{At, RemainSettings, Remains, Tangent, remains};
+    use super::{At, Beside, RemainSettings, Remains, Tangent, remains};
+    use crate::fit::fit_with_noise;
     use crate::synthetic::pushed_with;
-    use crate::{NoiseModel, Tolerances};
+    use crate::{FitSettings, NoiseModel, Observations, Tolerances};
+
+    /// What a model leaves of pushes, and what becomes of its effects.
+    fn looked_at(observations: &Observations, model: &Description) -> (Remains, Vec<Beside>) {
+        let noise = NoiseModel::learn(model, &[], observations).unwrap();
+        let settings = RemainSettings { own: &[], tolerances: Tolerances::default(), seed: 1 };
+        let tangent = Tangent::of_all(model, &[], observations).unwrap();
+        let about = (&noise, At::Middle);
+        let found = remains((&tangent, model), observations, about, |_| true, &settings);
+        found.unwrap().unwrap()
+    }
 
     /// What the nominal model leaves of pushes with an effect.
     fn left_of(hidden: (&str, &[f64])) -> Remains {
         let (observations, model, _) = pushed_with(hidden, 1);
+        looked_at(&observations, &model).0
+    }
+
+    /// An effect that is fitted to pushes with an effect, beside all that its origin could do.
+    fn beside_its_origin(fitted: &str, hidden: (&str, &[f64])) -> Beside {
+        let (observations, model, _) = pushed_with(hidden, 1);
         let noise = NoiseModel::learn(&model, &[], &observations).unwrap();
-        let settings = RemainSettings { own: &[], tolerances: Tolerances::default(), seed: 1 };
-        let tangent = Tangent::of_all(&model, &[], &observations).unwrap();
-        let about = (&noise, At::Middle);
-        remains((&tangent, &model), &observations, about, |_| true, &settings).unwrap().unwrap()
+        let settings = FitSettings::default();
+        let fit = fit_with_noise(&observations, &model, &[fitted], &noise, &settings).unwrap();
+        let (_, besides) = looked_at(&observations, &fit.with_nuisances);
+        besides.into_iter().find(|beside| beside.id == fitted).unwrap()
+    }
+
+    #[test]
+    fn what_is_there_keeps_its_size_whatever_else_its_origin_may_do() {
+        for (id, values) in [
+            ("table-anisotropy", &[0.6, 1.3][..]),
+            ("body-anisotropy", &[0.6, 1.3]),
+            ("pressure-radius", &[1.2]),
+            ("friction-gradient", &[2.0, -1.0]),
+        ] {
+            let found = beside_its_origin(id, (id, values));
+            assert!(found.stands() && !found.is_moved(), "{found:?}");
+        }
+    }
+
+    #[test]
+    fn what_takes_the_shape_of_another_cause_gives_it_up_to_it() {
+        let direction_and_ratio: &[f64] = &[0.6, 1.3];
+        for (fitted, hidden) in [
+            ("support-friction", ("friction-gradient", &[2.0, -1.0][..])),
+            ("table-anisotropy", ("table-tilt", &[0.3, 0.2])),
+            ("table-tilt", ("table-anisotropy", direction_and_ratio)),
+            ("body-anisotropy", ("friction-center-offset", &[0.008, -0.004])),
+        ] {
+            let found = beside_its_origin(fitted, hidden);
+            assert!(found.is_moved() && !found.stands(), "{found:?}");
+            let told = found.sentence();
+            let origin = found.origin.name();
+            assert!(told.contains(&format!("more freedom of the {origin} beside it")), "{told}");
+        }
     }
 
     #[test]
