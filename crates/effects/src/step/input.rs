@@ -41,8 +41,8 @@ pub struct StepInput {
     pub touching: bool,
     /// Time from the push's first contact to the start, in s; 0 where contact begins.
     pub since_contact: f64,
-    /// The push before the start. With it an object with inertia, touched by the pusher, begins as fast as the model
-    /// makes it from rest there; without it, with `twist_wb`.
+    /// The push before the start, in which the pusher is taken to touch from the first contact on. With it an object
+    /// with inertia that is touched begins as fast as the model makes it from rest there; without it, with `twist_wb`.
     pub run_up: Option<Arc<RunUp>>,
     /// Place of the push in the order of the set: 0 for the first, 1 for the last.
     pub progress: f64,

@@ -37,8 +37,8 @@ impl PushMoment {
 
 /// A push as it was measured, moment by moment: what a step in its midst has behind it.
 ///
-/// Between two moments object and pusher go on a line, before the first and after the last the object rests beside
-/// the pusher.
+/// Between two moments object and pusher go on a line; before the first and after the last they are where they are
+/// there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunUp {
     moments: Vec<PushMoment>,
