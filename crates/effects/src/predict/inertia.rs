@@ -107,13 +107,23 @@ impl Forward<'_> {
     /// An inelastic impact with Coulomb friction, if the pusher is faster than the object.
     fn meet_pusher(&mut self) -> Result<(), EffectError> {
         if self.closing_speed(&self.now, &self.pose_wo, &self.twist_w) > 0.0 {
-            let contact = &self.now.contact;
-            let instant = self.balance(&self.pose_wo, self.time, &Vector2::zeros())?;
-            let point = self.acting_point(contact);
-            let touch = instant.touch(contact, &point, &self.now.velocity_w);
-            self.twist_w = instant.struck(&touch, &self.law, &self.twist_w)?;
+            self.twist_w = self.struck(self.time, &self.pose_wo, &self.now, &self.twist_w)?;
         }
         Ok(())
+    }
+
+    /// The velocity after the impact of a pusher on an object that moved with `twist_w`.
+    pub(crate) fn struck(
+        &self,
+        time: f64,
+        pose: &Pose,
+        meeting: &ContactEvent,
+        twist_w: &Twist,
+    ) -> Result<Twist, EffectError> {
+        let instant = self.balance(pose, time, &Vector2::zeros())?;
+        let point = self.acting_point(&meeting.contact);
+        let touch = instant.touch(&meeting.contact, &point, &meeting.velocity_w);
+        instant.struck(&touch, &self.law, twist_w)
     }
 
     /// An implicit stage: the velocity at which all loads balance; none if the pusher lets go.
@@ -125,11 +135,22 @@ impl Forward<'_> {
         target: &Twist,
     ) -> Result<Option<(Rate, ContactEvent)>, EffectError> {
         let meeting = self.meet(time, pose);
-        let law = self.law;
-        let rate = self.with_lean(pose, time, &meeting, |instant, touch, memory| {
-            instant.pushed_with_inertia(touch, &law, length, target, memory)
-        })?;
+        let rate = self.stage_in(time, pose, &meeting, (length, target))?;
         Ok((rate.mode != ContactMode::Separated).then_some((rate, meeting)))
+    }
+
+    /// The same in a contact, without the pusher's load if it lets go.
+    pub(crate) fn stage_in(
+        &mut self,
+        time: f64,
+        pose: &Pose,
+        meeting: &ContactEvent,
+        (length, target): (f64, &Twist),
+    ) -> Result<Rate, EffectError> {
+        let law = self.law;
+        self.with_lean(pose, time, meeting, |instant, touch, memory| {
+            instant.pushed_with_inertia(touch, &law, length, target, memory)
+        })
     }
 
     fn energy(&self, twist: &Twist) -> f64 {

@@ -1,6 +1,5 @@
 //! How fast an object with inertia is where a step of a push begins.
 
-use nalgebra::Vector2;
 use planar::{Pose, Twist};
 
 use crate::EffectError;
@@ -25,7 +24,8 @@ impl Forward<'_> {
     /// The object's measured velocity would tell of each push what no model knows of it: where there is little
     /// friction an object keeps it.
     pub(crate) fn run_up(&mut self, push: &RunUp, pushed_for: f64) -> Result<Twist, EffectError> {
-        let mut twist_w = self.struck_at_rest(push, pushed_for)?;
+        let (pose, meeting) = self.earlier(push, pushed_for);
+        let mut twist_w = self.struck(-pushed_for, &pose, &meeting, &Twist::default())?;
         let mut from = pushed_for;
         for to in self.ends_of_intervals(pushed_for) {
             twist_w = self.pushed_on(push, (from, to), &twist_w)?;
@@ -52,15 +52,6 @@ impl Forward<'_> {
         ends
     }
 
-    /// The velocity after the impact at the first contact, `before` seconds ago.
-    fn struck_at_rest(&self, push: &RunUp, before: f64) -> Result<Twist, EffectError> {
-        let (pose, meeting) = self.earlier(push, before);
-        let instant = self.balance(&pose, -before, &Vector2::zeros())?;
-        let point = self.acting_point(&meeting.contact);
-        let touch = instant.touch(&meeting.contact, &point, &meeting.velocity_w);
-        instant.struck(&touch, &self.law, &Twist::default())
-    }
-
     /// The velocity after an interval, by the rule of [`Forward::press_with_inertia`].
     fn pushed_on(
         &mut self,
@@ -83,11 +74,7 @@ impl Forward<'_> {
         target: &Twist,
     ) -> Result<Twist, EffectError> {
         let (pose, meeting) = self.earlier(push, before);
-        let law = self.law;
-        let rate = self.with_lean(&pose, -before, &meeting, |instant, touch, memory| {
-            instant.pushed_with_inertia(touch, &law, length, target, memory)
-        })?;
-        Ok(rate.twist_w)
+        Ok(self.stage_in(-before, &pose, &meeting, (length, target))?.twist_w)
     }
 
     /// Pose of the outline and contact some time before the start, in s.
