@@ -1,28 +1,23 @@
-//! Effects that no screen shows: where an object rests, in the place of single numbers that follow from it, and
-//! what few steps show, as a tip that is caught at vertices.
+//! Points on which an object rests, which no screen shows, in the place of single numbers that follow from them.
 
 use std::f64::consts::SQRT_2;
 
-use effects::{
-    Channel, EdgeRounding, Effect, PusherStiction, Role, Stage, SupportPoints, VertexContact,
-};
+use effects::{Channel, Effect, Stage, SupportPoints};
 
 use super::both_noises::BothNoises;
 use super::found::{Choice, Progress, Refused};
 use super::phase::DiagnosePhase;
 use super::rules::Objection;
 use super::search::Search;
-use crate::cut_offs::{NAME, PUSHES_A_NUMBER, SIZE, SURE_NATS};
+use crate::cut_offs::{NAME, PUSHES_A_NUMBER};
 use crate::fit::Refit;
 use crate::predict::candidates::follow_from_points;
 use crate::{DiagnosisError, Gain, Screen};
 
 /// Points that are tried at most, and at least.
 const N_POINTS: [usize; 2] = [4, 3];
-/// Covariances under which points are asked for.
-const N_NOISES: usize = 2;
-/// Effects that few steps show.
-const N_FEW_STEPS: usize = 3;
+/// Covariances under which what no screen shows is asked for.
+pub(super) const N_NOISES: usize = 2;
 
 impl Search<'_> {
     /// The model on points instead of single numbers that follow from them, if pushes that are left out
@@ -63,69 +58,6 @@ impl Search<'_> {
         let found = self.borne_by_points(here, n_points, follow);
         let p = |gain: &Gain, progress: &Progress| p_of_points(gain, follow, screen, progress);
         sure((SupportPoints.info().id, n_numbers(n_points)), found, p, progress)
-    }
-
-    /// The model with an effect that few steps show and no slope, if pushes that are left out of the fit are predicted
-    /// better for sure: a tip that is caught at vertices, for a limit has none; corners that are round, for a small
-    /// rounding ends before anything is read; and a tip that sticks harder than it slides, for at "off" only pushes
-    /// at the edge of sliding would change.
-    pub(super) fn on_few_steps<'a>(
-        &self,
-        from: &BothNoises<'_, 'a>,
-        screen: &Screen,
-        progress: &mut Progress,
-    ) -> Result<Option<Refit<'a>>, DiagnosisError> {
-        for about in [VertexContact.info(), EdgeRounding.info(), PusherStiction.info()] {
-            let id = about.id;
-            let is_known = self.model.effects.iter().any(|carried| carried.id == id)
-                || progress.chosen.iter().any(|one| one.id == id)
-                || progress.was_superfluous(id);
-            if is_known || !self.fitted.channels().contains(&Channel::Motion) {
-                continue;
-            }
-            let n_tests = N_NOISES * N_FEW_STEPS + n_tested(screen);
-            let p = |gain: &Gain, _: &Progress| p_of(gain, n_tests);
-            let is_untestable =
-                screen.effects.iter().any(|one| one.id == id && one.not_testable.is_some());
-            let mut ask = |here: &Refit<'a>| {
-                let found = self.with_limit_or_far(here, id);
-                let is_seen = matches!(&found, Ok(Some((_, gain))) if gain.is_sure());
-                // What no size of it makes sure stays untestable.
-                if is_untestable && !is_seen {
-                    return None;
-                }
-                sure((id, about.parameters.len()), found, p, progress)
-            };
-            let found = from.plain().and_then(&mut ask).or_else(|| ask(from.here));
-            let Some((there, p_adjusted)) = found else { continue };
-            let off = about.off(&there.rig());
-            let is_small = there.size_against(id, &off)? < SIZE;
-            let choice = Choice { id, p_adjusted, rivals: Vec::new(), is_small };
-            return Ok(Some(self.with_choice(choice, there, progress)?));
-        }
-        Ok(None)
-    }
-
-    /// The model with an effect from its best limit, or from the best of its typical sizes; none where the pushes
-    /// that were fitted gain less than is sure.
-    fn with_limit_or_far<'a>(
-        &self,
-        here: &Refit<'a>,
-        id: &'static str,
-    ) -> Result<Option<(Refit<'a>, Gain)>, Objection> {
-        let Some(effect) = self.effect(id) else { return Ok(None) };
-        self.tell(DiagnosePhase::Refitting { effect: id });
-        let has_limit = effect.info().parameters.iter().any(|one| one.role == Role::Threshold);
-        let found = match has_limit {
-            true => here.limited_by(effect)?,
-            false => here.far_from_off(effect)?,
-        };
-        let Some(there) = found else { return Ok(None) };
-        if 0.5 * (here.misfit_by(&there) - there.objective()) < SURE_NATS {
-            return Ok(None);
-        }
-        let gains = self.left_out(here, &there)?;
-        Ok(Some((there, Gain::of(&gains))))
     }
 
     /// Whether there are data for points, and neither the model nor the search says where the object rests.
@@ -179,7 +111,7 @@ fn n_numbers(n_points: usize) -> usize {
 
 /// The model with an effect of so many numbers that no screen shows, and its probability, if both are sure;
 /// notes what was found, and what speaks against it.
-fn sure<'a>(
+pub(super) fn sure<'a>(
     (id, n_numbers): (&'static str, usize),
     found: Result<Option<(Refit<'a>, Gain)>, Objection>,
     p: impl Fn(&Gain, &Progress) -> f64,
@@ -207,12 +139,12 @@ fn p_of_points(gain: &Gain, follow: &[&str], screen: &Screen, progress: &Progres
     of_support.unwrap_or_else(|| p_of(gain, N_NOISES + n_tested(screen)))
 }
 
-fn n_tested(screen: &Screen) -> usize {
+pub(super) fn n_tested(screen: &Screen) -> usize {
     screen.effects.iter().filter(|one| one.not_testable.is_none()).count()
 }
 
 /// Probability of so large a gain of any of so many effects by chance.
-fn p_of(gain: &Gain, n_tests: usize) -> f64 {
+pub(super) fn p_of(gain: &Gain, n_tests: usize) -> f64 {
     // Where every cluster gains as much as counts there is no standard error, and nothing is surer.
     let z = if gain.mean > 0.0 { gain.mean / gain.se } else { 0.0 };
     (0.5 * libm::erfc(z / SQRT_2) * n_tests as f64).min(1.0)
@@ -220,7 +152,7 @@ fn p_of(gain: &Gain, n_tests: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use effects::{EdgeRounding, Effect, PusherStiction, SupportPoints, VertexContact};
+    use effects::{Effect, SupportPoints};
 
     use super::p_of;
     use crate::synthetic::pushed_with;
@@ -232,19 +164,6 @@ mod tests {
             .map(|gains| p_of(&Gain::of(gains), 20));
         assert_eq!((all, none), (0.0, 1.0));
         assert!(most > 0.0 && most < 1e-3, "{most}");
-    }
-
-    /// What is hidden is named, with an interval that holds its first number.
-    fn is_claimed(effect: &dyn Effect, truth: &[f64], seed: u64) {
-        let id = effect.info().id;
-        let (observations, model, _) = pushed_with((id, truth), seed);
-        let found = diagnose(&observations, &model, &DiagnoseSettings::default()).unwrap();
-        let told = found.diagnosis.effects.iter().find(|told| told.id == id).unwrap();
-        assert!(told.log_density_gain.is_some_and(|gain| gain.is_sure()), "{told:?}");
-        let first = &told.parameters[0];
-        let ends = first.low95.zip(first.high95);
-        assert!(ends.is_some_and(|(low, high)| low < truth[0] && truth[0] < high), "{first:?}");
-        assert!(found.description.effects.iter().any(|carried| carried.id == id));
     }
 
     #[test]
@@ -262,22 +181,5 @@ mod tests {
         let told = found.effects.iter().find(|told| told.id == about.id).unwrap();
         let n_points = told.parameters.iter().filter(|one| one.unit == "m").count() / 2;
         assert_eq!(n_points, 3, "{:?}", told.parameters);
-    }
-
-    #[test]
-    fn a_tip_that_is_caught_at_vertices_is_claimed_with_its_limit() {
-        // Farther than is met, for the recorded steps begin away from vertices.
-        is_claimed(&VertexContact, &[0.007], 3);
-    }
-
-    #[test]
-    fn round_corners_are_claimed_with_their_size_though_small_ones_end_before_anything_is_read() {
-        is_claimed(&EdgeRounding, &[0.008], 2);
-        is_claimed(&EdgeRounding, &[0.012], 2);
-    }
-
-    #[test]
-    fn a_tip_that_sticks_harder_than_it_slides_is_claimed_with_its_size() {
-        is_claimed(&PusherStiction, &[1.6, 1e-3], 2);
     }
 }
