@@ -83,9 +83,11 @@ pub(crate) const FAR_OFF: f64 = 1.5;
 pub(crate) const INFLUENTIAL: f64 = 1.0;
 /// Standard deviations that no noise misses a push by. Convention.
 pub(crate) const FAR: f64 = 8.0;
+/// Least change of some number of a push, in its noise, from which an effect acts on it. Convention.
+pub(crate) const ACTS: f64 = 1.0;
 /// Fewest pushes missed by as much that share something. Convention: two always do.
 pub(crate) const FEWEST_FAR: usize = 3;
-/// Share of the pushes from which those missed by as much are no exception. Convention.
+/// Share of the pushes from which those missed by as much, or acted on, are no exception. Convention.
 pub(crate) const MOST_FAR: f64 = 0.25;
 
 /// Share of the noise that one quantity's differences from push to push make, from which the sentence tells it.

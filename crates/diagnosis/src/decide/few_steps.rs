@@ -1,15 +1,17 @@
 //! What few steps show and no screen does, as a tip that is caught at vertices.
 
 use effects::{Channel, EdgeRounding, Effect, PusherStiction, Role, VertexContact};
+use models::Cluster;
 
 use super::both_noises::BothNoises;
 use super::found::{Choice, Progress};
-use super::on_points::{N_NOISES, n_tested, p_of, sure};
+use super::on_points::{N_NOISES, Unscreened, n_tested, p_of, sure};
 use super::phase::DiagnosePhase;
-use super::rules::Objection;
+use super::rules::{Objection, Rules};
 use super::search::Search;
-use crate::cut_offs::{SIZE, SURE_NATS};
-use crate::fit::Refit;
+use crate::cut_offs::{ACTS, MOST_FAR, SIZE, SURE_NATS};
+use crate::fit::{N_LIMITS, Refit};
+use crate::statistics::signed_ranks::{Acted, p_of_signed_ranks};
 use crate::{DiagnosisError, Gain, Screen};
 
 /// Effects that few steps show.
@@ -35,20 +37,19 @@ impl Search<'_> {
                 continue;
             }
             let n_tests = N_NOISES * N_FEW_STEPS + n_tested(screen);
-            let p = |gain: &Gain, _: &Progress| p_of(gain, n_tests);
             let is_untestable =
                 screen.effects.iter().any(|one| one.id == id && one.not_testable.is_some());
             let mut ask = |here: &Refit<'a>| {
-                let found = self.with_limit_or_far(here, id);
-                let is_seen = matches!(&found, Ok(Some((_, gain))) if gain.is_sure());
+                let found = self.with_limit_or_far(here, id, n_tests);
+                let is_seen = matches!(&found, Ok(Some(one)) if one.gain.is_sure());
                 // What no size of it makes sure stays untestable.
                 if is_untestable && !is_seen {
                     return None;
                 }
-                sure((id, about.parameters.len()), found, p, progress)
+                sure((id, about.parameters.len()), found, progress)
             };
             let found = from.plain().and_then(&mut ask).or_else(|| ask(from.here));
-            let Some((there, p_adjusted)) = found else { continue };
+            let Some(Unscreened { there, p: p_adjusted, .. }) = found else { continue };
             let off = about.off(&there.rig());
             let is_small = there.size_against(id, &off)? < SIZE;
             let choice = Choice { id, p_adjusted, rivals: Vec::new(), is_small };
@@ -58,12 +59,13 @@ impl Search<'_> {
     }
 
     /// The model with an effect from its best limit, or from the best of its typical sizes; none where the pushes
-    /// that were fitted gain less than is sure.
+    /// that were fitted gain less than is sure. It is one of so many tests.
     fn with_limit_or_far<'a>(
         &self,
         here: &Refit<'a>,
         id: &'static str,
-    ) -> Result<Option<(Refit<'a>, Gain)>, Objection> {
+        n_tests: usize,
+    ) -> Result<Option<Unscreened<'a>>, Objection> {
         let Some(effect) = self.effect(id) else { return Ok(None) };
         self.tell(DiagnosePhase::Refitting { effect: id });
         let has_limit = effect.info().parameters.iter().any(|one| one.role == Role::Threshold);
@@ -75,8 +77,38 @@ impl Search<'_> {
         if 0.5 * (here.misfit_by(&there) - there.objective()) < SURE_NATS {
             return Ok(None);
         }
-        let gains = self.left_out(here, &there)?;
-        Ok(Some((there, Gain::of(&gains))))
+        let parts = [here.left_out(&there)?, there.left_out(&there)?];
+        let gain = Gain::of(&Rules::gains(self.fitted, &parts));
+        let n_tests = if has_limit { n_tests * N_LIMITS } else { n_tests };
+        let p = match self.p_where_it_acts((&there, effect.as_ref()), &parts)? {
+            Some(p) => (p * n_tests as f64).min(1.0),
+            None => p_of(&gain, n_tests),
+        };
+        Ok(Some(Unscreened { there, gain, p }))
+    }
+
+    /// Probability that the pushes that an effect acts on are missed by chance, and the way it acts; none where these
+    /// are not few.
+    ///
+    /// Of few pushes no mean is sure, however much each gains. That just those are missed by far is.
+    fn p_where_it_acts(
+        &self,
+        (there, effect): (&Refit, &dyn Effect),
+        [without, with]: &[Vec<f64>; 2],
+    ) -> Result<Option<f64>, DiagnosisError> {
+        let about = effect.info();
+        let changes = there.change_of_pushes(about.id, &about.off(&there.rig()))?;
+        let acted = |push: usize| Acted { push, gains: with[push] < without[push] };
+        let pushes = 0..changes.len();
+        let acted: Vec<Acted> = pushes.filter(|push| changes[*push] >= ACTS).map(acted).collect();
+        let are_few = acted.len() as f64 <= MOST_FAR * changes.len() as f64;
+        let clusters = self.fitted.clusters_of_pushes();
+        let strata = match self.fitted.cluster {
+            Cluster::Push => vec![0; changes.len()],
+            Cluster::Session => clusters.clone(),
+        };
+        let p = || p_of_signed_ranks(without, &acted, (&strata, &clusters), self.settings.seed);
+        Ok((are_few && !acted.is_empty()).then(p))
     }
 }
 
@@ -104,6 +136,8 @@ mod tests {
     fn a_tip_that_is_caught_at_vertices_is_claimed_with_its_limit() {
         // Farther than is met, for the recorded steps begin away from vertices.
         is_claimed(&VertexContact, &[0.007], 3);
+        // Some five pushes alone, which no mean makes sure.
+        is_claimed(&VertexContact, &[0.005], 3);
     }
 
     #[test]

@@ -38,7 +38,7 @@ impl Search<'_> {
         {
             found = self.sure_points(plain, &follow, screen, progress);
         }
-        let Some((there, p_adjusted)) = found else { return Ok(None) };
+        let Some(Unscreened { there, p: p_adjusted, .. }) = found else { return Ok(None) };
         for one in progress.chosen.extract_if(.., |one| follow.contains(&one.id)) {
             progress.refused.push(Refused { id: one.id, objection: Objection::Superfluous });
         }
@@ -53,11 +53,14 @@ impl Search<'_> {
         follow: &[&'static str],
         screen: &Screen,
         progress: &mut Progress,
-    ) -> Option<(Refit<'a>, f64)> {
+    ) -> Option<Unscreened<'a>> {
         let n_points = self.n_points()?;
-        let found = self.borne_by_points(here, n_points, follow);
-        let p = |gain: &Gain, progress: &Progress| p_of_points(gain, follow, screen, progress);
-        sure((SupportPoints.info().id, n_numbers(n_points)), found, p, progress)
+        let found = self.borne_by_points(here, n_points, follow).map(|found| {
+            let (there, gain) = found?;
+            let p = p_of_points(&gain, follow, screen, progress);
+            Some(Unscreened { there, gain, p })
+        });
+        sure((SupportPoints.info().id, n_numbers(n_points)), found, progress)
     }
 
     /// Whether there are data for points, and neither the model nor the search says where the object rests.
@@ -109,23 +112,30 @@ fn n_numbers(n_points: usize) -> usize {
     3 * n_points - 1
 }
 
-/// The model with an effect of so many numbers that no screen shows, and its probability, if both are sure;
-/// notes what was found, and what speaks against it.
+/// The model with an effect that no screen shows.
+pub(super) struct Unscreened<'a> {
+    pub(super) there: Refit<'a>,
+    /// What clusters gain that are left out of the fit.
+    pub(super) gain: Gain,
+    /// Probability of it by chance, of any effect.
+    pub(super) p: f64,
+}
+
+/// What was found of an effect of so many numbers if gain and probability are sure; notes both, and what speaks
+/// against it.
 pub(super) fn sure<'a>(
     (id, n_numbers): (&'static str, usize),
-    found: Result<Option<(Refit<'a>, Gain)>, Objection>,
-    p: impl Fn(&Gain, &Progress) -> f64,
+    found: Result<Option<Unscreened<'a>>, Objection>,
     progress: &mut Progress,
-) -> Option<(Refit<'a>, f64)> {
-    let gain = found.as_ref().ok().and_then(Option::as_ref).map(|(_, gain)| *gain);
-    let p = gain.map_or(1.0, |gain| p(&gain, progress));
-    progress.note_tried(id, n_numbers, gain, p);
+) -> Option<Unscreened<'a>> {
+    let told = found.as_ref().ok().and_then(Option::as_ref).map(|found| (found.gain, found.p));
+    progress.note_tried(id, n_numbers, told.map(|(gain, _)| gain), told.map_or(1.0, |(_, p)| p));
     let objection = match found {
         Err(why) => why,
         Ok(None) => return None,
-        Ok(Some((_, gain))) if !gain.is_sure() => Objection::NotPredictive { gain },
-        Ok(Some(_)) if p > NAME => Objection::NotSure { p },
-        Ok(Some((there, _))) => return Some((there, p)),
+        Ok(Some(Unscreened { gain, .. })) if !gain.is_sure() => Objection::NotPredictive { gain },
+        Ok(Some(Unscreened { p, .. })) if p > NAME => Objection::NotSure { p },
+        Ok(found) => return found,
     };
     progress.refused.push(Refused { id, objection });
     None

@@ -147,7 +147,7 @@ impl Ending<'_> {
         for (k, (parameter, value)) in member.parameters().iter().zip(values).enumerate() {
             let mut se = covariance[(k, k)].sqrt();
             let interval = match parameter.role {
-                Role::Threshold => self.limits(index, k)?,
+                Role::Threshold => Some(self.limits(index, k)?),
                 _ if has_intervals => self.interval(member.range_of(k), value, se),
                 _ => None,
             };
@@ -166,7 +166,7 @@ impl Ending<'_> {
     }
 
     /// The values of a limit that are as good as the best.
-    fn limits(&self, member: usize, own: usize) -> Result<Option<Interval>, DiagnosisError> {
+    fn limits(&self, member: usize, own: usize) -> Result<Interval, DiagnosisError> {
         let k = self.problem.space.first(member) + own;
         let parameter = &self.problem.space.members[member].parameters()[own];
         self.problem.limits(&self.minimum.at.x, k, parameter)
@@ -268,9 +268,7 @@ impl Ending<'_> {
         };
         let coordinates = columns.iter().zip(&member.coordinates).enumerate();
         let mut sizes = coordinates.filter(|(k, _)| is_size(member, *k));
-        let has_many = member.is_mixture() || is_field(about);
-        let is_seen = if has_many { sizes.any(shows) } else { sizes.all(shows) };
-        (!is_seen).then_some(Undetermined::Invisible)
+        (!sizes.any(shows)).then_some(Undetermined::Invisible)
     }
 
     fn nuisance(&self, index: usize, settings: &FitSettings) -> Vec<NuisanceFit> {
@@ -341,7 +339,8 @@ fn alike(resemblances: &[Resemblance]) -> Option<Undetermined> {
     (correlation > ALIKE).then_some(Undetermined::LooksLike { other, correlation, when })
 }
 
-/// A size that the data leave open; a reference, as the speed at which a law sets in, may be.
+/// A size that the data leave open; a reference, as the speed at which a law sets in, may be, and so may how far a
+/// limit reaches beyond the last step that shows it.
 fn open(member: &Member, parameters: &[ParameterFit]) -> Option<Undetermined> {
     if member.is_mixture() {
         return None;
@@ -351,8 +350,9 @@ fn open(member: &Member, parameters: &[ParameterFit]) -> Option<Undetermined> {
         let (low, high) = member.range_of(*k);
         // An interval that reaches "off" says that the effect may not be there, which its p does as well.
         let is_end = |end: f64| end != member.off[*k];
+        let is_limit = member.parameters()[*k].role == Role::Threshold;
         let reaches = |ends: Interval| {
-            ends.low95 <= low && is_end(low) || ends.high95 >= high && is_end(high)
+            ends.low95 <= low && is_end(low) || ends.high95 >= high && is_end(high) && !is_limit
         };
         let is_at_bound = fitted.se == 0.0;
         is_size(member, *k)
@@ -390,6 +390,7 @@ mod tests {
         let (off, most) = range("pusher-compliance");
         assert!(!is_open("pusher-compliance", off, 1e-5));
         assert!(is_open("pusher-compliance", 1e-6, most));
+        assert!(!is_open("vertex-contact", 5e-3, range("vertex-contact").1));
     }
 
     #[test]

@@ -46,6 +46,7 @@ pub(crate) use self::pulls::Pulls;
 pub(crate) use self::refit::Refit;
 pub use self::resemblance::Resemblance;
 pub(crate) use self::robust::Robust;
+pub(crate) use self::thresholds::N_LIMITS;
 pub(crate) use self::trial::Trial;
 
 use self::estimates::estimates;

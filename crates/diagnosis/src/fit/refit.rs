@@ -264,6 +264,28 @@ impl<'a> Refit<'a> {
         Ok(self.difference(&space.residuals(&self.minimum.at.x)?, &space.residuals(&x)?))
     }
 
+    /// How far each push's numbers change at most between other values of one effect and those here, over the
+    /// standard deviation of their noise.
+    ///
+    /// # Errors
+    /// What a prediction refuses.
+    pub(crate) fn change_of_pushes(
+        &self,
+        id: &str,
+        values: &[f64],
+    ) -> Result<Vec<f64>, DiagnosisError> {
+        let x = self.place_with(|other| other == id, |_| values.to_vec());
+        let space = &self.problem.space;
+        let (one, other) = (space.residuals(&self.minimum.at.x)?, space.residuals(&x)?);
+        let mut largest: Vec<f64> = vec![0.0; self.observations.pushes.len()];
+        for (step, number, sd) in self.problem.whitening.sd() {
+            let push = self.observations.push_of[step];
+            let change = (one[step][number] - other[step][number]).abs() / sd;
+            largest[push] = largest[push].max(change);
+        }
+        Ok(largest)
+    }
+
     /// The minimum's place with other values of some effects.
     pub(super) fn place_with(
         &self,

@@ -7,9 +7,12 @@ use super::member::Part;
 use super::problem::Problem;
 use crate::DiagnosisError;
 
-/// Values tried, in the typical one.
-const TRIED: [f64; 17] = [
-    0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 6.0,
+/// Values tried before the gaps beside the best are halved.
+pub(crate) const N_LIMITS: usize = 19;
+/// These, in the typical one.
+const TRIED: [f64; N_LIMITS] = [
+    0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0,
+    6.0, 8.0, 10.0,
 ];
 /// Times that the gaps beside the best one are halved.
 const HALVINGS: usize = 3;
@@ -40,7 +43,7 @@ impl Problem<'_> {
     }
 
     /// From the value of a limit to those under which the sum, at the others' values, is as good as the
-    /// best; none where that goes on to the largest that were tried.
+    /// best; up to the end of its range where no step lies beyond the best.
     ///
     /// # Errors
     /// What a prediction refuses.
@@ -49,16 +52,16 @@ impl Problem<'_> {
         x: &[f64],
         k: usize,
         parameter: &Parameter,
-    ) -> Result<Option<Interval>, DiagnosisError> {
+    ) -> Result<Interval, DiagnosisError> {
         let tried = self.tried(x, k, parameter)?;
         let least = tried.iter().map(|tried| tried.1).fold(f64::INFINITY, f64::min);
         let enough = least + RISE * self.robust.scale().powi(2);
         let is_good = |tried: &(f64, f64)| tried.1 <= enough;
-        let (first, last) = (tried.iter().position(is_good), tried.iter().rposition(is_good));
-        let (Some(first), Some(last)) = (first, last) else { return Ok(None) };
-        let after = tried.get(last + 1);
+        let first = tried.iter().position(is_good).unwrap_or_default();
+        let after = tried.iter().rposition(is_good).and_then(|last| tried.get(last + 1));
         let low95 = tried[first.saturating_sub(1)].0.min(x[k]);
-        Ok(after.map(|(high95, _)| Interval { low95, high95: high95.max(x[k]) }))
+        let high95 = after.map_or(parameter.range.1, |(value, _)| value.max(x[k]));
+        Ok(Interval { low95, high95 })
     }
 
     fn tried(&self, x: &[f64], k: usize, parameter: &Parameter) -> Result<Tried, DiagnosisError> {

@@ -8,4 +8,5 @@ pub(crate) mod mixture;
 pub(crate) mod quantile;
 pub(crate) mod score;
 pub(crate) mod sign_flips;
+pub(crate) mod signed_ranks;
 pub(crate) mod variances;
