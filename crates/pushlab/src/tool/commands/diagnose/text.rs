@@ -30,6 +30,8 @@ const WIDTH: usize = 96;
 const REASON: usize = 26;
 /// An error that grows by so much is told to.
 const RISES: f64 = 1.05;
+/// The least probability that is told: a smaller one is below it.
+const LEAST_P: f64 = 1e-4;
 
 impl fmt::Display for Answer<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -197,8 +199,10 @@ pub(in crate::tool::commands) fn write_error(
 fn write_effect(f: &mut fmt::Formatter<'_>, effect: &EffectFinding) -> fmt::Result {
     let EffectFinding { id, p_adjusted, log_density_gain, rivals, why, parameters, .. } = effect;
     write!(f, "  {id:26}")?;
-    if let Some(p) = p_adjusted {
-        write!(f, " p {p:.4}")?;
+    match p_adjusted {
+        Some(p) if *p < LEAST_P => write!(f, " p < {LEAST_P}")?,
+        Some(p) => write!(f, " p {p:.4}")?,
+        None => {}
     }
     if let Some(Gain { mean, se }) = log_density_gain {
         write!(f, "  gain {mean:.0} ± {se:.0} nats")?;
