@@ -33,7 +33,7 @@ pub use recording::sensors::{Flips, Sensor, Sensors};
 pub use recording::simulate::{GenerateSettings, SimulatedPush, simulate};
 pub use truth::variation::Variation;
 pub use truth::{
-    Body, Burr, Cable, Clocks, Feet, ForceSensor, FrictionMap, Grain, Groove, HeightMap,
+    Body, Burr, Cable, Cameras, Clocks, Feet, ForceSensor, FrictionMap, Grain, Groove, HeightMap,
     Hysteresis, Magnet, Markers, Pressure, RateLaw, Spot, SupportFriction, Texture, Tip,
     TipFriction, Truth, Underside, Wear, Wobble,
 };

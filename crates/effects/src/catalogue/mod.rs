@@ -53,6 +53,7 @@ catalogue! {
         inertia::Inertia,
         pose_offset::PoseOffset,
         yaw_offset::YawOffset,
+        robot_offset::RobotOffset,
         stream_latency::StreamLatency,
         force_bias::ForceBias,
         push_height::PushHeight,

@@ -25,6 +25,8 @@ pub struct TrueOutline {
     reach: Reach,
     /// The outline's frame in the tracked one, if they are not the same.
     pose_bo: Option<Pose>,
+    /// Place of the pusher beside where the robot tells it, in m, axes of W.
+    robot_w: Vector2<f64>,
     latency: f64,
 }
 
@@ -34,7 +36,7 @@ impl TrueOutline {
     /// - `pusher_radius`: in m.
     pub fn stated(shape: &Shape, pusher_radius: f64) -> Self {
         let reach = Reach { pusher_radius, inwards: 0.0 };
-        Self { core: shape.clone(), reach, pose_bo: None, latency: 0.0 }
+        Self { core: shape.clone(), reach, pose_bo: None, robot_w: Vector2::zeros(), latency: 0.0 }
     }
 
     pub(crate) fn new(
@@ -48,11 +50,17 @@ impl TrueOutline {
             core: core.unwrap_or_else(|| step.object.shape().clone()),
             reach,
             pose_bo: (pose_bo != Pose::default()).then_some(pose_bo),
+            robot_w: measurement.robot_w,
             latency: measurement.latency,
         })
     }
 
-    /// Where the pusher with its center at `center_b` truly touches or would touch, in m, frame B.
+    /// The true place, in m, frame B, of the pusher's center that the robot tells at `center_w`, in W.
+    pub fn center_b(&self, pose_wb: &Pose, center_w: &Vector2<f64>) -> Vector2<f64> {
+        pose_wb.inverse_transform_point(&(center_w + self.robot_w))
+    }
+
+    /// Where the pusher with its center truly at `center_b` touches or would touch, in m, frame B.
     pub fn contact(&self, center_b: &Vector2<f64>) -> Contact {
         let center_o = match &self.pose_bo {
             Some(pose_bo) => pose_bo.inverse_transform_point(center_b),
@@ -66,9 +74,9 @@ impl TrueOutline {
         contact
     }
 
-    /// The true gap between pusher and outline, in m, with the pusher's center at `center_w` in W.
+    /// The true gap between pusher and outline, in m, with the pusher's center told at `center_w` in W.
     pub fn gap(&self, pose_wb: &Pose, center_w: &Vector2<f64>) -> f64 {
-        self.contact(&pose_wb.inverse_transform_point(center_w)).gap
+        self.contact(&self.center_b(pose_wb, center_w)).gap
     }
 
     /// The pusher's true radius, in m; 0 where the outline is smaller than stated by more than it.

@@ -10,6 +10,8 @@ pub struct MeasurementModel {
     pub offset_b: Vector2<f64>,
     /// Turn of the true outline against B, in rad.
     pub yaw: f64,
+    /// Place of the pusher beside where the robot tells it, in m, axes of W.
+    pub robot_w: Vector2<f64>,
     /// How late the object's stream is against the robot's, in s.
     pub latency: f64,
     /// What the force sensor adds to the force on the object, in N, axes of W.
@@ -22,6 +24,16 @@ impl MeasurementModel {
     /// The true outline's frame in the tracked frame.
     pub(crate) fn pose_bo(&self) -> Pose {
         Pose { position: self.offset_b, angle: self.yaw }
+    }
+
+    /// A pose that motion capture shows, in the robot's frame.
+    pub(crate) fn in_robot(&self, pose: &Pose) -> Pose {
+        Pose { position: pose.position - self.robot_w, ..*pose }
+    }
+
+    /// A pose in the robot's frame as motion capture shows it.
+    pub(crate) fn in_cameras(&self, pose: &Pose) -> Pose {
+        Pose { position: pose.position + self.robot_w, ..*pose }
     }
 
     /// What the sensor shows of a force, in N, axes of W.

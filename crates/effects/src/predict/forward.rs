@@ -61,7 +61,7 @@ impl<'a> Forward<'a> {
     ) -> Result<Self, EffectError> {
         let (measurement, geometry) = (physics.measurement(step), physics.geometry(step));
         let pose_bo = measurement.pose_bo();
-        let pose_wo = step.pose_wb * pose_bo;
+        let pose_wo = measurement.in_robot(&step.pose_wb) * pose_bo;
         let (law, has_inertia) = (physics.contact(step, &pose_wo), physics.has_inertia());
         let is_plain = measurement == MeasurementModel::default()
             && geometry.radius_excess == 0.0
@@ -321,7 +321,7 @@ impl<'a> Forward<'a> {
         let (normal, force) = if self.is_plain {
             (contact.normal, *force_o)
         } else {
-            let pose_wb = *pose * self.pose_ob;
+            let pose_wb = self.measured(pose);
             let normal_b = self.nominal(time, &pose_wb).normal;
             (pose_wb.rotate(&normal_b), self.measurement.force(&pose.rotate(force_o)))
         };

@@ -27,6 +27,7 @@ impl Forward<'_> {
             Some(push) => self.run_up(push, pushed_for)?,
             None => {
                 let center_w = self.pose_wo.transform_point(step.object.center_of_mass());
+                let center_w = center_w + self.measurement.robot_w;
                 step.twist_wb.shifted(&(center_w - step.pose_wb.position))
             }
         };

@@ -44,7 +44,12 @@ impl PushPhysics {
 impl Forward<'_> {
     /// Pose of the tracked frame, in W.
     pub(crate) fn measured_pose(&self) -> Pose {
-        self.pose_wo * self.pose_ob
+        self.measured(&self.pose_wo)
+    }
+
+    /// The same where the outline is elsewhere.
+    pub(crate) fn measured(&self, pose_wo: &Pose) -> Pose {
+        self.measurement.in_cameras(&(*pose_wo * self.pose_ob))
     }
 }
 

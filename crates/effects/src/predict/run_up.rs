@@ -83,7 +83,8 @@ impl Forward<'_> {
             return (self.pose_wo, self.now);
         }
         let since_contact = self.step.since_contact - before;
-        let pose_wo = push.at(since_contact).pose_wb * self.pose_ob.inverse();
+        let pose_wb = self.measurement.in_robot(&push.at(since_contact).pose_wb);
+        let pose_wo = pose_wb * self.pose_ob.inverse();
         let pusher = push.at(since_contact - self.measurement.latency);
         (pose_wo, self.contact_with((pusher.pusher_w, pusher.pusher_velocity_w), &pose_wo))
     }

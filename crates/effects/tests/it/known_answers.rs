@@ -185,6 +185,9 @@ fn the_gap_shows_radius_offset_yaw_latency_and_compliance() {
     near(predict("pusher-radius", &[4e-4], &step).gap_start, 4e-4, 1e-15);
     near(predict("pose-offset", &[6e-4, 0.0], &step).gap_start, -6e-4, 1e-15);
     near(predict("pose-offset", &[0.0, 6e-4], &step).gap_start, 0.0, 1e-15);
+    // The tip is told to be as much behind where it touches.
+    near(predict("robot-offset", &[6e-4, 0.0], &step).gap_start, 6e-4, 1e-15);
+    near(predict("robot-offset", &[0.0, 6e-4], &step).gap_start, 0.0, 1e-15);
     // An outline turned by ψ about its center has moved by −ψ y at the left edge.
     near(predict("yaw-offset", &[1e-3], &step).gap_start, 1e-3 * y, 1e-7);
     near(predict("stream-latency", &[5e-3], &step).gap_start, -5e-3 * SPEED, 1e-15);

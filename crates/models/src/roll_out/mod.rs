@@ -240,7 +240,7 @@ impl RollOut<'_> {
             finite(name, value, "m or rad")?;
         }
         let outline = self.model.true_outline(self.pushed)?;
-        let center_b = start_wb.inverse_transform_point(&path.start_w());
+        let center_b = outline.center_b(start_wb, &path.start_w());
         let gap = outline.contact(&center_b).gap;
         let RollOutSettings { touching, tolerance, .. } = self.settings;
         // Deeper than its center at least; that of a pusher without extent may be in by a measuring error.

@@ -211,7 +211,7 @@ impl PushMotion<'_> {
         let turn = Rotation2::new(state.pose_wb.angle);
         let outline = self.outline_of(state);
         let direction_b = turn.inverse_transform_vector(direction_w);
-        let start_b = turn.inverse_transform_vector(&(self.step.start_w - state.pose_wb.position));
+        let start_b = outline.center_b(&state.pose_wb, &self.step.start_w);
         if let Some(gap) = state.contact_gap {
             let contact = outline.contact(&start_b);
             if contact.normal.dot(&direction_b) > 0.0 {

@@ -98,7 +98,7 @@ impl Holding<'_> {
     fn gap_and_slope(&self, pose_wb: &Pose) -> (f64, RowVector3<f64>) {
         let Self { outline, center_w, along_w, .. } = self;
         let turn = Rotation2::new(pose_wb.angle);
-        let center_b = turn.inverse_transform_vector(&(center_w - pose_wb.position));
+        let center_b = outline.center_b(pose_wb, center_w);
         let contact = outline.contact(&center_b);
         let normal_w = turn * contact.normal;
         let by_turn = normal_w.dot(&perpendicular(&(turn * contact.point)));

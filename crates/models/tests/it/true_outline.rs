@@ -1,5 +1,6 @@
 //! Effects that change what touches where, in everything that asks whether pusher and object touch.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use dataset::SupportSpec;
@@ -132,6 +133,13 @@ fn a_model_is_asked_for_its_own_outline() {
     let behind = (2.0_f64.sqrt() - 1.0) * 4e-3;
     assert!((round.gap - sharp.gap - behind).abs() < 1e-15, "{round:?} {sharp:?}");
     assert!(((round.point - sharp.point).norm() - behind).abs() < 1e-15);
+    // A tip that is 1 mm farther along x of the table than it is told: nearer, farther, or along the edge.
+    let beside = outline(&[("robot-offset", &[1e-3, 0.0])]);
+    for (angle, gap) in [(0.0, 0.004), (PI, 0.006), (0.5 * PI, 0.005)] {
+        let pose = Pose::new(0.3, -0.2, angle);
+        let told = beside.gap(&pose, &pose.transform_point(&center));
+        assert!((told - gap).abs() < 1e-15, "{angle}: {told}");
+    }
     let late = outline(&[("stream-latency", &[0.02])]);
     assert_eq!((late.latency(), late.contact(&center)), (0.02, plain.contact(&center)));
 }

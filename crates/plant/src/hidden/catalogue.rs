@@ -249,6 +249,19 @@ pub(super) const KINDS: &[EffectKind] = &[
         },
     },
     EffectKind {
+        id: "robot-offset",
+        about: "motion capture's frame is beside the robot's",
+        in_catalogue: true,
+        parameters: &[
+            Parameter::new("x", Quantity::Length, 0.0, 0.0015, (-0.05, 0.05)),
+            Parameter::new("y", Quantity::Length, 0.0, 0.001, (-0.05, 0.05)),
+        ],
+        apply: |truth, _, v| {
+            truth.cameras.shift = [v[0], v[1]];
+            Ok(())
+        },
+    },
+    EffectKind {
         id: "stream-latency",
         about: "the object's stamps lag behind the robot's",
         in_catalogue: true,

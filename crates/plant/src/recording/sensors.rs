@@ -218,6 +218,7 @@ impl Sensors {
             [tip.x, tip.y, 0.0]
         });
         let shift = Vector2::from(truth.markers.shift);
+        let beside = Vector2::from(truth.cameras.shift);
         let latency = truth.clocks.object_latency;
         let flips = self.flips.drawn(&mut stream(3), duration);
         let flip = |time: f64| {
@@ -227,7 +228,7 @@ impl Sensors {
         let mut random = stream(1);
         let object = self.object.samples(&mut random, duration, latency, |time, _| {
             let pose = trajectory.pose_at(time);
-            let origin = pose.position + rotation(pose.angle) * shift;
+            let origin = pose.position + rotation(pose.angle) * shift + beside;
             [origin.x, origin.y, pose.angle + truth.markers.yaw + flip(time)]
         });
         let mut sensor = truth.force_sensor;

@@ -119,6 +119,7 @@ impl Truth {
             ("cable.anchor", self.cable.anchor, "m", 100.0),
             ("magnet.place", self.magnet.place, "m", 10.0),
             ("markers.shift", self.markers.shift, "m", 0.5),
+            ("cameras.shift", self.cameras.shift, "m", 0.5),
             ("force_sensor.bias", sensor.bias, "N", 100.0),
             ("force_sensor.loaded_bias", sensor.loaded_bias, "N", 100.0),
             ("force_sensor.lost_zero", sensor.lost_zero, "N", 100.0),

@@ -4,6 +4,7 @@ pub(crate) mod variation;
 
 mod body;
 mod cable;
+mod cameras;
 mod check;
 mod clocks;
 mod feet;
@@ -27,6 +28,7 @@ use serde::{Deserialize, Serialize};
 
 pub use body::Body;
 pub use cable::Cable;
+pub use cameras::Cameras;
 pub use clocks::Clocks;
 pub use feet::Feet;
 pub use force_sensor::ForceSensor;
@@ -84,6 +86,8 @@ pub struct Truth {
     pub tip_friction: TipFriction,
     /// Where the tracked frame is in the object.
     pub markers: Markers,
+    /// Where motion capture has its frame.
+    pub cameras: Cameras,
     /// Clocks of the streams.
     pub clocks: Clocks,
     /// Calibration of the force sensor.

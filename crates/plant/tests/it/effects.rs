@@ -105,6 +105,7 @@ const CHANNELS: &[(&str, &str)] = &[
     ("pusher-compliance", "y-yn"),
     ("pose-offset", "ynyn"),
     ("yaw-offset", "nnyn"),
+    ("robot-offset", "nnyn"),
     ("stream-latency", "nnny"),
     ("force-bias", "nynn"),
     ("support-points", "yynn"),
