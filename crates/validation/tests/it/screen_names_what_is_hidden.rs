@@ -71,6 +71,7 @@ fn what_is_hidden_comes_out_on_top() {
         ("table-anisotropy: ratio=1.15, direction_deg=34", 41),
         ("friction-center-offset: x_mm=3, y_mm=-2", 42),
         ("pusher-friction: coefficient=0.32", 43),
+        ("robot-offset: x_mm=0.3, y_mm=-0.2", 45),
     ] {
         let (found, _) = screened(&settings(60, &[hidden], seed));
         let id = hidden.split(':').next().unwrap();
