@@ -57,10 +57,11 @@ impl Problem<'_> {
         let least = tried.iter().map(|tried| tried.1).fold(f64::INFINITY, f64::min);
         let enough = least + RISE * self.robust.scale().powi(2);
         let is_good = |tried: &(f64, f64)| tried.1 <= enough;
-        let first = tried.iter().position(is_good).unwrap_or_default();
-        let after = tried.iter().rposition(is_good).and_then(|last| tried.get(last + 1));
-        let low95 = tried[first.saturating_sub(1)].0.min(x[k]);
-        let high95 = after.map_or(parameter.range.1, |(value, _)| value.max(x[k]));
+        let before = tried.iter().take_while(|tried| !is_good(tried)).last();
+        let after = tried.iter().rev().take_while(|tried| !is_good(tried)).last();
+        let (low, high) = parameter.range;
+        let low95 = before.map_or(low, |(value, _)| value.min(x[k]));
+        let high95 = after.map_or(high, |(value, _)| value.max(x[k]));
         Ok(Interval { low95, high95 })
     }
 

@@ -10,7 +10,8 @@ pub struct MeasurementModel {
     pub offset_b: Vector2<f64>,
     /// Turn of the true outline against B, in rad.
     pub yaw: f64,
-    /// Place of the pusher beside where the robot tells it, in m, axes of W.
+    /// Place of the pusher beside where the robot tells it, in m, axes of W; what depends on a place of the table is
+    /// asked for in the robot's frame.
     pub robot_w: Vector2<f64>,
     /// How late the object's stream is against the robot's, in s.
     pub latency: f64,
